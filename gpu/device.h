@@ -1,0 +1,58 @@
+// Vulkan instance and devices. Vulkan is loaded at run time by volk: the program starts without it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace fascicle::gpu {
+
+// A Vulkan call that failed ("vkCreateBuffer(...): VK_ERROR_OUT_OF_DEVICE_MEMORY"), or a device that will not do.
+struct DeviceError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct DeviceInfo {
+  std::uint32_t index = 0;                 // for vulkan:N
+  std::string name, type, driver, api_version;  // type: discrete, integrated, virtual, cpu, other
+  bool software = false;                   // type cpu
+  std::uint64_t memory = 0;                // bytes of the largest device-local heap
+  std::uint64_t max_storage_buffer_range = 0;
+  std::uint32_t max_groups = 0;            // per axis x
+  std::uint32_t subgroup_size = 0;
+  bool rounding_rte = false, signed_zero_inf_nan_preserve = false, denorm_preserve = false;  // float controls, 32 bit
+  bool usable = true;
+  std::string why_not;                     // if not usable
+};
+
+// All Vulkan devices; empty where there is no loader or no driver (why_none says which).
+std::vector<DeviceInfo> list_devices(std::string* why_none = nullptr);
+
+struct DeviceOptions {
+  bool validation = false;                 // Khronos validation layer with synchronization validation
+  std::function<void(const std::string&)> on_validation_message;
+};
+
+// A device opened for compute. Move-only inside; see device_impl.h for the room's own use.
+class Device {
+ public:
+  explicit Device(std::uint32_t index, const DeviceOptions& options = {});
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const DeviceInfo& info() const;
+  // Runs the self-test kernel over a table of operations and compares bits; the first difference is in `why`.
+  bool self_test(std::string* why = nullptr);
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace fascicle::gpu

@@ -1,0 +1,16 @@
+// VulkanSolver: the float solver in compute shaders.
+#pragma once
+
+#include <memory>
+
+#include "gpu/device.h"
+#include "host/model/solver.h"
+
+namespace fascicle::gpu {
+
+// Throws gpu::DeviceError if the model does not fit the device's limits, with the numbers. The device and the model must
+// outlive the solver.
+std::unique_ptr<model::Solver> make_vulkan_solver(Device& device, const model::Model& model,
+                                                  const model::SolverOptions& options);
+
+}  // namespace fascicle::gpu

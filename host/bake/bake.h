@@ -1,0 +1,69 @@
+// The frame loop: solver in, files out, resumable.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/bake/sink.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::bake {
+
+// A folder that cannot be baked into, or a cache that does not fit: bad input or usage. what() says what to do.
+struct BakeError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+// The -o folder holds a bake and neither overwrite nor resume was given: bad usage.
+struct FolderInUse : BakeError {
+  using BakeError::BakeError;
+};
+// The positions are no longer finite; names the frame and the first vertex.
+struct NotFinite : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// What the manifest says about where the bake ran.
+struct DeviceDescription {
+  std::string solver;         // "cpu" or "vulkan"
+  std::string name, driver;
+  std::string float_controls;
+  bool exact = true;          // self-test passed
+  unsigned threads = 0;
+};
+
+struct BakeOptions {
+  std::filesystem::path folder;
+  std::vector<std::string> formats;      // "pc2", "vtu"
+  bool overwrite = false;
+  bool resume = false;
+  DeviceDescription device;
+  std::vector<std::string> warnings;     // of the build, for the manifest
+  const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
+  std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
+};
+
+struct BakeResult {
+  std::uint64_t frames_done = 0;         // of frame_count(scene)
+  bool interrupted = false;
+  std::vector<std::filesystem::path> files;
+  std::string last_position_hash;
+  double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
+};
+
+// Names accepted in BakeOptions::formats.
+const std::vector<std::string>& format_names();
+
+// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk). On NotFinite and interruption the frame cache
+// keeps every whole frame and a checkpoint, and the manifest says how far it came.
+BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver, const BakeOptions& options);
+
+// Bytes a bake will write.
+std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model, const std::vector<std::string>& formats);
+
+}  // namespace fascicle::bake

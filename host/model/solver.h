@@ -1,0 +1,106 @@
+// The seam between the frame loop and the implementations: Oracle (double), CpuSolver and VulkanSolver (float, same bits).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "host/model/model.h"
+#include "shaders/shared.h"
+
+namespace fascicle::model {
+
+// The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the shader
+// (region.comp), the kernel (kernel/region.inc), and the test.
+enum class Stage { skin, predict, region, goal, integrate, embed };
+inline constexpr std::array<Stage, 6> all_stages{Stage::skin,    Stage::predict,   Stage::region,
+                                                 Stage::goal,    Stage::integrate, Stage::embed};
+const char* name_of(Stage stage);
+
+// Floats an item of the stage's output holds. skin: skinned position; predict: velocity with the external forces in;
+// region: linear map (row by row, 9), translation (3), quaternion w x y z (4); goal: position; integrate: position (3),
+// velocity (3); embed: position. One item a vertex, for embed one a render vertex.
+std::uint32_t stage_width(Stage stage);
+
+struct SolverOptions {
+  Integrator integrator = Integrator::explicit_;
+  Rotation rotation = Rotation::qcp;
+};
+
+// What moves the body through one frame. Every span holds substeps x count items and may die after submit() returns.
+struct Drive {
+  std::uint32_t substeps = 1;
+  double h = 0.0;                              // s; solvers use float(h) and float(1/h)
+  std::array<double, 3> origin{0, 0, 0};       // metres: what this frame's positions are relative to
+  std::array<float, 3> origin_shift{0, 0, 0};  // origin less the last frame's origin, working units
+  std::array<float, 3> gravity{0, 0, 0};       // working units / s^2
+  std::span<const shader::Bone> bones;         // joint_count a substep
+  std::span<const shader::Muscle> muscles;     // muscle_count a substep
+  std::span<const shader::Force> forces;       // force_count a substep
+  std::span<const float> decay;                // exp(-damping h), one a layer (once a frame, not a substep)
+};
+
+// Throws std::invalid_argument where a drive's spans do not fit the model.
+void check_drive(const Model& model, const Drive& drive);
+
+// Which buffers of a frame to bring back.
+struct Read {
+  bool positions = false;
+  bool velocities = false;
+  bool surface = false;
+};
+inline Read operator|(Read a, Read b) {
+  return {a.positions || b.positions, a.velocities || b.velocities, a.surface || b.surface};
+}
+
+struct Frame {
+  std::uint64_t index = 0;                // submissions since the solver was made or loaded, counted from State::frame
+  std::array<double, 3> origin{0, 0, 0};  // metres
+  std::vector<float> positions;           // 3n, working units relative to origin, or empty
+  std::vector<float> velocities;          // 3n, working units / s, or empty
+  std::vector<float> surface;             // 3m, or empty
+};
+
+// All history of a solver: save() then load() goes on with the same bits.
+struct State {
+  std::uint64_t frame = 0;                // frames done
+  std::array<double, 3> origin{0, 0, 0};
+  std::vector<float> positions;           // 3n
+  std::vector<float> velocities;          // 3n
+  std::vector<float> rotations;           // 4n: quaternion w x y z of each region, the next extraction's start
+  std::vector<float> skinned;             // 3n: skinned positions of the last substep; empty without a skeleton
+  bool operator==(const State&) const = default;
+};
+
+// The state before the first frame: every vertex skinned to `pose` (joint_count bones; none: the rest positions), at rest,
+// rotations those of the blended bones' nearest quaternions. Computed in double, rounded once.
+State initial_state(const Model& model, std::span<const shader::Bone> pose, const std::array<double, 3>& origin);
+
+struct Where {
+  std::uint64_t frame = 0;
+  std::uint32_t substep = 0;
+  Stage stage = Stage::skin;
+};
+
+// Is shown every stage's output of every substep. The span dies when on_stage returns.
+struct Probe {
+  virtual ~Probe() = default;
+  virtual void on_stage(const Where& where, std::span<const float> values) = 0;
+};
+
+struct Solver {
+  virtual ~Solver() = default;
+  // Queues a frame; several may be in flight. With a probe the stages run one by one and are shown in order before
+  // submit returns; without, an implementation may fuse them. Both give the same bits.
+  virtual void submit(const Drive& drive, Read what, Probe* probe = nullptr) = 0;
+  // The oldest frame not yet collected, with the buffers its submit asked for.
+  virtual Frame collect() = 0;
+  // State after all frames submitted so far.
+  virtual State save() const = 0;
+  // Replaces all history. Throws std::invalid_argument if the sizes do not fit the model.
+  virtual void load(const State& state) = 0;
+};
+
+}  // namespace fascicle::model

@@ -1,0 +1,18 @@
+// Poses of a clip at any time.
+#pragma once
+
+#include <vector>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::scene {
+
+// The clip named `name`, by index if it is a number, or the first if empty. Null if the character has no clip and
+// name is empty. Throws SceneError with the names there are.
+const Clip* find_clip(const Character& character, const std::string& name);
+
+// For each joint the affine map from the bind pose (metres) to the pose at `time` (s, clamped to the clip; null clip: the
+// rest transforms). The same bits on every machine: no library trigonometry.
+std::vector<Eigen::Matrix4d> pose_at(const Character& character, const Clip* clip, double time);
+
+}  // namespace fascicle::scene

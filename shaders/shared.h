@@ -1,0 +1,69 @@
+// Every struct and constant that both languages see. Compiles as C++ (namespace fascicle::shader) and as GLSL
+// (std430). A test holds the offsets here against the offsets in the compiled SPIR-V.
+#ifndef FASCICLE_SHADERS_SHARED_H
+#define FASCICLE_SHADERS_SHARED_H
+
+#ifdef __cplusplus
+#include <cstdint>
+namespace fascicle::shader {
+using uint = std::uint32_t;
+#define SHARED_CONSTANT inline constexpr
+#else
+#define SHARED_CONSTANT const
+#endif
+
+// A joint's affine map from the rest pose to the posed character, three rows of four. Working units; the
+// translation is relative to the frame's origin.
+struct Bone {
+  float xx, xy, xz, xt;
+  float yx, yy, yz, yt;
+  float zx, zy, zz, zt;
+};
+
+// One muscle's values in one substep, equation (17): the direction tau, carried back to the rest frame, and the
+// activation that the joint angle gives (sines and cosines are taken on the host).
+struct Muscle {
+  float tau_x, tau_y, tau_z;
+  float activation;
+};
+
+// One force of the scene in one substep: newtons divided by the working unit. A vertex takes its share of it
+// through Model::force_coefficient.
+struct Force {
+  float x, y, z;
+  float unused;
+};
+
+// What one substep needs beside the buffers. Lengths in working units, time in seconds.
+struct Substep {
+  float h;
+  float inverse_h;
+  float gravity_x, gravity_y, gravity_z;
+  float shift_x, shift_y, shift_z;  // origin shift, taken off all positions before the frame's first substep
+  uint vertex_count;
+  uint surface_count;
+  uint joint_count;
+  uint first_bone;    // index of this substep's first Bone
+  uint first_muscle;  // index of this substep's first Muscle
+  uint first_force;   // index of this substep's first Force
+};
+
+// Vertices per slice of the sliced one-ring lists on the GPU, and invocations per workgroup. No result depends on it.
+SHARED_CONSTANT uint slice_width = 32u;
+
+// A vertex's tag: the layer in the low byte, and whether it is kinematic (moved by skinning or pinned).
+SHARED_CONSTANT uint tag_layer_mask = 0xffu;
+SHARED_CONSTANT uint tag_kinematic = 0x100u;
+
+// Model::region_muscle of a region that belongs to no muscle.
+SHARED_CONSTANT uint no_muscle = 0xffffffffu;
+
+// Rotation extraction, the specialisation constant of region.comp.
+SHARED_CONSTANT uint rotation_qcp = 0u;
+SHARED_CONSTANT uint rotation_mueller2016 = 1u;
+
+#ifdef __cplusplus
+}  // namespace fascicle::shader
+#endif
+#undef SHARED_CONSTANT
+#endif
