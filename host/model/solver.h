@@ -78,6 +78,9 @@ struct State {
 // rotations those of the blended bones' nearest quaternions. Computed in double, rounded once.
 State initial_state(const Model& model, std::span<const shader::Bone> pose, const std::array<double, 3>& origin);
 
+// Throws std::invalid_argument where a state's arrays do not fit the model.
+void check_state(const Model& model, const State& state);
+
 struct Where {
   std::uint64_t frame = 0;
   std::uint32_t substep = 0;

@@ -1,0 +1,172 @@
+#include "cpu_reference/cpu_solver.h"
+
+#include <deque>
+#include <stdexcept>
+#include <utility>
+
+#include "cpu_reference/stages.h"
+#include "cpu_reference/thread_pool.h"
+
+namespace fascicle::cpu_reference {
+
+namespace {
+
+using model::Drive;
+using model::Frame;
+using model::Model;
+using model::Probe;
+using model::Read;
+using model::Stage;
+using model::State;
+
+class CpuSolver : public model::Solver {
+ public:
+  CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads)
+      : model_(model), options_(options), pool_(threads) {
+    const std::size_t n = model.vertex_count;
+    fields_.predicted.resize(3 * n);
+    fields_.transforms.resize(12 * n);
+    fields_.goals.resize(3 * n);
+    fields_.surface.resize(3 * std::size_t{model.surface_count()});
+    CpuSolver::load(model::initial_state(model, rest_pose(model), model.rest_origin));
+  }
+
+  void submit(const Drive& drive, Read what, Probe* probe) override {
+    check_drive(model_, drive);
+    for (std::uint32_t s = 0; s < drive.substeps; ++s) substep(drive, s, probe);
+    if (what.surface || probe) run(model_.surface_count(), &embed, SubstepInput{});
+    ++frame_;
+    origin_ = drive.origin;
+    if (probe) probe->on_stage({frame_, drive.substeps - 1, Stage::embed}, fields_.surface);
+    Frame frame;
+    frame.index = frame_;
+    frame.origin = origin_;
+    if (what.positions) frame.positions = fields_.positions;
+    if (what.velocities) frame.velocities = fields_.velocities;
+    if (what.surface) frame.surface = fields_.surface;
+    done_.push_back(std::move(frame));
+  }
+
+  Frame collect() override {
+    if (done_.empty()) throw std::logic_error("collect: no frame was submitted");
+    Frame frame = std::move(done_.front());
+    done_.pop_front();
+    return frame;
+  }
+
+  State save() const override {
+    return {.frame = frame_,
+            .origin = origin_,
+            .positions = fields_.positions,
+            .velocities = fields_.velocities,
+            .rotations = fields_.rotations,
+            .skinned = fields_.skinned};
+  }
+
+  void load(const State& state) override {
+    check_state(model_, state);
+    frame_ = state.frame;
+    origin_ = state.origin;
+    fields_.positions = state.positions;
+    fields_.velocities = state.velocities;
+    fields_.rotations = state.rotations;
+    fields_.skinned = state.skinned;
+    fields_.skinned_before = state.skinned;
+    done_.clear();
+  }
+
+ private:
+  // Bones that leave every vertex where it is at rest.
+  static std::vector<shader::Bone> rest_pose(const Model& model) {
+    return std::vector<shader::Bone>(model.joint_count, shader::Bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  }
+
+  using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
+  void run(std::uint32_t count, ModelStage stage, const SubstepInput& in) {
+    pool_.run(count, [&](std::uint32_t first, std::uint32_t last) {
+      stage(model_, in, fields_, {first, last});
+    });
+  }
+
+  SubstepInput input_of(const Drive& drive, std::uint32_t s) const {
+    SubstepInput in;
+    in.step.h = static_cast<float>(drive.h);
+    in.step.inverse_h = static_cast<float>(1.0 / drive.h);
+    in.step.gravity_x = drive.gravity[0];
+    in.step.gravity_y = drive.gravity[1];
+    in.step.gravity_z = drive.gravity[2];
+    in.step.shift_x = drive.origin_shift[0];
+    in.step.shift_y = drive.origin_shift[1];
+    in.step.shift_z = drive.origin_shift[2];
+    in.bones = drive.bones.subspan(std::size_t{s} * model_.joint_count, model_.joint_count);
+    in.muscles = drive.muscles.subspan(std::size_t{s} * model_.muscle_count, model_.muscle_count);
+    in.forces = drive.forces.subspan(std::size_t{s} * model_.force_count, model_.force_count);
+    in.decay = drive.decay;
+    in.mueller = options_.rotation == model::Rotation::mueller2016;
+    return in;
+  }
+
+  void substep(const Drive& drive, std::uint32_t s, Probe* probe) {
+    const SubstepInput in = input_of(drive, s);
+    const std::uint32_t n = model_.vertex_count;
+    const model::Where where{frame_ + 1, s, Stage::skin};
+    const auto show = [&](Stage stage, std::span<const float> values) {
+      if (probe) probe->on_stage({where.frame, where.substep, stage}, values);
+    };
+    if (s == 0 && drive.origin_shift != std::array<float, 3>{0, 0, 0})
+      pool_.run(n, [&](std::uint32_t first, std::uint32_t last) { rebase(in, fields_, {first, last}); });
+    if (model_.has_skeleton()) {
+      std::swap(fields_.skinned, fields_.skinned_before);
+      run(n, &skin, in);
+      show(Stage::skin, fields_.skinned);
+    }
+    if (!probe) {
+      run(n, &region, in);
+      run(n, &update, in);
+      return;
+    }
+    run(n, &predict, in);
+    show(Stage::predict, fields_.predicted);
+    run(n, &region, in);
+    show(Stage::region, regions_shown());
+    run(n, &goal, in);
+    show(Stage::goal, fields_.goals);
+    run(n, &integrate, in);
+    show(Stage::integrate, motion_shown());
+  }
+
+  // The layouts of stage_width.
+  std::vector<float> regions_shown() const {
+    std::vector<float> shown(16 * std::size_t{model_.vertex_count});
+    for (std::size_t r = 0; r < model_.vertex_count; ++r) {
+      for (std::size_t k = 0; k < 12; ++k) shown[16 * r + k] = fields_.transforms[12 * r + k];
+      for (std::size_t k = 0; k < 4; ++k) shown[16 * r + 12 + k] = fields_.rotations[4 * r + k];
+    }
+    return shown;
+  }
+  std::vector<float> motion_shown() const {
+    std::vector<float> shown(6 * std::size_t{model_.vertex_count});
+    for (std::size_t i = 0; i < model_.vertex_count; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) shown[6 * i + k] = fields_.positions[3 * i + k];
+      for (std::size_t k = 0; k < 3; ++k) shown[6 * i + 3 + k] = fields_.velocities[3 * i + k];
+    }
+    return shown;
+  }
+
+  const Model& model_;
+  model::SolverOptions options_;
+  ThreadPool pool_;
+  Fields fields_;
+  std::uint64_t frame_ = 0;
+  std::array<double, 3> origin_{0, 0, 0};
+  std::deque<Frame> done_;
+};
+
+}  // namespace
+
+std::unique_ptr<model::Solver> make_cpu_solver(const Model& model, const model::SolverOptions& options,
+                                               unsigned threads) {
+  return std::make_unique<CpuSolver>(model, options, threads);
+}
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,188 @@
+#include "cpu_reference/stages.h"
+
+#include "shaders/kernel/embed.inc"
+#include "shaders/kernel/goal.inc"
+#include "shaders/kernel/integrate.inc"
+#include "shaders/kernel/predict.inc"
+#include "shaders/kernel/region.inc"
+#include "shaders/kernel/skin.inc"
+
+namespace fascicle::cpu_reference {
+
+namespace {
+
+using Vector = kernel::Vector<float>;
+using Matrix = kernel::Matrix<float>;
+using Quaternion = kernel::Quaternion<float>;
+using Transform = kernel::Transform<float>;
+using RegionSum = kernel::RegionSum<float>;
+using model::Model;
+
+Vector load_vector(const std::vector<float>& values, std::size_t i) {
+  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+}
+
+void store_vector(std::vector<float>& values, std::size_t i, const Vector& v) {
+  values[3 * i] = v.x;
+  values[3 * i + 1] = v.y;
+  values[3 * i + 2] = v.z;
+}
+
+Transform load_transform(const std::vector<float>& values, std::size_t i) {
+  const float* t = values.data() + 12 * i;
+  return {{t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8]}, {t[9], t[10], t[11]}};
+}
+
+void store_transform(std::vector<float>& values, std::size_t i, const Transform& t) {
+  float* out = values.data() + 12 * i;
+  const float entries[12] = {t.linear.xx, t.linear.xy,     t.linear.xz,     t.linear.yx,
+                             t.linear.yy, t.linear.yz,     t.linear.zx,     t.linear.zy,
+                             t.linear.zz, t.translation.x, t.translation.y, t.translation.z};
+  for (int k = 0; k < 12; ++k) out[k] = entries[k];
+}
+
+Transform transform_of(const shader::Bone& b) {
+  return {{b.xx, b.xy, b.xz, b.yx, b.yy, b.yz, b.zx, b.zy, b.zz}, {b.xt, b.yt, b.zt}};
+}
+
+Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fields& fields, std::uint32_t i) {
+  const Vector velocity = load_vector(fields.velocities, i);
+  if (model.is_kinematic(i)) return velocity;
+  Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
+  if (model.force_count > 0) {
+    for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
+      const shader::Force& f = in.forces[model.force_index[k]];
+      acceleration = kernel::add_force<float>(acceleration, model.force_coefficient[k], {f.x, f.y, f.z});
+    }
+  }
+  return kernel::predict_velocity<float>(velocity, acceleration, in.step.h);
+}
+
+Vector blended_goal(const Model& model, const Fields& fields, std::uint32_t i) {
+  const Transform own = load_transform(fields.transforms, i);
+  Transform blend = own;
+  for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
+    blend = kernel::goal_add<float>(blend, model.share_given[e],
+                                    load_transform(fields.transforms, model.ring[e]), own);
+  return kernel::goal_position<float>(blend, load_vector(model.rest, i));
+}
+
+void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& velocity,
+          const Vector& goal) {
+  Vector u{0.0f, 0.0f, 0.0f};
+  if (model.has_skeleton())
+    u = kernel::skinned_velocity<float>(load_vector(fields.skinned, i), load_vector(fields.skinned_before, i),
+                                        in.step.inverse_h);
+  if (model.is_kinematic(i)) {
+    if (model.has_skeleton()) store_vector(fields.positions, i, load_vector(fields.skinned, i));
+    store_vector(fields.velocities, i, u);
+    return;
+  }
+  const Vector position = load_vector(fields.positions, i);
+  const Vector v = kernel::integrate_velocity<float>(
+      velocity, position, goal, model.alpha[i] * in.step.inverse_h, u, in.decay[model.layer_of(i)]);
+  store_vector(fields.velocities, i, v);
+  store_vector(fields.positions, i, kernel::integrate_position<float>(position, v, in.step.h));
+}
+
+}  // namespace
+
+void rebase(const SubstepInput& in, Fields& fields, Range range) {
+  const Vector shift{in.step.shift_x, in.step.shift_y, in.step.shift_z};
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    store_vector(fields.positions, i, kernel::rebase<float>(load_vector(fields.positions, i), shift));
+    if (!fields.skinned.empty())
+      store_vector(fields.skinned, i, kernel::rebase<float>(load_vector(fields.skinned, i), shift));
+  }
+}
+
+void skin(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    std::uint32_t k = model.skin_offset[i];
+    Transform blend =
+        kernel::skin_term<float>(model.skin_weight[k], transform_of(in.bones[model.skin_joint[k]]));
+    for (++k; k < model.skin_offset[i + 1]; ++k)
+      blend = kernel::skin_add<float>(
+          blend, kernel::skin_term<float>(model.skin_weight[k], transform_of(in.bones[model.skin_joint[k]])));
+    store_vector(fields.skinned, i, kernel::skin_position<float>(blend, load_vector(model.rest, i)));
+  }
+}
+
+void predict(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i)
+    store_vector(fields.predicted, i, predicted_velocity(model, in, fields, i));
+}
+
+void region(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t r = range.first; r < range.last; ++r) {
+    const Vector position = load_vector(fields.positions, r), rest = load_vector(model.rest, r);
+    const float* centre = model.region_rest.data() + 4 * std::size_t{r};
+    Vector o{centre[0], centre[1], centre[2]};
+    const float inverse_weight = centre[3];
+    RegionSum sum{};
+    if (inverse_weight > 0.0f) {
+      for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) {
+        const std::uint32_t i = model.ring[e];
+        const RegionSum term =
+            kernel::region_term<float>(model.share_taken[e] * model.pull[i],
+                                       kernel::subtract<float>(load_vector(fields.positions, i), position),
+                                       kernel::subtract<float>(load_vector(model.rest, i), rest));
+        sum = e == model.ring_offset[r] ? term : kernel::region_add<float>(sum, term);
+      }
+    }
+    Matrix moment = kernel::region_moment<float>(sum, o);
+    Matrix scale{};
+    const bool has_muscle = model.muscle_count > 0 && model.region_muscle[r] != shader::no_muscle;
+    if (has_muscle) {
+      const float* normal = model.region_normal.data() + 4 * std::size_t{r};
+      const shader::Muscle& m = in.muscles[model.region_muscle[r]];
+      scale = kernel::muscle_scale<float>({normal[0], normal[1], normal[2]}, normal[3],
+                                          {m.tau_x, m.tau_y, m.tau_z}, m.activation);
+      moment = kernel::multiply_transposed<float>(moment, scale);
+    }
+    float* rotation = fields.rotations.data() + 4 * std::size_t{r};
+    const Quaternion q = kernel::extract_rotation<float>({rotation[0], rotation[1], rotation[2], rotation[3]},
+                                                         moment, in.mueller);
+    rotation[0] = q.w;
+    rotation[1] = q.x;
+    rotation[2] = q.y;
+    rotation[3] = q.z;
+    Matrix linear = kernel::matrix_of<float>(q);
+    if (has_muscle) linear = kernel::multiply_transposed<float>(linear, scale);
+    store_transform(fields.transforms, r,
+                    kernel::region_transform<float>(linear, sum, o, inverse_weight, position, rest));
+  }
+}
+
+void goal(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i)
+    store_vector(fields.goals, i, blended_goal(model, fields, i));
+}
+
+void integrate(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i)
+    move(model, in, fields, i, load_vector(fields.predicted, i), load_vector(fields.goals, i));
+}
+
+void update(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    if (model.is_kinematic(i))
+      move(model, in, fields, i, {}, {});
+    else
+      move(model, in, fields, i, predicted_velocity(model, in, fields, i), blended_goal(model, fields, i));
+  }
+}
+
+void embed(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+  for (std::uint32_t s = range.first; s < range.last; ++s) {
+    const std::uint32_t* v = model.surface_vertex.data() + 4 * std::size_t{s};
+    const float* w = model.surface_weight.data() + 4 * std::size_t{s};
+    for (std::size_t c = 0; c < 3; ++c)
+      fields.surface[3 * std::size_t{s} + c] = kernel::embed_coordinate<float>(
+          w[0], fields.positions[3 * std::size_t{v[0]} + c], w[1],
+          fields.positions[3 * std::size_t{v[1]} + c], w[2], fields.positions[3 * std::size_t{v[2]} + c],
+          w[3], fields.positions[3 * std::size_t{v[3]} + c]);
+  }
+}
+
+}  // namespace fascicle::cpu_reference

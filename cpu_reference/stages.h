@@ -1,0 +1,53 @@
+// The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Only indexing: the
+// arithmetic is in shaders/kernel. Each reads what earlier stages wrote and writes its own field, so ranges
+// may run on any threads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "shaders/shared.h"
+
+namespace fascicle::cpu_reference {
+
+// What changes from substep to substep. Sizes as in State and stage_width; working units.
+struct Fields {
+  std::vector<float> positions;       // 3n
+  std::vector<float> velocities;      // 3n
+  std::vector<float> predicted;       // 3n: velocities with the external forces in
+  std::vector<float> rotations;       // 4n
+  std::vector<float> transforms;      // 12n: linear (9), translation (3) of each region
+  std::vector<float> goals;           // 3n
+  std::vector<float> skinned;         // 3n, empty without a skeleton
+  std::vector<float> skinned_before;  // 3n, the same of the substep before
+  std::vector<float> surface;         // 3m
+};
+
+struct Range {
+  std::uint32_t first, last;
+};
+
+// One substep's uniform values and this substep's bones, muscles and forces.
+struct SubstepInput {
+  shader::Substep step{};
+  std::span<const shader::Bone> bones;
+  std::span<const shader::Muscle> muscles;
+  std::span<const shader::Force> forces;
+  std::span<const float> decay;
+  bool mueller = false;
+};
+
+void rebase(const SubstepInput& in, Fields& fields, Range range);
+void skin(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void predict(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void region(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void goal(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void integrate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+// predict, goal and integrate in one pass over the vertices; the same bits.
+void update(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void embed(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,200 @@
+#include "host/model/model.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace fascicle::model {
+
+const char* name_of(WeightForm form) {
+  return form == WeightForm::symmetric ? "symmetric" : "kaneda2017";
+}
+const char* name_of(Integrator) {
+  return "explicit";
+}
+const char* name_of(Rotation rotation) {
+  return rotation == Rotation::qcp ? "qcp" : "mueller2016";
+}
+
+namespace {
+
+[[noreturn]] void broken(const char* array, std::size_t index, const std::string& promise) {
+  std::ostringstream text;
+  text << "model: " << array << "[" << index << "]: " << promise;
+  throw std::invalid_argument(text.str());
+}
+
+template <class T>
+void check_size(const char* array, const std::vector<T>& values, std::size_t size) {
+  if (values.size() != size)
+    broken(array, values.size(),
+           "has " + std::to_string(values.size()) + " entries, must have " + std::to_string(size));
+}
+
+void check_finite(const char* array, const std::vector<float>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(values[i])) broken(array, i, "is not finite");
+}
+
+void check_range(const char* array, const std::vector<float>& values, float low, float high) {
+  check_finite(array, values);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] < low || values[i] > high)
+      broken(array, i,
+             "is " + std::to_string(values[i]) + ", must lie in [" + std::to_string(low) + ", " +
+                 std::to_string(high) + "]");
+}
+
+void check_indices(const char* array, const std::vector<std::uint32_t>& values, std::uint32_t count) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] >= count)
+      broken(array, i, "is " + std::to_string(values[i]) + ", must be below " + std::to_string(count));
+}
+
+void check_offsets(const char* array, const std::vector<std::uint32_t>& offsets, std::size_t count,
+                   std::size_t entries) {
+  check_size(array, offsets, count + 1);
+  if (offsets.front() != 0) broken(array, 0, "must be 0");
+  for (std::size_t i = 0; i < count; ++i)
+    if (offsets[i + 1] < offsets[i]) broken(array, i + 1, "is below the entry before it");
+  if (offsets.back() != entries)
+    broken(array, count, "must be the number of entries, " + std::to_string(entries));
+}
+
+void check_one_rings(const Model& m) {
+  const std::uint32_t n = m.vertex_count;
+  check_offsets("ring_offset", m.ring_offset, n, m.ring.size());
+  check_indices("ring", m.ring, n);
+  check_size("share_taken", m.share_taken, m.ring.size());
+  check_size("share_given", m.share_given, m.ring.size());
+  check_range("share_taken", m.share_taken, 0.0f, 1.0f);
+  check_range("share_given", m.share_given, 0.0f, 1.0f);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    double given = 0.0;
+    for (std::uint32_t e = m.ring_offset[i]; e < m.ring_offset[i + 1]; ++e) {
+      const std::uint32_t j = m.ring[e];
+      if (j == i) broken("ring", e, "holds the vertex itself");
+      if (e > m.ring_offset[i] && m.ring[e - 1] >= j) broken("ring", e, "is not ascending");
+      const auto first = m.ring.begin() + m.ring_offset[j], last = m.ring.begin() + m.ring_offset[j + 1];
+      const auto back = std::lower_bound(first, last, i);
+      if (back == last || *back != i) broken("ring", e, "has no entry the other way round");
+      if (m.share_taken[static_cast<std::size_t>(back - m.ring.begin())] != m.share_given[e])
+        broken("share_given", e, "differs from share_taken of the same pair");
+      if (const float steps = m.share_given[e] * 65536.0f; steps != std::floor(steps))
+        broken("share_given", e, "is not a multiple of 2^-16");
+      given += static_cast<double>(m.share_given[e]);
+    }
+    if (given > 1.0)
+      broken("share_given", m.ring_offset[i], "the shares of vertex " + std::to_string(i) + " exceed 1");
+  }
+}
+
+void check_muscles(const Model& m) {
+  if (m.muscle_count == 0) {
+    check_size("region_muscle", m.region_muscle, 0);
+    check_size("region_normal", m.region_normal, 0);
+    return;
+  }
+  check_size("region_muscle", m.region_muscle, m.vertex_count);
+  check_size("region_normal", m.region_normal, 4 * std::size_t{m.vertex_count});
+  check_finite("region_normal", m.region_normal);
+  for (std::size_t r = 0; r < m.region_muscle.size(); ++r)
+    if (m.region_muscle[r] != shader::no_muscle && m.region_muscle[r] >= m.muscle_count)
+      broken("region_muscle", r, "names no muscle");
+}
+
+void check_skin(const Model& m) {
+  if (m.joint_count == 0) {
+    check_size("skin_offset", m.skin_offset, 0);
+    check_size("skin_joint", m.skin_joint, 0);
+    check_size("skin_weight", m.skin_weight, 0);
+    return;
+  }
+  check_offsets("skin_offset", m.skin_offset, m.vertex_count, m.skin_joint.size());
+  check_size("skin_weight", m.skin_weight, m.skin_joint.size());
+  check_indices("skin_joint", m.skin_joint, m.joint_count);
+  check_range("skin_weight", m.skin_weight, 0.0f, 1.0f);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    double sum = 0.0;
+    for (std::uint32_t k = m.skin_offset[i]; k < m.skin_offset[i + 1]; ++k)
+      sum += static_cast<double>(m.skin_weight[k]);
+    // Each of up to 8 weights is rounded to float once: 8 half ULPs below 1.
+    if (std::abs(sum - 1.0) > 8 * 0x1p-24) broken("skin_weight", m.skin_offset[i], "weights do not sum to 1");
+  }
+}
+
+void check_forces(const Model& m) {
+  if (m.force_count == 0) {
+    check_size("force_offset", m.force_offset, 0);
+    check_size("force_index", m.force_index, 0);
+    check_size("force_coefficient", m.force_coefficient, 0);
+    return;
+  }
+  check_offsets("force_offset", m.force_offset, m.vertex_count, m.force_index.size());
+  check_size("force_coefficient", m.force_coefficient, m.force_index.size());
+  check_indices("force_index", m.force_index, m.force_count);
+  check_finite("force_coefficient", m.force_coefficient);
+}
+
+}  // namespace
+
+void check_model(const Model& m) {
+  const std::size_t n = m.vertex_count;
+  if (n == 0) broken("vertex_count", 0, "is 0");
+  int exponent = 0;
+  if (!(m.unit > 0.0) || std::frexp(m.unit, &exponent) != 0.5) broken("unit", 0, "is not a power of two");
+  check_size("source_vertex", m.source_vertex, n);
+  check_size("rest", m.rest, 3 * n);
+  check_finite("rest", m.rest);
+  check_size("mass", m.mass, n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(m.mass[i] > 0.0) || !std::isfinite(m.mass[i])) broken("mass", i, "is not positive");
+  check_size("alpha", m.alpha, n);
+  // The explicit step is stable below 4; the paper's range is [0, 1].
+  check_range("alpha", m.alpha, 0.0f, 4.0f);
+  check_size("beta", m.beta, n);
+  check_range("beta", m.beta, 0.0f, 1.0f);
+  check_size("fibre", m.fibre, 3 * n);
+  check_finite("fibre", m.fibre);
+  check_size("tag", m.tag, n);
+  if (m.layers.empty() || m.layers.size() > shader::tag_layer_mask + 1)
+    broken("layers", m.layers.size(), "there must be 1 to 256 layers");
+  for (std::uint32_t i = 0; i < n; ++i)
+    if (m.layer_of(i) >= m.layers.size()) broken("tag", i, "names no layer");
+  check_one_rings(m);
+  check_size("pull", m.pull, n);
+  check_range("pull", m.pull, 0.0f, 3.0e38f);
+  check_size("region_rest", m.region_rest, 4 * n);
+  check_finite("region_rest", m.region_rest);
+  check_muscles(m);
+  check_skin(m);
+  check_forces(m);
+  check_size("surface_weight", m.surface_weight, m.surface_vertex.size());
+  if (m.surface_vertex.size() % 4 != 0)
+    broken("surface_vertex", m.surface_vertex.size(), "is not four a vertex");
+  check_indices("surface_vertex", m.surface_vertex, m.vertex_count);
+  check_finite("surface_weight", m.surface_weight);
+  if (m.surface_triangle.size() % 3 != 0)
+    broken("surface_triangle", m.surface_triangle.size(), "is not three a triangle");
+  check_indices("surface_triangle", m.surface_triangle, m.surface_count());
+  if (m.tetrahedron.size() % 4 != 0) broken("tetrahedron", m.tetrahedron.size(), "is not four a tetrahedron");
+  check_indices("tetrahedron", m.tetrahedron, m.vertex_count);
+  for (const ProbeSet& probe : m.probes) check_indices("probes", probe.vertices, m.vertex_count);
+}
+
+std::uint64_t solver_bytes(const Model& m) {
+  const auto bytes = [](const auto& array) { return std::uint64_t{array.size()} * sizeof(array[0]); };
+  const std::uint64_t n = m.vertex_count;
+  const std::uint64_t fixed = bytes(m.rest) + bytes(m.alpha) + bytes(m.tag) + bytes(m.ring_offset) +
+                              bytes(m.ring) + bytes(m.pull) + bytes(m.share_taken) + bytes(m.share_given) +
+                              bytes(m.region_rest) + bytes(m.region_muscle) + bytes(m.region_normal) +
+                              bytes(m.skin_offset) + bytes(m.skin_joint) + bytes(m.skin_weight) +
+                              bytes(m.force_offset) + bytes(m.force_index) + bytes(m.force_coefficient) +
+                              bytes(m.surface_vertex) + bytes(m.surface_weight);
+  const std::uint64_t floats_of_state = 3 + 3 + 4 + 12 + (m.has_skeleton() ? 6 : 0);
+  return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);
+}
+
+}  // namespace fascicle::model
