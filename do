@@ -1,0 +1,82 @@
+#!/bin/sh
+# The one entry point: installs what is missing, configures, builds, runs. Everything here is also a plain CMake preset.
+#   ./do bake [ARGS...]   build the program and run `fascicle bake ARGS...`
+#   ./do test [CTEST...]  build everything and run the tests
+#   ./do build [PRESET]   build a preset (release)
+#   ./do figures          bake the paper's bars and draw docs/figures/*.svg
+#   ./do lint             clang-format and clang-tidy over the sources
+#   ./do soak             the long exactness and fuzzing runs that CI has a short form of
+set -eu
+cd "$(dirname "$0")"
+
+build_packages="g++ cmake ninja-build glslang-tools spirv-tools libvulkan-dev libvulkan-volk-dev libeigen3-dev \
+libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libpugixml-dev"
+run_packages="libvulkan1 mesa-vulkan-drivers"
+test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils"
+lint_packages="clang-format clang-tidy clang"
+
+need() {
+  missing=""
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q "ok installed" || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
+  echo "do: installing$missing" >&2
+  root=""
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "do: need root or sudo to install:$missing" >&2; exit 1; }
+    root=sudo
+  fi
+  # Installed packages are on stderr, as everything but the program's own results.
+  $root apt-get update -qq >&2
+  # shellcheck disable=SC2086
+  DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq --no-install-recommends $missing >&2
+}
+
+build() { # PRESET [CMAKE CACHE ARGUMENTS...]
+  preset=$1
+  shift
+  cmake --preset "$preset" "$@" >&2
+  cmake --build --preset "$preset" >&2
+}
+
+command=${1:-help}
+[ $# -eq 0 ] || shift
+# shellcheck disable=SC2086
+case $command in
+  bake)
+    need $build_packages $run_packages
+    # A tree that already builds the tests keeps building them.
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    exec build/release/fascicle bake "$@"
+    ;;
+  test)
+    need $build_packages $run_packages $test_packages
+    build release -DFASCICLE_TESTS=ON
+    exec ctest --preset release --output-on-failure -j "$(nproc)" "$@"
+    ;;
+  build)
+    need $build_packages $run_packages $test_packages
+    build "${1:-release}"
+    ;;
+  figures)
+    need $build_packages $run_packages python3
+    build release
+    exec python3 docs/figures.py build/release/fascicle
+    ;;
+  lint)
+    need $build_packages $test_packages $lint_packages
+    cmake --preset release -DFASCICLE_TESTS=ON >&2
+    exec tests/house/lint.sh build/release
+    ;;
+  soak)
+    need $build_packages $run_packages $test_packages
+    build release -DFASCICLE_TESTS=ON
+    exec tests/soak.sh build/release
+    ;;
+  *)
+    sed -n '2,9s/^# \{0,1\}//p' "$0"
+    [ "$command" = help ] || exit 2
+    ;;
+esac
