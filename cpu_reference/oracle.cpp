@@ -1,0 +1,306 @@
+#include "cpu_reference/oracle.h"
+
+#include <cmath>
+#include <deque>
+#include <optional>
+#include <stdexcept>
+
+#include <Eigen/Geometry>
+
+#include "cpu_reference/oracle_equations.h"
+#include "cpu_reference/oracle_weights.h"
+
+namespace fascicle::cpu_reference {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using model::Stage;
+
+namespace {
+
+Vector3d vector_at(std::span<const float> values, std::size_t i) {
+  return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+}
+
+Points points_of(std::span<const float> values) {
+  Points points(values.size() / 3);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = vector_at(values, i);
+  return points;
+}
+
+void append(std::vector<float>& floats, const Vector3d& v) {
+  for (int k = 0; k < 3; ++k) floats.push_back(float(v[k]));
+}
+
+void append(std::vector<float>& floats, const Quaterniond& q) {
+  for (double component : {q.w(), q.x(), q.y(), q.z()}) floats.push_back(float(component));
+}
+
+std::vector<float> floats_of(const Points& points) {
+  std::vector<float> floats;
+  floats.reserve(3 * points.size());
+  for (const Vector3d& p : points) append(floats, p);
+  return floats;
+}
+
+Vector3d apply(const shader::Bone& B, const Vector3d& p) {
+  Matrix3d linear;
+  linear << B.xx, B.xy, B.xz, B.yx, B.yy, B.yz, B.zx, B.zy, B.zz;
+  return linear * p + Vector3d(B.xt, B.yt, B.zt);
+}
+
+}  // namespace
+
+struct Oracle::Impl {
+  explicit Impl(const model::Model& of)
+      : model(of), rest(points_of(of.rest)), weights(region_weights(of)), regions(of.vertex_count) {
+    for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+      regions[r].c0 = region_centre(weights, r, rest);
+      rest_moment.push_back(
+          region_moment(weights, r, Matrix3d::Identity(), rest, regions[r].c0, rest, regions[r].c0).norm());
+    }
+  }
+
+  const model::Model& model;
+  const Points rest;
+  const Weights weights;
+  std::vector<double> rest_moment;  // |A_r| at rest
+
+  // History.
+  std::uint64_t frame = 0;
+  std::array<double, 3> origin{0, 0, 0};
+  Points q, v;
+  Points skinned;                   // of the last substep; empty without a skeleton
+  std::vector<RegionPose> regions;  // of these only R is history
+
+  // Between the stages of a substep.
+  Points skinned_before;
+  Points goals;
+  Points surface;
+
+  std::deque<model::Frame> frames;
+
+  void skin(std::span<const shader::Bone> bones);
+  void predict(const Vector3d& gravity, std::span<const shader::Force> forces, double h);
+  void region(std::span<const shader::Muscle> muscles);
+  void goal();
+  void integrate(std::span<const float> decay, double h);
+  void embed();
+
+  Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
+  Vector3d skinned_velocity(std::uint32_t i, double h) const;
+  std::vector<float> output(Stage stage) const;
+};
+
+// Linear blend skinning: sum_k w_k B_k q0_i.
+void Oracle::Impl::skin(std::span<const shader::Bone> bones) {
+  skinned_before = skinned;
+  for (std::uint32_t i = 0; i < skinned.size(); ++i) {
+    skinned[i].setZero();
+    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k)
+      skinned[i] += double(model.skin_weight[k]) * apply(bones[model.skin_joint[k]], rest[i]);
+  }
+}
+
+// The forces' half of (4), with f_i/m_i = gravity + the scene's forces by their coefficients.
+void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Force> forces, double h) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    Vector3d acceleration = gravity;
+    if (model.force_count > 0) {
+      for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
+        const shader::Force& f = forces[model.force_index[k]];
+        acceleration += double(model.force_coefficient[k]) * Vector3d(f.x, f.y, f.z);
+      }
+    }
+    v[i] = velocity_with_forces(v[i], acceleration, h);
+  }
+}
+
+// (15)(16)(17), the identity outside the muscles.
+Matrix3d Oracle::Impl::scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const {
+  if (model.muscle_count == 0 || model.region_muscle[r] == shader::no_muscle) return Matrix3d::Identity();
+  const float* values = &model.region_normal[4 * std::size_t{r}];
+  const Vector3d n = Vector3d(values[0], values[1], values[2]).stableNormalized();
+  const shader::Muscle& muscle = muscles[model.region_muscle[r]];
+  const Vector3d tau(muscle.tau_x, muscle.tau_y, muscle.tau_z);
+  return muscle_scale(n, muscle_stretch(values[3], muscle.activation, n, tau));
+}
+
+// (8) and (9). A moment below 2^-40 of the rest moment keeps the last rotation, and so does a region without
+// weights.
+void Oracle::Impl::region(std::span<const shader::Muscle> muscles) {
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    RegionPose& pose = regions[r];
+    pose.T = scale_of_region(r, muscles);
+    pose.c = region_centre(weights, r, q);
+    const Matrix3d A = region_moment(weights, r, pose.T, rest, pose.c0, q, pose.c);
+    if (A.norm() > std::ldexp(rest_moment[r], -40)) pose.R = best_rotation(A, pose.R);
+  }
+}
+
+// (10) and (11).
+void Oracle::Impl::goal() {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    goals[i] = blended_goal(weights, i, regions, rest, q);
+}
+
+Vector3d Oracle::Impl::skinned_velocity(std::uint32_t i, double h) const {
+  if (!model.has_skeleton()) return Vector3d::Zero();
+  return (skinned[i] - skinned_before[i]) / h;
+}
+
+// The other half of (4), damping, and (5). Kinematic vertices go where skinning takes them, or stay.
+void Oracle::Impl::integrate(std::span<const float> decay, double h) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d u = skinned_velocity(i, h);
+    if (model.is_kinematic(i)) {
+      if (model.has_skeleton()) q[i] = skinned[i];
+      v[i] = u;
+      continue;
+    }
+    v[i] = velocity_to_goal(v[i], model.alpha[i], goals[i], q[i], h);
+    v[i] = damped_velocity(v[i], u, decay[model.layer_of(i)]);
+    q[i] = moved_position(q[i], v[i], h);
+  }
+}
+
+// A render vertex rides on its four vertices by barycentric coordinates.
+void Oracle::Impl::embed() {
+  surface.assign(model.surface_count(), Vector3d::Zero());
+  for (std::size_t k = 0; k < model.surface_vertex.size(); ++k)
+    surface[k / 4] += double(model.surface_weight[k]) * q[model.surface_vertex[k]];
+}
+
+std::vector<float> Oracle::Impl::output(Stage stage) const {
+  std::vector<float> values;
+  switch (stage) {
+    case Stage::skin:
+      return floats_of(skinned);
+    case Stage::predict:
+      return floats_of(v);
+    case Stage::region:
+      for (const RegionPose& pose : regions) {
+        const Matrix3d L = pose.R.toRotationMatrix() * pose.T;
+        for (int row = 0; row < 3; ++row) append(values, Vector3d(L.row(row)));
+        append(values, Vector3d(pose.c - L * pose.c0));
+        append(values, pose.R);
+      }
+      return values;
+    case Stage::goal:
+      return floats_of(goals);
+    case Stage::integrate:
+      for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+        append(values, q[i]);
+        append(values, v[i]);
+      }
+      return values;
+    case Stage::embed:
+      return floats_of(surface);
+  }
+  return values;
+}
+
+// The rotation option names ways to approximate (9) in float; here (9) is solved, so it has no say.
+Oracle::Oracle(const model::Model& model, const model::SolverOptions& options) {
+  if (options.integrator != model::Integrator::explicit_)
+    throw std::invalid_argument("oracle: integrator is not the explicit one");
+  impl_ = std::make_unique<Impl>(model);
+  const std::vector<shader::Bone> bind_pose(model.joint_count,
+                                            shader::Bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  load(model::initial_state(model, bind_pose, model.rest_origin));
+}
+
+Oracle::~Oracle() = default;
+
+void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* probe) {
+  Impl& s = *impl_;
+  const model::Model& m = s.model;
+  model::check_drive(m, drive);
+  // Float solvers see float(h): the reference takes the same step.
+  const double h = float(drive.h);
+  const Vector3d gravity = vector_at(drive.gravity, 0);
+  const Vector3d shift = vector_at(drive.origin_shift, 0);
+  for (Vector3d& p : s.q) p -= shift;
+  for (Vector3d& p : s.skinned) p -= shift;
+  s.origin = drive.origin;
+  ++s.frame;
+
+  for (std::uint32_t substep = 0; substep < drive.substeps; ++substep) {
+    const auto show = [&](Stage stage) {
+      if (probe != nullptr) probe->on_stage({s.frame, substep, stage}, s.output(stage));
+    };
+    if (m.has_skeleton()) {
+      s.skin(drive.bones.subspan(std::size_t{substep} * m.joint_count, m.joint_count));
+      show(Stage::skin);
+    }
+    s.predict(gravity, drive.forces.subspan(std::size_t{substep} * m.force_count, m.force_count), h);
+    show(Stage::predict);
+    s.region(drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count));
+    show(Stage::region);
+    s.goal();
+    show(Stage::goal);
+    s.integrate(drive.decay, h);
+    show(Stage::integrate);
+  }
+  s.embed();
+  if (probe != nullptr) probe->on_stage({s.frame, drive.substeps - 1, Stage::embed}, s.output(Stage::embed));
+
+  model::Frame frame;
+  frame.index = s.frame;
+  frame.origin = s.origin;
+  if (what.positions) frame.positions = floats_of(s.q);
+  if (what.velocities) frame.velocities = floats_of(s.v);
+  if (what.surface) frame.surface = floats_of(s.surface);
+  s.frames.push_back(std::move(frame));
+}
+
+model::Frame Oracle::collect() {
+  if (impl_->frames.empty()) throw std::logic_error("oracle: collect() without a submitted frame");
+  model::Frame frame = std::move(impl_->frames.front());
+  impl_->frames.pop_front();
+  return frame;
+}
+
+// State holds floats, so a run that goes through save() and load() differs from one that does not by one
+// rounding of positions and velocities (relative 6e-8).
+model::State Oracle::save() const {
+  model::State state;
+  state.frame = impl_->frame;
+  state.origin = impl_->origin;
+  state.positions = floats_of(impl_->q);
+  state.velocities = floats_of(impl_->v);
+  for (const RegionPose& pose : impl_->regions) append(state.rotations, pose.R);
+  state.skinned = floats_of(impl_->skinned);
+  return state;
+}
+
+void Oracle::load(const model::State& state) {
+  model::check_state(impl_->model, state);
+  impl_->frame = state.frame;
+  impl_->origin = state.origin;
+  impl_->q = points_of(state.positions);
+  impl_->v = points_of(state.velocities);
+  impl_->skinned = points_of(state.skinned);
+  impl_->goals = impl_->q;
+  for (std::uint32_t r = 0; r < impl_->model.vertex_count; ++r) {
+    const float* c = &state.rotations[4 * std::size_t{r}];
+    impl_->regions[r].R = Quaterniond(c[0], c[1], c[2], c[3]).normalized();
+  }
+  impl_->frames.clear();
+}
+
+const Points& Oracle::positions() const {
+  return impl_->q;
+}
+
+const Points& Oracle::velocities() const {
+  return impl_->v;
+}
+
+double Oracle::weight(std::uint32_t i, std::uint32_t r) const {
+  return impl_->weights.of_region.coeff(int(i), int(r));
+}
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,77 @@
+// Small bodies for tests, made without host/build: what both make from the same mesh can be compared.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/model/model.h"
+#include "host/model/solver.h"
+
+namespace fascicle::tests {
+
+struct Mesh {
+  std::vector<Eigen::Vector3d> points;                   // metres
+  std::vector<std::array<std::uint32_t, 4>> tetrahedra;  // positive volume
+};
+
+// nx x ny x nz cubes of `spacing`, each cut into Kuhn's six tetrahedra; a corner at the origin.
+Mesh kuhn_bar(std::uint32_t nx, std::uint32_t ny, std::uint32_t nz, double spacing);
+
+// Moves each point by a whole number of `step`s, at most `reach`, along each axis. Keeps volumes positive
+// while reach x step stays below a tenth of the spacing.
+Mesh jittered(Mesh mesh, double step, int reach, unsigned seed);
+
+// One regular tetrahedron around the origin, (1,1,1), (1,-1,-1), (-1,1,-1), (-1,-1,1): every number exact.
+Mesh regular_tetrahedron();
+
+struct BodyOptions {
+  double density = 1000.0;
+  float alpha = 0.5f;
+  float beta = 0.0f;
+  Eigen::Vector3d fibre{1, 0, 0};
+  double damping = 0.0;  // 1/s, of the one layer, `body`
+  model::WeightForm weight_form = model::WeightForm::symmetric;
+  bool momentum_scaled = true;
+  std::function<bool(const Eigen::Vector3d&)> kinematic = {};  // none
+};
+
+// A model in metres (unit 1), vertices in the mesh's order, whose render vertices ride a little inside the
+// boundary.
+model::Model make_model(const Mesh& mesh, const BodyOptions& options = {});
+
+// Fills pull, share_taken, share_given and region_rest from the rest of the model (by the Oracle's weights).
+// Call it again after changing mass, alpha, beta, fibre, tag, weight_form or momentum_scaled.
+void fill_weights(model::Model& model);
+
+void make_kinematic(model::Model& model, std::uint32_t i);
+
+// Two joints, weights blended linearly along x from the first joint to the second over the middle half of the
+// body.
+void add_skeleton(model::Model& model);
+
+// Bars of random size, shape and material: alpha, beta and fibre of each vertex, two layers, some kinematic
+// vertices, either weight form, momentum-scaled or not, with or without skeleton, muscle and force. Passes
+// check_model.
+model::Model random_model(unsigned seed);
+
+// A drive that owns what its spans point to. get() after filling in.
+struct TestDrive {
+  model::Drive drive;
+  std::vector<shader::Bone> bones;
+  std::vector<shader::Muscle> muscles;
+  std::vector<shader::Force> forces;
+  std::vector<float> decay;
+  model::Drive get();
+};
+
+inline constexpr shader::Bone identity_bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+// Bones at rest, muscles slack, no forces, decay by the layers' damping.
+TestDrive quiet_drive(const model::Model& model, double h, std::uint32_t substeps = 1,
+                      const Eigen::Vector3d& gravity = Eigen::Vector3d::Zero());
+
+}  // namespace fascicle::tests
