@@ -1,0 +1,52 @@
+// Body: what all geometry becomes before it is numbered and flattened: a tetrahedral mesh in metres, the
+// render mesh that rides on it and, for a character, the skin weights of every vertex. After it, nothing asks
+// where a mesh came from.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/build/build.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+using scene::Vector3d;
+
+// The mesh that is drawn, in its own vertex order: a vertex is the weighted mean of four vertices of the
+// body.
+struct RenderMesh {
+  std::vector<std::array<std::uint32_t, 4>> corners;
+  std::vector<std::array<double, 4>> weights;  // each sums to 1
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+// Joints and weights of each vertex, CSR; at most 8 a vertex, summing to 1. Empty without a skeleton.
+struct SkinWeights {
+  std::vector<std::uint32_t> offset;
+  std::vector<std::uint32_t> joint;
+  std::vector<double> weight;
+};
+
+// A bone as a line segment in the bind pose, metres. `owners` are the joints (-1: none) whose share in a
+// vertex's weights makes this bone one of the vertex's own: the bone's joint, its parent and the joint it
+// leads to. A bone of a scene without a skeleton has none and counts for every vertex.
+struct Bone {
+  Vector3d from, to;
+  std::array<std::int32_t, 3> owners{-1, -1, -1};
+};
+
+struct Body {
+  scene::TetMesh mesh;
+  RenderMesh render;
+  SkinWeights skin;
+  std::uint32_t joint_count = 0;
+  std::vector<Bone> bones;
+};
+
+// Builds the body of a scene's geometry. Repairs and warnings go to the report. Throws scene::SceneError.
+Body make_body(const scene::Scene& scene, Report& report, const BuildOptions& options);
+
+}  // namespace fascicle::build

@@ -1,0 +1,73 @@
+#include "host/build/boundary.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "host/build/embedding.h"
+#include "host/build/message.h"
+
+namespace fascicle::build {
+
+namespace {
+
+// Corners in ascending order; `outward` says whether this order faces outward.
+struct Face {
+  std::array<std::uint32_t, 3> corners;
+  bool outward;
+};
+
+Face make_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  bool outward = true;
+  if (a > b) std::swap(a, b), outward = !outward;
+  if (b > c) std::swap(b, c), outward = !outward;
+  if (a > b) std::swap(a, b), outward = !outward;
+  return {{a, b, c}, outward};
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
+                                                             const std::string& source) {
+  std::vector<Face> faces;
+  faces.reserve(4 * mesh.tetrahedra.size());
+  for (const auto& t : mesh.tetrahedra) {
+    faces.push_back(make_face(t[1], t[2], t[3]));
+    faces.push_back(make_face(t[0], t[3], t[2]));
+    faces.push_back(make_face(t[0], t[1], t[3]));
+    faces.push_back(make_face(t[0], t[2], t[1]));
+  }
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
+
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::size_t k = 0; k < faces.size();) {
+    std::size_t end = k + 1;
+    while (end < faces.size() && faces[end].corners == faces[k].corners) ++end;
+    const auto [a, b, c] = faces[k].corners;
+    if (end - k > 2 || (end - k == 2 && faces[k].outward == faces[k + 1].outward))
+      fail(source, "mesh: tetrahedra overlap at the triangle of vertices " + std::to_string(a) + ", " +
+                       std::to_string(b) + ", " + std::to_string(c) +
+                       " (counted from 0); a triangle must have one tetrahedron on each side at most");
+    if (end - k == 1) triangles.push_back(faces[k].outward ? std::array{a, b, c} : std::array{a, c, b});
+    k = end;
+  }
+  return triangles;
+}
+
+RenderMesh boundary_render_mesh(const scene::TetMesh& mesh, const std::string& source) {
+  RenderMesh render;
+  render.triangles = boundary_triangles(mesh, source);
+  constexpr std::uint32_t inside = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(mesh.vertices.size(), inside);
+  for (const auto& t : render.triangles)
+    for (const std::uint32_t corner : t) number[corner] = 0;
+  for (std::uint32_t i = 0; i < number.size(); ++i)
+    if (number[i] != inside) {
+      number[i] = static_cast<std::uint32_t>(render.corners.size());
+      ride_on_vertex(render, i);
+    }
+  for (auto& t : render.triangles)
+    for (std::uint32_t& corner : t) corner = number[corner];
+  return render;
+}
+
+}  // namespace fascicle::build

@@ -1,0 +1,241 @@
+// build_model in one page: body -> numbering -> one-rings -> layers -> masses -> weights -> the Model's
+// arrays.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "host/build/body.h"
+#include "host/build/boundary.h"
+#include "host/build/build.h"
+#include "host/build/fibre.h"
+#include "host/build/forces.h"
+#include "host/build/layers.h"
+#include "host/build/mass.h"
+#include "host/build/message.h"
+#include "host/build/one_ring.h"
+#include "host/build/order.h"
+#include "host/build/shares.h"
+#include "host/build/weights.h"
+#include "host/build/where.h"
+
+namespace fascicle::build {
+
+namespace {
+
+using model::Model;
+
+// The working unit is the power of two metres at or below the bounding box's longest side, and the origin is
+// the box's centre: so rest coordinates lie in [-1, 1], use the full precision of a float around the middle
+// of the body, and a box's opposite corners differ by their signs only.
+void choose_unit(const scene::TetMesh& mesh, const std::string& source, Model& model) {
+  Vector3d low = mesh.vertices[0], high = mesh.vertices[0];
+  for (const Vector3d& p : mesh.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double extent = (high - low).maxCoeff();
+  // Squares and cubes of lengths must stay ordinary numbers.
+  if (!(extent > 1e-30 && extent < 1e30))
+    fail(source, "mesh: it is " + std::to_string(extent) + " m long, which cannot be simulated; set `scale`");
+  model.unit = std::ldexp(1.0, std::ilogb(extent));
+  const Vector3d centre = low + (high - low) / 2.0;
+  for (int a = 0; a < 3; ++a) model.rest_origin[static_cast<std::size_t>(a)] = centre[a];
+}
+
+// Rest positions in floats; rounding must not turn a tetrahedron round.
+void write_rest(const scene::TetMesh& mesh, const std::string& source, Model& model) {
+  const Vector3d origin(model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]);
+  scene::TetMesh rounded{mesh.vertices, {}};
+  model.rest.reserve(3 * mesh.vertices.size());
+  for (Vector3d& p : rounded.vertices)
+    for (int a = 0; a < 3; ++a) {
+      model.rest.push_back(static_cast<float>((p[a] - origin[a]) / model.unit));
+      p[a] = static_cast<double>(model.rest.back());
+    }
+  std::vector<std::uint32_t> lost;
+  for (const auto& t : mesh.tetrahedra) {
+    if (!(signed_volume(rounded, t) > 0.0)) lost.push_back(model.source_vertex[t[0]]);
+    model.tetrahedron.insert(model.tetrahedron.end(), t.begin(), t.end());
+  }
+  std::sort(lost.begin(), lost.end());
+  lost.erase(std::unique(lost.begin(), lost.end()), lost.end());
+  if (!lost.empty())
+    fail(source, "mesh: tetrahedra are too flat for single precision at vertex " + list_of(lost) +
+                     " (counted from 0); improve the mesh there");
+}
+
+void write_layers(const scene::Scene& scene, const Layering& layering, const std::vector<double>& volume,
+                  Model& model, Report& report) {
+  for (const scene::Layer& layer : scene.layers) {
+    model.layers.push_back({layer.name, layer.damping, layer.density, layer.kinematic});
+    report.layers.push_back({layer.name, 0, 0.0, 0.0});
+  }
+  model.fibre = fibre_directions(scene.layers, layering.layer);
+  for (std::size_t i = 0; i < layering.layer.size(); ++i) {
+    const std::uint32_t l = layering.layer[i];
+    const scene::Layer& layer = scene.layers[l];
+    const bool kinematic = layering.kinematic[i] != 0;
+    const bool has_fibre =
+        model.fibre[3 * i] != 0.0f || model.fibre[3 * i + 1] != 0.0f || model.fibre[3 * i + 2] != 0.0f;
+    model.mass.push_back(layer.density * volume[i]);
+    model.alpha.push_back(kinematic ? 0.0f : static_cast<float>(layer.alpha));
+    model.beta.push_back(has_fibre ? static_cast<float>(layer.beta) : 0.0f);
+    model.tag.push_back(l | (kinematic ? shader::tag_kinematic : 0u));
+
+    LayerShare& share = report.layers[l];
+    ++share.vertices;
+    share.volume += volume[i];
+    share.mass += model.mass[i];
+    report.mass += model.mass[i];
+    report.pinned_vertices += kinematic ? 1u : 0u;
+  }
+}
+
+void write_weights(OneRings rings, Model& model, Report& report) {
+  const RestState state{model.rest, model.mass, model.fibre, model.beta};
+  const RegionWeights weights = region_weights(rings, state, model.weight_form);
+  std::vector<float> stiffness = model.alpha;
+  for (std::uint32_t i = 0; i < stiffness.size(); ++i)
+    if (model.is_kinematic(i)) stiffness[i] = 1.0f;
+  Shares shares = make_shares(rings, state, weights, stiffness, model.momentum_scaled);
+
+  report.region_fallbacks = weights.region_fallbacks;
+  report.vertex_fallbacks = weights.vertex_fallbacks;
+  report.skipped_regions = shares.skipped_regions;
+  model.ring_offset = std::move(rings.offset);
+  model.ring = std::move(rings.neighbour);
+  model.pull = std::move(shares.pull);
+  model.share_taken = std::move(shares.taken);
+  model.share_given = std::move(shares.given);
+  model.region_rest = std::move(shares.region_rest);
+}
+
+void write_skin(const Body& body, Model& model) {
+  model.joint_count = body.joint_count;
+  model.skin_offset = body.skin.offset;
+  model.skin_joint = body.skin.joint;
+  for (const double w : body.skin.weight) model.skin_weight.push_back(static_cast<float>(w));
+}
+
+void write_render_mesh(const RenderMesh& render, Model& model) {
+  for (std::size_t k = 0; k < render.corners.size(); ++k)
+    for (std::size_t c = 0; c < 4; ++c) {
+      model.surface_vertex.push_back(render.corners[k][c]);
+      model.surface_weight.push_back(static_cast<float>(render.weights[k][c]));
+    }
+  for (const auto& t : render.triangles)
+    model.surface_triangle.insert(model.surface_triangle.end(), t.begin(), t.end());
+}
+
+void write_probes(const scene::Scene& scene, WhereTest& test, Model& model) {
+  for (const scene::ProbeSet& probe : scene.probes) {
+    const std::vector<char> inside = test.contains(probe.where, "probe." + probe.name, scene.source);
+    model::ProbeSet set{probe.name, {}};
+    for (std::uint32_t i = 0; i < inside.size(); ++i)
+      if (inside[i]) set.vertices.push_back(i);
+    if (set.vertices.empty())
+      fail(scene.source, "probe." + probe.name + ": holds no vertex; widen its shapes");
+    model.probes.push_back(std::move(set));
+  }
+}
+
+void report_edges(const scene::TetMesh& mesh, const OneRings& rings, Report& report) {
+  double sum = 0.0;
+  std::size_t edges = 0;
+  for (std::size_t i = 0; i < rings.size(); ++i)
+    for (const std::uint32_t j : rings[i]) {
+      if (j < i) continue;
+      const double length = (mesh.vertices[j] - mesh.vertices[i]).norm();
+      report.shortest_edge = edges == 0 ? length : std::min(report.shortest_edge, length);
+      report.longest_edge = std::max(report.longest_edge, length);
+      sum += length;
+      ++edges;
+    }
+  report.mean_edge = sum / static_cast<double>(edges);
+}
+
+void warn_of_parts(const OneRings& rings, const Model& model, Report& report) {
+  const Parts parts = connected_parts(rings);
+  std::vector<char> held(parts.count, 0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (model.is_kinematic(i)) held[parts.of_vertex[i]] = 1;
+  std::vector<std::uint32_t> first(parts.count, model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    std::uint32_t& lowest = first[parts.of_vertex[i]];
+    lowest = std::min(lowest, model.source_vertex[i]);
+  }
+  if (parts.count > 1) {
+    std::vector<std::uint32_t> one_each = first;
+    std::sort(one_each.begin(), one_each.end());
+    warn(report,
+         "the mesh has " + std::to_string(parts.count) +
+             " parts that do not touch; one vertex of each is named",
+         one_each);
+  }
+  std::vector<std::uint32_t> falling;
+  for (std::uint32_t p = 0; p < parts.count; ++p)
+    if (!held[p]) falling.push_back(first[p]);
+  std::sort(falling.begin(), falling.end());
+  if (!falling.empty())
+    warn(report,
+         parts.count == 1 ? "nothing holds the body: no vertex is pinned or moved by bones, so gravity makes "
+                            "it fall for ever"
+                          : counted(falling.size(), "part", "parts") +
+                                " hold no pinned vertex and none moved by bones: gravity makes them "
+                                "fall for ever",
+         falling);
+}
+
+model::WeightForm weight_form_of(const scene::Scene& scene) {
+  if (scene.solver.weights == "symmetric") return model::WeightForm::symmetric;
+  if (scene.solver.weights == "kaneda2017") return model::WeightForm::kaneda2017;
+  fail(scene.source,
+       "solver.weights: \"" + scene.solver.weights + "\" is neither \"symmetric\" nor \"kaneda2017\"");
+}
+
+}  // namespace
+
+Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  report = {};
+  Model model;
+  model.weight_form = weight_form_of(scene);
+  model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
+
+  Body body = make_body(scene, report, options);
+  model.source_vertex = locality_order(body.mesh, one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra));
+  renumber(body, model.source_vertex);
+  model.vertex_count = static_cast<std::uint32_t>(body.mesh.vertices.size());
+  choose_unit(body.mesh, scene.source, model);
+  write_rest(body.mesh, scene.source, model);
+
+  OneRings rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
+  report_edges(body.mesh, rings, report);
+  WhereTest test(body);
+  const Layering layering = assign_layers(scene, test, model.source_vertex, report);
+  const std::vector<double> volume = lumped_volumes(body.mesh);
+  write_layers(scene, layering, volume, model, report);
+  warn_of_parts(rings, model, report);
+  write_weights(std::move(rings), model, report);
+  write_skin(body, model);
+  write_render_mesh(body.render, model);
+  write_probes(scene, test, model);
+
+  ForceTable forces = make_forces(scene, body, test, boundary_triangles(body.mesh, scene.source), model.mass,
+                                  layering.kinematic);
+  model.force_count = static_cast<std::uint32_t>(scene.forces.size());
+  model.force_offset = std::move(forces.offset);
+  model.force_index = std::move(forces.index);
+  model.force_coefficient = std::move(forces.coefficient);
+
+  report.vertices = model.vertex_count;
+  report.tetrahedra = model.tetrahedron_count();
+  report.surface_vertices = model.surface_count();
+  report.surface_triangles = static_cast<std::uint32_t>(model.surface_triangle.size() / 3);
+  report.volume = total_volume(body.mesh);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return model;
+}
+
+}  // namespace fascicle::build

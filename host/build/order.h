@@ -1,0 +1,22 @@
+// The model's own numbering, chosen so that a vertex's neighbours lie near it in memory and 16 or 32
+// consecutive vertices have one-rings of about the same length.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/build/body.h"
+#include "host/build/one_ring.h"
+
+namespace fascicle::build {
+
+// Slabs two spacings thick across the longest axis of the bounding box, in them strips two spacings wide
+// across the next, in them by the third; then, in windows of 256, by falling degree. The spacing is the edge
+// of the cube that a vertex fills on average. Element k is the old number of the vertex that becomes k.
+std::vector<std::uint32_t> locality_order(const scene::TetMesh& mesh, const OneRings& rings);
+
+// Gives vertex order[k] the number k everywhere. Tetrahedra keep their orientation, begin with their lowest
+// corners and are sorted, so that the result does not depend on how the input listed them.
+void renumber(Body& body, const std::vector<std::uint32_t>& order);
+
+}  // namespace fascicle::build

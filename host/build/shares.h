@@ -1,0 +1,28 @@
+// Weights written as pull times share: w_ir = pull_i f_ir (Model's comment on weights).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/build/one_ring.h"
+#include "host/build/weights.h"
+
+namespace fascicle::build {
+
+struct Shares {
+  std::vector<float> pull;         // n
+  std::vector<float> taken;        // entry (r, i): f_ir
+  std::vector<float> given;        // entry (i, r): f_ir
+  std::vector<float> region_rest;  // 4n
+  std::uint32_t skipped_regions = 0;
+};
+
+// `stiffness` is alpha_i, 1 where kinematic. With `momentum_scaled` the pull is stiffness x mass, which makes
+// the goals' sum conserve momentum; else sum_r w_ir, the paper as printed. Shares are rounded to multiples of
+// 2^-16; a vertex's shares in the regions of its one-ring sum to at most 1 and the rest is its share in its
+// own.
+Shares make_shares(const OneRings& rings, const RestState& state, const RegionWeights& weights,
+                   std::span<const float> stiffness, bool momentum_scaled);
+
+}  // namespace fascicle::build

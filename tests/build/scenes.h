@@ -1,0 +1,44 @@
+// Scenes and checks that the build tests share.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host/build/build.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::tests {
+
+// A bar of 21 x 5 x 5 vertices, one layer with a skew fibre, its low x end pinned.
+inline scene::Scene bar_scene() {
+  scene::Scene scene;
+  scene.name = "bar";
+  scene.source = "test";
+  scene.geometry = scene::Bar{};
+  scene::Layer body;
+  body.name = "body";
+  body.beta = 0.6;
+  body.fibre = scene::Vector3d(1, 2, 3).normalized();
+  scene.layers = {body};
+  scene.pins = {{"end", {scene::HalfSpace{scene::Axis::x, true, true, 0.0}}}};
+  return scene;
+}
+
+inline model::Model build_quietly(const scene::Scene& scene) {
+  build::Report report;
+  return build::build_model(scene, report);
+}
+
+// Expects a SceneError whose text holds `part`.
+inline void expect_refusal(const std::function<void()>& action, const std::string& part) {
+  try {
+    action();
+    ADD_FAILURE() << "nothing was thrown; expected \"" << part << "\"";
+  } catch (const scene::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace fascicle::tests
