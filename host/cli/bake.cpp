@@ -1,0 +1,202 @@
+// fascicle bake: scene in, folder of files out.
+#include "host/bake/bake.h"
+
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+#include "host/bake/drive_source.h"
+#include "host/cli/command.h"
+#include "host/cli/device_choice.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/progress.h"
+#include "host/cli/text.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BakeArguments {
+  SceneArguments scene;
+  std::string folder;
+  std::vector<std::string> formats;
+  std::string device = "auto";
+  unsigned threads = 0;
+  bool overwrite = false, resume = false, dry_run = false;
+};
+
+// The first `substeps` of a frame.
+model::Drive shortened(model::Drive drive, std::uint32_t substeps, const model::Model& model) {
+  drive.substeps = std::min(drive.substeps, substeps);
+  const std::size_t count = drive.substeps;
+  drive.bones = drive.bones.first(count * model.joint_count);
+  drive.muscles = drive.muscles.first(count * model.muscle_count);
+  drive.forces = drive.forces.first(count * model.force_count);
+  return drive;
+}
+
+// Seconds that a substep takes, positions brought back once a frame as in a bake. The first frame is not
+// counted: drivers compile in it.
+double measured_substep(const scene::Scene& scene, const model::Model& model, model::Solver& solver) {
+  constexpr std::uint32_t substeps = 8;
+  constexpr std::uint64_t frames = 4;
+  const model::Read what{.positions = true, .velocities = true, .surface = model.surface_count() > 0};
+  bake::DriveSource source(scene, model);
+  solver.load(source.initial_state());
+  std::uint64_t timed = 0;
+  std::chrono::steady_clock::time_point start;
+  for (std::uint64_t frame = 1; frame <= frames; ++frame) {
+    if (frame == 2) start = std::chrono::steady_clock::now();
+    const model::Drive drive = shortened(source.drive(frame), substeps, model);
+    solver.submit(drive, what);
+    solver.collect();
+    if (frame > 1) timed += drive.substeps;
+  }
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  return seconds.count() / static_cast<double>(timed);
+}
+
+void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, const Built& built,
+                    const Simulation& simulation) {
+  const std::uint64_t frames = scene::frame_count(scene);
+  const double substep = measured_substep(scene, built.model, *simulation.solver);
+  const double total = substep * static_cast<double>(frames) * scene.solver.substeps;
+  std::cout << "dry run of " << scene.name << ": nothing is written\n"
+            << columns_text(
+                   {{"folder", arguments.folder},
+                    {"vertices", count_text(built.model.vertex_count)},
+                    {"tetrahedra", count_text(built.model.tetrahedron_count())},
+                    {"render vertices", count_text(built.model.surface_count())},
+                    {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
+                                   std::to_string(scene.solver.substeps) + " substeps each"},
+                    {"device", simulation.device.text()},
+                    {"solver memory", bytes_text(model::solver_bytes(built.model))},
+                    {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats))},
+                    {"time", "about " + duration_text(total) + " and the writing (" +
+                                 number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
+}
+
+// How to look at what was written, for each kind of file that can be looked at.
+void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::path>& files) {
+  const auto with_extension = [&files](const std::string& extension) -> const fs::path* {
+    for (const fs::path& file : files)
+      if (file.extension() == extension) return &file;
+    return nullptr;
+  };
+  std::cout << "look at it\n";
+  if (const fs::path* pvd = with_extension(".pvd"))
+    std::cout << "  ParaView: paraview " << pvd->string() << "  (Apply, then Play)\n";
+  if (const fs::path* pc2 = with_extension(".pc2")) {
+    const fs::path* obj = with_extension(".obj");
+    std::cout << "  Blender: import " << (obj ? obj->string() : "the render mesh")
+              << ", add the modifier Mesh Cache, format PC2, file " << pc2->string() << "\n";
+  }
+  if (const fs::path* csv = with_extension(".csv"))
+    std::cout << "  any plotter: " << csv->string()
+              << "  (energy, volume, largest displacement, probes; a row a frame)\n";
+  if (arguments.formats.empty())
+    std::cout << "  to write files for Blender or ParaView from this bake: the same command with --resume "
+                 "--format pc2,vtu\n";
+}
+
+void print_result(const BakeArguments& arguments, const scene::Scene& scene, const bake::BakeResult& result) {
+  std::cout << "baked " << scene.name << ": " << count_text(result.frames_done) << " frames in "
+            << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
+            << ", writing " << duration_text(result.seconds_writing) << ")\n"
+            << "last position hash " << result.last_position_hash << "\n"
+            << "wrote\n";
+  // A series has one file a frame; its index names them all.
+  std::uint64_t series = 0;
+  for (const fs::path& file : result.files) {
+    if (file.extension() == ".vtu")
+      ++series;
+    else
+      std::cout << "  " << file.string() << "\n";
+  }
+  if (series > 0) std::cout << "  and " << count_text(series) << " .vtu files\n";
+  print_how_to_look(arguments, result.files);
+}
+
+ExitCode bake_scene(BakeArguments arguments, Log& log) {
+  if (arguments.scene.name.empty()) {
+    arguments.scene.name = scene::default_scene;
+    if (arguments.formats.empty()) arguments.formats = {"pc2", "vtu"};
+    log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
+  }
+  const DeviceRequest request = parse_device(arguments.device);
+  const scene::Scene scene = load(arguments.scene);
+  if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
+  const Built built = build(scene, log);
+  log_warnings(built.report, log);
+  const Simulation simulation =
+      choose_simulation(request, arguments.threads, built.model, solver_options(scene), log);
+  if (arguments.dry_run) {
+    print_estimate(arguments, scene, built, simulation);
+    return ExitCode::done;
+  }
+
+  Progress progress(log, "baking", scene::frame_count(scene));
+  bake::BakeOptions options;
+  options.folder = arguments.folder;
+  options.formats = arguments.formats;
+  options.overwrite = arguments.overwrite;
+  options.resume = arguments.resume;
+  options.device = simulation.device.description();
+  for (const build::Warning& warning : built.report.warnings) options.warnings.push_back(warning.text);
+  options.interrupted = &catch_interrupts();
+  options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
+  const bake::BakeResult result = bake::bake(scene, built.model, *simulation.solver, options);
+  log.clear_bar();
+  if (result.interrupted) {
+    log.warning("interrupted after frame " + std::to_string(result.frames_done) + " of " +
+                std::to_string(scene::frame_count(scene)) +
+                "; the same command with --resume goes on from there");
+    return ExitCode::interrupted;
+  }
+  print_result(arguments, scene, result);
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, Command& command) {
+  auto* subcommand = app.add_subcommand("bake", "Simulate a scene and write it to a folder");
+  const auto arguments = std::make_shared<BakeArguments>();
+  add_scene_options(
+      *subcommand, arguments->scene,
+      std::string("Scene file, mesh, character or built-in name; without it ") + scene::default_scene, false);
+  subcommand->add_option("-o,--output", arguments->folder, "Folder to write; without it out/NAME")
+      ->option_text("DIR");
+  std::string formats;
+  for (const std::string& name : bake::format_names()) formats += (formats.empty() ? "" : ",") + name;
+  subcommand
+      ->add_option("--format", arguments->formats,
+                   "What to write beside frame cache, manifest and metrics: any of " + formats +
+                       "; the default scene writes all")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->take_all()
+      ->check(CLI::IsMember(bake::format_names()).description(""))
+      ->option_text("LIST");
+  subcommand
+      ->add_option("--device", arguments->device,
+                   "auto, cpu, vulkan or vulkan:N; auto takes a real GPU, else the CPU")
+      ->option_text("DEVICE");
+  subcommand
+      ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
+      ->check(CLI::Range(0U, 1024U).description(""))
+      ->option_text("N");
+  auto* overwrite =
+      subcommand->add_flag("--overwrite", arguments->overwrite, "Replace the bake that is in the folder");
+  auto* resume =
+      subcommand->add_flag("--resume", arguments->resume, "Go on with the bake that is in the folder");
+  overwrite->excludes(resume);
+  subcommand->add_flag("--dry-run", arguments->dry_run,
+                       "Print sizes, memory and an estimate of the time; write nothing");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback(
+      [arguments, &command] { command.run = [arguments](Log& log) { return bake_scene(*arguments, log); }; });
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,109 @@
+#include "host/cli/command.h"
+
+#include <map>
+#include <vector>
+
+#include "host/cli/text.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::cli {
+namespace {
+
+constexpr std::size_t warning_vertices_shown = 8;
+
+bool has_overrides(const scene::SceneOverrides& overrides) {
+  return !overrides.set.empty() || overrides.fps || overrides.start || overrides.end || overrides.clip;
+}
+
+}  // namespace
+
+std::string warning_text(const build::Warning& warning) {
+  if (warning.vertices.empty()) return warning.text;
+  std::string text = warning.text + " (vertices";
+  for (std::size_t k = 0; k < warning.vertices.size() && k < warning_vertices_shown; ++k)
+    text += " " + std::to_string(warning.vertices[k]);
+  return text + (warning.vertices.size() > warning_vertices_shown ? " ...)" : ")");
+}
+
+std::string nearest_scene_hint(const std::string& name) {
+  std::vector<std::string> names;
+  for (const scene::BuiltinScene& scene : scene::builtin_scenes()) names.push_back(scene.name);
+  const std::string nearest = scene::nearest_name(name, names);
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+}
+
+void add_log_options(CLI::App& subcommand, LogOptions& log) {
+  auto* quiet = subcommand.add_flag_callback(
+      "-q,--quiet", [&log] { log.verbosity = Verbosity::quiet; }, "Say nothing on stderr but errors");
+  auto* verbose = subcommand.add_flag_callback(
+      "-v,--verbose", [&log] { log.verbosity = Verbosity::verbose; }, "Say more on stderr");
+  quiet->excludes(verbose);
+  const std::map<std::string, LogFormat> formats{{"text", LogFormat::text}, {"json", LogFormat::json}};
+  subcommand.add_option("--log-format", log.format, "stderr as text or as JSON, one object a line")
+      ->transform(CLI::CheckedTransformer(formats).description(""))
+      ->option_text("text|json");
+}
+
+void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
+                       bool required) {
+  scene::SceneOverrides& overrides = arguments.overrides;
+  subcommand.add_option("scene", arguments.name, what)->required(required)->option_text("SCENE");
+  subcommand
+      .add_option("--set", overrides.set, "Change a key of the scene, as in layers.fat.alpha=0.2; repeatable")
+      ->allow_extra_args(false)
+      ->take_all()
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            const std::size_t equals = text.find('=');
+            return equals == std::string::npos || equals == 0 ? "\"" + text + "\" is not KEY=VALUE"
+                                                              : std::string();
+          },
+          ""))
+      ->option_text("KEY=VALUE");
+  subcommand.add_option("--fps", overrides.fps, "Frames a second")
+      ->check(CLI::PositiveNumber.description(""));
+  subcommand.add_option("--start", overrides.start, "Time of frame 0, s");
+  subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
+  subcommand.add_option("--clip", overrides.clip, "The character's clip, by name or number");
+}
+
+scene::Scene load(const SceneArguments& arguments) {
+  try {
+    return scene::load_scene(arguments.name, arguments.overrides);
+  } catch (const scene::SceneError& error) {
+    if (!has_overrides(arguments.overrides)) throw;
+    // Whose fault is it? If the scene loads as it stands, the command line's.
+    const std::string message = error.what();
+    scene::load_scene(arguments.name);
+    throw UsageError(message);
+  }
+}
+
+Built build(const scene::Scene& scene, Log& log) {
+  Built built;
+  built.model = build::build_model(scene, built.report);
+  log.detail("model: " + count_text(built.report.vertices) + " vertices, " +
+             count_text(built.report.tetrahedra) + " tetrahedra, built in " +
+             duration_text(built.report.seconds));
+  return built;
+}
+
+void log_warnings(const build::Report& report, Log& log) {
+  for (const build::Warning& warning : report.warnings) log.warning(warning_text(warning));
+}
+
+model::SolverOptions solver_options(const scene::Scene& scene) {
+  model::SolverOptions options;
+  if (scene.solver.integrator != model::name_of(model::Integrator::explicit_))
+    throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
+                            "\"; use \"explicit\"");
+  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
+    if (scene.solver.rotation == model::name_of(rotation)) {
+      options.rotation = rotation;
+      return options;
+    }
+  throw scene::SceneError(scene.source + ": solver.rotation: there is no \"" + scene.solver.rotation +
+                          "\"; use \"qcp\" or \"mueller2016\"");
+}
+
+}  // namespace fascicle::cli

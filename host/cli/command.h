@@ -1,0 +1,71 @@
+// The pieces that subcommands share: how one is added to the command line, and how a scene gets from its name
+// to a model.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "host/build/build.h"
+#include "host/cli/exit_codes.h"
+#include "host/cli/log.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::cli {
+
+// What the command line asked for: filled in by the subcommand that was named.
+struct Command {
+  LogOptions log;
+  std::function<ExitCode(Log&)> run;
+};
+
+// One subcommand each; bake.cpp, validate.cpp, ...
+void add_bake(CLI::App& app, Command& command);
+void add_validate(CLI::App& app, Command& command);
+void add_inspect(CLI::App& app, Command& command);
+void add_devices(CLI::App& app, Command& command);
+void add_scenes(CLI::App& app, Command& command);
+void add_schema(CLI::App& app, Command& command);
+
+// -q, -v, --log-format
+void add_log_options(CLI::App& subcommand, LogOptions& log);
+
+// A scene by name and what the command line changes in it.
+struct SceneArguments {
+  std::string name;
+  scene::SceneOverrides overrides;
+};
+
+// SCENE, --set, --fps, --start, --end, --clip
+void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
+                       bool required);
+
+// Throws scene::SceneError; UsageError where the scene is good and an override is not.
+scene::Scene load(const SceneArguments& arguments);
+
+// The model with what was found on the way.
+struct Built {
+  model::Model model;
+  build::Report report;
+};
+Built build(const scene::Scene& scene, Log& log);
+
+// The build's warnings, for commands whose result does not hold them.
+void log_warnings(const build::Report& report, Log& log);
+
+// The warning with the first of its vertices.
+std::string warning_text(const build::Warning& warning);
+
+// "; did you mean NAME?", or empty if no built-in scene has a name like it.
+std::string nearest_scene_hint(const std::string& name);
+
+// Throws scene::SceneError for names no solver has.
+model::SolverOptions solver_options(const scene::Scene& scene);
+
+// The whole command line; returns the exit status.
+int run(int argc, const char* const* argv);
+
+}  // namespace fascicle::cli

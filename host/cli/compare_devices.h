@@ -1,0 +1,72 @@
+// Validation of devices against each other and against the oracle: what is compared, and what was found.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/cli/device_choice.h"
+#include "host/model/model.h"
+#include "host/model/validate.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::cli {
+
+// The largest distance allowed between a float solver and the oracle, and between a device that is not exact
+// and the CPU, as a share of the body's largest extent.
+//
+// Each substep rounds a position by about 2^-24 of the working unit, which lies within a factor of two of the
+// body's extent: 6e-8. Shape matching passes an error on to the next substep without growth in a damped body,
+// where errors die out, and with growth linear in the number of substeps N in an undamped one, whose modes
+// drift apart in phase: about 6e-8 N, 6e-5 after the 1,000 substeps in which a bar swings a few times. The
+// rotation extraction adds its own 3e-5 degrees, 5e-7 rad, of which a region passes on 5e-7 of its own size.
+// 1e-3 leaves a factor of ten over their sum; a wrong formula, weight or index moves the body by percents.
+inline constexpr double oracle_bound = 1e-3;
+
+// Two devices run without probe, as bake runs them.
+struct HashComparison {
+  std::uint64_t frames = 0;
+  std::optional<std::uint64_t> first_different_frame;
+  std::uint64_t last_hash_a = 0, last_hash_b = 0;
+};
+
+// One device against the first of the list.
+struct Comparison {
+  std::string a, b;
+  bool exact = true;                            // both devices are: compared by bits
+  std::uint64_t values = 0;                     // stage outputs compared
+  std::optional<model::Difference> difference;  // if exact
+  HashComparison hashes;                        // if exact
+  model::Distance distance;                     // if not exact
+  double relative = 0.0;                        // distance.largest over the extent
+  bool holds() const;
+};
+
+struct OracleComparison {
+  std::string device;
+  model::Distance distance;
+  double relative = 0.0;
+  bool holds() const { return relative <= oracle_bound; }
+};
+
+struct Validation {
+  std::uint64_t frames = 0;
+  double extent = 0.0;  // m, the body's largest
+  std::vector<Comparison> comparisons;
+  std::vector<OracleComparison> oracle;
+  bool holds() const;
+};
+
+// Runs `frames` frames on every device; compares each with the first, and with the oracle if wanted.
+// `on_frame` is told what is running and how far it is. Throws bake::NotFinite where the positions stop being
+// finite.
+Validation validate(const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
+                    const std::vector<ChosenDevice>& devices, std::uint64_t frames, bool with_oracle,
+                    const std::function<void(const std::string& what, std::uint64_t frame)>& on_frame);
+
+// The largest extent of the rest shape's bounding box, m.
+double body_extent(const model::Model& model);
+
+}  // namespace fascicle::cli

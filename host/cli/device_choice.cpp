@@ -1,0 +1,195 @@
+#include "host/cli/device_choice.h"
+
+#include <charconv>
+#include <fstream>
+#include <thread>
+#include <utility>
+
+#include "cpu_reference/cpu_solver.h"
+#include "gpu/vulkan_solver.h"
+#include "host/cli/exit_codes.h"
+
+namespace fascicle::cli {
+namespace {
+
+constexpr const char* known_devices = "use auto, cpu, vulkan or vulkan:N (fascicle devices lists them)";
+
+std::string yes_no(bool value) {
+  return value ? "yes" : "no";
+}
+
+}  // namespace
+
+DeviceRequest parse_device(const std::string& text) {
+  if (text == "auto") return {DeviceRequest::Kind::automatic, std::nullopt};
+  if (text == "cpu") return {DeviceRequest::Kind::cpu, std::nullopt};
+  if (text == "vulkan") return {DeviceRequest::Kind::vulkan, std::nullopt};
+  const std::string prefix = "vulkan:";
+  if (text.starts_with(prefix)) {
+    std::uint32_t index = 0;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(text.data() + prefix.size(), last, index);
+    if (error == std::errc() && end == last) return {DeviceRequest::Kind::vulkan, index};
+  }
+  throw UsageError("device \"" + text + "\" is not one; " + known_devices);
+}
+
+std::vector<DeviceRequest> parse_device_list(const std::string& text) {
+  std::vector<DeviceRequest> requests;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t comma = text.find(',', begin);
+    requests.push_back(parse_device(text.substr(begin, comma - begin)));
+    if (requests.back().kind == DeviceRequest::Kind::automatic)
+      throw UsageError("--devices names what to compare: cpu, vulkan or vulkan:N, not auto");
+    if (comma == std::string::npos) return requests;
+    begin = comma + 1;
+  }
+}
+
+std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
+                                        std::span<const gpu::DeviceInfo> devices) {
+  std::vector<gpu::DeviceInfo> found;
+  if (request.kind == DeviceRequest::Kind::cpu) return found;
+  if (request.index) {
+    for (const gpu::DeviceInfo& device : devices)
+      if (device.index == *request.index) found.push_back(device);
+    return found;
+  }
+  for (const gpu::DeviceInfo& device : devices)
+    if (device.usable && !device.software) found.push_back(device);
+  if (request.kind == DeviceRequest::Kind::vulkan)
+    for (const gpu::DeviceInfo& device : devices)
+      if (device.usable && device.software) found.push_back(device);
+  return found;
+}
+
+ChosenDevice ChosenDevice::cpu(unsigned threads, std::string why) {
+  ChosenDevice chosen;
+  chosen.label_ = "cpu";
+  chosen.why_ = std::move(why);
+  chosen.description_.solver = "cpu";
+  chosen.description_.name = processor_name();
+#if defined(__clang__)
+  chosen.description_.driver = "compiled by Clang " __clang_version__;
+#else
+  chosen.description_.driver = "compiled by GCC " __VERSION__;
+#endif
+  chosen.description_.float_controls = "IEEE 754 binary32, rounding to nearest even, no contraction";
+  chosen.description_.exact = true;
+  chosen.description_.threads = threads == 0 ? processor_threads() : threads;
+  return chosen;
+}
+
+ChosenDevice ChosenDevice::vulkan(const gpu::DeviceInfo& info, std::string why) {
+  ChosenDevice chosen;
+  chosen.label_ = "vulkan:" + std::to_string(info.index);
+  chosen.why_ = std::move(why);
+  chosen.device_ = std::make_unique<gpu::Device>(info.index);
+  chosen.description_.solver = "vulkan";
+  chosen.description_.name = info.name;
+  chosen.description_.driver = info.driver;
+  chosen.description_.float_controls = float_controls_text(info);
+  chosen.description_.exact = chosen.device_->self_test(&chosen.why_not_exact_);
+  if (chosen.description_.exact) chosen.why_not_exact_.clear();
+  return chosen;
+}
+
+std::string ChosenDevice::text() const {
+  std::string text = label_ + ", " + description_.name;
+  if (description_.threads > 0)
+    text +=
+        ", " + std::to_string(description_.threads) + (description_.threads == 1 ? " thread" : " threads");
+  if (device_) text += ", " + description_.driver;
+  if (!description_.exact) text += ", not exact (" + why_not_exact_ + ")";
+  if (!why_.empty()) text += " (" + why_ + ")";
+  return text;
+}
+
+std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& model,
+                                                         const model::SolverOptions& options) const {
+  if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads);
+  try {
+    return gpu::make_vulkan_solver(*device_, model, options);
+  } catch (const gpu::DeviceError& error) {
+    throw NoSuchDevice(label_ + " (" + description_.name + ") cannot run this scene: " + error.what() +
+                       "; use --device cpu or a coarser mesh");
+  }
+}
+
+ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& log) {
+  if (request.kind == DeviceRequest::Kind::cpu) return ChosenDevice::cpu(threads, "");
+  const bool automatic = request.kind == DeviceRequest::Kind::automatic;
+
+  std::string why_none;
+  const std::vector<gpu::DeviceInfo> devices = gpu::list_devices(&why_none);
+  const std::vector<gpu::DeviceInfo> order = candidates(request, devices);
+  std::string refusal;
+  for (const gpu::DeviceInfo& info : order) {
+    const std::string label = "vulkan:" + std::to_string(info.index) + " (" + info.name + ")";
+    if (!info.usable) throw NoSuchDevice(label + " cannot be used: " + info.why_not + "; " + known_devices);
+    try {
+      std::string why;
+      if (automatic)
+        why = "auto: a GPU that passes the self-test";
+      else if (!request.index)
+        why = info.software ? "no real GPU; the first software device" : "the first real GPU";
+      ChosenDevice chosen = ChosenDevice::vulkan(info, why);
+      if (!automatic || chosen.description().exact) return chosen;
+      refusal = label + " is not exact: " + chosen.why_not_exact();
+    } catch (const gpu::DeviceError& error) {
+      refusal = label + ": " + error.what();
+      if (request.index) throw NoSuchDevice(refusal);
+    }
+    log.warning(refusal);
+  }
+  if (automatic)
+    return ChosenDevice::cpu(threads, refusal.empty() ? "auto: no real GPU" : "auto: no GPU that will do");
+  if (request.index && !devices.empty())
+    throw NoSuchDevice("there is no device vulkan:" + std::to_string(*request.index) + ", only " +
+                       std::to_string(devices.size()) + " (0 to " + std::to_string(devices.size() - 1) +
+                       "); " + known_devices);
+  if (!refusal.empty()) throw NoSuchDevice(refusal);
+  throw NoSuchDevice(
+      "there is no Vulkan device" + (why_none.empty() ? std::string() : ": " + why_none) +
+      "; use --device cpu, or install a driver (Mesa's lavapipe needs no GPU: mesa-vulkan-drivers)");
+}
+
+Simulation choose_simulation(const DeviceRequest& request, unsigned threads, const model::Model& model,
+                             const model::SolverOptions& options, Log& log) {
+  ChosenDevice device = choose_device(request, threads, log);
+  std::unique_ptr<model::Solver> solver;
+  try {
+    solver = device.make_solver(model, options);
+  } catch (const NoSuchDevice& error) {
+    if (request.kind != DeviceRequest::Kind::automatic) throw;
+    log.warning(error.what());
+    device = ChosenDevice::cpu(threads, "auto: the scene does not fit the GPU");
+    solver = device.make_solver(model, options);
+  }
+  log.info("device: " + device.text());
+  return {std::move(device), std::move(solver)};
+}
+
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+unsigned processor_threads() {
+  const unsigned count = std::thread::hardware_concurrency();
+  return count == 0 ? 1 : count;
+}
+
+std::string float_controls_text(const gpu::DeviceInfo& info) {
+  return "rounding to nearest even: " + yes_no(info.rounding_rte) +
+         ", signed zero, infinity and NaN kept: " + yes_no(info.signed_zero_inf_nan_preserve) +
+         ", denormals kept: " + yes_no(info.denorm_preserve);
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,77 @@
+// --device: what was asked for, what is there, what is taken. The one place that picks a solver.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/device.h"
+#include "host/bake/bake.h"
+#include "host/cli/log.h"
+#include "host/model/solver.h"
+
+namespace fascicle::cli {
+
+struct DeviceRequest {
+  enum class Kind { automatic, cpu, vulkan };
+  Kind kind = Kind::automatic;
+  std::optional<std::uint32_t> index;  // of vulkan:N
+};
+
+// "auto", "cpu", "vulkan", "vulkan:N". Throws UsageError.
+DeviceRequest parse_device(const std::string& text);
+// "cpu,vulkan:1". Throws UsageError, for an empty entry and for "auto" too.
+std::vector<DeviceRequest> parse_device_list(const std::string& text);
+
+// The devices of a request in the order to try them. automatic: usable real GPUs; vulkan: usable real GPUs,
+// then usable software devices; with an index that one, usable or not.
+std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
+                                        std::span<const gpu::DeviceInfo> devices);
+
+// A device ready to make solvers. Must outlive them.
+class ChosenDevice {
+ public:
+  static ChosenDevice cpu(unsigned threads, std::string why);
+  // Opens it and runs its self-test. Throws gpu::DeviceError.
+  static ChosenDevice vulkan(const gpu::DeviceInfo& info, std::string why);
+
+  // "cpu" or "vulkan:N"
+  const std::string& label() const { return label_; }
+  // One line for people: label, name, driver, exact or not, why it was taken.
+  std::string text() const;
+  const bake::DeviceDescription& description() const { return description_; }
+  // First difference that the self-test found; empty if exact.
+  const std::string& why_not_exact() const { return why_not_exact_; }
+  // Throws NoSuchDevice where the model does not fit the device.
+  std::unique_ptr<model::Solver> make_solver(const model::Model& model,
+                                             const model::SolverOptions& options) const;
+
+ private:
+  std::string label_, why_, why_not_exact_;
+  bake::DeviceDescription description_;
+  std::unique_ptr<gpu::Device> device_;  // null: the CPU
+};
+
+// Takes a device. automatic: the first real GPU that passes its self-test, else the CPU. Throws NoSuchDevice.
+// `threads` 0: one for each core.
+ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& log);
+
+// The same and its solver for one model, so that automatic can go on to the CPU where the model does not fit
+// the GPU. Says on the log what was taken.
+struct Simulation {
+  ChosenDevice device;
+  std::unique_ptr<model::Solver> solver;
+};
+Simulation choose_simulation(const DeviceRequest& request, unsigned threads, const model::Model& model,
+                             const model::SolverOptions& options, Log& log);
+
+// The processor's model name and number of cores.
+std::string processor_name();
+unsigned processor_threads();
+// "rounding to nearest even: yes, signed zero, infinity and NaN kept: yes, denormals kept: no"
+std::string float_controls_text(const gpu::DeviceInfo& info);
+
+}  // namespace fascicle::cli

@@ -1,0 +1,172 @@
+// fascicle inspect: what is in a scene or a mesh, before anything is simulated.
+#include <iostream>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/command.h"
+#include "host/cli/model_vtu.h"
+#include "host/cli/text.h"
+
+namespace fascicle::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InspectArguments {
+  SceneArguments scene;
+  std::string model_file;
+  bool json = false;
+};
+
+double share_of(double part, double whole) {
+  return whole > 0.0 ? part / whole : 0.0;
+}
+
+std::size_t longest_ring(const model::Model& model) {
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < model.vertex_count; ++i)
+    longest = std::max<std::size_t>(longest, model.ring_offset[i + 1] - model.ring_offset[i]);
+  return longest;
+}
+
+Json json_of(const scene::Scene& scene, const Built& built) {
+  const build::Report& report = built.report;
+  const model::Model& model = built.model;
+  Json layers = Json::array();
+  for (const build::LayerShare& layer : report.layers)
+    layers.push_back({{"name", layer.name},
+                      {"vertices", layer.vertices},
+                      {"volume_m3", layer.volume},
+                      {"volume_share", share_of(layer.volume, report.volume)},
+                      {"mass_kg", layer.mass}});
+  Json probes = Json::array();
+  for (const model::ProbeSet& probe : model.probes)
+    probes.push_back({{"name", probe.name}, {"vertices", probe.vertices.size()}});
+  Json warnings = Json::array();
+  for (const build::Warning& warning : report.warnings)
+    warnings.push_back({{"text", warning.text}, {"vertices", warning.vertices}});
+  return {{"scene", scene.name},
+          {"source", scene.source},
+          {"vertices", report.vertices},
+          {"tetrahedra", report.tetrahedra},
+          {"surface_vertices", report.surface_vertices},
+          {"surface_triangles", report.surface_triangles},
+          {"joints", model.joint_count},
+          {"one_ring_entries", model.ring.size()},
+          {"longest_one_ring", longest_ring(model)},
+          {"pinned_vertices", report.pinned_vertices},
+          {"volume_m3", report.volume},
+          {"mass_kg", report.mass},
+          {"mean_edge_m", report.mean_edge},
+          {"shortest_edge_m", report.shortest_edge},
+          {"longest_edge_m", report.longest_edge},
+          {"working_unit_m", model.unit},
+          {"weights", model::name_of(model.weight_form)},
+          {"flipped_tetrahedra", report.flipped_tetrahedra},
+          {"region_fallbacks", report.region_fallbacks},
+          {"vertex_fallbacks", report.vertex_fallbacks},
+          {"skipped_regions", report.skipped_regions},
+          {"frames", scene::frame_count(scene)},
+          {"fps", scene.fps},
+          {"substeps", scene.solver.substeps},
+          {"solver_bytes", model::solver_bytes(model)},
+          {"layers", layers},
+          {"probes", probes},
+          {"warnings", warnings},
+          {"build_seconds", report.seconds}};
+}
+
+std::string millimetres(double metres) {
+  return number_text(metres * 1e3) + " mm";
+}
+
+void print_text(const scene::Scene& scene, const Built& built) {
+  const build::Report& report = built.report;
+  const model::Model& model = built.model;
+  std::cout << scene.name << "\n"
+            << columns_text(
+                   {{"source", scene.source},
+                    {"vertices",
+                     count_text(report.vertices) + ", " + count_text(report.pinned_vertices) + " pinned"},
+                    {"tetrahedra", count_text(report.tetrahedra)},
+                    {"surface", count_text(report.surface_vertices) + " vertices, " +
+                                    count_text(report.surface_triangles) + " triangles"},
+                    {"joints", count_text(model.joint_count)},
+                    {"one-rings", count_text(model.ring.size()) + " entries, " +
+                                      std::to_string(longest_ring(model)) + " at most in one"},
+                    {"volume", number_text(report.volume * 1e3) + " litres"},
+                    {"mass", number_text(report.mass) + " kg"},
+                    {"edges", millimetres(report.mean_edge) + " on average, " +
+                                  millimetres(report.shortest_edge) + " to " +
+                                  millimetres(report.longest_edge)},
+                    {"working unit", number_text(model.unit) + " m"},
+                    {"time", count_text(scene::frame_count(scene)) + " frames at " + number_text(scene.fps) +
+                                 " a second, " + std::to_string(scene.solver.substeps) + " substeps each"},
+                    {"weights", model::name_of(model.weight_form)},
+                    {"solver memory", bytes_text(model::solver_bytes(model))}});
+  std::cout << "layers\n";
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const build::LayerShare& layer : report.layers)
+    rows.emplace_back(layer.name, count_text(layer.vertices) + " vertices, " +
+                                      number_text(100.0 * share_of(layer.volume, report.volume), 3) +
+                                      " % of the volume, " + number_text(layer.mass) + " kg");
+  std::cout << columns_text(rows);
+
+  rows.clear();
+  for (const model::ProbeSet& probe : model.probes)
+    rows.emplace_back(probe.name, count_text(probe.vertices.size()) + " vertices");
+  if (!rows.empty()) std::cout << "probes\n" << columns_text(rows);
+
+  rows.clear();
+  const auto count = [&rows](const char* what, std::uint32_t number) {
+    if (number > 0) rows.emplace_back(what, count_text(number));
+  };
+  count("tetrahedra turned round", report.flipped_tetrahedra);
+  count("regions whose weights summed to nothing (weights fall back to masses)", report.region_fallbacks);
+  count("vertices whose weights summed to nothing (weights fall back to masses)", report.vertex_fallbacks);
+  count("regions without any weight (skipped)", report.skipped_regions);
+  if (!rows.empty()) std::cout << "repaired\n" << columns_text(rows);
+
+  if (!report.warnings.empty()) std::cout << "warnings\n";
+  for (const build::Warning& warning : report.warnings) std::cout << "  " << warning_text(warning) << "\n";
+}
+
+ExitCode inspect(const InspectArguments& arguments, Log& log) {
+  const scene::Scene scene = load(arguments.scene);
+  const Built built = build(scene, log);
+  if (!arguments.model_file.empty()) write_model_vtu(arguments.model_file, built.model);
+  if (arguments.json) {
+    Json object = json_of(scene, built);
+    if (!arguments.model_file.empty()) object["model_file"] = arguments.model_file;
+    std::cout << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+    return ExitCode::done;
+  }
+  print_text(scene, built);
+  if (!arguments.model_file.empty())
+    std::cout << "wrote " << arguments.model_file << "  (ParaView: layer, alpha, beta, fibre, mass)\n";
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Command& command) {
+  auto* subcommand = app.add_subcommand("inspect", "Print what is in a scene or mesh");
+  const auto arguments = std::make_shared<InspectArguments>();
+  add_scene_options(*subcommand, arguments->scene, "Scene file, mesh, character or built-in name", true);
+  subcommand
+      ->add_option("--model", arguments->model_file,
+                   "Write the tetrahedra with layer, alpha, beta, fibre and mass for ParaView (.vtu)")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return text.ends_with(".vtu") ? std::string() : "\"" + text + "\" does not end in .vtu";
+          },
+          ""))
+      ->option_text("FILE.vtu");
+  subcommand->add_flag("--json", arguments->json, "Print one JSON object");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback(
+      [arguments, &command] { command.run = [arguments](Log& log) { return inspect(*arguments, log); }; });
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,128 @@
+#include "host/cli/log.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "host/cli/text.h"
+
+namespace fascicle::cli {
+namespace {
+
+constexpr unsigned bar_cells = 24;
+
+// One write a line, so that lines of several processes on one stderr do not mix.
+void put(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+std::string json_line(const nlohmann::ordered_json& object) {
+  // Paths are bytes and need not be UTF-8; a log line must still be JSON.
+  return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+// A message is one line, whatever a library put into it.
+std::string one_line(std::string message) {
+  while (!message.empty() && (message.back() == '\n' || message.back() == '\r')) message.pop_back();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message;
+}
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+}  // namespace
+
+Log::Log(const LogOptions& options) : options_(options), start_(std::chrono::steady_clock::now()) {
+  const char* terminal = std::getenv("TERM");
+  const bool capable =
+      ::isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::strcmp(terminal, "dumb") != 0;
+  bar_allowed_ = capable && options.format == LogFormat::text && options.verbosity != Verbosity::quiet;
+  colour_ = capable && options.format == LogFormat::text && !is_set("NO_COLOR");
+}
+
+Log::~Log() {
+  clear_bar();
+}
+
+void Log::line(const char* level, const std::string& prefix, const std::string& message) {
+  clear_bar();
+  const std::string text = one_line(message);
+  if (options_.format == LogFormat::json) {
+    const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start_;
+    put(json_line({{"time", since.count()}, {"level", level}, {"message", text}}));
+    return;
+  }
+  put(prefix + text + "\n");
+}
+
+void Log::error(const std::string& message) {
+  line("error", colour_ ? "fascicle: \x1b[1;31merror:\x1b[0m " : "fascicle: error: ", message);
+}
+
+void Log::warning(const std::string& message) {
+  if (options_.verbosity == Verbosity::quiet) return;
+  line("warning", colour_ ? "fascicle: \x1b[1;33mwarning:\x1b[0m " : "fascicle: warning: ", message);
+}
+
+void Log::info(const std::string& message) {
+  if (options_.verbosity != Verbosity::quiet) line("info", "", message);
+}
+
+void Log::detail(const std::string& message) {
+  if (options_.verbosity == Verbosity::verbose) line("detail", "", message);
+}
+
+void Log::progress(const Advance& advance) {
+  if (options_.verbosity == Verbosity::quiet) return;
+  if (options_.format == LogFormat::json) {
+    const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start_;
+    nlohmann::ordered_json object{{"time", since.count()},      {"level", "progress"},
+                                  {"message", advance.what},    {"frame", advance.done},
+                                  {"frames", advance.total},    {"rate", advance.rate},
+                                  {"eta", advance.seconds_left}};
+    if (advance.rate <= 0.0) object["rate"] = nullptr;
+    if (advance.seconds_left < 0.0) object["eta"] = nullptr;
+    put(json_line(object));
+    return;
+  }
+  if (!bar_allowed_) {
+    put(advance_text(advance, 0) + "\n");
+    return;
+  }
+  const std::string text = advance_text(advance, bar_cells);
+  const std::size_t length = text.size();
+  const std::size_t rest = bar_width_ > length ? bar_width_ - length : 0;
+  put("\r" + text + std::string(rest, ' '));
+  bar_width_ = length;
+}
+
+void Log::clear_bar() {
+  if (bar_width_ == 0) return;
+  put("\r" + std::string(bar_width_, ' ') + "\r");
+  bar_width_ = 0;
+}
+
+std::string advance_text(const Advance& advance, unsigned width) {
+  const double share =
+      advance.total == 0 ? 1.0 : static_cast<double>(advance.done) / static_cast<double>(advance.total);
+  std::string text = advance.what;
+  if (width > 0) {
+    const auto filled = static_cast<unsigned>(std::clamp(share, 0.0, 1.0) * width);
+    text += "  [" + std::string(filled, '#') + std::string(width - filled, '-') + "]";
+  }
+  text += "  " + std::to_string(static_cast<int>(std::clamp(share, 0.0, 1.0) * 100.0)) + " %  frame " +
+          std::to_string(advance.done) + "/" + std::to_string(advance.total);
+  if (advance.rate > 0.0) text += "  " + number_text(advance.rate, 3) + " frames/s";
+  if (advance.seconds_left >= 0.0) text += "  " + duration_text(advance.seconds_left) + " left";
+  return text;
+}
+
+}  // namespace fascicle::cli

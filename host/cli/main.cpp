@@ -1,0 +1,5 @@
+#include "host/cli/command.h"
+
+int main(int argc, char** argv) {
+  return fascicle::cli::run(argc, argv);
+}

@@ -1,0 +1,95 @@
+// The command line as a whole: parsing, and what each kind of error becomes.
+#include <cstring>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <system_error>
+
+#include "host/bake/bake.h"
+#include "host/bake/version.h"
+#include "host/cli/command.h"
+
+namespace fascicle::cli {
+namespace {
+
+// Errors of parsing come before the options are filled in, so their form is looked up by hand.
+LogOptions log_options_of_bad_usage(int argc, const char* const* argv) {
+  LogOptions options;
+  for (int k = 1; k < argc; ++k) {
+    const bool joined = std::strcmp(argv[k], "--log-format=json") == 0;
+    const bool split =
+        std::strcmp(argv[k], "--log-format") == 0 && k + 1 < argc && std::strcmp(argv[k + 1], "json") == 0;
+    if (joined || split) options.format = LogFormat::json;
+  }
+  return options;
+}
+
+ExitCode report(Log& log, const std::string& message, ExitCode code) {
+  log.error(message);
+  return code;
+}
+
+ExitCode run_command(const Command& command, Log& log) {
+  try {
+    const ExitCode code = command.run(log);
+    // Results that could not be written are no results.
+    std::cout.flush();
+    if (!std::cout) return report(log, "standard output could not be written", ExitCode::unforeseen);
+    return code;
+  } catch (const UsageError& error) {
+    return report(log, error.what(), ExitCode::bad_usage);
+  } catch (const bake::FolderInUse& error) {
+    return report(log, error.what(), ExitCode::bad_usage);
+  } catch (const scene::SceneError& error) {
+    return report(log, error.what(), ExitCode::bad_input);
+  } catch (const bake::BakeError& error) {
+    return report(log, error.what(), ExitCode::bad_input);
+  } catch (const NoSuchDevice& error) {
+    return report(log, error.what(), ExitCode::no_such_device);
+  } catch (const bake::NotFinite& error) {
+    return report(log, error.what(), ExitCode::not_finite);
+  } catch (const std::bad_alloc&) {
+    return report(log, "out of memory; try a coarser mesh, or inspect the scene to see its size",
+                  ExitCode::unforeseen);
+  } catch (const std::exception& error) {
+    return report(log, error.what(), ExitCode::unforeseen);
+  }
+}
+
+}  // namespace
+
+int run(int argc, const char* const* argv) {
+  Command command;
+  CLI::App app{
+      "Bakes how muscle and fat move on rigged, animated characters, with the same bits on CPU and GPU."};
+  app.name("fascicle");
+  app.set_version_flag("--version", std::string("fascicle ") + bake::fascicle_version,
+                       "Print the version and end");
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done, 2 bad usage, 3 bad input, 4 no such device, 5 the simulation left the finite "
+      "numbers,\n"
+      "6 validation found a difference, 75 interrupted (go on with --resume), 1 anything else.");
+  add_bake(app, command);
+  add_validate(app, command);
+  add_inspect(app, command);
+  add_devices(app, command);
+  add_scenes(app, command);
+  add_schema(app, command);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version, on stdout
+    Log log(log_options_of_bad_usage(argc, argv));
+    const auto named = app.get_subcommands();
+    const std::string help =
+        named.empty() ? "fascicle --help" : "fascicle " + named.front()->get_name() + " --help";
+    log.error(std::string(error.what()) + "; see " + help);
+    return static_cast<int>(ExitCode::bad_usage);
+  }
+  Log log(command.log);
+  return static_cast<int>(run_command(command, log));
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,236 @@
+// fascicle validate: several devices, the same drives, the same bits.
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/command.h"
+#include "host/cli/compare_devices.h"
+#include "host/cli/device_choice.h"
+#include "host/cli/progress.h"
+#include "host/cli/text.h"
+
+namespace fascicle::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ValidateArguments {
+  SceneArguments scene;
+  std::string devices = "cpu,vulkan";
+  std::uint64_t frames = 0;  // 0: all of the scene's
+  unsigned threads = 0;
+  bool json = false, oracle = true;
+};
+
+// Where a stage's output names a vertex of the model, its number in the tetrahedral mesh.
+std::optional<std::uint32_t> source_number(const model::Model& model, const model::Difference& difference) {
+  if (difference.where.stage == model::Stage::embed || difference.item >= model.source_vertex.size())
+    return std::nullopt;
+  return model.source_vertex[difference.item];
+}
+
+std::string hash_text(std::uint64_t hash) {
+  std::string digits(16, '0');
+  for (std::size_t place = 16; place-- > 0; hash >>= 4U) digits[place] = "0123456789abcdef"[hash & 15U];
+  return digits;
+}
+
+Json json_of(const model::Difference& difference, const model::Model& model) {
+  Json object{{"frame", difference.where.frame},
+              {"substep", difference.where.substep},
+              {"stage", model::name_of(difference.where.stage)},
+              {"item", difference.item}};
+  const std::optional<std::uint32_t> source = source_number(model, difference);
+  object["source_vertex"] = source ? Json(*source) : Json();
+  object["component"] = difference.component;
+  // As text: JSON has no NaN and no infinity.
+  object["a"] = {{"value", float_text(difference.a)}, {"bits", bits_text(difference.a)}};
+  object["b"] = {{"value", float_text(difference.b)}, {"bits", bits_text(difference.b)}};
+  object["ulp"] = difference.ulp;
+  return object;
+}
+
+Json json_of(const model::Distance& distance, double relative) {
+  return {{"largest_m", distance.largest}, {"rms_m", distance.rms}, {"frame", distance.frame},
+          {"vertex", distance.vertex},     {"relative", relative},  {"bound", oracle_bound}};
+}
+
+Json json_of(const Comparison& comparison, const model::Model& model) {
+  Json object{{"a", comparison.a},
+              {"b", comparison.b},
+              {"by", comparison.exact ? "bits" : "tolerance"},
+              {"holds", comparison.holds()}};
+  if (!comparison.exact) {
+    object["distance"] = json_of(comparison.distance, comparison.relative);
+    return object;
+  }
+  const HashComparison& hashes = comparison.hashes;
+  object["identical"] = comparison.holds();
+  object["values_compared"] = comparison.values;
+  object["first_difference"] = comparison.difference ? json_of(*comparison.difference, model) : Json();
+  object["unprobed"] = {
+      {"frames", hashes.frames},
+      {"first_different_frame", hashes.first_different_frame ? Json(*hashes.first_different_frame) : Json()},
+      {"last_hash_a", hash_text(hashes.last_hash_a)},
+      {"last_hash_b", hash_text(hashes.last_hash_b)}};
+  return object;
+}
+
+void print_json(const scene::Scene& scene, const model::Model& model,
+                const std::vector<ChosenDevice>& devices, const Validation& validation) {
+  Json object{{"scene", scene.name},
+              {"frames", validation.frames},
+              {"substeps", scene.solver.substeps},
+              {"vertices", model.vertex_count},
+              {"holds", validation.holds()},
+              {"devices", Json::array()},
+              {"comparisons", Json::array()},
+              {"oracle", Json::array()}};
+  for (const ChosenDevice& device : devices)
+    object["devices"].push_back({{"device", device.label()},
+                                 {"name", device.description().name},
+                                 {"driver", device.description().driver},
+                                 {"exact", device.description().exact},
+                                 {"why_not_exact", device.why_not_exact()}});
+  for (const Comparison& comparison : validation.comparisons)
+    object["comparisons"].push_back(json_of(comparison, model));
+  for (const OracleComparison& comparison : validation.oracle) {
+    Json entry{{"device", comparison.device}, {"holds", comparison.holds()}};
+    entry.update(json_of(comparison.distance, comparison.relative));
+    object["oracle"].push_back(entry);
+  }
+  std::cout << object.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+}
+
+// "0.0123 mm, 3.1e-05 of the body's extent at most, 1.2e-05 mm RMS; bound 0.001"
+std::string distance_text(const model::Distance& distance, double relative) {
+  return "at most " + number_text(distance.largest * 1e3) + " mm (frame " + std::to_string(distance.frame) +
+         ", vertex " + std::to_string(distance.vertex) + "), RMS " + number_text(distance.rms * 1e3) +
+         " mm; " + number_text(relative, 2) + " of the body's extent, bound " + number_text(oracle_bound, 2);
+}
+
+std::string difference_text(const model::Difference& difference, const Comparison& comparison,
+                            const model::Model& model) {
+  const bool render = difference.where.stage == model::Stage::embed;
+  std::string item = (render ? "render vertex " : "vertex ") + std::to_string(difference.item);
+  if (const auto source = source_number(model, difference))
+    item += " (" + std::to_string(*source) + " in the mesh)";
+  return "first difference\n" +
+         columns_text({{"frame", std::to_string(difference.where.frame)},
+                       {"substep", std::to_string(difference.where.substep)},
+                       {"stage", model::name_of(difference.where.stage)},
+                       {"at", item},
+                       {"component", std::to_string(difference.component)},
+                       {comparison.a, float_text(difference.a) + "  " + bits_text(difference.a)},
+                       {comparison.b, float_text(difference.b) + "  " + bits_text(difference.b)},
+                       {"ULP", std::to_string(difference.ulp)}});
+}
+
+void print_comparison(const Comparison& comparison, const model::Model& model) {
+  const std::string pair = comparison.a + " and " + comparison.b + ": ";
+  if (!comparison.exact) {
+    std::cout << pair
+              << "not both exact, so held to a tolerance: " << (comparison.holds() ? "within" : "NOT within")
+              << ", " << distance_text(comparison.distance, comparison.relative) << "\n";
+    return;
+  }
+  if (comparison.holds()) {
+    std::cout << pair << "identical: " << count_text(comparison.values)
+              << " values of all stages compared by bits over " << count_text(comparison.hashes.frames)
+              << " frames; last position hash without probes " << hash_text(comparison.hashes.last_hash_a)
+              << " on both\n";
+    return;
+  }
+  std::cout << pair << "DIFFERENT\n";
+  if (comparison.difference)
+    std::cout << difference_text(*comparison.difference, comparison, model);
+  else
+    std::cout << "no stage differs when probed: the fault is in how stages are fused\n";
+  if (comparison.hashes.first_different_frame)
+    std::cout << "without probes position hashes differ from frame "
+              << *comparison.hashes.first_different_frame << ": " << hash_text(comparison.hashes.last_hash_a)
+              << " and " << hash_text(comparison.hashes.last_hash_b) << "\n";
+  else
+    std::cout << "without probes all position hashes are the same: the fault is in how stages are shown\n";
+}
+
+void print_text(const model::Model& model, const Validation& validation) {
+  for (const Comparison& comparison : validation.comparisons) print_comparison(comparison, model);
+  for (const OracleComparison& comparison : validation.oracle)
+    std::cout << comparison.device
+              << " and the oracle: " << (comparison.holds() ? "within the bound" : "BEYOND THE BOUND") << ": "
+              << distance_text(comparison.distance, comparison.relative) << "\n";
+  if (!validation.oracle.empty())
+    std::cout
+        << "  (the bound: each substep rounds by 2^-24 of the working unit, 6e-8 of the body; errors grow at "
+           "most in\n"
+           "  step with the substeps; ten times what 1,000 substeps and the rotations' own error can give)\n";
+}
+
+ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
+  const std::vector<DeviceRequest> requests = parse_device_list(arguments.devices);
+  if (requests.size() < 2 && !arguments.oracle)
+    throw UsageError("--devices " + arguments.devices +
+                     " with --no-oracle leaves nothing to compare; name two devices");
+  const scene::Scene scene = load(arguments.scene);
+  const Built built = build(scene, log);
+  log_warnings(built.report, log);
+  std::vector<ChosenDevice> devices;
+  for (const DeviceRequest& request : requests) {
+    devices.push_back(choose_device(request, arguments.threads, log));
+    log.info("device: " + devices.back().text());
+  }
+  const std::uint64_t all = scene::frame_count(scene);
+  const std::uint64_t frames = arguments.frames == 0 ? all : std::min(arguments.frames, all);
+
+  std::optional<Progress> progress;
+  std::string running;
+  const auto on_frame = [&](const std::string& what, std::uint64_t frame) {
+    if (what != running) {
+      running = what;
+      progress.emplace(log, what, frames);
+    }
+    progress->update(frame);
+  };
+  const Validation validation =
+      validate(scene, built.model, solver_options(scene), devices, frames, arguments.oracle, on_frame);
+  progress.reset();
+
+  if (arguments.json)
+    print_json(scene, built.model, devices, validation);
+  else
+    print_text(built.model, validation);
+  return validation.holds() ? ExitCode::done : ExitCode::difference;
+}
+
+}  // namespace
+
+void add_validate(CLI::App& app, Command& command) {
+  auto* subcommand =
+      app.add_subcommand("validate", "Compare devices bit by bit, and with the oracle in double precision");
+  const auto arguments = std::make_shared<ValidateArguments>();
+  add_scene_options(*subcommand, arguments->scene, "Scene file, mesh, character or built-in name", true);
+  subcommand
+      ->add_option(
+          "--devices", arguments->devices,
+          "What to compare with the first: cpu, vulkan, vulkan:N, separated by commas; without it cpu,vulkan")
+      ->option_text("LIST");
+  subcommand->add_option("--frames", arguments->frames, "Frames to run; without it all of the scene's")
+      ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}).description(""))
+      ->option_text("N");
+  subcommand
+      ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
+      ->check(CLI::Range(0U, 1024U).description(""))
+      ->option_text("N");
+  subcommand->add_flag("--json", arguments->json, "Print one JSON object");
+  subcommand->add_flag("--oracle,!--no-oracle", arguments->oracle,
+                       "Measure the distance to the oracle, or not; on without it");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback([arguments, &command] {
+    command.run = [arguments](Log& log) { return validate_scene(*arguments, log); };
+  });
+}
+
+}  // namespace fascicle::cli
