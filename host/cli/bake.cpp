@@ -1,11 +1,14 @@
 // fascicle bake: scene in, folder of files out.
 #include "host/bake/bake.h"
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <memory>
 
 #include "host/bake/drive_source.h"
+#include "host/bake/folder.h"
+#include "host/bake/formats.h"
 #include "host/cli/command.h"
 #include "host/cli/device_choice.h"
 #include "host/cli/interrupt.h"
@@ -85,36 +88,27 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
-  if (const fs::path* pvd = with_extension(".pvd"))
-    std::cout << "  ParaView: paraview " << pvd->string() << "  (Apply, then Play)\n";
-  if (const fs::path* pc2 = with_extension(".pc2")) {
-    const fs::path* obj = with_extension(".obj");
-    std::cout << "  Blender: import " << (obj ? obj->string() : "the render mesh")
-              << ", add the modifier Mesh Cache, format PC2, file " << pc2->string() << "\n";
-  }
+  const fs::path series = fs::path(arguments.folder) / bake::vtu_folder / bake::vtu_series;
+  if (fs::exists(series)) std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
+  const fs::path* pc2 = with_extension(".pc2");
+  const fs::path* obj = with_extension(".obj");
+  if (pc2 != nullptr && obj != nullptr)
+    std::cout << "  Blender: import " << obj->string() << ", add the modifier Mesh Cache, format PC2, file "
+              << pc2->string() << "\n";
   if (const fs::path* csv = with_extension(".csv"))
     std::cout << "  any plotter: " << csv->string()
               << "  (energy, volume, largest displacement, probes; a row a frame)\n";
   if (arguments.formats.empty())
-    std::cout << "  to write files for Blender or ParaView from this bake: the same command with --resume "
-                 "--format pc2,vtu\n";
+    std::cout << "  for Blender and ParaView: the same command with --overwrite --format pc2,vtu\n";
 }
 
 void print_result(const BakeArguments& arguments, const scene::Scene& scene, const bake::BakeResult& result) {
   std::cout << "baked " << scene.name << ": " << count_text(result.frames_done) << " frames in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
             << ", writing " << duration_text(result.seconds_writing) << ")\n"
-            << "last position hash " << result.last_position_hash << "\n"
+            << "position hash of the last frame: " << result.last_position_hash << "\n"
             << "wrote\n";
-  // A series has one file a frame; its index names them all.
-  std::uint64_t series = 0;
-  for (const fs::path& file : result.files) {
-    if (file.extension() == ".vtu")
-      ++series;
-    else
-      std::cout << "  " << file.string() << "\n";
-  }
-  if (series > 0) std::cout << "  and " << count_text(series) << " .vtu files\n";
+  for (const fs::path& file : result.files) std::cout << "  " << file.string() << "\n";
   print_how_to_look(arguments, result.files);
 }
 
@@ -127,6 +121,11 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const DeviceRequest request = parse_device(arguments.device);
   const scene::Scene scene = load(arguments.scene);
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
+  // Before the work of building, not after it.
+  if (!arguments.dry_run && !arguments.overwrite && !arguments.resume && bake::holds_bake(arguments.folder))
+    throw bake::FolderInUse(
+        arguments.folder +
+        ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
   const Built built = build(scene, log);
   log_warnings(built.report, log);
   const Simulation simulation =
@@ -151,7 +150,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (result.interrupted) {
     log.warning("interrupted after frame " + std::to_string(result.frames_done) + " of " +
                 std::to_string(scene::frame_count(scene)) +
-                "; the same command with --resume goes on from there");
+                "; the same command with --resume (and without --overwrite) goes on");
     return ExitCode::interrupted;
   }
   print_result(arguments, scene, result);
