@@ -1,14 +1,28 @@
 // glTF 2.0 characters, .glb and .gltf.
+//
+// What is read: the default scene's nodes that have both a mesh and a skin, in the order of the nodes, their
+// primitives one after the other; strips and fans become triangles; all JOINTS_n and WEIGHTS_n. What is left
+// out: meshes without a skin, morph targets, everything about looks. Joint::skins holds for every joint of a
+// skin, weighted or not.
+//
+// The bind pose is the pose of the nodes as the file holds them: positions are put through the skin with
+// those transforms, which turns raw units into metres and the axes to Y up. Where the file's inverse bind
+// matrices and its nodes agree (most files; they then differ by one common matrix), that is the pose the mesh
+// was modelled in. Where they do not, the body is what a viewer shows before any clip plays, and the skin is
+// bound to it anew.
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
 
-// Reads the skinned mesh, skeleton and clips of a glTF file; positions come out in metres in the bind pose. Throws
-// SceneError with a JSON pointer to what is wrong. URIs outside the file's folder are refused.
-Character read_gltf(const std::filesystem::path& path);
+// Reads the skinned mesh, skeleton and clips of a glTF file; positions come out in metres in the bind pose.
+// Throws SceneError with a JSON pointer to what is wrong. URIs outside the file's folder are refused. Appends
+// the paths of the external buffers it reads to `files_read`.
+Character read_gltf(const std::filesystem::path& path,
+                    std::vector<std::filesystem::path>* files_read = nullptr);
 
 }  // namespace fascicle::scene

@@ -15,4 +15,8 @@ const Clip* find_clip(const Character& character, const std::string& name);
 // rest transforms). The same bits on every machine: no library trigonometry.
 std::vector<Eigen::Matrix4d> pose_at(const Character& character, const Clip* clip, double time);
 
+// For each joint the affine map from its own space to the pose at `time` (metres), as above; pose_at is this after the
+// inverse bind matrices.
+std::vector<Eigen::Matrix4d> joint_transforms_at(const Character& character, const Clip* clip, double time);
+
 }  // namespace fascicle::scene

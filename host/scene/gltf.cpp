@@ -1,0 +1,303 @@
+#include "host/scene/gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "host/scene/gltf_check.h"
+#include "host/scene/gltf_decode.h"
+#include "host/scene/gltf_library.h"
+#include "host/scene/gltf_skeleton.h"
+#include "host/scene/pose.h"
+
+namespace fascicle::scene {
+namespace {
+
+// Far above any character, far below what would fill a machine from a small file that names one accessor many
+// times.
+constexpr std::size_t most_vertices = std::size_t{1} << 24;
+constexpr std::size_t most_triangles = std::size_t{1} << 25;
+
+std::vector<bool> nodes_in_scene(const tinygltf::Model& model) {
+  std::vector<bool> is_in(model.nodes.size(), model.scenes.empty());
+  if (model.scenes.empty()) return is_in;
+  const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
+  std::vector<int> stack = model.scenes[scene].nodes;
+  while (!stack.empty()) {
+    const auto n = static_cast<std::size_t>(stack.back());
+    stack.pop_back();
+    if (is_in[n]) continue;
+    is_in[n] = true;
+    stack.insert(stack.end(), model.nodes[n].children.begin(), model.nodes[n].children.end());
+  }
+  return is_in;
+}
+
+// Triangles of a primitive as numbers of its own vertices.
+std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t>& corners, int mode) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+      triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    return triangles;
+  }
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    std::array<std::uint32_t, 3> t{corners[mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i], corners[i + 1],
+                                   corners[i + 2]};
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1) std::swap(t[1], t[2]);  // glTF 2.0, 3.7.2.1
+    // Strips are joined by repeated corners.
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+  }
+  return triangles;
+}
+
+class Reader {
+ public:
+  Reader(const std::filesystem::path& path, const tinygltf::Model& model) : path_(path), model_(model) {}
+
+  Character run() {
+    const std::vector<bool> is_in = nodes_in_scene(model_);
+    std::vector<std::size_t> bodies;
+    std::vector<int> skins;
+    for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
+      const tinygltf::Node& node = model_.nodes[n];
+      if (!is_in[n] || node.mesh < 0 || node.skin < 0) continue;
+      bodies.push_back(n);
+      skins.push_back(node.skin);
+    }
+    if (bodies.empty()) {
+      fail("/nodes", "the file's scene has no mesh with a skin; export the character with its armature");
+    }
+    std::sort(skins.begin(), skins.end());
+    skins.erase(std::unique(skins.begin(), skins.end()), skins.end());
+    joint_of_ = read_skeleton(path_, model_, skins, character_);
+    rest_ = joint_transforms_at(character_, nullptr, 0.0);
+    for (const std::size_t n : bodies) {
+      const tinygltf::Node& node = model_.nodes[n];
+      const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
+      const Skin skin = read_skin(node.skin);
+      for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+        read_primitive(mesh.primitives[p], skin,
+                       "/meshes/" + std::to_string(node.mesh) + "/primitives/" + std::to_string(p));
+      }
+    }
+    if (character_.surface.triangles.empty()) fail("/meshes", "the skinned meshes have no triangles");
+    return std::move(character_);
+  }
+
+ private:
+  struct Skin {
+    std::vector<std::uint32_t> joints;         // numbers in the skeleton
+    std::vector<Eigen::Matrix4d> raw_to_rest;  // raw position to rest pose, following one joint alone
+  };
+  struct Influence {
+    std::uint32_t joint;  // in the skin
+    double weight;
+  };
+
+  [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
+    gltf_error(path_, pointer, what);
+  }
+
+  Skin read_skin(int number) const {
+    const tinygltf::Skin& source = model_.skins[static_cast<std::size_t>(number)];
+    const int accessor = source.inverseBindMatrices;
+    std::vector<double> matrices;
+    if (accessor >= 0) matrices = accessor_numbers(path_, model_, accessor);
+    Skin skin;
+    for (std::size_t k = 0; k < source.joints.size(); ++k) {
+      const auto joint = static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(source.joints[k])]);
+      Eigen::Matrix4d inverse_bind = Eigen::Matrix4d::Identity();
+      if (accessor >= 0) {
+        inverse_bind = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
+        // Exporters invert in float: the last row may be off by a few of its digits.
+        if ((inverse_bind.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-5) {
+          fail("/accessors/" + std::to_string(accessor),
+               "matrix " + std::to_string(k) + ": its last row must be 0 0 0 1");
+        }
+        inverse_bind.row(3) = Eigen::RowVector4d(0, 0, 0, 1);
+      }
+      skin.joints.push_back(joint);
+      skin.raw_to_rest.push_back(rest_[joint] * inverse_bind);
+    }
+    return skin;
+  }
+
+  int attribute(const tinygltf::Primitive& primitive, const std::string& name) const {
+    const auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+  }
+
+  std::vector<double> numbers(const std::string& pointer, int accessor, int type, bool is_allowed,
+                              std::size_t count) const {
+    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(accessor)];
+    if (a.type != type || !is_allowed) {
+      fail(pointer, "accessor " + std::to_string(accessor) + " has a type that glTF does not allow here");
+    }
+    if (count != 0 && a.count != count) {
+      fail(pointer, std::to_string(a.count) + " elements for " + std::to_string(count) + " positions");
+    }
+    return accessor_numbers(path_, model_, accessor);
+  }
+
+  // For each vertex every joint that has weight there, each joint once.
+  std::vector<std::vector<Influence>> read_influences(const tinygltf::Primitive& primitive, const Skin& skin,
+                                                      const std::string& pointer, std::size_t count) const {
+    std::vector<std::vector<Influence>> influences(count);
+    for (int set = 0;; ++set) {
+      const std::string joints_name = "JOINTS_" + std::to_string(set),
+                        weights_name = "WEIGHTS_" + std::to_string(set);
+      const int joints_accessor = attribute(primitive, joints_name),
+                weights_accessor = attribute(primitive, weights_name);
+      const std::string joints_pointer = pointer + "/attributes/" + joints_name;
+      const std::string weights_pointer = pointer + "/attributes/" + weights_name;
+      if (joints_accessor < 0 && weights_accessor < 0 && set > 0) break;
+      if (joints_accessor < 0) fail(joints_pointer, "is missing; a skinned mesh needs joints and weights");
+      if (weights_accessor < 0) fail(weights_pointer, "is missing; a skinned mesh needs joints and weights");
+
+      const tinygltf::Accessor& j = model_.accessors[static_cast<std::size_t>(joints_accessor)];
+      const tinygltf::Accessor& w = model_.accessors[static_cast<std::size_t>(weights_accessor)];
+      const auto is_unsigned = [](int type) {
+        return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+               type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+      };
+      const std::vector<double> joints = numbers(joints_pointer, joints_accessor, TINYGLTF_TYPE_VEC4,
+                                                 is_unsigned(j.componentType) && !j.normalized, count);
+      const std::vector<double> weights = numbers(
+          weights_pointer, weights_accessor, TINYGLTF_TYPE_VEC4,
+          w.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT || (is_unsigned(w.componentType) && w.normalized),
+          count);
+      for (std::size_t i = 0; i < 4 * count; ++i) {
+        const std::string vertex = "vertex " + std::to_string(i / 4);
+        if (weights[i] < 0.0) fail(weights_pointer, vertex + " has a negative weight");
+        if (weights[i] == 0.0) continue;  // what joint is named there says nothing
+        const auto joint = static_cast<std::uint32_t>(joints[i]);
+        if (joint >= skin.joints.size()) {
+          fail(joints_pointer, vertex + " follows joint " + std::to_string(joint) + " of a skin of " +
+                                   std::to_string(skin.joints.size()));
+        }
+        std::vector<Influence>& all = influences[i / 4];
+        const auto known =
+            std::find_if(all.begin(), all.end(), [&](const Influence& x) { return x.joint == joint; });
+        if (known != all.end()) {
+          known->weight += weights[i];
+        } else {
+          all.push_back({joint, weights[i]});
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      std::vector<Influence>& all = influences[i];
+      if (all.empty()) {
+        fail(pointer + "/attributes/WEIGHTS_0",
+             "vertex " + std::to_string(i) + " follows no joint; give it a weight");
+      }
+      std::sort(all.begin(), all.end(), [](const Influence& a, const Influence& b) {
+        return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
+      });
+      if (all.size() > 8) all.resize(8);
+      double sum = 0.0;
+      for (const Influence& x : all) sum += x.weight;
+      for (Influence& x : all) x.weight /= sum;
+    }
+    return influences;
+  }
+
+  std::vector<std::uint32_t> read_corners(const tinygltf::Primitive& primitive, const std::string& pointer,
+                                          std::size_t count) const {
+    std::vector<std::uint32_t> corners;
+    if (primitive.indices < 0) {
+      for (std::size_t i = 0; i < count; ++i) corners.push_back(static_cast<std::uint32_t>(i));
+    } else {
+      const int type = model_.accessors[static_cast<std::size_t>(primitive.indices)].componentType;
+      const bool is_index = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                            type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                            type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+      for (const double corner :
+           numbers(pointer + "/indices", primitive.indices, TINYGLTF_TYPE_SCALAR, is_index, 0)) {
+        if (corner >= static_cast<double>(count)) {
+          fail(pointer + "/indices", "names vertex " + std::to_string(static_cast<std::uint64_t>(corner)) +
+                                         " of " + std::to_string(count));
+        }
+        corners.push_back(static_cast<std::uint32_t>(corner));
+      }
+    }
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0) {
+      fail(pointer + (primitive.indices < 0 ? "/attributes/POSITION" : "/indices"),
+           std::to_string(corners.size()) + " corners do not make whole triangles");
+    }
+    return corners;
+  }
+
+  void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, const std::string& pointer) {
+    if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
+        primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+      fail(pointer + "/mode",
+           std::to_string(primitive.mode) + "; a skinned mesh must be of triangles, a strip or a fan");
+    }
+    const std::string position_pointer = pointer + "/attributes/POSITION";
+    const int position = attribute(primitive, "POSITION");
+    if (position < 0) fail(position_pointer, "is missing");
+    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(position)];
+    SurfaceMesh& surface = character_.surface;
+    if (surface.vertices.size() + a.count > most_vertices) {
+      fail(position_pointer, "more than " + std::to_string(most_vertices) + " vertices in all");
+    }
+    const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
+                                            a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
+    const std::vector<std::vector<Influence>> influences = read_influences(primitive, skin, pointer, a.count);
+
+    const auto first = static_cast<std::uint32_t>(surface.vertices.size());
+    std::vector<bool> is_mirrored(a.count);
+    for (std::size_t i = 0; i < a.count; ++i) {
+      Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
+      std::array<std::uint32_t, 8> joints{};
+      std::array<double, 8> weights{};
+      for (std::size_t k = 0; k < influences[i].size(); ++k) {
+        const Influence& x = influences[i][k];
+        blend += x.weight * skin.raw_to_rest[x.joint];
+        joints[k] = skin.joints[x.joint];
+        weights[k] = x.weight;
+      }
+      const Vector3d p(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
+      const Vector3d rest = blend.topLeftCorner<3, 3>() * p + blend.topRightCorner<3, 1>();
+      if (!rest.allFinite())
+        fail(position_pointer, "vertex " + std::to_string(i) + " is skinned to no finite position");
+      is_mirrored[i] = blend.topLeftCorner<3, 3>().determinant() < 0.0;
+      surface.vertices.push_back(rest);
+      character_.joints.push_back(joints);
+      character_.weights.push_back(weights);
+    }
+
+    for (std::array<std::uint32_t, 3> t : expand(read_corners(primitive, pointer, a.count), primitive.mode)) {
+      // A mirroring transform turns triangles inside out.
+      if (is_mirrored[t[0]]) std::swap(t[1], t[2]);
+      surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+    if (surface.triangles.size() > most_triangles) {
+      fail(pointer, "more than " + std::to_string(most_triangles) + " triangles in all");
+    }
+  }
+
+  const std::filesystem::path& path_;
+  const tinygltf::Model& model_;
+  Character character_;
+  std::vector<std::int32_t> joint_of_;  // of a node
+  std::vector<Eigen::Matrix4d> rest_;   // of a joint: its space to metres
+};
+
+}  // namespace
+
+Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  Character character = Reader(path, *model).run();
+  if (files_read != nullptr) {
+    files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());
+  }
+  return character;
+}
+
+}  // namespace fascicle::scene

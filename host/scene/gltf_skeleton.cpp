@@ -1,0 +1,197 @@
+#include "host/scene/gltf_skeleton.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "host/scene/gltf_decode.h"
+#include "host/scene/gltf_library.h"
+#include "host/scene/pose.h"
+#include "host/scene/pose_interpolation.h"
+
+namespace fascicle::scene {
+namespace {
+
+constexpr std::size_t most_key_numbers = std::size_t{1} << 26;
+
+Joint make_joint(const tinygltf::Node& node) {
+  Joint joint;
+  joint.name = node.name;
+  if (!node.matrix.empty()) {
+    joint.rest_local =
+        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column by column, as Eigen keeps it
+    joint.rest_translation = joint.rest_local.topRightCorner<3, 1>();
+    return joint;
+  }
+  if (!node.translation.empty()) joint.rest_translation = Eigen::Map<const Vector3d>(node.translation.data());
+  if (!node.scale.empty()) joint.rest_scale = Eigen::Map<const Vector3d>(node.scale.data());
+  if (!node.rotation.empty()) {
+    const std::vector<double>& q = node.rotation;
+    const double length = std::sqrt(((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3]);
+    for (int c = 0; c < 4; ++c) joint.rest_rotation[c] = q[static_cast<std::size_t>(c)] / length;
+  }
+  joint.rest_local = local_transform(joint.rest_translation, joint.rest_rotation, joint.rest_scale);
+  return joint;
+}
+
+// The nodes of the skeleton, parents before children; nodes above it go into `root`.
+std::vector<int> skeleton_nodes(const tinygltf::Model& model, const std::vector<int>& skins,
+                                Eigen::Matrix4d& root) {
+  const std::vector<int> parents = node_parents(model);
+  const std::size_t count = model.nodes.size();
+  std::vector<bool> is_joint(count, false), is_moved(count, false), is_needed(count, false);
+  for (const int s : skins) {
+    for (const int joint : model.skins[static_cast<std::size_t>(s)].joints)
+      is_joint[static_cast<std::size_t>(joint)] = true;
+  }
+  for (const tinygltf::Animation& animation : model.animations) {
+    for (const auto& channel : animation.channels)
+      is_moved[static_cast<std::size_t>(channel.target_node)] = true;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_joint[i]) continue;
+    for (int n = static_cast<int>(i); n >= 0 && !is_needed[static_cast<std::size_t>(n)];
+         n = parents[static_cast<std::size_t>(n)]) {
+      is_needed[static_cast<std::size_t>(n)] = true;
+    }
+  }
+  const auto needed_of = [&](const std::vector<int>& nodes) {
+    std::vector<int> result;
+    for (const int n : nodes) {
+      if (is_needed[static_cast<std::size_t>(n)]) result.push_back(n);
+    }
+    return result;
+  };
+
+  std::vector<int> tops;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (is_needed[i] && parents[i] < 0) tops.push_back(static_cast<int>(i));
+  }
+  while (tops.size() == 1) {
+    const auto top = static_cast<std::size_t>(tops.front());
+    if (is_joint[top] || is_moved[top]) break;
+    root = (root * make_joint(model.nodes[top]).rest_local).eval();
+    tops = needed_of(model.nodes[top].children);
+  }
+
+  std::vector<int> order, stack(tops.rbegin(), tops.rend());
+  while (!stack.empty()) {
+    const int n = stack.back();
+    stack.pop_back();
+    order.push_back(n);
+    const std::vector<int> children = needed_of(model.nodes[static_cast<std::size_t>(n)].children);
+    stack.insert(stack.end(), children.rbegin(), children.rend());
+  }
+  return order;
+}
+
+Channel read_channel(const std::filesystem::path& path, const tinygltf::Model& model,
+                     const tinygltf::AnimationSampler& sampler, const std::string& target_path) {
+  Channel channel;
+  channel.path = target_path == "translation" ? ChannelPath::translation
+                 : target_path == "rotation"  ? ChannelPath::rotation
+                                              : ChannelPath::scale;
+  channel.interpolation = sampler.interpolation == "STEP"          ? Interpolation::step
+                          : sampler.interpolation == "CUBICSPLINE" ? Interpolation::cubic_spline
+                                                                   : Interpolation::linear;
+  channel.times = accessor_numbers(path, model, sampler.input);
+  for (std::size_t k = 1; k < channel.times.size(); ++k) {
+    if (!(channel.times[k] > channel.times[k - 1])) {
+      gltf_error(path, "/accessors/" + std::to_string(sampler.input),
+                 "key " + std::to_string(k) + " is not later than the one before");
+    }
+  }
+  channel.values = accessor_numbers(path, model, sampler.output);
+  if (channel.path == ChannelPath::rotation) {
+    const bool is_spline = channel.interpolation == Interpolation::cubic_spline;
+    for (std::size_t k = 0; k < channel.times.size(); ++k) {
+      const double* q = channel.values.data() + (is_spline ? (3 * k + 1) * 4 : k * 4);
+      const double square = ((q[0] * q[0] + q[1] * q[1]) + q[2] * q[2]) + q[3] * q[3];
+      if (!(square > 0.25 && square < 4.0)) {
+        gltf_error(path, "/accessors/" + std::to_string(sampler.output),
+                   "key " + std::to_string(k) + " is not a quaternion of length 1");
+      }
+    }
+  }
+  return channel;
+}
+
+// Inverse of a matrix whose last row is 0 0 0 1.
+Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>().inverse();
+  result.topLeftCorner<3, 3>() = linear;
+  result.topRightCorner<3, 1>() = -(linear * m.topRightCorner<3, 1>());
+  return result;
+}
+
+}  // namespace
+
+std::vector<int> node_parents(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    for (const int child : model.nodes[i].children)
+      parents[static_cast<std::size_t>(child)] = static_cast<int>(i);
+  }
+  return parents;
+}
+
+std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
+                                        const std::vector<int>& skins, Character& character) {
+  const std::vector<int> parents = node_parents(model);
+  const std::vector<int> nodes = skeleton_nodes(model, skins, character.root);
+  std::vector<std::int32_t> joint_of(model.nodes.size(), -1);
+  for (std::size_t j = 0; j < nodes.size(); ++j)
+    joint_of[static_cast<std::size_t>(nodes[j])] = static_cast<std::int32_t>(j);
+
+  for (const int n : nodes) {
+    Joint joint = make_joint(model.nodes[static_cast<std::size_t>(n)]);
+    const int parent = parents[static_cast<std::size_t>(n)];
+    joint.parent = parent < 0 ? -1 : joint_of[static_cast<std::size_t>(parent)];
+    character.skeleton.push_back(std::move(joint));
+  }
+  for (const int s : skins) {
+    for (const int n : model.skins[static_cast<std::size_t>(s)].joints) {
+      character.skeleton[static_cast<std::size_t>(joint_of[static_cast<std::size_t>(n)])].skins = true;
+    }
+  }
+
+  const std::vector<Eigen::Matrix4d> rest = joint_transforms_at(character, nullptr, 0.0);
+  for (std::size_t j = 0; j < rest.size(); ++j) {
+    const Eigen::Matrix3d linear = rest[j].topLeftCorner<3, 3>();
+    const double size = linear.norm();
+    // Relative to a uniform scale of the same size: 1e-12 is flat for any purpose, and beyond what doubles
+    // invert well.
+    if (!rest[j].allFinite() || !(std::abs(linear.determinant()) > 1e-12 * size * size * size)) {
+      gltf_error(path, "/nodes/" + std::to_string(nodes[j]),
+                 "the joint is scaled to nothing in its rest pose; give it a scale that is not zero");
+    }
+    character.skeleton[j].inverse_bind = affine_inverse(rest[j]);
+  }
+
+  std::size_t numbers = 0;
+  for (std::size_t a = 0; a < model.animations.size(); ++a) {
+    const tinygltf::Animation& animation = model.animations[a];
+    Clip clip;
+    clip.name = animation.name;
+    for (const tinygltf::AnimationChannel& source : animation.channels) {
+      const std::int32_t joint = joint_of[static_cast<std::size_t>(source.target_node)];
+      if (joint < 0) continue;
+      Channel channel = read_channel(
+          path, model, animation.samplers[static_cast<std::size_t>(source.sampler)], source.target_path);
+      channel.joint = static_cast<std::uint32_t>(joint);
+      numbers += channel.times.size() + channel.values.size();
+      if (numbers > most_key_numbers) {
+        gltf_error(path, "/animations/" + std::to_string(a),
+                   "the clips have more than " + std::to_string(most_key_numbers) + " numbers; export fewer");
+      }
+      clip.duration = std::max(clip.duration, channel.times.back());
+      clip.channels.push_back(std::move(channel));
+    }
+    character.clips.push_back(std::move(clip));
+  }
+  return joint_of;
+}
+
+}  // namespace fascicle::scene

@@ -1,0 +1,26 @@
+// The joints and clips of a glTF file.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/scene/scene.h"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace fascicle::scene {
+
+// Parent of each node, -1 for roots.
+std::vector<int> node_parents(const tinygltf::Model& model);
+
+// Fills the character's skeleton, root and clips: the joints of `skins` and all nodes between and above them,
+// less the chain at the top that neither skins nor moves, which becomes Character::root. Returns each node's
+// number in the skeleton, or -1. Throws SceneError for joints scaled to nothing and for keys out of order.
+std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
+                                        const std::vector<int>& skins, Character& character);
+
+}  // namespace fascicle::scene
