@@ -1,0 +1,18 @@
+// What fascicle-mesher's exit status says; --help lists them. One line on stderr says it in words.
+#pragma once
+
+namespace fascicle::mesher {
+
+enum ExitCode : int {
+  done = 0,
+  bad_usage = 2,
+  unreadable = 3,  // a file is missing or malformed
+  not_closed = 4,  // the surface does not bound a volume: open, not manifold, double or loose vertices
+  self_intersecting = 5,
+  out_of_memory = 6,
+  tetgen_failed = 7,
+  empty_result = 8,
+  cannot_write = 9,
+};
+
+}  // namespace fascicle::mesher

@@ -1,0 +1,122 @@
+// fascicle-mesher: fills closed surfaces with tetrahedra.
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/mesher/exit_codes.h"
+#include "host/mesher/files.h"
+#include "host/mesher/surface_check.h"
+#include "host/mesher/tetgen_run.h"
+
+namespace fascicle::mesher {
+namespace {
+
+constexpr const char* help =
+    "fascicle-mesher fills closed surfaces with tetrahedra (TetGen). Licence of this program: AGPL-3.0.\n"
+    "\n"
+    "  fascicle-mesher tetrahedralize IN.off OUT.mesh [--max-volume V] [--quality Q] [--points FILE]\n"
+    "      Keeps the surface's vertices (first, in order) and triangles. V: largest tetrahedron, in the "
+    "file's unit\n"
+    "      cubed. Q: largest ratio of circumradius to shortest edge, at least 1 (default 1.4). FILE: a "
+    "count, then\n"
+    "      x y z of points that become vertices where they lie inside.\n"
+    "  fascicle-mesher intersections IN.off\n"
+    "      Says where the surface crosses itself.\n"
+    "  fascicle-mesher --help | --version\n"
+    "\n"
+    "Exit status: 0 done, 2 bad usage, 3 a file cannot be read, 4 the surface is not closed, 5 it crosses "
+    "itself,\n"
+    "6 out of memory, 7 TetGen failed, 8 no tetrahedra came out, 9 the result cannot be written.\n";
+
+struct Options {
+  std::string input, output, points;
+  double max_volume = 0.0;
+  double quality = 1.4;
+};
+
+double number_option(const std::string& name, std::string_view text, double minimum) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value) || value < minimum) {
+    throw Failure(bad_usage, name + " needs a number, not \"" + std::string(text) + "\"");
+  }
+  return value;
+}
+
+Options parse_options(const std::vector<std::string>& arguments, std::size_t file_count) {
+  Options options;
+  std::vector<std::string> files;
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    if (word.rfind("--", 0) != 0) {
+      files.push_back(word);
+      continue;
+    }
+    if (i + 1 == arguments.size()) throw Failure(bad_usage, word + " needs a value; see --help");
+    const std::string& value = arguments[++i];
+    if (word == "--max-volume") {
+      options.max_volume = number_option(word, value, 0.0);
+    } else if (word == "--quality") {
+      options.quality = number_option(word, value, 1.0);
+    } else if (word == "--points") {
+      options.points = value;
+    } else {
+      throw Failure(bad_usage, "no option " + word + "; see --help");
+    }
+  }
+  if (files.size() != file_count) {
+    throw Failure(bad_usage, "expected " + std::to_string(file_count) + " file names; see --help");
+  }
+  options.input = files[0];
+  if (file_count > 1) options.output = files[1];
+  return options;
+}
+
+void run_tetrahedralize(const Options& options) {
+  const Surface surface = read_surface(options.input);
+  std::vector<Point> inside;
+  if (!options.points.empty()) inside = read_points(options.points);
+  check_closed(surface);
+  const Volume volume = fill(surface, inside, options.max_volume, options.quality);
+  if (volume.tetrahedra.empty()) throw Failure(empty_result, "TetGen made no tetrahedra");
+  write_volume(options.output, volume);
+}
+
+void run_intersections(const Options& options) {
+  const Surface surface = read_surface(options.input);
+  if (const auto where = find_intersection(surface)) throw Failure(self_intersecting, *where);
+}
+
+int run(const std::vector<std::string>& arguments) {
+  const std::string command = arguments.empty() ? "" : arguments[0];
+  if (command == "--help" || command == "-h") {
+    std::fputs(help, stdout);
+  } else if (command == "--version") {
+    std::puts("fascicle-mesher " FASCICLE_VERSION " (TetGen 1.5, AGPL-3.0)");
+  } else if (command == "tetrahedralize") {
+    run_tetrahedralize(parse_options(arguments, 2));
+  } else if (command == "intersections") {
+    run_intersections(parse_options(arguments, 1));
+  } else {
+    throw Failure(bad_usage, "expected tetrahedralize or intersections; see --help");
+  }
+  return done;
+}
+
+}  // namespace
+}  // namespace fascicle::mesher
+
+int main(int argument_count, char** arguments) {
+  // Only Failure is caught: what TetGen throws must reach the terminate handler (tetgen_run.h).
+  fascicle::mesher::install_terminate_handler();
+  try {
+    return fascicle::mesher::run(std::vector<std::string>(arguments + 1, arguments + argument_count));
+  } catch (const fascicle::mesher::Failure& failure) {
+    std::fprintf(stderr, "fascicle-mesher: %s\n", failure.what());
+    return failure.exit_code;
+  }
+}
