@@ -1,0 +1,86 @@
+// The compute shaders' buffers: one binding number for each, the same in every shader, and the records that
+// only the GPU's layout needs. Compiles as C++ and as GLSL, like shared.h. A shader's descriptor set holds
+// the buffers it uses.
+#ifndef FASCICLE_SHADERS_BUFFERS_H
+#define FASCICLE_SHADERS_BUFFERS_H
+
+#include "shaders/shared.h"
+
+#ifdef __cplusplus
+namespace fascicle::shader {
+#define BUFFERS_CONSTANT inline constexpr
+#else
+#define BUFFERS_CONSTANT const
+#endif
+
+// State, one vec4 a vertex unless said otherwise.
+BUFFERS_CONSTANT uint buffer_position = 0u;
+BUFFERS_CONSTANT uint buffer_velocity = 1u;
+BUFFERS_CONSTANT uint buffer_rotation = 2u;   // w x y z
+BUFFERS_CONSTANT uint buffer_transform = 3u;  // three vec4, the rows of linear map and translation
+BUFFERS_CONSTANT uint buffer_goal = 4u;
+BUFFERS_CONSTANT uint buffer_skinned = 5u;         // this substep's
+BUFFERS_CONSTANT uint buffer_skinned_before = 6u;  // the last substep's
+BUFFERS_CONSTANT uint buffer_surface = 7u;         // three floats a render vertex
+
+// Static.
+BUFFERS_CONSTANT uint buffer_rest = 8u;            // rest position, pull
+BUFFERS_CONSTANT uint buffer_vertex = 9u;          // VertexRecord
+BUFFERS_CONSTANT uint buffer_slice = 10u;          // first entry of each slice of one-rings
+BUFFERS_CONSTANT uint buffer_ring = 11u;           // entries, sliced
+BUFFERS_CONSTANT uint buffer_share_taken = 12u;    // entries, sliced
+BUFFERS_CONSTANT uint buffer_share_given = 13u;    // entries, sliced
+BUFFERS_CONSTANT uint buffer_region_rest = 14u;    // c0_r - q0_r, 1/W_r
+BUFFERS_CONSTANT uint buffer_region_muscle = 15u;  // one uint a region
+BUFFERS_CONSTANT uint buffer_region_normal = 16u;  // n_r, gain
+BUFFERS_CONSTANT uint buffer_skin_offset = 17u;
+BUFFERS_CONSTANT uint buffer_skin_joint = 18u;
+BUFFERS_CONSTANT uint buffer_skin_weight = 19u;
+BUFFERS_CONSTANT uint buffer_force_offset = 20u;
+BUFFERS_CONSTANT uint buffer_force_index = 21u;
+BUFFERS_CONSTANT uint buffer_force_coefficient = 22u;
+BUFFERS_CONSTANT uint buffer_surface_vertex = 23u;  // uvec4 a render vertex
+BUFFERS_CONSTANT uint buffer_surface_weight = 24u;
+
+// A frame's drive.
+BUFFERS_CONSTANT uint buffer_bone = 25u;
+BUFFERS_CONSTANT uint buffer_muscle = 26u;
+BUFFERS_CONSTANT uint buffer_force = 27u;
+BUFFERS_CONSTANT uint buffer_decay = 28u;
+
+// The self-test's table: inputs, results.
+BUFFERS_CONSTANT uint buffer_self_test_input = 29u;
+BUFFERS_CONSTANT uint buffer_self_test_result = 30u;
+
+BUFFERS_CONSTANT uint buffer_count = 31u;
+
+// Specialisation constants.
+BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
+BUFFERS_CONSTANT uint constant_muscles = 1u;   // the model has muscles
+BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces beside gravity
+
+// The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
+BUFFERS_CONSTANT uint self_test_scalars = 19u;
+BUFFERS_CONSTANT uint self_test_positives = 3u;
+BUFFERS_CONSTANT uint self_test_results = self_test_scalars + self_test_positives + 8u;
+
+// What a vertex's own invocation needs to know of it.
+struct VertexRecord {
+  uint tag;
+  uint degree;  // neighbours in the one-ring
+  float alpha;
+  uint unused;
+};
+
+// A dispatch's push constants. Invocation k of workgroup g works on item (first_slice + g) slice_width + k,
+// so that a stage can be cut into several dispatches.
+struct Push {
+  Substep substep;
+  uint first_slice;
+};
+
+#ifdef __cplusplus
+}  // namespace fascicle::shader
+#endif
+#undef BUFFERS_CONSTANT
+#endif

@@ -1,0 +1,100 @@
+// The buffers as GLSL declarations, and their items as the kernels' types. An invocation writes its own items only.
+#ifndef FASCICLE_INDEXING_BUFFERS_GLSL
+#define FASCICLE_INDEXING_BUFFERS_GLSL
+#include "shaders/buffers.h"
+#include "shaders/kernel/algebra.inc"
+
+layout(local_size_x = slice_width) in;
+
+layout(push_constant, std430) uniform PushBlock { Push push; };
+
+layout(constant_id = constant_rotation) const uint rotation_method = rotation_qcp;
+layout(constant_id = constant_muscles) const bool with_muscles = false;
+layout(constant_id = constant_forces) const bool with_forces = false;
+
+layout(std430, binding = buffer_position) buffer PositionBuffer { vec4 position[]; };
+layout(std430, binding = buffer_velocity) buffer VelocityBuffer { vec4 velocity[]; };
+layout(std430, binding = buffer_rotation) buffer RotationBuffer { vec4 rotation[]; };
+layout(std430, binding = buffer_transform) buffer TransformBuffer { vec4 transform[]; };
+layout(std430, binding = buffer_goal) buffer GoalBuffer { vec4 goal[]; };
+layout(std430, binding = buffer_skinned) buffer SkinnedBuffer { vec4 skinned[]; };
+layout(std430, binding = buffer_skinned_before) buffer SkinnedBeforeBuffer { vec4 skinned_before[]; };
+layout(std430, binding = buffer_surface) buffer SurfaceBuffer { float surface[]; };
+
+layout(std430, binding = buffer_rest) readonly buffer RestBuffer { vec4 rest[]; };
+layout(std430, binding = buffer_vertex) readonly buffer VertexBuffer { VertexRecord vertex[]; };
+layout(std430, binding = buffer_slice) readonly buffer SliceBuffer { uint slice[]; };
+layout(std430, binding = buffer_ring) readonly buffer RingBuffer { uint ring[]; };
+layout(std430, binding = buffer_share_taken) readonly buffer ShareTakenBuffer { float share_taken[]; };
+layout(std430, binding = buffer_share_given) readonly buffer ShareGivenBuffer { float share_given[]; };
+layout(std430, binding = buffer_region_rest) readonly buffer RegionRestBuffer { vec4 region_rest[]; };
+layout(std430, binding = buffer_region_muscle) readonly buffer RegionMuscleBuffer { uint region_muscle[]; };
+layout(std430, binding = buffer_region_normal) readonly buffer RegionNormalBuffer { vec4 region_normal[]; };
+layout(std430, binding = buffer_skin_offset) readonly buffer SkinOffsetBuffer { uint skin_offset[]; };
+layout(std430, binding = buffer_skin_joint) readonly buffer SkinJointBuffer { uint skin_joint[]; };
+layout(std430, binding = buffer_skin_weight) readonly buffer SkinWeightBuffer { float skin_weight[]; };
+layout(std430, binding = buffer_force_offset) readonly buffer ForceOffsetBuffer { uint force_offset[]; };
+layout(std430, binding = buffer_force_index) readonly buffer ForceIndexBuffer { uint force_index[]; };
+layout(std430, binding = buffer_force_coefficient) readonly buffer ForceCoefficientBuffer { float force_coefficient[]; };
+layout(std430, binding = buffer_surface_vertex) readonly buffer SurfaceVertexBuffer { uvec4 surface_vertex[]; };
+layout(std430, binding = buffer_surface_weight) readonly buffer SurfaceWeightBuffer { vec4 surface_weight[]; };
+
+layout(std430, binding = buffer_bone) readonly buffer BoneBuffer { Bone bone[]; };
+layout(std430, binding = buffer_muscle) readonly buffer MuscleBuffer { Muscle muscle[]; };
+layout(std430, binding = buffer_force) readonly buffer ForceBuffer { Force force[]; };
+layout(std430, binding = buffer_decay) readonly buffer DecayBuffer { float decay[]; };
+
+uint item_index() { return (push.first_slice + gl_WorkGroupID.x) * slice_width + gl_LocalInvocationID.x; }
+
+// Entry k of the one-ring of vertex i lies at ring_start(i) + k ring_stride.
+const uint ring_stride = slice_width;
+uint ring_start(uint i) { return slice[i / slice_width] + (i % slice_width); }
+
+bool is_kinematic(uint i) { return (vertex[i].tag & tag_kinematic) != 0u; }
+bool has_skeleton() { return push.substep.joint_count != 0u; }
+
+Vector vector_of(vec4 r) {
+  Vector v;
+  v.x = r.x;
+  v.y = r.y;
+  v.z = r.z;
+  return v;
+}
+
+vec4 record_of(Vector v) { return vec4(v.x, v.y, v.z, 0.0f); }
+
+Vector zero_vector() {
+  Vector v;
+  v.x = 0.0f;
+  v.y = 0.0f;
+  v.z = 0.0f;
+  return v;
+}
+
+Transform load_transform(uint i) {
+  vec4 x = transform[3u * i];
+  vec4 y = transform[3u * i + 1u];
+  vec4 z = transform[3u * i + 2u];
+  Transform t;
+  t.linear.xx = x.x;
+  t.linear.xy = x.y;
+  t.linear.xz = x.z;
+  t.linear.yx = y.x;
+  t.linear.yy = y.y;
+  t.linear.yz = y.z;
+  t.linear.zx = z.x;
+  t.linear.zy = z.y;
+  t.linear.zz = z.z;
+  t.translation.x = x.w;
+  t.translation.y = y.w;
+  t.translation.z = z.w;
+  return t;
+}
+
+void store_transform(uint i, Transform t) {
+  transform[3u * i] = vec4(t.linear.xx, t.linear.xy, t.linear.xz, t.translation.x);
+  transform[3u * i + 1u] = vec4(t.linear.yx, t.linear.yy, t.linear.yz, t.translation.y);
+  transform[3u * i + 2u] = vec4(t.linear.zx, t.linear.zy, t.linear.zz, t.translation.z);
+}
+
+#endif

@@ -1,0 +1,16 @@
+// Before a frame's first substep: positions and skinned positions as seen from the frame's new origin.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/indexing/buffers.glsl"
+#include "shaders/kernel/predict.inc"
+
+void main() {
+  uint i = item_index();
+  if (i >= push.substep.vertex_count) return;
+  Vector shift;
+  shift.x = push.substep.shift_x;
+  shift.y = push.substep.shift_y;
+  shift.z = push.substep.shift_z;
+  position[i] = record_of(rebase(vector_of(position[i]), shift));
+  if (has_skeleton()) skinned[i] = record_of(rebase(vector_of(skinned[i]), shift));
+}

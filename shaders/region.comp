@@ -1,0 +1,77 @@
+// Stage region: one invocation a region.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/indexing/buffers.glsl"
+#include "shaders/kernel/region.inc"
+
+RegionSum no_terms() {
+  RegionSum sum;
+  sum.s = zero_vector();
+  sum.a.xx = 0.0f;
+  sum.a.xy = 0.0f;
+  sum.a.xz = 0.0f;
+  sum.a.yx = 0.0f;
+  sum.a.yy = 0.0f;
+  sum.a.yz = 0.0f;
+  sum.a.zx = 0.0f;
+  sum.a.zy = 0.0f;
+  sum.a.zz = 0.0f;
+  return sum;
+}
+
+RegionSum neighbour_term(uint entry, Vector q, Vector q0) {
+  uint i = ring[entry];
+  vec4 record = rest[i];
+  return region_term(share_taken[entry] * record.w, subtract(vector_of(position[i]), q), subtract(vector_of(record), q0));
+}
+
+Matrix scale_of_muscle(uint r) {
+  vec4 normal = region_normal[r];
+  Muscle m = muscle[push.substep.first_muscle + region_muscle[r]];
+  Vector tau;
+  tau.x = m.tau_x;
+  tau.y = m.tau_y;
+  tau.z = m.tau_z;
+  return muscle_scale(vector_of(normal), normal.w, tau, m.activation);
+}
+
+void main() {
+  uint r = item_index();
+  if (r >= push.substep.vertex_count) return;
+  Vector q = vector_of(position[r]);
+  Vector q0 = vector_of(rest[r]);
+  vec4 last = rotation[r];
+  Quaternion turn;
+  turn.w = last.x;
+  turn.x = last.y;
+  turn.y = last.z;
+  turn.z = last.w;
+  vec4 centre = region_rest[r];
+  RegionSum sum = no_terms();
+
+  // Without neighbours, or with no weight at all, the sums are nothing: the last rotation stays.
+  uint degree = vertex[r].degree;
+  if (degree != 0u && centre.w > 0.0f) {
+    uint entry = ring_start(r);
+    sum = neighbour_term(entry, q, q0);
+    for (uint k = 1u; k < degree; ++k) {
+      entry += ring_stride;
+      sum = region_add(sum, neighbour_term(entry, q, q0));
+    }
+  }
+
+  Vector o = vector_of(centre);
+  Matrix a = region_moment(sum, o);
+  bool scaled = false;
+  if (with_muscles) scaled = region_muscle[r] != no_muscle;
+  Matrix t;
+  if (scaled) {
+    t = scale_of_muscle(r);
+    a = multiply_transposed(a, t);
+  }
+  turn = extract_rotation(turn, a, rotation_method == rotation_mueller2016);
+  Matrix linear = matrix_of(turn);
+  if (scaled) linear = multiply_transposed(linear, t);
+  rotation[r] = vec4(turn.w, turn.x, turn.y, turn.z);
+  store_transform(r, region_transform(linear, sum, o, centre.w, q, q0));
+}
