@@ -1,0 +1,199 @@
+// The equations one by one: (9), (8)(10)(11) on rigid motions, (15)(16)(17).
+#include "cpu_reference/oracle_equations.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "tests/cpu_reference/oracle_run.h"
+
+namespace fascicle::tests {
+namespace {
+
+using cpu_reference::best_rotation;
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double normal() { return normal_(engine_); }
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine_);
+  }
+  Vector3d vector() { return Vector3d(normal(), normal(), normal()); }
+  Vector3d direction() { return vector().normalized(); }
+  Quaterniond rotation() { return Quaterniond(normal(), normal(), normal(), normal()).normalized(); }
+
+ private:
+  std::mt19937 engine_;
+  std::normal_distribution<double> normal_;
+};
+
+// R times a symmetric positive matrix has R as its best rotation.
+TEST(oracle_rotation, polar_factor_is_found) {
+  Random random(1);
+  for (int k = 0; k < 2000; ++k) {
+    const Quaterniond R = random.rotation();
+    const Matrix3d axes = random.rotation().toRotationMatrix();
+    const Vector3d s(random.between(0.05, 1.0), random.between(0.05, 1.0), random.between(0.05, 1.0));
+    const Matrix3d A = 1e-3 * R.toRotationMatrix() * axes * s.asDiagonal() * axes.transpose();
+    // The gap s2 + s3 is at least a tenth of s1, so rounding of 2^-52 grows by at most some ten; the angle of
+    // a quaternion product cannot be read below 2e-8, so matrices are compared.
+    EXPECT_LT((best_rotation(A, random.rotation()).toRotationMatrix() - R.toRotationMatrix()).norm(), 1e-13);
+  }
+}
+
+// An inverted moment: the weakest axis is the one mirrored, and the result is a proper rotation.
+TEST(oracle_rotation, inversion_gives_a_proper_rotation) {
+  Random random(2);
+  for (int k = 0; k < 2000; ++k) {
+    const Quaterniond R = random.rotation();
+    const Matrix3d axes = random.rotation().toRotationMatrix();
+    const Matrix3d A = R.toRotationMatrix() * axes * Vector3d(1, 0.6, -0.3).asDiagonal() * axes.transpose();
+    const Matrix3d found = best_rotation(A, random.rotation()).toRotationMatrix();
+    EXPECT_NEAR(found.determinant(), 1.0, 1e-14);
+    EXPECT_LT((found - R.toRotationMatrix()).norm(), 1e-13);  // gap 0.6 - 0.3
+  }
+}
+
+// Brute force: no rotation near or far has a larger trace(R^T A) than the one found.
+TEST(oracle_rotation, no_other_rotation_is_better) {
+  Random random(3);
+  for (int k = 0; k < 50; ++k) {
+    Matrix3d A;
+    for (int e = 0; e < 9; ++e) A(e) = random.normal();
+    const Matrix3d R = best_rotation(A, random.rotation()).toRotationMatrix();
+    const double best = (R.transpose() * A).trace();
+    for (int other = 0; other < 500; ++other) {
+      const double angle = std::pow(10.0, random.between(-4, 0.5));
+      const Matrix3d Q = Eigen::AngleAxisd(angle, random.direction()) * R;
+      EXPECT_LE((Q.transpose() * A).trace(), best + 1e-14 * A.norm());  // rounding of nine products
+    }
+  }
+}
+
+TEST(oracle_rotation, of_two_signs_the_quaternion_near_the_last_is_taken) {
+  Random random(4);
+  for (int k = 0; k < 200; ++k) {
+    const Quaterniond last = random.rotation();
+    const Quaterniond step(Eigen::AngleAxisd(0.5, random.direction()));
+    const Quaterniond found = best_rotation((step * last).toRotationMatrix(), last);
+    EXPECT_GT(found.coeffs().dot(last.coeffs()), 0.9);  // cos(0.25)
+  }
+}
+
+TEST(oracle_rotation, no_moment_keeps_the_rotation) {
+  Random random(5);
+  const Quaterniond last = random.rotation();
+  EXPECT_LT((best_rotation(Matrix3d::Zero(), last).coeffs() - last.coeffs()).norm(), 1e-15);
+}
+
+// A rank-1 moment s a b^T says only that b goes to a. Of all such rotations the nearest to the last has no
+// twist about a: it is the last one followed by the shortest arc.
+TEST(oracle_rotation, rank_one_keeps_the_twist) {
+  Random random(6);
+  for (int k = 0; k < 500; ++k) {
+    const Vector3d a = random.direction();
+    const Vector3d b = random.direction();
+    const Quaterniond last = random.rotation();
+    const Quaterniond found = best_rotation(0.3 * a * b.transpose(), last);
+    EXPECT_LT((found * b - a).norm(), 1e-14);
+    const Quaterniond arc = Quaterniond::FromTwoVectors(last * b, a);
+    // Nearly opposite directions leave the arc's axis to rounding: 2^-52 over the distance to opposite.
+    const double tolerance = 1e-13 / (1.0 + (last * b).dot(a));
+    EXPECT_LT((found.toRotationMatrix() - (arc * last).toRotationMatrix()).norm(), tolerance);
+  }
+}
+
+// A point reflection is as far from every half turn: the last rotation, if it is one of the best, stays.
+TEST(oracle_rotation, ties_of_an_inversion_go_to_the_nearest) {
+  Random random(7);
+  for (int k = 0; k < 200; ++k) {
+    const Quaterniond last(Eigen::AngleAxisd(std::numbers::pi, random.direction()));
+    EXPECT_LT((best_rotation(-Matrix3d::Identity(), last).coeffs() - last.coeffs()).norm(), 1e-15 * 8);
+  }
+  // The identity is a quarter turn of the quaternion away from all of them: any one, but a rotation.
+  const Matrix3d any = best_rotation(-Matrix3d::Identity(), Quaterniond::Identity()).toRotationMatrix();
+  EXPECT_NEAR(any.determinant(), 1.0, 1e-14);
+  EXPECT_NEAR(any.trace(), -1.0, 1e-14);
+}
+
+// A flat region (rank 2) has one best rotation, normal included.
+TEST(oracle_rotation, rank_two_is_determined) {
+  Random random(8);
+  for (int k = 0; k < 500; ++k) {
+    const Quaterniond R = random.rotation();
+    const Matrix3d A = R.toRotationMatrix() * Vector3d(1, 0.4, 0).asDiagonal();
+    EXPECT_LT((best_rotation(A, random.rotation()).toRotationMatrix() - R.toRotationMatrix()).norm(), 1e-13);
+  }
+}
+
+// (8)(9)(10)(11): the goals of a rigidly moved body are where it is, whatever fibre and beta.
+TEST(oracle_goal, rigidly_moved_body_is_its_own_goal) {
+  Random random(9);
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    model::Model model = random_model(seed);
+    const Points rest = rest_points(model);
+    const cpu_reference::Weights weights = cpu_reference::region_weights(model);
+    const Quaterniond R = random.rotation();
+    const Vector3d t = random.vector();
+    Points moved;
+    for (const Vector3d& p : rest) moved.push_back(R * p + t);
+    std::vector<cpu_reference::RegionPose> regions(model.vertex_count);
+    for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+      auto& region = regions[r];
+      region.c0 = region_centre(weights, r, rest);
+      region.c = region_centre(weights, r, moved);
+      const Matrix3d A = region_moment(weights, r, region.T, rest, region.c0, moved, region.c);
+      region.R = best_rotation(A, R);
+    }
+    Points goals;
+    for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+      goals.push_back(blended_goal(weights, i, regions, rest, moved));
+    // Coordinates of a few metres round by 4e-16; a region 0.1 m wide turns that into 1e-14 of its rotation,
+    // times some 1/(s2 + s3) where weights are nearly on a line.
+    EXPECT_LT(largest_distance(goals, moved), 1e-13) << "seed " << seed;
+  }
+}
+
+TEST(oracle_muscle, scale_keeps_volume) {
+  Random random(10);
+  for (int k = 0; k < 1000; ++k) {
+    const Vector3d n = random.direction();
+    const double c =
+        cpu_reference::muscle_stretch(random.between(0, 3), random.between(-1, 1), n, random.direction());
+    const Matrix3d T = cpu_reference::muscle_scale(n, c);
+    EXPECT_NEAR(T.determinant(), 1.0, 1e-14);  // some ten roundings of 2^-53, by c <= 4
+    EXPECT_LT((T - T.transpose()).norm(), 1e-15);
+    EXPECT_LT((T * n - c * n).norm(), 4e-15);
+    const Vector3d across = n.unitOrthogonal();
+    EXPECT_LT((T * across - across / std::sqrt(c)).norm(), 4e-15);
+  }
+}
+
+TEST(oracle_muscle, slack_muscle_is_the_identity) {
+  Random random(11);
+  const Vector3d n = random.direction();
+  EXPECT_EQ(cpu_reference::muscle_stretch(1.5, 0.0, n, random.direction()), 1.0);
+  EXPECT_LT((cpu_reference::muscle_scale(n, 1.0) - Matrix3d::Identity()).norm(), 1e-15);
+  EXPECT_EQ(cpu_reference::muscle_scale(Vector3d::Zero(), 1.7), Matrix3d::Identity());
+}
+
+// (17) by hand, and its clamp.
+TEST(oracle_muscle, stretch_by_hand) {
+  const Vector3d n(0, 0.6, 0.8);
+  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(1.5, 0.5, n, n), 1.75);
+  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.5, 0.5, n, -n), 0.75);
+  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.5, 0.5, n, Vector3d(1, 0, 0)), 1.0);
+  EXPECT_EQ(cpu_reference::muscle_stretch(9.0, 1.0, n, n), 4.0);
+  EXPECT_EQ(cpu_reference::muscle_stretch(9.0, 1.0, n, -n), 0.25);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,335 @@
+// What must not change a trajectory, and what a free body must keep: momentum.
+#include <cmath>
+#include <numeric>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "tests/cpu_reference/oracle_run.h"
+
+namespace fascicle::tests {
+namespace {
+
+using cpu_reference::Oracle;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using model::Model;
+
+constexpr double h = 1.0 / 64.0;
+
+// A body with its motion, in numbers that survive what the tests do to them: the rotation below has entries
+// of whole 25ths and all lengths are multiples of 25/2^k, so that rotated and mirrored copies are exact in
+// float.
+struct Scene {
+  Mesh mesh;
+  Points velocities;
+  std::vector<float> alpha, beta;
+  Points fibres;
+  std::vector<bool> pinned;
+  Vector3d gravity = Vector3d::Zero();
+  Vector3d translation = Vector3d::Zero();
+};
+
+// The rotation of the quaternion (4, 2, 2, 1)/5.
+Matrix3d exact_rotation() {
+  Matrix3d R;
+  R << 15, 0, 20, 16, 15, -12, -12, 20, 9;
+  return R / 25.0;
+}
+
+Scene make_scene(unsigned seed, bool pinned) {
+  constexpr double grid = 25.0 / 4096.0;
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> small(-20, 20);
+  std::uniform_real_distribution<float> unit(0.05f, 1.0f);
+  Scene scene;
+  scene.mesh = jittered(kuhn_bar(3, 2, 2, 16 * grid), grid, 1, seed);
+  for (const Vector3d& p : scene.mesh.points) {
+    scene.velocities.push_back(grid * 2 * Vector3d(small(random), small(random), small(random)));
+    scene.alpha.push_back(unit(random));
+    scene.beta.push_back(unit(random));
+    // Not of unit length, so that rotating is exact: the Oracle takes only the direction.
+    scene.fibres.push_back(25.0 * Vector3d(1 + std::abs(small(random)), small(random), small(random)));
+    scene.pinned.push_back(pinned && p.x() < 4 * grid);
+  }
+  scene.gravity = pinned ? Vector3d(25.0 / 16, -6.25, 25.0 / 8) : Vector3d::Zero();
+  return scene;
+}
+
+Scene mapped(const Scene& scene, const Matrix3d& R, const Vector3d& t) {
+  Scene copy = scene;
+  for (Vector3d& p : copy.mesh.points) p = R * p;
+  for (Vector3d& v : copy.velocities) v = R * v;
+  for (Vector3d& d : copy.fibres) d = R * d;
+  copy.gravity = R * scene.gravity;
+  copy.translation = t;
+  if (R.determinant() < 0.0)
+    for (auto& tetrahedron : copy.mesh.tetrahedra) std::swap(tetrahedron[2], tetrahedron[3]);
+  return copy;
+}
+
+Model model_of(const Scene& scene, bool momentum_scaled = true, double damping = 0.0) {
+  BodyOptions options;
+  options.momentum_scaled = momentum_scaled;
+  options.damping = damping;
+  Model model = make_model(scene.mesh, options);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    model.alpha[i] = scene.alpha[i];
+    model.beta[i] = scene.beta[i];
+    for (int k = 0; k < 3; ++k) model.fibre[3 * i + std::size_t(k)] = float(scene.fibres[i][k]);
+    if (scene.pinned[i]) make_kinematic(model, i);
+  }
+  fill_weights(model);
+  return model;
+}
+
+// Positions after each of `steps` steps.
+std::vector<Points> trajectory(const Scene& scene, int steps, double damping = 0.0) {
+  const Model model = model_of(scene, true, damping);
+  Points start = rest_points(model);
+  for (Vector3d& p : start) p += scene.translation;
+  Oracle oracle(model, {});
+  set_state(model, oracle, start, scene.velocities);
+  TestDrive drive = quiet_drive(model, h, 1, scene.gravity);
+  std::vector<Points> all;
+  for (int n = 0; n < steps; ++n) {
+    advance(oracle, drive);
+    all.push_back(oracle.positions());
+  }
+  return all;
+}
+
+void expect_mapped(const std::vector<Points>& a, const std::vector<Points>& b, const Matrix3d& R,
+                   const Vector3d& t, double tolerance) {
+  double moved = 0.0;
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    Points image;
+    for (const Vector3d& p : a[n]) image.push_back(R * p + t);
+    ASSERT_LT(largest_distance(image, b[n]), tolerance) << "step " << n + 1;
+    moved = std::max(moved, largest_distance(a[n], a[0]));
+  }
+  EXPECT_GT(moved, 0.05);  // half a spacing: there was a motion to compare
+}
+
+// Two runs that differ by rounding (1e-16 m) part slowly while no region is near inversion: stiff springs are
+// oscillators, in which kicks add up, by 200 steps to some 1e-14 and, as regions turn far, some hundredfold
+// more.
+constexpr double same_trajectory = 1e-11;
+
+TEST(oracle_invariance, rotated_and_moved_body_moves_the_same) {
+  const Matrix3d R = exact_rotation();
+  const Vector3d t(2, -1, 3);
+  for (bool pinned : {false, true}) {
+    const Scene scene = make_scene(1, pinned);
+    expect_mapped(trajectory(scene, 200), trajectory(mapped(scene, R, t), 200), R, t, same_trajectory);
+  }
+}
+
+TEST(oracle_invariance, mirrored_body_moves_mirrored) {
+  const Matrix3d mirror = Vector3d(1, -1, 1).asDiagonal();
+  const Matrix3d both = exact_rotation() * mirror;
+  for (bool pinned : {false, true}) {
+    const Scene scene = make_scene(2, pinned);
+    for (const Matrix3d& Q : {mirror, both})
+      expect_mapped(trajectory(scene, 200), trajectory(mapped(scene, Q, Vector3d::Zero()), 200), Q,
+                    Vector3d::Zero(), same_trajectory);
+  }
+}
+
+TEST(oracle_invariance, numbering_does_not_matter) {
+  const Scene scene = make_scene(3, true);
+  const std::size_t n = scene.mesh.points.size();
+  std::vector<std::uint32_t> new_number(n);
+  std::iota(new_number.begin(), new_number.end(), 0u);
+  std::shuffle(new_number.begin(), new_number.end(), std::mt19937(4));
+  Scene renamed = scene;
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::uint32_t to = new_number[i];
+    renamed.mesh.points[to] = scene.mesh.points[i];
+    renamed.velocities[to] = scene.velocities[i];
+    renamed.alpha[to] = scene.alpha[i];
+    renamed.beta[to] = scene.beta[i];
+    renamed.fibres[to] = scene.fibres[i];
+    renamed.pinned[to] = scene.pinned[i];
+  }
+  for (auto& tetrahedron : renamed.mesh.tetrahedra)
+    for (std::uint32_t& i : tetrahedron) i = new_number[i];
+  const std::vector<Points> a = trajectory(scene, 200);
+  std::vector<Points> b = trajectory(renamed, 200);
+  for (Points& points : b) {
+    const Points by_new = points;
+    for (std::size_t i = 0; i < n; ++i) points[i] = by_new[new_number[i]];
+  }
+  expect_mapped(a, b, Matrix3d::Identity(), Vector3d::Zero(), same_trajectory);
+}
+
+// A body that is rotated and thrown without spin goes straight, at its speed, and keeps its shape.
+TEST(oracle_invariance, thrown_rigid_body_goes_straight) {
+  Scene scene = make_scene(5, false);
+  const Vector3d v(1.5, -0.25, 5.0);
+  const Model model = model_of(scene);
+  const Matrix3d R = exact_rotation();
+  Points start;
+  for (const Vector3d& p : rest_points(model)) start.push_back(R * p);
+  Oracle oracle(model, {});
+  set_state(model, oracle, start, Points(start.size(), v));
+  TestDrive drive = quiet_drive(model, h);
+  for (int n = 1; n <= 100; ++n) {
+    advance(oracle, drive);
+    Points expected;
+    for (const Vector3d& p : start) expected.push_back(p + n * h * v);
+    // Coordinates of up to 8 m round by 9e-16; should every step miss to the same side, that grows like
+    // n^2/2.
+    ASSERT_LT(largest_distance(oracle.positions(), expected), 5e-12) << "step " << n;
+  }
+}
+
+struct Momentum {
+  Vector3d linear = Vector3d::Zero();
+  Vector3d angular = Vector3d::Zero();
+  double linear_scale = 0.0;   // sum m |v|
+  double angular_scale = 0.0;  // sum m |q| |v|
+};
+
+Momentum momentum_of(const Model& model, const Oracle& oracle) {
+  Momentum m;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d& q = oracle.positions()[i];
+    const Vector3d& v = oracle.velocities()[i];
+    m.linear += model.mass[i] * v;
+    m.angular += model.mass[i] * q.cross(v);
+    m.linear_scale += model.mass[i] * v.norm();
+    m.angular_scale += model.mass[i] * q.norm() * v.norm();
+  }
+  return m;
+}
+
+struct Drift {
+  double linear = 0.0;
+  double angular = 0.0;
+};
+
+// Largest relative change of a free, tumbling and wobbling body's momenta over 1,000 steps. Muscles are on: T
+// takes part too.
+Drift momentum_drift(unsigned seed, bool momentum_scaled) {
+  const Scene scene = make_scene(seed, false);
+  Model model = model_of(scene, momentum_scaled);
+  model.muscle_count = 1;
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    model.region_muscle.push_back(r % 2 == 0 ? 0 : shader::no_muscle);
+    model.region_normal.insert(model.region_normal.end(), {0.6f, 0.0f, 0.8f, 0.5f});
+  }
+  Oracle oracle(model, {});
+  // Around its own centre and on the spot: the farther from the origin, the coarser double's positions, and
+  // 1/h times that is what a velocity can be held to.
+  Vector3d centre = Vector3d::Zero();
+  Vector3d velocity = Vector3d::Zero();
+  double mass = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    centre += model.mass[i] * rest_points(model)[i];
+    velocity += model.mass[i] * scene.velocities[i];
+    mass += model.mass[i];
+  }
+  Points start = rest_points(model);
+  Points velocities = scene.velocities;
+  for (Vector3d& p : start) p -= centre / mass;
+  for (Vector3d& v : velocities) v -= velocity / mass;
+  set_state(model, oracle, start, velocities);
+  TestDrive drive = quiet_drive(model, h);
+  drive.muscles.assign(1, shader::Muscle{1, 0, 0, 0.75f});
+  const Momentum before = momentum_of(model, oracle);
+  Drift drift;
+  double linear_scale = before.linear_scale;
+  double angular_scale = before.angular_scale;
+  for (int n = 0; n < 1000; ++n) {
+    advance(oracle, drive);
+    const Momentum now = momentum_of(model, oracle);
+    linear_scale = std::max(linear_scale, now.linear_scale);
+    angular_scale = std::max(angular_scale, now.angular_scale);
+    drift.linear = std::max(drift.linear, (now.linear - before.linear).norm());
+    drift.angular = std::max(drift.angular, (now.angular - before.angular).norm());
+  }
+  return {drift.linear / linear_scale, drift.angular / angular_scale};
+}
+
+TEST(oracle_momentum, free_body_keeps_both_momenta) {
+  for (unsigned seed : {11u, 12u, 13u}) {
+    const Drift drift = momentum_drift(seed, true);
+    // A goal 0.2 m from the origin rounds by 3e-17, its pull on the velocity by 1/h = 64 times that: 2e-15
+    // m/s, or 2e-14 of the velocities here, for each of 36 vertices in each of 1,000 steps. Adding up at
+    // random, relative to the sum over all vertices: 2e-14 sqrt(1000/36) = 1e-13. A margin of ten for what is
+    // not random.
+    EXPECT_LT(drift.linear, 1e-12) << "seed " << seed;
+    EXPECT_LT(drift.angular, 2e-12) << "seed " << seed;
+  }
+}
+
+// As printed a free body pushes itself: the control that the test above can fail.
+TEST(oracle_momentum, printed_weights_do_not) {
+  for (unsigned seed : {11u, 12u, 13u}) {
+    const Drift drift = momentum_drift(seed, false);
+    EXPECT_GT(drift.linear, 1e-3) << "seed " << seed;
+    EXPECT_GT(drift.angular, 1e-3) << "seed " << seed;
+  }
+}
+
+// A skeleton that bends, carried along at 5 m/s in whole and half metres a frame: positions are kept relative
+// to an origin that follows in whole metres. Damping is relative to the skeleton, so nothing but the
+// translation may change.
+TEST(oracle_invariance, carried_frame_changes_nothing) {
+  constexpr std::uint32_t substeps = 4;
+  constexpr int frames = 64;
+  const Scene scene = make_scene(21, true);
+  Model model = model_of(scene, true, 6.0);
+  add_skeleton(model);
+
+  const auto run = [&](double speed, double push, std::vector<Points>& all, double* lag) {
+    Oracle oracle(model, {});
+    set_state(model, oracle, rest_points(model), Points(model.vertex_count, Vector3d(push, 0, 0)));
+    double origin = 0.0;
+    for (int f = 0; f < frames; ++f) {
+      TestDrive drive = quiet_drive(model, h, substeps, Vector3d(0, -6.25, 0));
+      const double end = speed * h * substeps * (f + 1);
+      const double new_origin = std::floor(end);
+      drive.drive.origin = {new_origin, 0, 0};
+      drive.drive.origin_shift = {float(new_origin - origin), 0, 0};
+      origin = new_origin;
+      for (std::uint32_t s = 0; s < substeps; ++s) {
+        const double time = h * (substeps * f + s + 1);
+        shader::Bone& moving = drive.bones[2 * s + 1];
+        const float bend = float(0.25 * std::sin(6.0 * time));
+        moving.xy = -bend;  // a shear and a stretch: skinning takes any affine map
+        moving.yx = bend;
+        for (std::uint32_t j = 0; j < 2; ++j) drive.bones[2 * s + j].xt = float(speed * time - origin);
+      }
+      advance(oracle, drive);
+      Points world = oracle.positions();
+      for (std::uint32_t i = 0; i < model.vertex_count; ++i) world[i].x() += origin - end;
+      all.push_back(world);
+    }
+    if (lag) *lag = largest_distance(all.back(), all.front());
+  };
+
+  std::vector<Points> standing, carried, pushed;
+  double lag = 0.0;
+  run(0.0, 0.0, standing, &lag);
+  run(5.0, 5.0, carried, nullptr);
+  run(5.0, 0.0, pushed, nullptr);
+  EXPECT_GT(lag, 0.01);  // there is a motion
+  double worst = 0.0;
+  double control = 0.0;
+  for (int f = 0; f < frames; ++f) {
+    worst = std::max(worst, largest_distance(standing[std::size_t(f)], carried[std::size_t(f)]));
+    control = std::max(control, largest_distance(standing[std::size_t(f)], pushed[std::size_t(f)]));
+  }
+  // All translations and origins are exact in float (5/64 m a substep), so only double rounding remains:
+  // 1e-16 of a metre, over h for the skinned velocity, over 256 steps.
+  EXPECT_LT(worst, 1e-12);
+  EXPECT_GT(control, 0.05);  // starting without the 5 m/s does show
+}
+
+}  // namespace
+}  // namespace fascicle::tests
