@@ -1,0 +1,115 @@
+#include "host/scene/input_files.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <memory>
+#include <system_error>
+
+#include <xxhash.h>
+
+#include "host/scene/gltf.h"
+#include "host/scene/mesh_file.h"
+
+namespace fascicle::scene {
+namespace {
+
+std::string hex(std::uint64_t value) {
+  std::string text(16, '0');
+  for (std::size_t i = 16; i-- > 0; value >>= 4) text[i] = "0123456789abcdef"[value & 15];
+  return text;
+}
+
+void check_regular(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw InputFileError(path.string() + " does not exist");
+  if (!std::filesystem::is_regular_file(status)) throw InputFileError(path.string() + " is not a file");
+}
+
+std::ifstream open(const std::filesystem::path& path) {
+  check_regular(path);
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputFileError(path.string() + " cannot be opened; check its permissions");
+  return in;
+}
+
+std::string hash_of_file(const std::filesystem::path& path) {
+  std::ifstream in = open(path);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  std::array<char, 1 << 16> block{};
+  while (in.read(block.data(), block.size()), in.gcount() > 0) {
+    XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(in.gcount()));
+  }
+  if (in.bad()) throw InputFileError(path.string() + " cannot be read to its end");
+  return hex(XXH3_64bits_digest(state.get()));
+}
+
+void add_hash(const std::filesystem::path& path, Scene& scene) {
+  scene.input_hashes.emplace_back(path.string(), hash_of_file(path));
+}
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return extension;
+}
+
+}  // namespace
+
+std::string hash_of(std::string_view bytes) {
+  return hex(XXH3_64bits(bytes.data(), bytes.size()));
+}
+
+bool is_gltf_file(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".glb" || extension == ".gltf";
+}
+
+std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes) {
+  std::ifstream in = open(path);
+  std::error_code error;
+  if (const std::uintmax_t bytes = std::filesystem::file_size(path, error); !error && bytes > most_bytes) {
+    throw InputFileError(path.string() + " has " + std::to_string(bytes) + " bytes; " +
+                         std::to_string(most_bytes) + " is the most a scene file can have");
+  }
+  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  if (in.bad()) throw InputFileError(path.string() + " cannot be read to its end");
+  return text;
+}
+
+void load_mesh(const std::filesystem::path& path, Scene& scene) {
+  if (is_gltf_file(path)) throw InputFileError(path.string() + " is a character; name it under [character]");
+  if (is_tet_mesh_file(path)) {
+    check_regular(path);
+    scene.geometry = read_tet_mesh(path);
+  } else if (is_surface_mesh_file(path)) {
+    check_regular(path);
+    scene.geometry = read_surface_mesh(path);
+  } else {
+    throw InputFileError(path.string() +
+                         " is no mesh file; it may be .mesh .node .ele .msh .vtu .off .obj .ply .stl");
+  }
+  const std::string extension = lower_extension(path);
+  if (extension == ".node" || extension == ".ele") {
+    // The reader took both, in the given extension's case.
+    const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
+    for (const char* each : {upper ? ".NODE" : ".node", upper ? ".ELE" : ".ele"}) {
+      add_hash(std::filesystem::path(path).replace_extension(each), scene);
+    }
+  } else {
+    add_hash(path, scene);
+  }
+}
+
+void load_character(const std::filesystem::path& path, Scene& scene) {
+  if (!is_gltf_file(path)) throw InputFileError(path.string() + " is no character; it may be .glb or .gltf");
+  check_regular(path);
+  std::vector<std::filesystem::path> files{path};
+  scene.geometry = read_gltf(path, &files);
+  for (const auto& file : files) add_hash(file, scene);
+}
+
+}  // namespace fascicle::scene

@@ -1,0 +1,31 @@
+// The files a scene is made of: opened once each by their readers, and hashed for the manifest.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::scene {
+
+// A file that cannot be used at all; what() lacks the place in the scene file that named it.
+struct InputFileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// XXH3-64, 16 hex digits.
+std::string hash_of(std::string_view bytes);
+
+bool is_gltf_file(const std::filesystem::path& path);
+
+// Whole regular file. Throws InputFileError; `most_bytes` keeps a wrong name from filling the memory.
+std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
+
+// Set scene.geometry (in the unit of the file) and add to scene.input_hashes. Throw InputFileError, or the
+// reader's SceneError, which names the file itself.
+void load_mesh(const std::filesystem::path& path, Scene& scene);
+void load_character(const std::filesystem::path& path, Scene& scene);
+
+}  // namespace fascicle::scene

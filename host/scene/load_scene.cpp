@@ -1,0 +1,67 @@
+#include <cmath>
+
+#include "host/scene/bare_scenes.h"
+#include "host/scene/gltf.h"
+#include "host/scene/input_files.h"
+#include "host/scene/mesh_file.h"
+#include "host/scene/scene_file.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::scene {
+namespace {
+
+constexpr std::uintmax_t most_scene_bytes = std::uintmax_t{16} << 20;
+
+Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& overrides) {
+  const std::string text = read_text_file(path, most_scene_bytes);
+  Scene scene = parse_scene({path.stem().string(), path.string(), text, path.parent_path()}, overrides);
+  scene.input_hashes.insert(scene.input_hashes.begin(), {path.string(), hash_of(text)});
+  return scene;
+}
+
+[[noreturn]] void fail_unknown_scene(const std::string& name) {
+  std::vector<std::string> names;
+  for (const BuiltinScene& builtin : builtin_scenes()) names.push_back(builtin.name);
+  throw SceneError(name +
+                   ": no such scene; give a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj "
+                   ".ply .stl), a "
+                   "character (.glb .gltf) or a built-in scene; did you mean " +
+                   nearest_name(name, names) + "?");
+}
+
+}  // namespace
+
+std::uint64_t frame_count(const Scene& scene) {
+  return static_cast<std::uint64_t>(std::llround((scene.end - scene.start) * scene.fps));
+}
+
+Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    if (builtin.name != name) continue;
+    const std::string source = "builtin:" + name;
+    Scene scene = parse_scene({name, source, builtin.text, {}}, overrides);
+    scene.input_hashes.emplace_back(source, hash_of(builtin.text));
+    return scene;
+  }
+  const std::filesystem::path path(name);
+  const std::string stem = path.stem().string();
+  try {
+    if (path.extension() == ".toml") return load_scene_file(path, overrides);
+    if (is_tet_mesh_file(path) || is_surface_mesh_file(path)) {
+      return parse_scene({stem, name, scene_for_mesh(path), {}}, overrides);
+    }
+    if (is_gltf_file(path)) {
+      // Read twice, because the layers' default extents follow from the size; the text must be complete
+      // before it is parsed.
+      Scene sized;
+      load_character(path, sized);
+      return parse_scene({stem, name, scene_for_character(path, std::get<Character>(sized.geometry)), {}},
+                         overrides);
+    }
+  } catch (const InputFileError& error) {
+    throw SceneError(error.what());
+  }
+  fail_unknown_scene(name);
+}
+
+}  // namespace fascicle::scene

@@ -1,0 +1,201 @@
+#include "host/scene/overrides.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "host/scene/scene_check.h"
+
+namespace fascicle::scene {
+namespace {
+
+// One assignment: what the user wrote, and where it is to go.
+struct Assignment {
+  std::string option;  // "--set layers.fat.alpha=0.2"; stands for the file name in messages
+  std::vector<std::string> path;
+  std::string value;
+  std::uint32_t ordinal = 1;
+
+  std::string path_text() const {
+    std::string text;
+    for (const std::string& part : path) text = join_path(text, part);
+    return text;
+  }
+  toml::source_region source() const {
+    const toml::source_position position{ordinal, 1};
+    return {position, position, std::make_shared<const std::string>(option)};
+  }
+};
+
+// The value as TOML, or the same characters as text: where TOML fails, and where text is wanted (a clip named
+// 1). Returned inside its document, under the key `value`, because nodes lose their source when they are
+// copied.
+toml::table parse_value(const Assignment& assignment, const Key& key) {
+  try {
+    toml::table document = toml::parse("value = " + assignment.value, assignment.option);
+    // More keys than one: the value held a line break and went on behind it.
+    if (document.size() == 1 && (key.type != KeyType::text || document.get("value")->is_string()))
+      return document;
+  } catch (const toml::parse_error&) {
+  }
+  try {
+    // Only TOML's own comments tell whether text is TOML's: UTF-8 without control characters.
+    if (toml::parse("# " + assignment.value, assignment.option).empty()) {
+      toml::table document = toml::parse("value = ''", assignment.option);
+      document.get("value")->as_string()->get() = assignment.value;
+      return document;
+    }
+  } catch (const toml::parse_error&) {
+  }
+  fail(assignment.source(), assignment.path_text(), "the value is neither TOML nor one line of UTF-8 text");
+}
+
+void drop_alternatives(toml::table& table, const Table& keys, std::string_view name) {
+  for (const auto& choice : keys.choices) {
+    if (std::find(choice.begin(), choice.end(), name) == choice.end()) continue;
+    for (const std::string& other : choice) {
+      if (other != name) table.erase(other);
+    }
+  }
+}
+
+// Follows the assignment's path through the tables and puts the value at its end.
+void assign(toml::table& root, const Assignment& assignment) {
+  toml::table* table = &root;
+  const Table* keys = &scene_table();
+  const Key* key = nullptr;
+  bool naming = false;  // the table's keys are names that the user chose, of tables like key->table
+  std::string path;
+  for (std::size_t i = 0; i < assignment.path.size(); ++i) {
+    const std::string& part = assignment.path[i];
+    const bool last = i + 1 == assignment.path.size();
+    if (!naming) {
+      key = find_key(*keys, part);
+      if (key == nullptr) fail_unknown(assignment.source(), path, part, key_names(*keys));
+      drop_alternatives(*table, *keys, part);
+    } else if (!last && !table->contains(part)) {
+      std::vector<std::string> names;
+      for (const auto& entry : in_order(*table)) names.emplace_back(entry.first->str());
+      fail_unknown(assignment.source(), path, part, names);
+    }
+    path = join_path(path, part);
+    if (last) {
+      toml::table document = parse_value(assignment, *key);
+      document.get("value")->visit([&](auto& value) {
+        table->insert_or_assign(toml::key(part, assignment.source()), std::move(value));
+      });
+      return;
+    }
+    if (key->table == nullptr) fail(assignment.source(), path, "has no keys inside; set it whole");
+    if (!table->contains(part)) table->insert_or_assign(toml::key(part, assignment.source()), toml::table{});
+    table = table->get(part)->as_table();
+    if (table == nullptr) fail(assignment.source(), path, "is not one table; set it whole");
+    naming = !naming && key->type == KeyType::named_tables;
+    keys = key->table;
+  }
+}
+
+std::vector<std::string> split_path(std::string_view text) {
+  std::vector<std::string> parts;
+  while (true) {
+    const std::size_t dot = text.find('.');
+    parts.emplace_back(text.substr(0, dot));
+    if (dot == std::string_view::npos) return parts;
+    text.remove_prefix(dot + 1);
+  }
+}
+
+}  // namespace
+
+void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
+  std::uint32_t ordinal = 0;
+  const auto set = [&](std::string option, std::string_view path, std::string value) {
+    assign(root, {std::move(option), split_path(path), std::move(value), ++ordinal});
+  };
+  for (const std::string& text : overrides.set) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw SceneError("--set " + text + ": takes KEY.PATH=VALUE, such as layers.fat.alpha=0.2");
+    }
+    set("--set " + text, std::string_view(text).substr(0, equals), text.substr(equals + 1));
+  }
+  const auto assign_number = [&](const char* option, const char* path, const std::optional<double>& value) {
+    if (value) set(std::string(option) + " " + shortest(*value), path, shortest(*value));
+  };
+  assign_number("--fps", "scene.fps", overrides.fps);
+  assign_number("--start", "scene.start", overrides.start);
+  assign_number("--end", "scene.end", overrides.end);
+  if (overrides.clip) {
+    const std::string option = "--clip " + *overrides.clip;
+    if (!root.contains("character"))
+      throw SceneError(option + ": the scene has no character, so there is no clip to choose");
+    set(option, "character.clip", *overrides.clip);
+  }
+}
+
+namespace {
+
+// Tables inside values are written inline, in the order of their keys. Numbers are the shortest that read
+// back the same.
+void write_value(std::ostream& out, const toml::node& node) {
+  if (const auto* table = node.as_table()) {
+    const char* separator = "{ ";
+    for (const auto& [name, value] : in_order(*table)) {
+      out << separator << name->str() << " = ";
+      write_value(out, *value);
+      separator = ", ";
+    }
+    out << " }";
+  } else if (const auto* array = node.as_array()) {
+    const char* separator = "[";
+    for (const toml::node& value : *array) {
+      out << separator;
+      write_value(out, value);
+      separator = ", ";
+    }
+    out << "]";
+  } else if (const auto* number = node.as_floating_point()) {
+    const std::string text = shortest(number->get());
+    out << text << (text.find_first_of(".e") == std::string::npos ? ".0" : "");
+  } else {
+    node.visit([&](const auto& value) { out << toml::toml_formatter{value}; });
+  }
+}
+
+void write_table(std::ostream& out, const toml::table& table, const Table& keys, const std::string& path) {
+  const auto is_header = [](const Key& key) {
+    return key.type == KeyType::table || key.type == KeyType::named_tables;
+  };
+  const auto entries = in_order(table);
+  for (const auto& [name, node] : entries) {
+    if (is_header(*find_key(keys, name->str()))) continue;
+    out << name->str() << " = ";
+    write_value(out, *node);
+    out << '\n';
+  }
+  for (const auto& [name, node] : entries) {
+    const Key& key = *find_key(keys, name->str());
+    if (!is_header(key)) continue;
+    const std::string inner = join_path(path, name->str());
+    if (key.type == KeyType::table) {
+      out << "\n[" << inner << "]\n";
+      write_table(out, *node->as_table(), *key.table, inner);
+      continue;
+    }
+    for (const auto& [chosen, chosen_node] : in_order(*node->as_table())) {
+      const std::string innermost = join_path(inner, chosen->str());
+      out << "\n[" << innermost << "]\n";
+      write_table(out, *chosen_node->as_table(), *key.table, innermost);
+    }
+  }
+}
+
+}  // namespace
+
+std::string write_scene(const toml::table& root) {
+  std::ostringstream out;
+  write_table(out, root, scene_table(), "");
+  const std::string text = out.str();
+  return text.starts_with('\n') ? text.substr(1) : text;
+}
+
+}  // namespace fascicle::scene

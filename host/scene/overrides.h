@@ -1,0 +1,19 @@
+// Changes to a parsed scene file before it is checked, and the changed file as text.
+#pragma once
+
+#include <string>
+
+#include "host/scene/scene.h"
+#include "host/scene/toml.h"
+
+namespace fascicle::scene {
+
+// Applies --set in order, then --fps, --start, --end and --clip. A path leads through tables of the table of
+// keys; a name that users choose (layers.NAME) must be there already, unless the value is the whole table.
+// Setting one key of a choice drops the others. Throws SceneError that names the option.
+void apply_overrides(toml::table& root, const SceneOverrides& overrides);
+
+// The scene file that reads as `root` does: same values, same order of layers. `root` has passed check_scene.
+std::string write_scene(const toml::table& root);
+
+}  // namespace fascicle::scene

@@ -1,0 +1,258 @@
+#include "host/scene/scene_check.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <tuple>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::scene {
+namespace {
+
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t longest_shown = 80;
+  const bool cut = text.size() > longest_shown;
+  return '"' + std::string(text.substr(0, longest_shown)) + (cut ? "...\"" : "\"");
+}
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+const char* type_given(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "text";
+    case toml::node_type::integer:
+      return "a whole number";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+const char* type_wanted(KeyType type) {
+  switch (type) {
+    case KeyType::number:
+      return "a number";
+    case KeyType::integer:
+      return "a whole number";
+    case KeyType::text:
+      return "text in quotes";
+    case KeyType::boolean:
+      return "true or false";
+    case KeyType::vector:
+      return "an array of three numbers";
+    case KeyType::integer_vector:
+      return "an array of three whole numbers";
+    case KeyType::table:
+      return "a table";
+    case KeyType::tables:
+      return "a table, or an array of tables";
+    case KeyType::named_tables:
+      return "a table of tables";
+  }
+  return "";
+}
+
+[[noreturn]] void fail_type(const toml::node& node, const Key& key, const std::string& path) {
+  fail(node.source(), path, std::string("takes ") + type_wanted(key.type) + ", not " + type_given(node));
+}
+
+void check_number(const toml::node& node, const Key& key, const std::string& path) {
+  const bool whole = key.type == KeyType::integer || key.type == KeyType::integer_vector;
+  double value = 0.0;
+  if (const auto* integer = node.as_integer()) {
+    value = static_cast<double>(integer->get());
+  } else if (const auto* floating = node.as_floating_point(); floating != nullptr && !whole) {
+    value = floating->get();
+  } else {
+    fail_type(node, key, path);
+  }
+  if (!std::isfinite(value)) fail(node.source(), path, "is not a finite number");
+  const Range& range = key.range;
+  if (range.minimum_excluded ? !(value > range.minimum) : !(value >= range.minimum)) {
+    fail(node.source(), path,
+         "is " + shortest(value) + "; must be " + (range.minimum_excluded ? "above " : "at least ") +
+             shortest(range.minimum));
+  }
+  if (value > range.maximum) {
+    fail(node.source(), path, "is " + shortest(value) + "; must be at most " + shortest(range.maximum));
+  }
+}
+
+void check_vector(const toml::node& node, const Key& key, const std::string& path) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail_type(node, key, path);
+  if (array->size() != 3) {
+    fail(node.source(), path,
+         "has " + std::to_string(array->size()) + " entries; takes " + type_wanted(key.type));
+  }
+  for (std::size_t i = 0; i < 3; ++i) check_number((*array)[i], key, path + "[" + std::to_string(i) + "]");
+}
+
+void check_text(const toml::node& node, const Key& key, const std::string& path) {
+  const auto* text = node.as_string();
+  if (text == nullptr) fail_type(node, key, path);
+  const auto& allowed = key.allowed;
+  if (allowed.empty() || std::find(allowed.begin(), allowed.end(), text->get()) != allowed.end()) return;
+  fail(node.source(), path,
+       in_quotes(text->get()) + " is not one of " + list(allowed) + "; did you mean " +
+           nearest_name(text->get(), allowed) + "?");
+}
+
+void check_table(const toml::table& table, const Table& keys, const std::string& path);
+
+void check_tables(const toml::node& node, const Key& key, const std::string& path) {
+  if (const auto* table = node.as_table()) return check_table(*table, *key.table, path);
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail_type(node, key, path);
+  if (array->empty()) fail(node.source(), path, "is empty; give at least one table");
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const auto* table = (*array)[i].as_table();
+    if (table == nullptr) fail_type((*array)[i], key, path);
+    check_table(*table, *key.table, path + "[" + std::to_string(i) + "]");
+  }
+}
+
+void check_named_tables(const toml::node& node, const Key& key, const std::string& path) {
+  const auto* tables = node.as_table();
+  if (tables == nullptr) fail_type(node, key, path);
+  for (const auto& [name, value] : in_order(*tables)) {
+    const std::string inner = join_path(path, name->str());
+    if (!is_valid_name(name->str())) {
+      fail(name->source(), inner,
+           "is no name; names have 1 to " + std::to_string(longest_name) + " letters, digits, _ and -");
+    }
+    const auto* table = value->as_table();
+    if (table == nullptr) {
+      fail(value->source(), inner, std::string("takes a table, [") + inner + "], not " + type_given(*value));
+    }
+    check_table(*table, *key.table, inner);
+  }
+  if (tables->size() > most_named) {
+    fail(node.source(), path,
+         "has " + std::to_string(tables->size()) + " tables; " + std::to_string(most_named) +
+             " is the most there can be");
+  }
+  if (key.required && tables->empty())
+    fail(node.source(), path, "is empty; give at least one [" + path + ".NAME]");
+}
+
+void check_node(const toml::node& node, const Key& key, const std::string& path) {
+  switch (key.type) {
+    case KeyType::number:
+    case KeyType::integer:
+      return check_number(node, key, path);
+    case KeyType::text:
+      return check_text(node, key, path);
+    case KeyType::boolean:
+      if (!node.is_boolean()) fail_type(node, key, path);
+      return;
+    case KeyType::vector:
+    case KeyType::integer_vector:
+      return check_vector(node, key, path);
+    case KeyType::table:
+      if (!node.is_table()) fail_type(node, key, path);
+      return check_table(*node.as_table(), *key.table, path);
+    case KeyType::tables:
+      return check_tables(node, key, path);
+    case KeyType::named_tables:
+      return check_named_tables(node, key, path);
+  }
+}
+
+void check_table(const toml::table& table, const Table& keys, const std::string& path) {
+  for (const auto& [name, value] : in_order(table)) {
+    const Key* key = find_key(keys, name->str());
+    if (key == nullptr) fail_unknown(name->source(), path, name->str(), key_names(keys));
+    check_node(*value, *key, join_path(path, name->str()));
+  }
+  for (const Key& key : keys.keys) {
+    if (key.required && !table.contains(key.name)) {
+      fail(table.source(), join_path(path, key.name),
+           std::string("is missing; takes ") + type_wanted(key.type));
+    }
+  }
+  for (const auto& choice : keys.choices) {
+    const Entry* first = nullptr;
+    const auto entries = in_order(table);
+    for (const Entry& entry : entries) {
+      if (std::find(choice.begin(), choice.end(), entry.first->str()) == choice.end()) continue;
+      if (first != nullptr) {
+        fail(entry.first->source(), join_path(path, entry.first->str()),
+             "stands beside " + std::string(first->first->str()) + "; give one of " + list(choice));
+      }
+      first = &entry;
+    }
+    if (first == nullptr) fail(table.source(), path.empty() ? "scene" : path, "lacks one of " + list(choice));
+  }
+}
+
+}  // namespace
+
+bool is_override(const toml::source_region& source) {
+  return source.path && source.path->starts_with("--");
+}
+
+std::string location(const toml::source_region& source) {
+  const std::string file = source.path ? *source.path : std::string{};
+  if (is_override(source)) return file;
+  return file + ":" + std::to_string(std::max<toml::source_index>(source.begin.line, 1));
+}
+
+std::string shortest(double value) {
+  char text[32];
+  const auto end = std::to_chars(std::begin(text), std::end(text), value).ptr;
+  return {text, end};
+}
+
+std::string join_path(std::string_view path, std::string_view name) {
+  return path.empty() ? std::string(name) : std::string(path) + "." + std::string(name);
+}
+
+void fail(const toml::source_region& source, std::string_view path, std::string_view message) {
+  std::string text = location(source) + ": " + std::string(path) + ": " + std::string(message);
+  // Quoted keys and values may hold anything; a message is one line.
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
+  throw SceneError(text);
+}
+
+void fail_unknown(const toml::source_region& source, std::string_view path, std::string_view name,
+                  const std::vector<std::string>& names) {
+  const std::string there_is =
+      names.empty() ? "there is none here"
+                    : "did you mean " + nearest_name(name, names) + "? Known here: " + list(names);
+  fail(source, join_path(path, name.substr(0, longest_name)), "unknown; " + there_is);
+}
+
+std::vector<Entry> in_order(const toml::table& table) {
+  std::vector<Entry> entries;
+  entries.reserve(table.size());
+  for (auto&& [key, node] : table) entries.emplace_back(&key, &node);
+  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    const auto rank = [](const Entry& entry) {
+      const toml::source_region& source = entry.first->source();
+      return std::tuple(is_override(source), source.begin.line, source.begin.column);
+    };
+    return rank(a) < rank(b);
+  });
+  return entries;
+}
+
+void check_scene(const toml::table& root) {
+  check_table(root, scene_table(), "");
+}
+
+}  // namespace fascicle::scene

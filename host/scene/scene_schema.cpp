@@ -1,0 +1,104 @@
+// The scene file's JSON Schema, written out from the table of keys.
+#include <cmath>
+
+#include "host/scene/scene.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::scene {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json reference(const Table& table) {
+  return {{"$ref", "#/$defs/" + table.name}};
+}
+
+void add_range(Json& schema, const Key& key) {
+  const auto number = [&](double value) {
+    const bool whole = key.type == KeyType::integer || key.type == KeyType::integer_vector;
+    return whole ? Json(static_cast<std::int64_t>(value)) : Json(value);
+  };
+  if (std::isfinite(key.range.minimum)) {
+    schema[key.range.minimum_excluded ? "exclusiveMinimum" : "minimum"] = number(key.range.minimum);
+  }
+  if (std::isfinite(key.range.maximum)) schema["maximum"] = number(key.range.maximum);
+}
+
+Json schema_of(const Key& key) {
+  Json schema;
+  switch (key.type) {
+    case KeyType::number:
+    case KeyType::integer:
+      schema["type"] = key.type == KeyType::number ? "number" : "integer";
+      add_range(schema, key);
+      break;
+    case KeyType::text:
+      schema["type"] = "string";
+      if (!key.allowed.empty()) schema["enum"] = key.allowed;
+      break;
+    case KeyType::boolean:
+      schema["type"] = "boolean";
+      break;
+    case KeyType::vector:
+    case KeyType::integer_vector: {
+      Json items{{"type", key.type == KeyType::vector ? "number" : "integer"}};
+      add_range(items, key);
+      schema = {{"type", "array"}, {"items", items}, {"minItems", 3}, {"maxItems", 3}};
+      break;
+    }
+    case KeyType::table:
+      schema = reference(*key.table);
+      break;
+    case KeyType::tables:
+      schema["oneOf"] = {reference(*key.table),
+                         {{"type", "array"}, {"items", reference(*key.table)}, {"minItems", 1}}};
+      break;
+    case KeyType::named_tables:
+      schema["type"] = "object";
+      schema["propertyNames"] = {{"pattern", name_pattern}, {"maxLength", longest_name}};
+      schema["additionalProperties"] = reference(*key.table);
+      if (key.required) schema["minProperties"] = 1;
+      schema["maxProperties"] = most_named;
+      break;
+  }
+  schema["description"] = key.doc;
+  if (!key.fallback.is_null()) schema["default"] = key.fallback;
+  return schema;
+}
+
+Json schema_of(const Table& table) {
+  Json schema{{"type", "object"}, {"description", table.doc}};
+  Json required = Json::array();
+  for (const Key& key : table.keys) {
+    schema["properties"][key.name] = schema_of(key);
+    if (key.required) required.push_back(key.name);
+  }
+  schema["additionalProperties"] = false;
+  if (!required.empty()) schema["required"] = required;
+  for (const auto& choice : table.choices) {
+    Json one_of = Json::array();
+    for (const std::string& name : choice) one_of.push_back({{"required", {name}}});
+    schema["allOf"].push_back({{"oneOf", one_of}});
+  }
+  return schema;
+}
+
+void add_definitions(Json& definitions, const Table& table) {
+  for (const Key& key : table.keys) {
+    if (key.table == nullptr || definitions.contains(key.table->name)) continue;
+    definitions[key.table->name] = schema_of(*key.table);
+    add_definitions(definitions, *key.table);
+  }
+}
+
+}  // namespace
+
+std::string scene_schema() {
+  Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "fascicle scene"}};
+  schema.update(schema_of(scene_table()));
+  schema["$defs"] = Json::object();
+  add_definitions(schema["$defs"], scene_table());
+  return schema.dump(2) + "\n";
+}
+
+}  // namespace fascicle::scene

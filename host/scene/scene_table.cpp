@@ -1,0 +1,312 @@
+#include "host/scene/scene_table.h"
+
+#include "host/scene/scene.h"
+
+namespace fascicle::scene {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double farthest = 1e6;  // metres; squares and cubes of it are far from float's end
+
+constexpr Range between(double minimum, double maximum) {
+  return {minimum, maximum, false};
+}
+constexpr Range positive(double maximum) {
+  return {0.0, maximum, true};
+}
+constexpr Range coordinate = between(-farthest, farthest);
+
+Json json_of(const Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Key point(const char* name, const char* doc) {
+  return {.name = name, .type = KeyType::vector, .doc = doc, .range = coordinate, .required = true};
+}
+
+Key where_key(const Table& shape, bool required, const char* doc) {
+  return {.name = "where", .type = KeyType::tables, .doc = doc, .required = required, .table = &shape};
+}
+
+// Owns all tables: they point at each other.
+struct Tables {
+  Table box{.name = "box",
+            .doc = "An axis-aligned box, faces included.",
+            .keys = {point("minimum", "Lowest corner, m."), point("maximum", "Highest corner, m.")}};
+
+  Table sphere{
+      .name = "sphere",
+      .doc = "A ball, surface included.",
+      .keys = {point("center", "Middle, m."),
+               {.name = "radius", .doc = "Radius, m.", .range = positive(farthest), .required = true}}};
+
+  Table capsule{
+      .name = "capsule",
+      .doc = "All points within a radius of a segment.",
+      .keys = {point("from", "One end of the segment, m."),
+               point("to", "Its other end, m."),
+               {.name = "radius", .doc = "Radius, m.", .range = positive(farthest), .required = true}}};
+
+  Table half_space{
+      .name = "half_space",
+      .doc = "One side of a plane across an axis, the plane included.",
+      .keys =
+          {{.name = "axis",
+            .type = KeyType::text,
+            .doc = "Axis the plane stands across.",
+            .fallback = "y",
+            .allowed = {"x", "y", "z"}},
+           {.name = "value", .doc = "Where the plane cuts the axis, m.", .range = coordinate},
+           {.name = "fraction",
+            .doc =
+                "Where the plane cuts the axis, as a fraction of the mesh's bounding box from its low side.",
+            .range = between(0.0, 1.0)}},
+      .choices = {{"value", "fraction"}}};
+
+  Table bone_distance{
+      .name = "bone_distance",
+      .doc = "Points by their distance to the nearest bone: [bones.NAME], or the character's own.",
+      .keys = {{.name = "minimum",
+                .doc = "Smallest distance, m.",
+                .range = between(0.0, farthest),
+                .fallback = BoneDistance{}.minimum},
+               {.name = "maximum",
+                .doc = "Largest distance, m.",
+                .range = between(0.0, farthest),
+                .required = true}}};
+
+  Table shape{
+      .name = "shape",
+      .doc = "A part of space; of several in an array, any.",
+      .keys =
+          {{.name = "box", .type = KeyType::table, .doc = "Inside a box.", .table = &box},
+           {.name = "sphere", .type = KeyType::table, .doc = "Inside a ball.", .table = &sphere},
+           {.name = "capsule", .type = KeyType::table, .doc = "Near a segment.", .table = &capsule},
+           {.name = "below", .type = KeyType::table, .doc = "Below a plane.", .table = &half_space},
+           {.name = "above", .type = KeyType::table, .doc = "Above a plane.", .table = &half_space},
+           {.name = "bone_distance", .type = KeyType::table, .doc = "Near a bone.", .table = &bone_distance},
+           {.name = "everywhere", .type = KeyType::boolean, .doc = "All of space: everywhere = true."}},
+      .choices = {{"box", "sphere", "capsule", "below", "above", "bone_distance", "everywhere"}}};
+
+  Table general{
+      .name = "scene",
+      .doc = "What holds for the whole scene.",
+      .keys = {
+          {.name = "description", .type = KeyType::text, .doc = "One line that says what the scene shows."},
+          {.name = "gravity",
+           .type = KeyType::vector,
+           .doc = "Gravity, m/s^2.",
+           .range = between(-1e4, 1e4),
+           .fallback = json_of(Scene{}.gravity)},
+          {.name = "fps", .doc = "Frames a second.", .range = between(1e-3, 1e5), .fallback = Scene{}.fps},
+          {.name = "start",
+           .doc = "Time of the clip where frame 0 stands, s.",
+           .range = between(-1e5, 1e5),
+           .fallback = Scene{}.start},
+          {.name = "end",
+           .doc = "Time of the last frame, s; where absent, the clip's end, or 2 s after the start without a "
+                  "clip.",
+           .range = between(-1e5, 1e5)}}};
+
+  Table bar{.name = "bar",
+            .doc = "A box of tetrahedra, six to a cell, from the origin to its size.",
+            .keys = {{.name = "size",
+                      .type = KeyType::vector,
+                      .doc = "Extent along x, y and z, m.",
+                      .range = positive(1e4),
+                      .fallback = json_of(Bar{}.size)},
+                     {.name = "vertices",
+                      .type = KeyType::integer_vector,
+                      .doc = "Vertices along x, y and z.",
+                      .range = between(2, 4096),
+                      .fallback = Bar{}.vertices},
+                     {.name = "jitter",
+                      .doc = "Inner vertices are moved at random by up to this many spacings.",
+                      .range = between(0.0, 0.3),
+                      .fallback = Bar{}.jitter},
+                     {.name = "seed",
+                      .type = KeyType::integer,
+                      .doc = "Which random moves.",
+                      .range = {.minimum = 0.0},
+                      .fallback = Bar{}.seed}}};
+
+  Table mesh{
+      .name = "mesh",
+      .doc =
+          "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a closed surface (.off .obj .ply .stl).",
+      .keys = {
+          {.name = "file",
+           .type = KeyType::text,
+           .doc = "The file, relative to the scene file's folder.",
+           .required = true},
+          {.name = "scale",
+           .doc = "Metres per unit of the file.",
+           .range = positive(1e6),
+           .fallback = Scene{}.scale},
+          {.name = "resolution",
+           .doc = "Surfaces: wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
+           .range = positive(1e4)}}};
+
+  Table character{
+      .name = "character",
+      .doc = "A rigged character: a glTF 2.0 file (.glb .gltf).",
+      .keys = {{.name = "file",
+                .type = KeyType::text,
+                .doc = "The file, relative to the scene file's folder.",
+                .required = true},
+               {.name = "clip",
+                .type = KeyType::text,
+                .doc = "The animation, by name or by number from 0; empty: the first.",
+                .fallback = Scene{}.clip},
+               {.name = "resolution",
+                .doc = "Wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
+                .range = positive(1e4)}}};
+
+  Table layer{
+      .name = "layer",
+      .doc = "A layer of the body. Where several claim a point, the last of the file has it.",
+      .keys = {
+          {.name = "alpha",
+           .doc = "Stiffness of equation (4), per substep.",
+           .range = between(0.0, 1.0),
+           .fallback = Layer{}.alpha},
+          {.name = "beta",
+           .doc = "Weight of the fibre, equation (14).",
+           .range = between(0.0, 1.0),
+           .fallback = Layer{}.beta},
+          {.name = "damping",
+           .doc = "Rate at which the motion relative to the skeleton dies out, 1/s.",
+           .range = between(0.0, 1e4),
+           .fallback = Layer{}.damping},
+          {.name = "density", .doc = "Density, kg/m^3.", .range = positive(1e5), .fallback = Layer{}.density},
+          {.name = "fibre",
+           .type = KeyType::vector,
+           .doc = "Direction of the fibres at rest; its length and sign mean nothing.",
+           .range = coordinate},
+          {.name = "kinematic",
+           .type = KeyType::boolean,
+           .doc = "Moved by the skeleton alone, or held still where there is none: bone.",
+           .fallback = Layer{}.kinematic},
+          where_key(shape, false,
+                    "What belongs to the layer; where absent, all that no other layer claims.")}};
+
+  Table solver{
+      .name = "solver",
+      .doc = "How the motion is computed.",
+      .keys = {
+          {.name = "integrator",
+           .type = KeyType::text,
+           .doc = "Time stepping: equations (4) and (5).",
+           .fallback = SolverSettings{}.integrator,
+           .allowed = {"explicit"}},
+          {.name = "rotation",
+           .type = KeyType::text,
+           .doc = "How the rotation of equation (9) is found.",
+           .fallback = SolverSettings{}.rotation,
+           .allowed = {"qcp", "mueller2016"}},
+          {.name = "weights",
+           .type = KeyType::text,
+           .doc = "Equation (12) made symmetric in the fibre's sign and momentum-conserving, or as printed.",
+           .fallback = SolverSettings{}.weights,
+           .allowed = {"symmetric", "kaneda2017"}},
+          {.name = "substeps",
+           .type = KeyType::integer,
+           .doc = "Steps a frame; the stiffness that alpha means grows with their square.",
+           .range = between(1, 1000),
+           .fallback = SolverSettings{}.substeps}}};
+
+  Table pin{.name = "pin",
+            .doc = "Vertices that are held where they are.",
+            .keys = {where_key(shape, true, "Which vertices.")}};
+
+  Table probe{.name = "probe",
+              .doc = "Vertices whose mean position is written for each frame.",
+              .keys = {where_key(shape, true, "Which vertices.")}};
+
+  Table force{
+      .name = "force",
+      .doc = "A force beside gravity.",
+      .keys = {{.name = "kind",
+                .type = KeyType::text,
+                .doc = "wind: a pressure on the whole surface; point: a force spread over vertices by mass.",
+                .allowed = {"wind", "point"},
+                .required = true},
+               {.name = "vector",
+                .type = KeyType::vector,
+                .doc = "Direction and size: Pa for wind, N for point.",
+                .range = between(-1e9, 1e9),
+                .required = true},
+               where_key(shape, false, "point only, and needed there: which vertices."),
+               {.name = "start",
+                .doc = "Acts from this time on, s.",
+                .range = between(-1e5, 1e30),
+                .fallback = Force{}.start},
+               {.name = "end",
+                .doc = "Acts before this time, s.",
+                .range = between(-1e5, 1e30),
+                .fallback = Force{}.end}}};
+
+  Table bone{.name = "bone",
+             .doc = "A bone of a mesh without a skeleton: a segment that layers can be measured from.",
+             .keys = {point("from", "One end, m."), point("to", "The other end, m.")}};
+
+  Table root{
+      .name = "root",
+      .doc = "A fascicle scene. Metres, kilograms, seconds, Y up.",
+      .keys =
+          {{.name = "scene",
+            .type = KeyType::table,
+            .doc = "What holds for the whole scene.",
+            .table = &general},
+           {.name = "bar", .type = KeyType::table, .doc = "The body: a bar.", .table = &bar},
+           {.name = "mesh", .type = KeyType::table, .doc = "The body: a mesh file.", .table = &mesh},
+           {.name = "character",
+            .type = KeyType::table,
+            .doc = "The body: a character.",
+            .table = &character},
+           {.name = "bones", .type = KeyType::named_tables, .doc = "Bones by name.", .table = &bone},
+           {.name = "layers",
+            .type = KeyType::named_tables,
+            .doc = "Layers by name; at least one.",
+            .required = true,
+            .table = &layer},
+           {.name = "solver", .type = KeyType::table, .doc = "How the motion is computed.", .table = &solver},
+           {.name = "pin", .type = KeyType::named_tables, .doc = "Pinned vertices by name.", .table = &pin},
+           {.name = "probe", .type = KeyType::named_tables, .doc = "Probes by name.", .table = &probe},
+           {.name = "force", .type = KeyType::named_tables, .doc = "Forces by name.", .table = &force}},
+      .choices = {{"bar", "mesh", "character"}}};
+};
+
+}  // namespace
+
+const Table& scene_table() {
+  static const Tables tables;
+  return tables.root;
+}
+
+const Key* find_key(const Table& table, std::string_view name) {
+  for (const Key& key : table.keys) {
+    if (key.name == name) return &key;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> key_names(const Table& table) {
+  std::vector<std::string> names;
+  names.reserve(table.keys.size());
+  for (const Key& key : table.keys) names.push_back(key.name);
+  return names;
+}
+
+bool is_valid_name(std::string_view name) {
+  if (name.empty() || name.size() > longest_name) return false;
+  for (const char c : name) {
+    const bool good =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    if (!good) return false;
+  }
+  return true;
+}
+
+}  // namespace fascicle::scene

@@ -1,0 +1,72 @@
+// The scene file's keys: one table that the checker (scene_check.h) and the JSON Schema (scene_schema.cpp)
+// are both made from, so that they cannot disagree. Defaults are taken from the structs of scene.h.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace fascicle::scene {
+
+enum class KeyType {
+  number,
+  integer,
+  text,
+  boolean,
+  vector,          // three numbers
+  integer_vector,  // three whole numbers
+  table,
+  tables,        // one table, or an array of at least one
+  named_tables,  // a table of tables, whose names the user chooses
+};
+
+// Bounds of a number, or of each entry of a vector. Infinite and undefined numbers are refused everywhere.
+struct Range {
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  bool minimum_excluded = false;
+};
+
+struct Table;
+
+struct Key {
+  std::string name;
+  KeyType type = KeyType::number;
+  std::string doc;  // one line, ends in a full stop
+  Range range = {};
+  nlohmann::ordered_json fallback =
+      {};  // what holds where the key is absent; null where that is nothing or depends
+  std::vector<std::string> allowed = {};  // text: all values there are; empty: any
+  bool required = false;
+  const Table* table = nullptr;  // of the types that are tables
+};
+
+struct Table {
+  std::string name;  // in the schema's $defs
+  std::string doc;
+  std::vector<Key> keys;
+  std::vector<std::vector<std::string>> choices =
+      {};  // of each group exactly one key is given; --set of one drops the others
+};
+
+// The root of the scene file.
+const Table& scene_table();
+
+// Null if there is none of that name.
+const Key* find_key(const Table& table, std::string_view name);
+std::vector<std::string> key_names(const Table& table);
+
+// Names that users choose: what TOML takes as a bare key, so that they can stand in paths of --set and in
+// column headers.
+inline constexpr const char* name_pattern = "^[A-Za-z0-9_-]+$";
+inline constexpr std::size_t longest_name = 64;
+inline constexpr std::size_t most_named = 256;  // shader::tag_layer_mask leaves a byte for the layer
+bool is_valid_name(std::string_view name);
+
+// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals; empty if there are none.
+std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
+
+}  // namespace fascicle::scene
