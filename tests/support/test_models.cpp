@@ -178,34 +178,36 @@ void fill_weights(Model& model) {
     return own;
   };
 
+  // Fills region_rest for the given pulls; returns |A_r| at rest.
+  const auto fill_region = [&](std::uint32_t r, const auto& pulls) {
+    const auto weight = [&](std::uint32_t i) { return double(pulls[i]) * share_of_pair(i, r); };
+    double W = weight(r);
+    Vector3d sum = Vector3d::Zero();
+    for (std::uint32_t i : ring(r)) {
+      W += weight(i);
+      sum += weight(i) * (rest_of(model, i) - rest_of(model, r));
+    }
+    if (!(W > 0.0)) return 0.0;
+    const Vector3d o = sum / W;
+    for (int k = 0; k < 3; ++k) model.region_rest[4 * r + std::size_t(k)] = float(o[k]);
+    model.region_rest[4 * r + 3] = float(1.0 / W);
+    Matrix3d A = weight(r) * o * o.transpose();
+    for (std::uint32_t i : ring(r)) {
+      const Vector3d b = rest_of(model, i) - rest_of(model, r) - o;
+      A += weight(i) * b * b.transpose();
+    }
+    return A.norm();
+  };
   double moments = 0.0;
   for (std::uint32_t r = 0; r < n; ++r) {
     for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e)
       model.share_taken[e] = float(share_of_pair(model.ring[e], r));
-    double W = pull[r] * share_of_pair(r, r);
-    Vector3d sum = Vector3d::Zero();
-    for (std::uint32_t i : ring(r)) {
-      const double w = pull[i] * share_of_pair(i, r);
-      W += w;
-      sum += w * (rest_of(model, i) - rest_of(model, r));
-    }
-    if (!(W > 0.0)) continue;
-    const Vector3d o = sum / W;
-    for (int k = 0; k < 3; ++k) model.region_rest[4 * r + std::size_t(k)] = float(o[k]);
-    model.region_rest[4 * r + 3] = float(1.0 / W);
-    Matrix3d A = pull[r] * share_of_pair(r, r) * o * o.transpose();
-    for (std::uint32_t i : ring(r)) {
-      const Vector3d b = rest_of(model, i) - rest_of(model, r) - o;
-      A += pull[i] * share_of_pair(i, r) * b * b.transpose();
-    }
-    moments += A.norm();
+    moments += fill_region(r, pull);
   }
   const double factor = moments > 0.0 ? n / moments : 1.0;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    model.pull[i] = float(pull[i] * factor);
-    model.region_rest[4 * std::size_t{i} + 3] =
-        float(double(model.region_rest[4 * std::size_t{i} + 3]) / factor);
-  }
+  for (std::uint32_t i = 0; i < n; ++i) model.pull[i] = float(pull[i] * factor);
+  // Once more with the pulls as rounded: rest centres that fit them exactly leave a body at rest at rest.
+  for (std::uint32_t r = 0; r < n; ++r) fill_region(r, model.pull);
 }
 
 void add_skeleton(Model& model) {

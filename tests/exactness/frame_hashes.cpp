@@ -1,0 +1,69 @@
+// frame_hashes SCENE FRAMES cpu:THREADS|vulkan:N
+// Steps a scene as bake does and prints each frame's position hash. The exactness tests run this program
+// compiled at several optimisation levels, on several devices and under several C library settings, and
+// compare what it prints.
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include "cpu_reference/cpu_solver.h"
+#include "host/bake/drive_source.h"
+#include "host/build/build.h"
+#include "host/model/validate.h"
+#include "host/scene/scene.h"
+#ifdef FASCICLE_WITH_VULKAN
+#include "gpu/device.h"
+#include "gpu/vulkan_solver.h"
+#endif
+
+using namespace fascicle;
+
+namespace {
+
+int run(const std::string& name, std::uint64_t frames, const std::string& device) {
+  const scene::Scene scene = scene::load_scene(name);
+  build::Report report;
+  build::BuildOptions options;
+#ifdef FASCICLE_MESHER
+  options.mesher = FASCICLE_MESHER;
+#endif
+  const model::Model model = build::build_model(scene, report, options);
+  model::check_model(model);
+  const model::SolverOptions solver_options{
+      .integrator = model::Integrator::explicit_,
+      .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016};
+  const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
+  std::unique_ptr<model::Solver> solver;
+#ifdef FASCICLE_WITH_VULKAN
+  std::unique_ptr<gpu::Device> gpu_device;
+  if (device.rfind("vulkan:", 0) == 0) {
+    gpu_device = std::make_unique<gpu::Device>(number);
+    solver = gpu::make_vulkan_solver(*gpu_device, model, solver_options);
+  }
+#endif
+  if (!solver) solver = cpu_reference::make_cpu_solver(model, solver_options, number);
+  bake::DriveSource drives(scene, model);
+  solver->load(drives.initial_state());
+  for (std::uint64_t k = 1; k <= frames; ++k) {
+    solver->submit(drives.drive(k), {.positions = true});
+    std::printf("%llu %016llx\n", static_cast<unsigned long long>(k),
+                static_cast<unsigned long long>(model::position_hash(solver->collect())));
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) {
+    std::fprintf(stderr, "usage: frame_hashes SCENE FRAMES cpu:THREADS|vulkan:N\n");
+    return 2;
+  }
+  try {
+    return run(argv[1], std::stoull(argv[2]), argv[3]);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "frame_hashes: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,137 @@
+// check_model finds every broken promise; validation finds a planted difference and names its place.
+#include "host/model/model.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "host/model/validate.h"
+#include "tests/support/test_models.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+using model::check_model;
+using model::Model;
+
+TEST(CheckModel, AcceptsGoodModels) {
+  EXPECT_NO_THROW(check_model(make_model(kuhn_bar(3, 2, 2, 0.25))));
+  for (unsigned seed = 0; seed < 20; ++seed) EXPECT_NO_THROW(check_model(random_model(seed))) << seed;
+}
+
+TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
+  using Change = void (*)(Model&);
+  const std::pair<const char*, Change> changes[] = {
+      {"unit", [](Model& m) { m.unit = 0.3; }},
+      {"rest", [](Model& m) { m.rest[5] = std::numeric_limits<float>::quiet_NaN(); }},
+      {"rest", [](Model& m) { m.rest.pop_back(); }},
+      {"mass", [](Model& m) { m.mass[1] = 0.0; }},
+      {"alpha", [](Model& m) { m.alpha[2] = -0.1f; }},
+      {"beta", [](Model& m) { m.beta[0] = 1.5f; }},
+      {"tag", [](Model& m) { m.tag[0] = 7; }},
+      {"ring_offset", [](Model& m) { m.ring_offset[1] = 1000000; }},
+      {"ring", [](Model& m) { m.ring[0] = 0; }},
+      {"ring", [](Model& m) { std::swap(m.ring[0], m.ring[1]); }},
+      {"share_given", [](Model& m) { m.share_given[0] += 0x1p-16f; }},
+      {"share_given", [](Model& m) { m.share_given[0] = m.share_taken[0] = 0.3f; }},
+      {"pull", [](Model& m) { m.pull[0] = -1.0f; }},
+      {"region_rest", [](Model& m) { m.region_rest[3] = std::numeric_limits<float>::infinity(); }},
+      {"region_muscle", [](Model& m) { m.region_muscle.assign(3, 0); }},
+      {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
+      {"force_index", [](Model& m) { m.force_index.push_back(0); }},
+      {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},
+      {"tetrahedron", [](Model& m) { m.tetrahedron[0] = m.vertex_count; }},
+      {"layers", [](Model& m) { m.layers.clear(); }},
+  };
+  const Model good = make_model(kuhn_bar(3, 2, 2, 0.25));
+  for (const auto& [array, change] : changes) {
+    Model model = good;
+    change(model);
+    try {
+      check_model(model);
+      ADD_FAILURE() << array << ": not found";
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(array), std::string::npos) << array << ": " << error.what();
+    }
+  }
+}
+
+TEST(UlpDistance, CountsRepresentableFloats) {
+  EXPECT_EQ(model::ulp_distance(1.0f, 1.0f), 0u);
+  EXPECT_EQ(model::ulp_distance(1.0f, std::nextafter(1.0f, 2.0f)), 1u);
+  EXPECT_EQ(model::ulp_distance(-0.0f, 0.0f), 1u);
+  EXPECT_EQ(model::ulp_distance(std::nextafter(0.0f, -1.0f), std::nextafter(0.0f, 1.0f)), 3u);
+  EXPECT_EQ(model::ulp_distance(std::numeric_limits<float>::quiet_NaN(), 1.0f),
+            std::numeric_limits<std::uint64_t>::max());
+}
+
+// Changes one value of one stage by one ULP, in the probe's copy only.
+class Planted : public model::Solver {
+ public:
+  Planted(std::unique_ptr<model::Solver> solver, model::Where where, std::size_t index)
+      : solver_(std::move(solver)), where_(where), index_(index) {}
+  void submit(const model::Drive& drive, model::Read what, model::Probe* probe) override {
+    struct Bend : model::Probe {
+      void on_stage(const model::Where& where, std::span<const float> values) override {
+        std::vector<float> bent(values.begin(), values.end());
+        if (where.frame == at.frame && where.substep == at.substep && where.stage == at.stage)
+          bent[index] = std::nextafter(bent[index], 2.0f);
+        next->on_stage(where, bent);
+      }
+      model::Probe* next = nullptr;
+      model::Where at;
+      std::size_t index = 0;
+    } bend;
+    bend.next = probe;
+    bend.at = where_;
+    bend.index = index_;
+    solver_->submit(drive, what, probe ? &bend : nullptr);
+  }
+  model::Frame collect() override { return solver_->collect(); }
+  model::State save() const override { return solver_->save(); }
+  void load(const model::State& state) override { solver_->load(state); }
+
+ private:
+  std::unique_ptr<model::Solver> solver_;
+  model::Where where_;
+  std::size_t index_;
+};
+
+TEST(FirstDifference, NamesThePlaceOfAPlantedOne) {
+  const Model model = random_model(1);
+  TestDrive drive = quiet_drive(model, 1.0 / 240.0, 2, {0, -9.81, 0});
+  const auto drives = [&](std::uint64_t) { return drive.get(); };
+  const auto same_a = cpu_reference::make_cpu_solver(model, {}, 1),
+             same_b = cpu_reference::make_cpu_solver(model, {}, 2);
+  EXPECT_FALSE(model::first_difference(model, *same_a, *same_b, drives, 5).has_value());
+
+  for (const model::Stage stage :
+       {model::Stage::predict, model::Stage::region, model::Stage::goal, model::Stage::integrate}) {
+    const auto plain = cpu_reference::make_cpu_solver(model, {}, 1);
+    const std::uint32_t width = model::stage_width(stage);
+    Planted planted(cpu_reference::make_cpu_solver(model, {}, 1), {3, 1, stage}, 4 * width + 1);
+    const auto difference = model::first_difference(model, *plain, planted, drives, 5);
+    ASSERT_TRUE(difference.has_value());
+    EXPECT_EQ(difference->where.frame, 3u);
+    EXPECT_EQ(difference->where.substep, 1u);
+    EXPECT_EQ(difference->where.stage, stage);
+    EXPECT_EQ(difference->item, 4u);
+    EXPECT_EQ(difference->component, 1u);
+    EXPECT_EQ(difference->ulp, 1u);
+  }
+}
+
+TEST(PositionHash, SeesOneBit) {
+  model::Frame frame;
+  frame.positions = {1.0f, 2.0f, 3.0f};
+  const std::uint64_t before = model::position_hash(frame);
+  frame.positions[1] = std::nextafter(2.0f, 3.0f);
+  EXPECT_NE(model::position_hash(frame), before);
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
