@@ -190,7 +190,7 @@ void write_off(const fs::path& path, const SurfaceMesh& mesh) {
   }
   for (const auto& triangle : mesh.triangles) {
     text += '3';
-    for (const std::uint32_t vertex : triangle) text += " " + std::to_string(vertex);
+    for (const std::uint32_t vertex : triangle) text.append(" ").append(std::to_string(vertex));
     text += '\n';
     flush_over(block);
   }

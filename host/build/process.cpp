@@ -1,0 +1,185 @@
+#include "host/build/process.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace fascicle::build {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
+  ~Descriptor() { close(); }
+  int get() const { return number_; }
+  void close() {
+    if (number_ >= 0) ::close(std::exchange(number_, -1));
+  }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void fail(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+std::pair<Descriptor, Descriptor> make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail(errno, "pipe");
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+// Everything the child needs, made before fork(): between fork() and exec() nothing may allocate.
+struct Launch {
+  const char* program;
+  char* const* arguments;
+  int error_output;  // becomes stderr
+  int report;        // gets errno if exec() fails
+  pid_t parent;
+  rlimit memory, processor, core;
+};
+
+[[noreturn]] void start_child(const Launch& launch) {
+  const auto give_up = [&] {
+    const int error = errno;
+    [[maybe_unused]] const ssize_t written = ::write(launch.report, &error, sizeof error);
+    ::_exit(127);
+  };
+  ::setpgid(0, 0);
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) give_up();
+  if (::getppid() != launch.parent) ::_exit(127);  // it died before prctl()
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGXCPU}) ::signal(number, SIG_DFL);
+  const int null = ::open("/dev/null", O_RDWR);
+  if (null < 0 || ::dup2(null, STDIN_FILENO) < 0 || ::dup2(null, STDOUT_FILENO) < 0 ||
+      ::dup2(launch.error_output, STDERR_FILENO) < 0) {
+    give_up();
+  }
+  if (::setrlimit(RLIMIT_CORE, &launch.core) != 0 || ::setrlimit(RLIMIT_CPU, &launch.processor) != 0 ||
+      ::setrlimit(RLIMIT_AS, &launch.memory) != 0) {
+    give_up();
+  }
+  ::execv(launch.program, launch.arguments);
+  give_up();
+  ::_exit(127);
+}
+
+// A limit of ours, or the one that holds already if that is lower.
+rlimit limit_of(decltype(RLIMIT_AS) resource, rlim_t soft, rlim_t hard) {
+  rlimit current{};
+  if (::getrlimit(resource, &current) != 0) fail(errno, "getrlimit");
+  return {std::min(soft, current.rlim_max), std::min(hard, current.rlim_max)};
+}
+
+// Reads what is there. False at the end of the stream.
+bool read_some(int descriptor, std::string& tail) {
+  constexpr std::size_t kept = 4096;
+  std::array<char, 4096> buffer;
+  const ssize_t size = ::read(descriptor, buffer.data(), buffer.size());
+  if (size < 0) return errno == EAGAIN || errno == EINTR;
+  tail.append(buffer.data(), static_cast<std::size_t>(size));
+  if (tail.size() > kept) tail.erase(0, tail.size() - kept);
+  return size > 0;
+}
+
+bool has_ended(pid_t child) {
+  siginfo_t info{};
+  // WNOWAIT leaves it a zombie, so that its number, and its group's, stay ours until it is reaped.
+  return ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         info.si_pid == child;
+}
+
+// Waits for the end of the child or of its time. True if it ended by itself.
+bool wait_for_end(pid_t child, int error_output, Clock::time_point deadline, std::string& tail) {
+  constexpr int slice = 20;  // ms: the end of stderr wakes us at once, this is for a child that has closed it
+  bool is_open = true;
+  for (;;) {
+    if (has_ended(child)) return true;
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    if (left <= 0) return false;
+    pollfd event{is_open ? error_output : -1, POLLIN, 0};
+    const int ready = ::poll(&event, 1, static_cast<int>(std::min<long long>(left, slice)));
+    if (ready > 0) is_open = read_some(error_output, tail);
+  }
+}
+
+}  // namespace
+
+ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                          const ProcessLimits& limits) {
+  auto [error_output, child_error] = make_pipe();
+  auto [report, child_report] = make_pipe();
+  std::string name = program.string();
+  std::vector<std::string> words = arguments;
+  std::vector<char*> pointers = {name.data()};
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const auto seconds = static_cast<rlim_t>(std::ceil(std::clamp(limits.seconds, 0.0, 1e9)));
+  Launch launch{};
+  launch.program = name.c_str();
+  launch.arguments = pointers.data();
+  launch.error_output = child_error.get();
+  launch.report = child_report.get();
+  launch.parent = ::getpid();
+  launch.memory = limit_of(RLIMIT_AS, limits.bytes, limits.bytes);
+  launch.processor = limit_of(RLIMIT_CPU, seconds + 1, seconds + 2);
+  launch.core = {0, 0};
+
+  const Clock::time_point deadline =
+      Clock::now() +
+      std::chrono::milliseconds(static_cast<long long>(std::clamp(limits.seconds, 0.0, 1e9) * 1e3));
+  const pid_t child = ::fork();
+  if (child < 0) fail(errno, "fork");
+  if (child == 0) start_child(launch);
+  ::setpgid(child, child);  // here too: whichever of the two comes first
+  child_error.close();
+  child_report.close();
+
+  int exec_error = 0;
+  ssize_t reported = 0;
+  do {
+    reported =
+        ::read(report.get(), &exec_error, sizeof exec_error);  // ends when exec() closes the child's end
+  } while (reported < 0 && errno == EINTR);
+
+  ProcessResult result;
+  ::fcntl(error_output.get(), F_SETFL, O_NONBLOCK);
+  const bool ended = wait_for_end(child, error_output.get(), deadline, result.last_words);
+  ::kill(-child, SIGKILL);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {
+  }
+  if (reported == static_cast<ssize_t>(sizeof exec_error)) fail(exec_error, name);
+  if (!ended || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) {
+    result.end = ProcessEnd::timed_out;
+  } else if (WIFSIGNALED(status)) {
+    result.end = ProcessEnd::signalled;
+    result.code = WTERMSIG(status);
+  } else {
+    result.code = WEXITSTATUS(status);
+  }
+  return result;
+}
+
+}  // namespace fascicle::build

@@ -1,0 +1,30 @@
+// Runs a program of our own under limits, and outlives whatever it does.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace fascicle::build {
+
+struct ProcessLimits {
+  double seconds = 60.0;                         // of wall clock; of processor time a little more
+  std::uint64_t bytes = std::uint64_t{4} << 30;  // of address space
+};
+
+enum class ProcessEnd { exited, signalled, timed_out };
+
+struct ProcessResult {
+  ProcessEnd end = ProcessEnd::exited;
+  int code = 0;            // exit status, or the signal's number
+  std::string last_words;  // the end of what it wrote to stderr
+};
+
+// Runs `program` (a path, not searched for) with `arguments`; stdin and stdout are /dev/null. When it ends,
+// or its time is over, its whole process group is killed. It gets no core dump and dies with its parent.
+// Throws std::system_error if it cannot be started.
+ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                          const ProcessLimits& limits);
+
+}  // namespace fascicle::build

@@ -1,0 +1,337 @@
+#include "host/build/tetrahedralize.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "host/build/boundary.h"
+#include "host/build/process.h"
+#include "host/scene/mesh_file.h"
+
+namespace fascicle::build {
+namespace {
+
+namespace fs = std::filesystem;
+using scene::SceneError;
+using scene::SurfaceMesh;
+using scene::TetMesh;
+using scene::Vector3d;
+
+// What fascicle-mesher --help says of its exit status.
+enum MesherStatus : int {
+  mesher_done = 0,
+  mesher_not_closed = 4,
+  mesher_self_intersecting = 5,
+  mesher_out_of_memory = 6,
+  mesher_failed = 7,
+  mesher_empty_result = 8,
+};
+
+constexpr const char* mesher_name = "fascicle-mesher";
+
+// A folder of our own that goes when this does.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "fascicle-mesh-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      throw std::system_error(errno, std::generic_category(), "cannot create a folder " + name);
+    }
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+bool is_program(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
+}
+
+fs::path find_mesher(const BuildOptions& options) {
+  if (!options.mesher.empty()) {
+    if (is_program(options.mesher)) return fs::absolute(options.mesher);
+    throw SceneError(options.mesher.string() + ": no such program; give the path of " + mesher_name);
+  }
+  std::error_code error;
+  const fs::path own_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (!error && is_program(own_folder / mesher_name)) return own_folder / mesher_name;
+  const char* search_path = std::getenv("PATH");
+  const std::string folders = search_path == nullptr ? "" : search_path;
+  for (std::size_t start = 0; start < folders.size();) {
+    const std::size_t end = std::min(folders.find(':', start), folders.size());
+    const fs::path candidate = fs::path(folders.substr(start, end - start)) / mesher_name;
+    if (end > start && is_program(candidate)) return fs::absolute(candidate);
+    start = end + 1;
+  }
+  throw SceneError(
+      std::string(mesher_name) + ": not found in " + own_folder.string() +
+      " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
+}
+
+double mean_edge(const SurfaceMesh& surface) {
+  double sum = 0.0;
+  for (const auto& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum += (surface.vertices[t[k]] - surface.vertices[t[(k + 1) % 3]]).norm();
+    }
+  }
+  return sum / (3.0 * static_cast<double>(surface.triangles.size()));
+}
+
+// The largest volume of a tetrahedron for which the mean edge comes out as `edge`. A regular tetrahedron has
+// edge^3/(6 sqrt 2). TetGen stays below its bound, so it gets 1.2 times that: measured on the Stanford bunny
+// at its own mean edge, factors of 1, 1.2 and 1.5 give 0.95, 1.00 and 1.06 of the wanted edge.
+double largest_volume(double edge) {
+  constexpr double factor = 1.2;
+  return factor * edge * edge * edge / (6.0 * std::sqrt(2.0));
+}
+
+std::string digits_of(double value) {
+  std::array<char, 32> digits;
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end};
+}
+
+void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
+  std::ofstream file(path);
+  file << points.size() << '\n';
+  for (const Vector3d& p : points) {
+    file << digits_of(p.x()) << ' ' << digits_of(p.y()) << ' ' << digits_of(p.z()) << '\n';
+  }
+  file.close();
+  if (!file)
+    throw std::system_error(std::make_error_code(std::errc::io_error), "cannot write " + path.string());
+}
+
+// The last line the mesher wrote, without its name, for a message of one line.
+std::string last_line(const ProcessResult& result) {
+  std::string text = result.last_words;
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  text.erase(0, text.rfind('\n') + 1);  // npos + 1 is 0
+  const std::string prefix = std::string(mesher_name) + ": ";
+  if (text.rfind(prefix, 0) == 0) text.erase(0, prefix.size());
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  constexpr std::size_t longest = 300;
+  return text.substr(0, longest);
+}
+
+// ": text", or nothing.
+std::string reason(const ProcessResult& result) {
+  const std::string text = last_line(result);
+  return text.empty() ? "" : ": " + text;
+}
+
+[[noreturn]] void fail_crossing(const ProcessResult& found) {
+  throw SceneError("the surface crosses itself" + reason(found) +
+                   " (counted from 0); separate or merge the parts that cross, or remesh the surface");
+}
+
+// Turns a run that did not end well into one message.
+[[noreturn]] void fail_run(const ProcessResult& result, const fs::path& mesher, const fs::path& surface,
+                           const ProcessLimits& limits) {
+  const std::string seconds = digits_of(limits.seconds);
+  if (result.end == ProcessEnd::timed_out) {
+    throw SceneError("filling the surface with tetrahedra took longer than the " + seconds +
+                     " s allowed; ask for a larger resolution (edge length) or simplify the surface");
+  }
+  const bool crashed = result.end == ProcessEnd::signalled;
+  if (!crashed && result.code == mesher_not_closed) {
+    throw SceneError("the surface does not enclose a volume" + reason(result) +
+                     " (counted from 0); weld its vertices, close its holes and remove what is loose");
+  }
+  if (!crashed && result.code == mesher_out_of_memory) {
+    throw SceneError(
+        "filling the surface with tetrahedra needs more than the " + std::to_string(limits.bytes >> 20) +
+        " MiB of memory allowed; ask for a larger resolution (edge length) or simplify the surface");
+  }
+  if (!crashed && result.code == mesher_empty_result) {
+    throw SceneError("the surface was filled with no tetrahedra; check that it encloses a volume");
+  }
+  if (crashed || result.code == mesher_self_intersecting || result.code == mesher_failed) {
+    // TetGen also crashes on surfaces that cross themselves: look for the place.
+    const ProcessResult search = run_process(mesher, {"intersections", surface.string()}, limits);
+    if (search.end == ProcessEnd::exited && search.code == mesher_self_intersecting) fail_crossing(search);
+    if (!crashed && result.code == mesher_self_intersecting) fail_crossing(result);
+  }
+  if (crashed) {
+    throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ")" +
+                     reason(result) +
+                     "; the surface may have triangles that nearly touch or overlap, remesh it");
+  }
+  if (result.code == mesher_failed) {
+    throw SceneError("the surface could not be filled with tetrahedra" + reason(result) +
+                     "; it may have triangles that nearly touch or overlap, remesh it");
+  }
+  throw SceneError(mesher.string() + " ended with exit status " + std::to_string(result.code) +
+                   reason(result) + "; check that it belongs to this version of fascicle");
+}
+
+[[noreturn]] void fail_result(const std::string& what) {
+  throw SceneError(std::string(mesher_name) + " gave back a mesh that cannot be used: " + what +
+                   "; remesh the surface, or check that it belongs to this version of fascicle");
+}
+
+double volume_of(const TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
+  const Vector3d& origin = mesh.vertices[t[0]];
+  const Vector3d a = mesh.vertices[t[1]] - origin;
+  const Vector3d b = mesh.vertices[t[2]] - origin;
+  const Vector3d c = mesh.vertices[t[3]] - origin;
+  return a.cross(b).dot(c) / 6.0;
+}
+
+// TetGen turns all tetrahedra the same way; ours have positive volume. One that differs from the rest, or is
+// flat, is refused and not turned: it would be an overlap.
+void orient(TetMesh& mesh) {
+  double sum = 0.0;
+  for (const auto& t : mesh.tetrahedra) sum += volume_of(mesh, t);
+  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
+    auto& t = mesh.tetrahedra[i];
+    if (sum < 0.0) std::swap(t[2], t[3]);
+    if (!(volume_of(mesh, t) > 0.0)) {
+      fail_result("tetrahedron " + std::to_string(i) + " is flat or turned inside out");
+    }
+  }
+}
+
+void check_surface_vertices(const TetMesh& mesh, const SurfaceMesh& surface) {
+  if (mesh.vertices.size() < surface.vertices.size()) fail_result("it lacks vertices of the surface");
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+    if (::memcmp(mesh.vertices[i].data(), surface.vertices[i].data(), 3 * sizeof(double)) != 0) {
+      fail_result("vertex " + std::to_string(i) + " of the surface was moved");
+    }
+  }
+}
+
+// Points that TetGen left out, because they lie outside or on another vertex, go.
+void drop_unused(TetMesh& mesh, std::size_t surface_count) {
+  constexpr std::uint32_t unused = UINT32_MAX;
+  std::vector<std::uint32_t> number(mesh.vertices.size(), unused);
+  for (const auto& t : mesh.tetrahedra) {
+    for (const std::uint32_t v : t) number[v] = 0;
+  }
+  std::uint32_t next = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] == unused) {
+      if (i < surface_count)
+        fail_result("vertex " + std::to_string(i) + " of the surface is in no tetrahedron");
+      continue;
+    }
+    mesh.vertices[next] = mesh.vertices[i];
+    number[i] = next++;
+  }
+  mesh.vertices.resize(next);
+  for (auto& t : mesh.tetrahedra) {
+    for (std::uint32_t& v : t) v = number[v];
+  }
+}
+
+std::vector<std::array<std::uint32_t, 3>> sorted_corners(
+    std::vector<std::array<std::uint32_t, 3>> triangles) {
+  for (auto& t : triangles) std::sort(t.begin(), t.end());
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
+}
+
+// The boundary must be the surface, triangle for triangle. With positive volumes this also makes the volume
+// the surface's.
+void check_boundary(const TetMesh& mesh, const SurfaceMesh& surface) {
+  const auto boundary = sorted_corners(boundary_triangles(mesh, mesher_name));
+  const auto wanted = sorted_corners(surface.triangles);
+  if (boundary == wanted) return;
+  for (const auto& t : wanted) {
+    if (!std::binary_search(boundary.begin(), boundary.end(), t)) {
+      throw SceneError(
+          "the triangle of vertices " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " +
+          std::to_string(t[2]) +
+          " (counted from 0) is not on the outside once the surface is filled: it belongs to a part "
+          "that lies inside another; remove that part");
+    }
+  }
+  fail_result("it has an outside where the surface has none");
+}
+
+void check_result(TetMesh& mesh, const SurfaceMesh& surface) {
+  check_surface_vertices(mesh, surface);
+  orient(mesh);
+  drop_unused(mesh, surface.vertices.size());
+  check_boundary(mesh, surface);
+}
+
+TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
+                   const BuildOptions& options) {
+  const fs::path mesher = find_mesher(options);
+  const ProcessLimits limits{options.mesher_seconds, options.mesher_bytes};
+  const TemporaryFolder folder;
+  const fs::path surface_file = folder.path() / "surface.off";
+  const fs::path points_file = folder.path() / "inside.txt";
+  const fs::path volume_file = folder.path() / "volume.mesh";
+  scene::write_off(surface_file, surface);
+  std::vector<std::string> arguments = {"tetrahedralize", surface_file.string(), volume_file.string(),
+                                        "--max-volume", digits_of(largest_volume(edge))};
+  if (!inside.empty()) {
+    write_points(points_file, inside);
+    arguments.insert(arguments.end(), {"--points", points_file.string()});
+  }
+  const ProcessResult result = run_process(mesher, arguments, limits);
+  if (result.end != ProcessEnd::exited || result.code != mesher_done) {
+    fail_run(result, mesher, surface_file, limits);
+  }
+  if (!fs::exists(volume_file)) fail_result("there is no file");
+  try {
+    return scene::read_tet_mesh(volume_file);
+  } catch (const SceneError& error) {
+    // The folder's name helps nobody: it is gone.
+    std::string what = error.what();
+    if (what.rfind(volume_file.string(), 0) == 0) what.erase(0, volume_file.string().size() + 1);
+    fail_result("line " + what);
+  }
+}
+
+}  // namespace
+
+TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
+                       const BuildOptions& options) {
+  if (surface.triangles.empty()) throw SceneError("the surface has no triangles; give a closed surface");
+  if (!std::isfinite(edge) || edge < 0.0) {
+    throw SceneError("the wanted edge length of tetrahedra is " + digits_of(edge) +
+                     "; give a positive number");
+  }
+  const double wanted_edge = edge > 0.0 ? edge : mean_edge(surface);
+  if (!(largest_volume(wanted_edge) > 0.0) || !std::isfinite(largest_volume(wanted_edge))) {
+    throw SceneError("the surface's edges are too short or too long to compute with; scale it");
+  }
+  try {
+    TetMesh mesh = run_mesher(surface, wanted_edge, inside, options);
+    check_result(mesh, surface);
+    return mesh;
+  } catch (const std::system_error& error) {
+    throw SceneError(std::string("cannot run ") + mesher_name + ": " + error.what() +
+                     "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+  }
+}
+
+}  // namespace fascicle::build
