@@ -1,0 +1,164 @@
+// Who may include whom: the room table of docs/architecture.md as data, held against every #include of the
+// repository.
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/house/source_tree.h"
+
+namespace fascicle::tests {
+namespace {
+
+struct Room {
+  std::string folder;
+  std::vector<std::string> may_see;    // folders and files of ours, beside itself
+  std::vector<std::string> libraries;  // names of `libraries` below
+};
+
+const std::vector<std::string> every_room{"shaders/",   "host/scene/",    "host/build/", "host/model/",
+                                          "host/bake/", "cpu_reference/", "gpu/",        "host/cli/"};
+const std::vector<std::string> every_library{"Eigen",      "JSON",       "xxHash", "Vulkan",
+                                             "GoogleTest", "RapidCheck", "CLI11"};
+
+// The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
+// it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
+const std::vector<Room>& rooms() {
+  static const std::vector<Room> table{
+      {"shaders/", {}, {}},
+      {"host/scene/", {}, {"Eigen", "toml++", "tinygltf", "JSON", "xxHash", "pugixml"}},
+      {"host/mesher/", {}, {"TetGen", "CGAL"}},
+      {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
+      {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
+      {"host/bake/", {"host/scene/", "host/model/"}, {"JSON", "xxHash"}},
+      {"host/cli/", every_room, {"CLI11", "JSON"}},
+      {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen"}},
+      {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
+      {"tests/", every_room, every_library},
+      {"bench/", every_room, every_library},
+  };
+  return table;
+}
+
+// Third-party headers, by how their names start.
+const std::vector<std::pair<std::string, std::string>>& libraries() {
+  static const std::vector<std::pair<std::string, std::string>> table{
+      {"Eigen/", "Eigen"},          {"tetgen.h", "TetGen"},      {"CGAL/", "CGAL"},
+      {"volk.h", "Vulkan"},         {"vulkan/", "Vulkan"},       {"CLI/", "CLI11"},
+      {"toml++/", "toml++"},        {"tiny_gltf.h", "tinygltf"}, {"nlohmann/", "JSON"},
+      {"xxhash.h", "xxHash"},       {"gtest/", "GoogleTest"},    {"gmock/", "GoogleTest"},
+      {"rapidcheck", "RapidCheck"}, {"pugixml.hpp", "pugixml"},
+  };
+  return table;
+}
+
+// A header of the C++ library has no dot; of POSIX these are used, some under the names of C's for what POSIX
+// adds to them.
+bool is_system_header(const std::string& header) {
+  static const std::set<std::string> posix{"dlfcn.h", "fcntl.h",  "poll.h",   "pthread.h", "signal.h",
+                                           "spawn.h", "stdlib.h", "string.h", "unistd.h"};
+  if (header.find('.') == std::string::npos) return header.find('/') == std::string::npos;
+  return posix.contains(header) || header.starts_with("sys/");
+}
+
+bool starts_with_any(const std::string& path, const std::vector<std::string>& prefixes) {
+  return std::any_of(prefixes.begin(), prefixes.end(),
+                     [&](const std::string& p) { return path.starts_with(p); });
+}
+
+std::string check_own(const Room& room, const std::string& header) {
+  if (header.starts_with(room.folder) || starts_with_any(header, room.may_see)) return "";
+  return "may not include \"" + header + "\"";
+}
+
+std::string check_foreign(const Room& room, const std::string& header) {
+  if (is_system_header(header)) return "";
+  for (const auto& [start, library] : libraries())
+    if (header.starts_with(start))
+      return std::count(room.libraries.begin(), room.libraries.end(), library) > 0
+                 ? ""
+                 : "may not include <" + header + ">: " + library + " belongs to other rooms";
+  return "includes <" + header + ">, which no line of the library table names";
+}
+
+// Every breach in one file, as "path:line: room ...".
+std::vector<std::string> breaches(const Source& source) {
+  const auto room = std::find_if(rooms().begin(), rooms().end(),
+                                 [&](const Room& r) { return source.path.starts_with(r.folder); });
+  if (room == rooms().end()) return {source.path + ": lies in no room"};
+  static const std::regex own(R"re(^\s*#\s*include\s*"([^"]+)")re"),
+      foreign(R"re(^\s*#\s*include\s*<([^>]+)>)re");
+  std::vector<std::string> found;
+  const std::vector<std::string> lines = lines_of(without_comments(source.text));
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    std::smatch match;
+    std::string wrong;
+    if (std::regex_search(lines[k], match, own))
+      wrong = check_own(*room, match[1]);
+    else if (std::regex_search(lines[k], match, foreign))
+      wrong = check_foreign(*room, match[1]);
+    if (!wrong.empty())
+      found.push_back(source.path + ":" + std::to_string(k + 1) + ": " + room->folder + " " + wrong);
+  }
+  return found;
+}
+
+TEST(IncludeRules, EveryFileKeepsToItsRoom) {
+  const std::vector<Source> sources = read_sources(FASCICLE_SOURCE_DIR);
+  ASSERT_GT(sources.size(), 50u) << "the sources were not found";
+  for (const Source& source : sources)
+    for (const std::string& breach : breaches(source)) ADD_FAILURE() << breach;
+}
+
+TEST(IncludeRules, QuotedIncludesAreRootedAtTheRepository) {
+  static const std::regex own(R"re(^\s*#\s*include\s*"([^"]+)")re");
+  for (const Source& source : read_sources(FASCICLE_SOURCE_DIR))
+    for (const std::string& line : lines_of(without_comments(source.text))) {
+      std::smatch match;
+      if (!std::regex_search(line, match, own)) continue;
+      EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(FASCICLE_SOURCE_DIR) / match[1].str()))
+          << source.path << ": \"" << match[1] << "\" is not a path from the repository's root";
+    }
+}
+
+// What both languages see may not depend on anything, or it could not compile as GLSL.
+TEST(IncludeRules, SharedHeaderIncludesNothingOfOurs) {
+  for (const Source& source : read_sources(FASCICLE_SOURCE_DIR)) {
+    if (source.path != "shaders/shared.h") continue;
+    EXPECT_EQ(source.text.find("#include \""), std::string::npos);
+    return;
+  }
+  FAIL() << "shaders/shared.h is not there";
+}
+
+// The controls: each kind of breach, planted, is seen.
+TEST(IncludeRules, PlantedBreachesAreSeen) {
+  const std::vector<std::pair<std::string, std::string>> planted{
+      {"gpu/bad.cpp", "#include \"cpu_reference/cpu_solver.h\"\n"},
+      {"cpu_reference/bad.cpp", "#include \"gpu/device.h\"\n"},
+      {"gpu/bad.h", "  #  include \"host/scene/scene.h\"\n"},
+      {"cpu_reference/bad.cpp", "#include \"host/build/build.h\"\n"},
+      {"host/build/bad.cpp", "#include <tetgen.h>\n"},
+      {"host/model/bad.h", "#include <Eigen/Core>\n"},
+      {"host/bake/bad.cpp", "#include \"host/cli/log.h\"\n"},
+      {"host/model/bad.h", "#include \"shaders/kernel/scalar.inc\"\n"},
+      {"host/mesher/bad.cpp", "#include \"host/scene/scene.h\"\n"},
+      {"host/scene/bad.cpp", "#include <boost/any.hpp>\n"},
+      {"shaders/bad.comp", "#include \"host/model/model.h\"\n"},
+      {"elsewhere/bad.cpp", ""},
+  };
+  for (const auto& [path, text] : planted)
+    EXPECT_EQ(breaches({path, text}).size(), 1u) << path << ": " << text;
+  EXPECT_TRUE(breaches({"gpu/good.cpp",
+                        "// #include \"host/scene/scene.h\"\n/*\n#include <tetgen.h>\n*/\n"
+                        "#include <vector>\n#include <sys/stat.h>\n#include \"gpu/device.h\"\n"})
+                  .empty());
+}
+
+}  // namespace
+}  // namespace fascicle::tests
