@@ -10,29 +10,31 @@
 
 namespace fascicle::gpu {
 
-// A Vulkan call that failed ("vkCreateBuffer(...): VK_ERROR_OUT_OF_DEVICE_MEMORY"), or a device that will not do.
+// A Vulkan call that failed ("vkCreateBuffer(...): VK_ERROR_OUT_OF_DEVICE_MEMORY"), or a device that will not
+// do.
 struct DeviceError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 struct DeviceInfo {
-  std::uint32_t index = 0;                 // for vulkan:N
+  std::uint32_t index = 0;                      // for vulkan:N
   std::string name, type, driver, api_version;  // type: discrete, integrated, virtual, cpu, other
-  bool software = false;                   // type cpu
-  std::uint64_t memory = 0;                // bytes of the largest device-local heap
+  bool software = false;                        // type cpu
+  std::uint64_t memory = 0;                     // bytes of the largest device-local heap
   std::uint64_t max_storage_buffer_range = 0;
-  std::uint32_t max_groups = 0;            // per axis x
+  std::uint32_t max_groups = 0;  // per axis x
   std::uint32_t subgroup_size = 0;
-  bool rounding_rte = false, signed_zero_inf_nan_preserve = false, denorm_preserve = false;  // float controls, 32 bit
+  bool rounding_rte = false, signed_zero_inf_nan_preserve = false,
+       denorm_preserve = false;  // float controls, 32 bit
   bool usable = true;
-  std::string why_not;                     // if not usable
+  std::string why_not;  // if not usable
 };
 
 // All Vulkan devices; empty where there is no loader or no driver (why_none says which).
 std::vector<DeviceInfo> list_devices(std::string* why_none = nullptr);
 
 struct DeviceOptions {
-  bool validation = false;                 // Khronos validation layer with synchronization validation
+  bool validation = false;  // Khronos validation layer with synchronization validation
   std::function<void(const std::string&)> on_validation_message;
 };
 

@@ -8,8 +8,8 @@
 
 namespace fascicle::gpu {
 
-// Throws gpu::DeviceError if the model does not fit the device's limits, with the numbers. The device and the model must
-// outlive the solver.
+// Throws gpu::DeviceError if the model does not fit the device's limits, with the numbers. The device and the
+// model must outlive the solver.
 std::unique_ptr<model::Solver> make_vulkan_solver(Device& device, const model::Model& model,
                                                   const model::SolverOptions& options);
 

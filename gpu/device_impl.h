@@ -1,0 +1,48 @@
+// An opened device as the room's own files use it.
+#pragma once
+
+#include <mutex>
+
+#include <volk.h>
+
+#include "gpu/check.h"
+#include "gpu/device.h"
+#include "gpu/instance.h"
+#include "gpu/physical_device.h"
+#include "shaders/spirv_exact/exact.h"
+
+namespace fascicle::gpu {
+
+struct Device::Impl {
+  Impl(std::uint32_t index, const DeviceOptions& options);
+  ~Impl();
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  const DeviceInfo& info() const { return physical.info; }
+
+  // Float modes that shaders are given on this device.
+  spirv_exact::FloatControls float_controls() const;
+
+  // Queues a command buffer; `fence` may be null. Several solvers may share the device.
+  void submit(VkCommandBuffer commands, VkFence fence);
+
+  // Until everything submitted so far is done.
+  void wait_idle();
+
+  // The first memory type of `types` with all of `wanted`, else with all of `needed`. Throws DeviceError if
+  // none.
+  std::uint32_t memory_type(std::uint32_t types, VkMemoryPropertyFlags wanted,
+                            VkMemoryPropertyFlags needed) const;
+
+  Instance instance;
+  PhysicalDevice physical;
+  VkDevice device = VK_NULL_HANDLE;
+  VolkDeviceTable call{};  // the device's own entry points
+  VkQueue queue = VK_NULL_HANDLE;
+
+ private:
+  std::mutex queue_mutex_;
+};
+
+}  // namespace fascicle::gpu

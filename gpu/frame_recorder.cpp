@@ -1,0 +1,59 @@
+#include "gpu/frame_recorder.h"
+
+#include <algorithm>
+
+namespace fascicle::gpu {
+
+CommandBuffer& FrameRecorder::commands() {
+  if (!open_) {
+    open_.emplace(device_, slot_.pool);
+    open_->begin_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
+    open_->barrier();  // after the frames submitted before, and the host's writes of state
+  }
+  return *open_;
+}
+
+void FrameRecorder::submit(VkFence fence) {
+  commands().end_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
+  open_->submit(fence);
+  slot_.slices_of_submission.push_back(recorded_);
+  open_.reset();
+  recorded_ = 0;
+}
+
+void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep,
+                             std::uint32_t items) {
+  const std::uint32_t slices = items / shader::slice_width + (items % shader::slice_width != 0 ? 1 : 0);
+  shader::Push push{substep, 0};
+  while (push.first_slice < slices) {
+    if (recorded_ >= allowed_) submit(VK_NULL_HANDLE);
+    const std::uint64_t room =
+        std::min<std::uint64_t>(allowed_ - recorded_, device_.physical.limits.maxComputeWorkGroupCount[0]);
+    const auto groups = static_cast<std::uint32_t>(std::min<std::uint64_t>(room, slices - push.first_slice));
+    commands().dispatch(slot_.kernel(kernel), slot_.set(kernel, swapped), push, groups);
+    if (with_barriers_) commands().barrier();
+    push.first_slice += groups;
+    recorded_ += groups;
+  }
+}
+
+void FrameRecorder::upload_drive() {
+  slot_.record_upload(commands());
+  commands().barrier();
+}
+
+void FrameRecorder::read_results() {
+  slot_.record_readback(commands());
+}
+
+void FrameRecorder::finish() {
+  submit(slot_.fence.get());
+}
+
+void FrameRecorder::wait() {
+  const Fence fence(device_);
+  submit(fence.get());
+  fence.wait();
+}
+
+}  // namespace fascicle::gpu

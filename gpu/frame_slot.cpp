@@ -1,0 +1,134 @@
+#include "gpu/frame_slot.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+namespace fascicle::gpu {
+namespace {
+
+// Submissions of one frame that are timed; more than these teach the pace nothing new.
+constexpr std::uint32_t timed_submissions = 16;
+
+std::array<std::span<const std::byte>, 4> parts_of(const model::Drive& drive) {
+  return {std::as_bytes(drive.bones), std::as_bytes(drive.muscles), std::as_bytes(drive.forces),
+          std::as_bytes(drive.decay)};
+}
+
+std::span<const float> floats(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const float*>(bytes.data()), bytes.size() / sizeof(float)};
+}
+
+}  // namespace
+
+FrameSlot::FrameSlot(Device::Impl& device, const StageKernels& kernels, const ModelBuffers& buffers)
+    : pool(device),
+      fence(device),
+      timestamps(device, timed_submissions),
+      device_(&device),
+      kernels_(&kernels),
+      buffers_(&buffers) {}
+
+FrameSlot::Sections FrameSlot::lay_out(const model::Drive& drive) const {
+  const VkDeviceSize alignment =
+      std::max<VkDeviceSize>(16, device_->physical.limits.minStorageBufferOffsetAlignment);
+  Sections sections;
+  VkDeviceSize offset = 0;
+  const auto parts = parts_of(drive);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    // A part that holds nothing is bound too, and a binding cannot be empty.
+    sections[p] = {offset, std::max<VkDeviceSize>(parts[p].size(), 16)};
+    if (sections[p].bytes > device_->info().max_storage_buffer_range)
+      throw DeviceError("a frame's poses and forces need " + std::to_string(sections[p].bytes) +
+                        " bytes, device " + device_->info().name + " binds at most " +
+                        std::to_string(device_->info().max_storage_buffer_range) +
+                        " (maxStorageBufferRange); use fewer substeps");
+    offset = (offset + sections[p].bytes + alignment - 1) / alignment * alignment;
+  }
+  return sections;
+}
+
+void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32_t vertices,
+                        std::uint32_t surface_vertices) {
+  const Sections sections = lay_out(drive);
+  const bool moved = sections != sections_ || !descriptors_;
+  sections_ = sections;
+  drive_bytes_ = sections.back().offset + sections.back().bytes;
+  if (drive_.size() < drive_bytes_) {
+    upload_ = Buffer(*device_, drive_bytes_, BufferUse::upload);
+    drive_ = Buffer(*device_, drive_bytes_, BufferUse::storage);
+  }
+  if (moved) make_sets();
+  const auto parts = parts_of(drive);
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (!parts[p].empty())
+      std::memcpy(upload_.host().data() + sections_[p].offset, parts[p].data(), parts[p].size());
+
+  what_ = what;
+  vertex_bytes_ = VkDeviceSize{16} * vertices;
+  surface_bytes_ = VkDeviceSize{12} * surface_vertices;
+  const VkDeviceSize readback_bytes = (what.positions ? vertex_bytes_ : 0) +
+                                      (what.velocities ? vertex_bytes_ : 0) +
+                                      (what.surface ? surface_bytes_ : 0);
+  if (readback_.size() < readback_bytes) readback_ = Buffer(*device_, readback_bytes, BufferUse::readback);
+  pool.reset();
+  slices_of_submission.clear();
+}
+
+void FrameSlot::make_sets() {
+  descriptors_.emplace(*device_, static_cast<std::uint32_t>(sets_.size()));
+  constexpr std::array<std::uint32_t, 4> numbers{shader::buffer_bone, shader::buffer_muscle,
+                                                 shader::buffer_force, shader::buffer_decay};
+  for (const bool swapped : {false, true}) {
+    BufferTable table = buffers_->table(swapped);
+    for (std::size_t p = 0; p < numbers.size(); ++p)
+      table[numbers[p]] = {drive_.get(), sections_[p].offset, sections_[p].bytes};
+    for (std::uint32_t k = 0; k < stage_kernel_count; ++k)
+      sets_[2 * k + (swapped ? 1 : 0)] =
+          descriptors_->make_set((*kernels_)[static_cast<StageKernel>(k)], table);
+  }
+}
+
+void FrameSlot::record_upload(CommandBuffer& commands) const {
+  commands.copy(upload_, 0, drive_, 0, drive_bytes_);
+}
+
+void FrameSlot::record_readback(CommandBuffer& commands) const {
+  VkDeviceSize at = 0;
+  const auto copy = [&](bool wanted, std::uint32_t number, VkDeviceSize bytes) {
+    if (!wanted || bytes == 0) return;
+    commands.copy((*buffers_)[number], 0, readback_, at, bytes);
+    at += bytes;
+  };
+  copy(what_.positions, shader::buffer_position, vertex_bytes_);
+  copy(what_.velocities, shader::buffer_velocity, vertex_bytes_);
+  copy(what_.surface, shader::buffer_surface, surface_bytes_);
+  if (at > 0) commands.barrier_to_host();
+}
+
+model::Frame FrameSlot::finish(SubmissionPace& pace) {
+  fence.wait();
+  fence.reset();
+  for (std::uint32_t s = 0; s < slices_of_submission.size(); ++s)
+    if (const std::optional<double> elapsed = timestamps.elapsed(s))
+      pace.learn(slices_of_submission[s], *elapsed);
+
+  model::Frame frame;
+  frame.index = index;
+  frame.origin = origin;
+  std::size_t at = 0;
+  const auto take = [&](VkDeviceSize bytes) {
+    const auto part = floats(readback_.host().subspan(at, static_cast<std::size_t>(bytes)));
+    at += static_cast<std::size_t>(bytes);
+    return part;
+  };
+  if (what_.positions) narrow(take(vertex_bytes_), frame.positions);
+  if (what_.velocities) narrow(take(vertex_bytes_), frame.velocities);
+  if (what_.surface) {
+    const std::span<const float> surface = take(surface_bytes_);
+    frame.surface.assign(surface.begin(), surface.end());
+  }
+  return frame;
+}
+
+}  // namespace fascicle::gpu

@@ -1,0 +1,66 @@
+// What one frame in flight needs of its own: the drive's upload, the results' readback, commands and a fence.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "gpu/command.h"
+#include "gpu/model_buffers.h"
+#include "gpu/stage_kernels.h"
+#include "gpu/submission_pace.h"
+
+namespace fascicle::gpu {
+
+class FrameSlot {
+ public:
+  FrameSlot(Device::Impl& device, const StageKernels& kernels, const ModelBuffers& buffers);
+
+  // Makes the slot ready for a new frame: buffers large enough, the drive written to the upload buffer. The
+  // frame that used the slot before must be done.
+  void prepare(const model::Drive& drive, model::Read what, std::uint32_t vertices,
+               std::uint32_t surface_vertices);
+
+  const Kernel& kernel(StageKernel kernel) const { return (*kernels_)[kernel]; }
+  VkDescriptorSet set(StageKernel kernel, bool swapped) const {
+    return sets_[2 * static_cast<std::uint32_t>(kernel) + (swapped ? 1 : 0)];
+  }
+
+  // Records the copy of the drive to the device, and of results to the host.
+  void record_upload(CommandBuffer& commands) const;
+  void record_readback(CommandBuffer& commands) const;
+
+  // Waits for the frame and brings its buffers.
+  model::Frame finish(SubmissionPace& pace);
+
+  std::uint64_t index = 0;
+  std::array<double, 3> origin{};
+  CommandPool pool;
+  Fence fence;
+  Timestamps timestamps;
+  std::vector<std::uint64_t> slices_of_submission;
+
+ private:
+  struct Section {
+    VkDeviceSize offset = 0, bytes = 0;
+    bool operator==(const Section&) const = default;
+  };
+  using Sections = std::array<Section, 4>;  // bones, muscles, forces, decay
+
+  Sections lay_out(const model::Drive& drive) const;
+  void make_sets();
+
+  Device::Impl* device_;
+  const StageKernels* kernels_;
+  const ModelBuffers* buffers_;
+  Buffer upload_, drive_, readback_;
+  Sections sections_{};
+  VkDeviceSize drive_bytes_ = 0;
+  std::optional<DescriptorPool> descriptors_;
+  std::array<VkDescriptorSet, 2 * stage_kernel_count> sets_{};
+  model::Read what_;
+  VkDeviceSize vertex_bytes_ = 0, surface_bytes_ = 0;
+};
+
+}  // namespace fascicle::gpu

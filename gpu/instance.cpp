@@ -1,0 +1,133 @@
+#include "gpu/instance.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+
+#include "gpu/check.h"
+
+namespace fascicle::gpu {
+namespace {
+
+constexpr const char* validation_layer = "VK_LAYER_KHRONOS_validation";
+
+// volk keeps the loader's entry points in variables of its own. All instances of a process get the same
+// values, so they are set once and then only read; entry points of extensions, which differ, are asked for
+// where they are used.
+std::mutex& volk_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+bool has_validation_layer() {
+  std::uint32_t count = 0;
+  VULKAN_CHECK(vkEnumerateInstanceLayerProperties(&count, nullptr));
+  std::vector<VkLayerProperties> layers(count);
+  VULKAN_CHECK(vkEnumerateInstanceLayerProperties(&count, layers.data()));
+  return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+    return std::strcmp(layer.layerName, validation_layer) == 0;
+  });
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                          VkDebugUtilsMessageTypeFlagsEXT,
+                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* listener) {
+  (*static_cast<std::function<void(const std::string&)>*>(listener))(data->pMessage);
+  return VK_FALSE;
+}
+
+VkDebugUtilsMessengerCreateInfoEXT messenger_info(void* listener) {
+  VkDebugUtilsMessengerCreateInfoEXT info{};
+  info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+  info.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  info.messageType =
+      VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+  info.pfnUserCallback = &on_message;
+  info.pUserData = listener;
+  return info;
+}
+
+}  // namespace
+
+bool load_vulkan(std::string* why) {
+  const std::scoped_lock lock(volk_mutex());
+  if (vkGetInstanceProcAddr == nullptr && volkInitialize() != VK_SUCCESS) {
+    if (why) *why = "no Vulkan loader (libvulkan.so.1) on this machine";
+    return false;
+  }
+  if (volkGetInstanceVersion() < VK_API_VERSION_1_1) {
+    if (why) *why = "the Vulkan loader knows Vulkan 1.0 only; 1.1 is needed";
+    return false;
+  }
+  return true;
+}
+
+Instance::Instance(const DeviceOptions& options) {
+  std::string why;
+  if (!load_vulkan(&why)) throw DeviceError(why);
+
+  VkApplicationInfo application{};
+  application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+  application.pApplicationName = "fascicle";
+  application.apiVersion = VK_API_VERSION_1_1;
+
+  VkInstanceCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+  info.pApplicationInfo = &application;
+
+  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  const VkValidationFeatureEnableEXT enabled[] = {
+      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  VkValidationFeaturesEXT features{};
+  VkDebugUtilsMessengerCreateInfoEXT messenger{};
+  if (options.validation) {
+    if (!has_validation_layer())
+      throw DeviceError(std::string(validation_layer) +
+                        " is not installed; on Debian: vulkan-validationlayers");
+    listener_ = std::make_unique<Listener>(options.on_validation_message);
+    if (!*listener_)
+      *listener_ = [](const std::string& message) { std::fprintf(stderr, "%s\n", message.c_str()); };
+    messenger = messenger_info(listener_.get());
+    features.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = enabled;
+    features.pNext = &messenger;
+    info.pNext = &features;
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = &validation_layer;
+    info.enabledExtensionCount = 2;
+    info.ppEnabledExtensionNames = extensions;
+  }
+  VULKAN_CHECK(vkCreateInstance(&info, nullptr, &instance_));
+  {
+    const std::scoped_lock lock(volk_mutex());
+    if (vkEnumeratePhysicalDevices == nullptr) volkLoadInstanceOnly(instance_);
+  }
+  if (options.validation) {
+    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+    VULKAN_CHECK(create(instance_, &messenger, nullptr, &messenger_));
+  }
+}
+
+Instance::~Instance() {
+  if (messenger_ != VK_NULL_HANDLE) {
+    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(instance_, messenger_, nullptr);
+  }
+  if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
+}
+
+std::vector<VkPhysicalDevice> Instance::physical_devices() const {
+  std::uint32_t count = 0;
+  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
+  std::vector<VkPhysicalDevice> devices(count);
+  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_, &count, devices.data()));
+  devices.resize(count);
+  return devices;
+}
+
+}  // namespace fascicle::gpu

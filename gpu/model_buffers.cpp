@@ -1,0 +1,128 @@
+#include "gpu/model_buffers.h"
+
+#include <numeric>
+
+#include "gpu/sliced_rings.h"
+
+namespace fascicle::gpu {
+namespace {
+
+using model::Model;
+
+// x y z of `triples` and one number more.
+std::vector<float> records(const std::vector<float>& triples, const std::vector<float>& fourth) {
+  std::vector<float> out(triples.size() / 3 * 4);
+  for (std::size_t i = 0; i < triples.size() / 3; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) out[4 * i + c] = triples[3 * i + c];
+    out[4 * i + 3] = fourth.empty() ? 0.0f : fourth[i];
+  }
+  return out;
+}
+
+std::vector<shader::VertexRecord> vertex_records(const Model& model) {
+  std::vector<shader::VertexRecord> out(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    out[i] = {model.tag[i], model.ring_offset[i + 1] - model.ring_offset[i], model.alpha[i], 0};
+  return out;
+}
+
+}  // namespace
+
+std::vector<PlannedBuffer> plan_buffers(const Model& model) {
+  const std::uint64_t n = model.vertex_count, m = model.surface_count();
+  const std::uint64_t skinned = model.has_skeleton() ? n : 0, muscled = model.muscle_count > 0 ? n : 0;
+  const std::uint64_t entries = sliced_entry_count(model);
+  const auto words = [](const auto& v) { return std::uint64_t{4} * v.size(); };
+  return {
+      {shader::buffer_position, "position", 16 * n},
+      {shader::buffer_velocity, "velocity", 16 * n},
+      {shader::buffer_rotation, "rotation", 16 * n},
+      {shader::buffer_transform, "transform", 48 * n},
+      {shader::buffer_goal, "goal", 16 * n},
+      {shader::buffer_skinned, "skinned", 16 * skinned},
+      {shader::buffer_skinned_before, "skinned before", 16 * skinned},
+      {shader::buffer_surface, "surface", 12 * m},
+      {shader::buffer_rest, "rest", 16 * n},
+      {shader::buffer_vertex, "vertex", sizeof(shader::VertexRecord) * n},
+      {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},
+      {shader::buffer_ring, "ring", 4 * entries},
+      {shader::buffer_share_taken, "share taken", 4 * entries},
+      {shader::buffer_share_given, "share given", 4 * entries},
+      {shader::buffer_region_rest, "region rest", 16 * n},
+      {shader::buffer_region_muscle, "region muscle", 4 * muscled},
+      {shader::buffer_region_normal, "region normal", 16 * muscled},
+      {shader::buffer_skin_offset, "skin offset", words(model.skin_offset)},
+      {shader::buffer_skin_joint, "skin joint", words(model.skin_joint)},
+      {shader::buffer_skin_weight, "skin weight", words(model.skin_weight)},
+      {shader::buffer_force_offset, "force offset", words(model.force_offset)},
+      {shader::buffer_force_index, "force index", words(model.force_index)},
+      {shader::buffer_force_coefficient, "force coefficient", words(model.force_coefficient)},
+      {shader::buffer_surface_vertex, "surface vertex", words(model.surface_vertex)},
+      {shader::buffer_surface_weight, "surface weight", words(model.surface_weight)},
+  };
+}
+
+void check_plan(const std::vector<PlannedBuffer>& plan, const DeviceInfo& device) {
+  std::uint64_t total = 0;
+  for (const PlannedBuffer& buffer : plan) {
+    total += buffer.bytes;
+    if (buffer.bytes > device.max_storage_buffer_range)
+      throw DeviceError("the model's buffer \"" + std::string(buffer.name) + "\" needs " +
+                        std::to_string(buffer.bytes) + " bytes, device " + device.name + " binds at most " +
+                        std::to_string(device.max_storage_buffer_range) +
+                        " (maxStorageBufferRange); use a coarser mesh or another device");
+  }
+  if (total > device.memory)
+    throw DeviceError("the model needs " + std::to_string(total) + " bytes, device " + device.name + " has " +
+                      std::to_string(device.memory) + "; use a coarser mesh or another device");
+}
+
+ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
+  for (const PlannedBuffer& planned : plan_buffers(model))
+    buffers_[planned.number] = Buffer(device, planned.bytes, BufferUse::storage);
+  const auto fill = [&](std::uint32_t number, const auto& values) {
+    write_buffer(device, buffers_[number], std::as_bytes(std::span(values)));
+  };
+  fill(shader::buffer_rest, records(model.rest, model.pull));
+  fill(shader::buffer_vertex, vertex_records(model));
+  {
+    const SlicedRings rings = slice_rings(model);
+    fill(shader::buffer_slice, rings.slice);
+    fill(shader::buffer_ring, rings.ring);
+    fill(shader::buffer_share_taken, rings.share_taken);
+    fill(shader::buffer_share_given, rings.share_given);
+  }
+  fill(shader::buffer_region_rest, model.region_rest);
+  if (model.muscle_count > 0) {
+    fill(shader::buffer_region_muscle, model.region_muscle);
+    fill(shader::buffer_region_normal, model.region_normal);
+  }
+  fill(shader::buffer_skin_offset, model.skin_offset);
+  fill(shader::buffer_skin_joint, model.skin_joint);
+  fill(shader::buffer_skin_weight, model.skin_weight);
+  fill(shader::buffer_force_offset, model.force_offset);
+  fill(shader::buffer_force_index, model.force_index);
+  fill(shader::buffer_force_coefficient, model.force_coefficient);
+  fill(shader::buffer_surface_vertex, model.surface_vertex);
+  fill(shader::buffer_surface_weight, model.surface_weight);
+}
+
+BufferTable ModelBuffers::table(bool swapped) const {
+  BufferTable table{};
+  for (std::uint32_t number = 0; number < shader::buffer_count; ++number)
+    if (buffers_[number].get() != VK_NULL_HANDLE) table[number] = whole(buffers_[number]);
+  if (swapped) std::swap(table[shader::buffer_skinned], table[shader::buffer_skinned_before]);
+  return table;
+}
+
+std::vector<float> widened(const std::vector<float>& triples) {
+  return records(triples, {});
+}
+
+void narrow(std::span<const float> records_in, std::vector<float>& triples) {
+  triples.resize(records_in.size() / 4 * 3);
+  for (std::size_t i = 0; i < records_in.size() / 4; ++i)
+    for (std::size_t c = 0; c < 3; ++c) triples[3 * i + c] = records_in[4 * i + c];
+}
+
+}  // namespace fascicle::gpu

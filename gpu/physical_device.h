@@ -1,0 +1,27 @@
+// What a physical device is and can do.
+#pragma once
+
+#include <vector>
+
+#include <volk.h>
+
+#include "gpu/device.h"
+
+namespace fascicle::gpu {
+
+// Buffers that the largest kernel (update) binds. A test compares it with the shaders.
+inline constexpr std::uint32_t most_buffers_of_a_kernel = 15;
+
+struct PhysicalDevice {
+  VkPhysicalDevice handle = VK_NULL_HANDLE;
+  DeviceInfo info;
+  VkPhysicalDeviceLimits limits{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  std::uint32_t queue_family = 0;  // one with compute
+  bool has_timestamps = false;     // on that family
+  bool float_controls_extension = false;
+};
+
+PhysicalDevice describe(VkPhysicalDevice handle, std::uint32_t index);
+
+}  // namespace fascicle::gpu

@@ -1,0 +1,25 @@
+// The self-test: kernel arithmetic over a table of inputs on the device, against the same source compiled as
+// C++.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/device_impl.h"
+#include "shaders/modules.h"
+
+namespace fascicle::gpu {
+
+// Results of the device, self_test_results for each row of the table. `module` differs from the default in
+// the tests that show what a missing NoContraction does.
+std::vector<float> run_self_test(Device::Impl& device,
+                                 spirv_exact::Module module = shader::self_test_module());
+
+// Results of this CPU.
+std::vector<float> expected_self_test();
+
+// Where the device's results first differ from this CPU's by bits, in words; empty if nowhere.
+std::string first_self_test_difference(std::span<const float> device_results);
+
+}  // namespace fascicle::gpu

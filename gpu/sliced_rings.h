@@ -1,0 +1,26 @@
+// One-rings laid out for the GPU: slices of slice_width vertices, as deep as the slice's largest one-ring,
+// entry k of all its vertices side by side (sliced ELL, Kreutzer et al., SIAM J. Sci. Comput. 36(5), 2014).
+// Each vertex loops over its own degree, so the entries that fill a slice up are never read.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/model/model.h"
+
+namespace fascicle::gpu {
+
+struct SlicedRings {
+  std::vector<std::uint32_t> slice;  // first entry of each slice
+  std::vector<std::uint32_t> ring;   // 0 where nothing stands
+  std::vector<float> share_taken, share_given;
+};
+
+// Entries with the filling, without building anything.
+std::uint64_t sliced_entry_count(const model::Model& model);
+
+// sliced_entry_count must fit 32 bits.
+SlicedRings slice_rings(const model::Model& model);
+
+}  // namespace fascicle::gpu

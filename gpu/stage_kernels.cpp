@@ -1,0 +1,57 @@
+#include "gpu/stage_kernels.h"
+
+#include <array>
+
+#include "shaders/buffers.h"
+#include "shaders/modules.h"
+
+namespace fascicle::gpu {
+namespace {
+
+spirv_exact::Module module_of(StageKernel kernel) {
+  switch (kernel) {
+    case StageKernel::rebase:
+      return shader::rebase_module();
+    case StageKernel::skin:
+      return shader::skin_module();
+    case StageKernel::predict:
+      return shader::predict_module();
+    case StageKernel::region:
+      return shader::region_module();
+    case StageKernel::goal:
+      return shader::goal_module();
+    case StageKernel::integrate:
+      return shader::integrate_module();
+    case StageKernel::update:
+      return shader::update_module();
+    case StageKernel::embed:
+      return shader::embed_module();
+  }
+  return {};
+}
+
+}  // namespace
+
+const char* name_of(StageKernel kernel) {
+  constexpr std::array<const char*, stage_kernel_count> names{"rebase", "skin",      "predict", "region",
+                                                              "goal",   "integrate", "update",  "embed"};
+  return names[static_cast<std::uint32_t>(kernel)];
+}
+
+StageKernels::StageKernels(const Device::Impl& device, const model::Model& model,
+                           const model::SolverOptions& options, const AlterModule& alter) {
+  std::array<std::uint32_t, 3> constants{};
+  constants[shader::constant_rotation] =
+      options.rotation == model::Rotation::qcp ? shader::rotation_qcp : shader::rotation_mueller2016;
+  constants[shader::constant_muscles] = model.muscle_count > 0 ? 1 : 0;
+  constants[shader::constant_forces] = model.force_count > 0 ? 1 : 0;
+  for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
+    const auto kernel = static_cast<StageKernel>(k);
+    if (alter)
+      kernels_.emplace_back(device, alter(kernel, module_of(kernel)), constants);
+    else
+      kernels_.emplace_back(device, module_of(kernel), constants);
+  }
+}
+
+}  // namespace fascicle::gpu

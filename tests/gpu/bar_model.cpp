@@ -1,0 +1,187 @@
+#include "tests/gpu/bar_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace fascicle::tests {
+namespace {
+
+using model::Model;
+
+constexpr double spacing = 0.05;
+
+// Ascending neighbours in Kuhn's division: two grid points share a tetrahedron if their difference has no
+// mixed signs.
+std::vector<std::set<std::uint32_t>> one_rings(const BarOptions& o) {
+  const int nx = static_cast<int>(o.x), ny = static_cast<int>(o.y), nz = static_cast<int>(o.z);
+  const auto number = [&](int i, int j, int k) { return static_cast<std::uint32_t>((i * ny + j) * nz + k); };
+  std::vector<std::set<std::uint32_t>> rings(o.x * o.y * o.z);
+  for (int i = 0; i < nx; ++i)
+    for (int j = 0; j < ny; ++j)
+      for (int k = 0; k < nz; ++k)
+        for (int step = 1; step < 8; ++step) {
+          const int a = i + (step & 1), b = j + (step >> 1 & 1), c = k + (step >> 2 & 1);
+          if (a >= nx || b >= ny || c >= nz) continue;
+          rings[number(i, j, k)].insert(number(a, b, c));
+          rings[number(a, b, c)].insert(number(i, j, k));
+        }
+  return rings;
+}
+
+// A value in [0, 1) that looks random but belongs to the pair.
+double noise(std::uint32_t a, std::uint32_t b) {
+  std::uint32_t h = (a + 1) * 2654435761u ^ (b + 1) * 2246822519u;
+  h = (h ^ h >> 15) * 3266489917u;
+  return static_cast<double>(h >> 8) * 0x1p-24;
+}
+
+void add_weights(Model& m) {
+  const std::uint32_t n = m.vertex_count;
+  m.share_given.resize(m.ring.size());
+  m.share_taken.resize(m.ring.size());
+  std::vector<double> own(n, 1.0);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t first = m.ring_offset[i], last = m.ring_offset[i + 1];
+    double sum = 1.0;
+    for (std::uint32_t e = first; e < last; ++e) sum += 0.1 + noise(i, m.ring[e]);
+    for (std::uint32_t e = first; e < last; ++e) {
+      const double share = std::floor((0.1 + noise(i, m.ring[e])) / sum * 65536.0) / 65536.0;
+      m.share_given[e] = static_cast<float>(share);
+      own[i] -= share;
+    }
+  }
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t e = m.ring_offset[i]; e < m.ring_offset[i + 1]; ++e) {
+      const std::uint32_t r = m.ring[e];
+      const auto back =
+          std::lower_bound(m.ring.begin() + m.ring_offset[r], m.ring.begin() + m.ring_offset[r + 1], i);
+      m.share_taken[static_cast<std::size_t>(back - m.ring.begin())] = m.share_given[e];
+    }
+  m.region_rest.assign(4 * std::size_t{n}, 0.0f);
+  for (std::uint32_t r = 0; r < n; ++r) {
+    double total = own[r] * static_cast<double>(m.pull[r]);
+    std::array<double, 3> centre{};
+    for (std::uint32_t e = m.ring_offset[r]; e < m.ring_offset[r + 1]; ++e) {
+      const std::uint32_t i = m.ring[e];
+      const double w = static_cast<double>(m.share_taken[e]) * static_cast<double>(m.pull[i]);
+      total += w;
+      for (std::size_t c = 0; c < 3; ++c)
+        centre[c] += w * (static_cast<double>(m.rest[3 * std::size_t{i} + c]) -
+                          static_cast<double>(m.rest[3 * std::size_t{r} + c]));
+    }
+    if (total <= 0.0) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      m.region_rest[4 * std::size_t{r} + c] = static_cast<float>(centre[c] / total);
+    m.region_rest[4 * std::size_t{r} + 3] = static_cast<float>(1.0 / total);
+  }
+}
+
+void add_skin(Model& m, double length) {
+  m.joint_count = 2;
+  m.skin_offset.push_back(0);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    // Quarters are exact, so that weights sum to one.
+    const double along = std::clamp(static_cast<double>(m.rest[3 * std::size_t{i}]) / length, 0.0, 1.0);
+    const double second = std::round(along * 4.0) / 4.0;
+    if (second < 1.0) {
+      m.skin_joint.push_back(0);
+      m.skin_weight.push_back(static_cast<float>(1.0 - second));
+    }
+    if (second > 0.0) {
+      m.skin_joint.push_back(1);
+      m.skin_weight.push_back(static_cast<float>(second));
+    }
+    m.skin_offset.push_back(static_cast<std::uint32_t>(m.skin_joint.size()));
+  }
+}
+
+}  // namespace
+
+Model make_bar(const BarOptions& o) {
+  std::vector<std::set<std::uint32_t>> rings = one_rings(o);
+  const auto grid = static_cast<std::uint32_t>(rings.size());
+  if (o.odd_vertices) rings.resize(grid + 2);
+  Model m;
+  m.vertex_count = static_cast<std::uint32_t>(rings.size());
+  m.layers = {{"muscle", 1.0, 1000.0, false}, {"fat", 6.0, 900.0, false}};
+  m.ring_offset.push_back(0);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    const std::uint32_t k = i % o.z, j = i / o.z % o.y, along = std::min(i, grid - 1) / (o.y * o.z);
+    const bool free = along > 0;
+    for (const std::uint32_t c : {along, j, k})
+      m.rest.push_back(static_cast<float>(spacing * (c + 0.3 * noise(i, 100 + c))));
+    m.source_vertex.push_back(i);
+    m.mass.push_back(0.1);
+    m.alpha.push_back(free ? (i % 2 ? 0.3f : 0.9f) : 0.0f);
+    m.beta.push_back(0.5f);
+    m.fibre.insert(m.fibre.end(), {1.0f, 0.0f, 0.0f});
+    m.tag.push_back(i % 2 | (free ? 0 : shader::tag_kinematic));
+    m.pull.push_back(i + 1 == m.vertex_count && o.odd_vertices ? 0.0f : 200.0f + static_cast<float>(i % 7));
+    m.ring.insert(m.ring.end(), rings[i].begin(), rings[i].end());
+    m.ring_offset.push_back(static_cast<std::uint32_t>(m.ring.size()));
+  }
+  add_weights(m);
+  if (o.skeleton) add_skin(m, spacing * (o.x - 1));
+  if (o.muscle) {
+    m.muscle_count = 2;
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      m.region_muscle.push_back(i % 3 == 2 ? shader::no_muscle : i % 3);
+      m.region_normal.insert(m.region_normal.end(), {0.0f, 0.6f, 0.8f, 0.5f});
+    }
+  }
+  if (o.forces) {
+    m.force_count = 2;
+    m.force_offset.push_back(0);
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      for (std::uint32_t f = 0; f < i % 3; ++f) {
+        m.force_index.push_back(f);
+        m.force_coefficient.push_back(0.7f + static_cast<float>(i % 5));
+      }
+      m.force_offset.push_back(static_cast<std::uint32_t>(m.force_index.size()));
+    }
+  }
+  if (o.surface) {
+    for (std::uint32_t s = 0; s < 37; ++s) {
+      for (std::uint32_t c = 0; c < 4; ++c) m.surface_vertex.push_back((s * 11 + c * 5) % m.vertex_count);
+      m.surface_weight.insert(m.surface_weight.end(), {0.1f, 0.2f, 0.3f, 0.4f});
+    }
+  }
+  return m;
+}
+
+model::Drive BarMotion::drive(std::uint64_t frame) {
+  bones_.clear();
+  muscles_.clear();
+  forces_.clear();
+  for (std::uint32_t s = 0; s < substeps_; ++s) {
+    const float t = static_cast<float>((frame - 1) * substeps_ + s + 1) / static_cast<float>(substeps_);
+    for (std::uint32_t j = 0; j < model_.joint_count; ++j) {
+      // A shear in place of a rotation: any affine map will do, and it needs no sine.
+      const float bend = j == 1 ? 0.02f * t : 0.0f;
+      bones_.push_back({1.0f, 0.0f, bend, 0.01f * t, bend, 1.0f, 0.0f, 0.0f, 0.0f, -bend, 1.0f, 0.005f * t});
+    }
+    for (std::uint32_t k = 0; k < model_.muscle_count; ++k)
+      muscles_.push_back({0.1f, 0.8f, 0.6f, 0.1f * t * static_cast<float>(k + 1)});
+    for (std::uint32_t f = 0; f < model_.force_count; ++f)
+      forces_.push_back({0.3f * t, -0.2f, 0.1f * static_cast<float>(f), 0.0f});
+  }
+  decay_ = {0.999f, 0.95f};
+  model::Drive drive;
+  drive.substeps = substeps_;
+  drive.h = 1.0 / 60.0 / substeps_;
+  drive.gravity = {0.0f, -9.81f, 0.0f};
+  if (model_.has_skeleton() && frame % 2 == 0) {
+    drive.origin_shift = {0.0078125f, 0.0f, -0.001f};
+    for (std::size_t c = 0; c < 3; ++c) origin_[c] += static_cast<double>(drive.origin_shift[c]);
+  }
+  drive.origin = origin_;
+  drive.bones = bones_;
+  drive.muscles = muscles_;
+  drive.forces = forces_;
+  drive.decay = decay_;
+  return drive;
+}
+
+}  // namespace fascicle::tests

@@ -1,0 +1,42 @@
+// A bar of Kuhn tetrahedra as a Model, written down directly so that these tests need no other room. Its
+// weights are plausible, not the paper's: what is tested is that two solvers do the same with them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/model/solver.h"
+
+namespace fascicle::tests {
+
+struct BarOptions {
+  std::uint32_t x = 9, y = 4, z = 3;  // vertices along each axis
+  bool skeleton = false;              // two joints, the second bends
+  bool muscle = false;
+  bool forces = false;
+  bool surface = true;
+  bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
+};
+
+model::Model make_bar(const BarOptions& options);
+
+// Owns what a Drive points to: poses, muscles and forces that change with every substep, and a shifting
+// origin.
+class BarMotion {
+ public:
+  BarMotion(const model::Model& model, std::uint32_t substeps) : model_(model), substeps_(substeps) {}
+  // Frame k; spans live until the next call.
+  model::Drive drive(std::uint64_t frame);
+
+ private:
+  const model::Model& model_;
+  std::uint32_t substeps_;
+  std::vector<shader::Bone> bones_;
+  std::vector<shader::Muscle> muscles_;
+  std::vector<shader::Force> forces_;
+  std::vector<float> decay_;
+  std::array<double, 3> origin_{};
+};
+
+}  // namespace fascicle::tests

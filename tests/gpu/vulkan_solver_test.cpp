@@ -1,0 +1,181 @@
+#include "gpu/vulkan_solver.h"
+
+#include <optional>
+#include <ostream>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "gpu/device_impl.h"
+#include "host/model/validate.h"
+#include "tests/gpu/bar_model.h"
+#include "tests/gpu/vulkan_device.h"
+
+namespace fascicle::tests {
+namespace {
+
+using model::Frame;
+using model::Model;
+using model::Read;
+
+constexpr Read everything{.positions = true, .velocities = true, .surface = true};
+
+std::string text_of(const model::Difference& d) {
+  return "frame " + std::to_string(d.where.frame) + " substep " + std::to_string(d.where.substep) + " " +
+         name_of(d.where.stage) + " item " + std::to_string(d.item) + " component " +
+         std::to_string(d.component) + ": " + std::to_string(d.a) + " / " + std::to_string(d.b) + ", " +
+         std::to_string(d.ulp) + " ULP";
+}
+
+struct Case {
+  const char* name;
+  BarOptions bar;
+  model::Rotation rotation = model::Rotation::qcp;
+};
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << c.name;
+}
+
+const Case cases[] = {
+    {"plain", {}},
+    {"skeleton", {.skeleton = true}},
+    {"muscle", {.skeleton = true, .muscle = true}},
+    {"forces", {.forces = true}},
+    {"without_surface", {.surface = false}},
+    {"odd_vertices", {.skeleton = true, .muscle = true, .forces = true, .odd_vertices = true}},
+    {"mueller2016", {.skeleton = true, .muscle = true}, model::Rotation::mueller2016},
+    {"one_tetrahedron_strip", {.x = 2, .y = 2, .z = 2}},
+};
+
+class VulkanSolver : public VulkanTest, public testing::WithParamInterface<Case> {};
+
+// The reason for the room: every stage of every substep has the CPU's bits.
+TEST_P(VulkanSolver, HasTheBitsOfTheCpuInEveryStage) {
+  const Model m = make_bar(GetParam().bar);
+  check_model(m);
+  const model::SolverOptions options{.rotation = GetParam().rotation};
+  gpu::Device device(*index);
+  const auto vulkan = gpu::make_vulkan_solver(device, m, options);
+  const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);
+  BarMotion motion(m, 3);
+  const auto difference = first_difference(
+      m, *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 10);
+  EXPECT_FALSE(difference) << text_of(*difference);
+}
+
+// Without a probe predict, goal and integrate are one dispatch, and three frames are in flight at once.
+TEST_P(VulkanSolver, HasTheBitsOfTheCpuWithFusedStagesAndSeveralFramesInFlight) {
+  const Model m = make_bar(GetParam().bar);
+  const model::SolverOptions options{.rotation = GetParam().rotation};
+  gpu::Device device(*index);
+  const auto vulkan = gpu::make_vulkan_solver(device, m, options);
+  const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);
+  BarMotion motion(m, 4);
+  for (std::uint64_t k = 1; k <= 12; ++k) {
+    const model::Drive drive = motion.drive(k);
+    vulkan->submit(drive, everything);
+    cpu->submit(drive, everything);
+    if (k < 3) continue;
+    const Frame ours = vulkan->collect(), reference = cpu->collect();
+    ASSERT_EQ(ours.index, k - 2);
+    ASSERT_EQ(ours.index, reference.index);
+    ASSERT_EQ(ours.origin, reference.origin);
+    ASSERT_EQ(ours.positions, reference.positions) << "frame " << ours.index;
+    ASSERT_EQ(ours.velocities, reference.velocities) << "frame " << ours.index;
+    ASSERT_EQ(ours.surface, reference.surface) << "frame " << ours.index;
+  }
+  EXPECT_EQ(vulkan->save(), cpu->save());
+}
+
+INSTANTIATE_TEST_SUITE_P(Bars, VulkanSolver, testing::ValuesIn(cases),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+class VulkanSolverOf : public VulkanTest {};
+
+TEST_F(VulkanSolverOf, SavedStateGoesOnWithTheSameBits) {
+  const Model m = make_bar({.skeleton = true, .muscle = true, .forces = true});
+  gpu::Device device(*index);
+  BarMotion motion(m, 3);
+  const auto whole = gpu::make_vulkan_solver(device, m, {});
+  model::State halfway;
+  for (std::uint64_t k = 1; k <= 8; ++k) {
+    whole->submit(motion.drive(k), {});
+    if (k == 5) halfway = whole->save();
+    whole->collect();
+  }
+  EXPECT_EQ(halfway.frame, 5u);
+  const auto resumed = gpu::make_vulkan_solver(device, m, {});
+  BarMotion same_motion(m, 3);
+  for (std::uint64_t k = 1; k <= 5; ++k) same_motion.drive(k);
+  resumed->load(halfway);
+  EXPECT_EQ(resumed->save(), halfway);
+  for (std::uint64_t k = 6; k <= 8; ++k) resumed->submit(same_motion.drive(k), {});
+  EXPECT_EQ(resumed->save(), whole->save());
+}
+
+TEST_F(VulkanSolverOf, LoadForgetsFramesInFlight) {
+  const Model m = make_bar({});
+  gpu::Device device(*index);
+  BarMotion motion(m, 2);
+  const auto solver = gpu::make_vulkan_solver(device, m, {});
+  const model::State first = solver->save();
+  solver->submit(motion.drive(1), everything);
+  solver->submit(motion.drive(2), everything);
+  solver->load(first);
+  EXPECT_EQ(solver->save(), first);
+  EXPECT_THROW(solver->collect(), std::logic_error);
+}
+
+// More slices than the first submission may hold (SubmissionPace's first guess is 1,562 on a software device,
+// 50,000 on others), so that stages are cut; and more than one frame's worth of substeps in a submission
+// would allow.
+TEST_F(VulkanSolverOf, LargeMeshIsCutIntoSubmissionsAndKeepsItsBits) {
+  const Model m = make_bar({.x = 60, .y = 31, .z = 31, .surface = false});
+  gpu::Device device(*index);
+  const auto vulkan = gpu::make_vulkan_solver(device, m, {});
+  const auto cpu = cpu_reference::make_cpu_solver(m, {});
+  BarMotion motion(m, 2);
+  for (std::uint64_t k = 1; k <= 2; ++k) {
+    const model::Drive drive = motion.drive(k);
+    vulkan->submit(drive, everything);
+    cpu->submit(drive, everything);
+    ASSERT_EQ(vulkan->collect().positions, cpu->collect().positions);
+  }
+}
+
+// Only the sizes are looked at before anything is made, so the arrays may be hollow.
+TEST_F(VulkanSolverOf, RefusesAModelOverTheBufferLimitWithTheNumbers) {
+  gpu::Device device(*index);
+  const std::uint64_t limit = device.info().max_storage_buffer_range;
+  const std::uint64_t vertices = limit / 48 + 1;  // the transform of a vertex has 48 bytes
+  if (vertices > 30'000'000)
+    GTEST_SKIP() << "this device binds " << limit << " bytes, a mesh beyond that is too large for a test";
+  Model m;
+  m.vertex_count = static_cast<std::uint32_t>(vertices);
+  m.ring_offset.resize(vertices + 1);
+  try {
+    gpu::make_vulkan_solver(device, m, {});
+    FAIL() << "a model of " << vertices << " vertices was taken";
+  } catch (const gpu::DeviceError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("transform"), std::string::npos) << what;
+    EXPECT_NE(what.find(std::to_string(48 * vertices)), std::string::npos) << what;
+    EXPECT_NE(what.find(std::to_string(limit)), std::string::npos) << what;
+  }
+}
+
+TEST_F(VulkanSolverOf, ADriveThatDoesNotFitIsRefused) {
+  const Model m = make_bar({.skeleton = true});
+  gpu::Device device(*index);
+  const auto solver = gpu::make_vulkan_solver(device, m, {});
+  BarMotion motion(m, 2);
+  model::Drive drive = motion.drive(1);
+  drive.bones = drive.bones.first(1);
+  EXPECT_THROW(solver->submit(drive, everything), std::invalid_argument);
+  const Frame frame = (solver->submit(motion.drive(1), everything), solver->collect());
+  EXPECT_EQ(frame.index, 1u);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
