@@ -40,8 +40,10 @@ struct DeviceDescription {
 struct BakeOptions {
   std::filesystem::path folder;
   std::vector<std::string> formats;      // "pc2", "vtu"
-  bool overwrite = false;
-  bool resume = false;
+  bool overwrite = false;                // removes what a bake made in the folder, and nothing else
+  bool resume = false;                   // goes on from the last checkpoint; starts afresh where there is none
+  std::uint64_t checkpoint_frames = 100; // at least 1: a checkpoint after this many frames,
+  double checkpoint_seconds = 10.0;      // or after this time, whichever comes first
   DeviceDescription device;
   std::vector<std::string> warnings;     // of the build, for the manifest
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame

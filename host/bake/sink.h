@@ -19,17 +19,21 @@ struct BakeInfo {
   double start = 0.0;               // s, time of frame 0
   std::uint64_t frames = 0;         // after frame 0; frame 0 is written too, so frames + 1 in all
   std::uint64_t first = 0;          // first frame to write: 0, or where a resumed bake goes on
+  const model::Frame* initial = nullptr;  // frame 0 with positions, for displacements; outlives the sink
 };
 
-// Writes one format. Files appear whole (written beside their place, synced, renamed in finish) or, for the frame cache,
-// frame by frame. A resumed bake calls begin with first > 0; a sink that cannot append says so by can_resume() = false and is
-// then fed all frames again from the cache.
+// Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside their place
+// (NAME.part), synced and renamed in finish, or one whole file a frame. Only the frame cache grows under its own name, in records
+// that carry a checksum. A resumed bake calls begin with first > 0: the sink drops what it has of that frame and
+// later ones and goes on; it throws BakeError if frames before are missing.
 struct FrameSink {
   virtual ~FrameSink() = default;
   virtual std::string name() const = 0;
   virtual model::Read needs() const = 0;
   virtual void begin(const BakeInfo& info) = 0;
   virtual void write(const model::Frame& frame) = 0;
+  // On return all frames written so far survive a power cut; a checkpoint that counts on them follows.
+  virtual void sync() = 0;
   virtual void finish() = 0;
 };
 

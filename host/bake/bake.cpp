@@ -1,0 +1,326 @@
+// The frame loop. A resumed bake takes the same path as a new one: only the place where each file goes on
+// differs.
+//
+// What makes a bake survive being killed at any moment:
+//   1. the manifest is the first file and lists the others, so that they can be told from foreign ones;
+//   2. a checkpoint is replaced whole, after everything it counts on was synced;
+//   3. a resumed bake cuts every stream back to the checkpoint's frame, and steps the frames after it again,
+//   with the same
+//      bits.
+#include "host/bake/bake.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <optional>
+
+#include "host/bake/checkpoint.h"
+#include "host/bake/drive_source.h"
+#include "host/bake/file.h"
+#include "host/bake/folder.h"
+#include "host/bake/formats.h"
+#include "host/bake/identity.h"
+#include "host/bake/manifest.h"
+#include "host/bake/read_frame_cache.h"
+#include "host/bake/surface.h"
+#include "host/bake/text.h"
+#include "host/model/validate.h"
+
+namespace fascicle::bake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Adds the time between its construction and its destruction.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
+  ~Stopwatch() { seconds_ += seconds_since(start_); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& seconds_;
+  Clock::time_point start_;
+};
+
+bool is_finite(float value) {
+  return (std::bit_cast<std::uint32_t>(value) & 0x7f800000u) != 0x7f800000u;
+}
+
+// The options with each format once, in the order of format_names().
+BakeOptions checked(BakeOptions options) {
+  if (options.overwrite && options.resume)
+    throw BakeError("--overwrite and --resume exclude each other; give one");
+  if (options.checkpoint_frames == 0) throw BakeError("checkpoint_frames is 0; it must be at least 1");
+  std::vector<std::string> formats, left = options.formats;
+  std::string names;
+  for (const std::string& name : format_names()) {
+    names += (names.empty() ? "" : ", ") + name;
+    if (std::erase(left, name) > 0) formats.push_back(name);
+  }
+  if (!left.empty())
+    throw BakeError("--format " + left.front() + ": there is no such format; there are " + names);
+  options.formats = std::move(formats);
+  return options;
+}
+
+class Run {
+ public:
+  Run(const scene::Scene& scene, const model::Model& model, model::Solver& solver, const BakeOptions& options)
+      : scene_(scene),
+        model_(model),
+        solver_(solver),
+        options_(checked(options)),
+        frames_(scene::frame_count(scene)),
+        model_hash_(model_hash(model)),
+        identity_(identity_of(scene, model_hash_, options_)),
+        drives_(scene, model) {}
+
+  BakeResult go();
+
+ private:
+  void open_folder();
+  std::optional<Checkpoint> checkpoint_to_resume();
+  void begin_sinks(std::uint64_t first);
+  void step_frames(std::uint64_t first);
+  bool checkpoint_due(std::uint64_t frame) const;
+  void check_finite(const model::Frame& frame);
+  void write(const model::Frame& frame);
+  void checkpoint(const model::State& state);
+  void save_manifest(Status status);
+  fs::path path_of(const char* name) const { return options_.folder / name; }
+
+  const scene::Scene& scene_;
+  const model::Model& model_;
+  model::Solver& solver_;
+  const BakeOptions options_;
+  const std::uint64_t frames_;
+  const std::uint64_t model_hash_;
+  const Identity identity_;
+  DriveSource drives_;
+
+  std::optional<FolderLock> lock_;
+  model::Frame initial_;
+  std::vector<std::unique_ptr<FrameSink>> sinks_;
+  model::Read needs_;
+  Progress progress_;
+  Timings before_;  // of earlier runs
+  double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
+  bool interrupted_ = false;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point last_checkpoint_ = Clock::now();
+};
+
+void Run::open_folder() {
+  make_folder(options_.folder);
+  lock_.emplace(options_.folder);
+  const bool used = holds_bake(options_.folder);
+  if (used && options_.overwrite) clear_bake(options_.folder);
+  if (used && !options_.overwrite && !options_.resume)
+    throw FolderInUse(
+        options_.folder.string() +
+        ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
+}
+
+// Nothing if the bake starts at frame 0.
+std::optional<Checkpoint> Run::checkpoint_to_resume() {
+  if (!options_.resume || !holds_bake(options_.folder)) return std::nullopt;
+  std::optional<Checkpoint> found = read_checkpoint(path_of(checkpoint_name));
+  if (!found) {
+    // Stopped before its first checkpoint: nothing is lost by starting again.
+    clear_bake(options_.folder);
+    return std::nullopt;
+  }
+  if (const std::string text = differences(found->identity, identity_); !text.empty())
+    throw BakeError(options_.folder.string() + ": cannot be resumed, because this bake would differ: " +
+                    text + "; set it back, start again with --overwrite, or choose another -o");
+  if (const auto manifest = read_manifest(options_.folder)) {
+    before_ = manifest->timings;
+    ++before_.runs;
+  }
+  return found;
+}
+
+BakeResult Run::go() {
+  open_folder();
+  const std::optional<Checkpoint> resumed = checkpoint_to_resume();
+  const std::vector<std::string> files = file_names(model_, options_.formats);
+  if (!resumed) {
+    refuse_foreign(options_.folder, files);
+    save_manifest(Status::running);
+  }
+  model::State state = drives_.initial_state();
+  initial_ = {.index = 0,
+              .origin = state.origin,
+              .positions = state.positions,
+              .velocities = state.velocities,
+              .surface = embed(model_, state.positions)};
+  if (resumed) state = resumed->state;
+  const std::uint64_t first = resumed ? state.frame + 1 : 0;
+  begin_sinks(first);
+  solver_.load(state);
+  if (!resumed) {
+    check_finite(initial_);
+    write(initial_);
+    checkpoint(state);
+  }
+  step_frames(state.frame + 1);
+  if (!interrupted_)
+    for (const auto& sink : sinks_) {
+      const Stopwatch time(seconds_writing_);
+      sink->finish();
+    }
+  save_manifest(interrupted_ ? Status::interrupted : Status::complete);
+
+  BakeResult result;
+  result.frames_done = progress_.position_hashes.size() - 1;
+  result.interrupted = interrupted_;
+  for (const std::string& name : files)
+    if (fs::exists(options_.folder / name)) result.files.push_back(options_.folder / name);
+  result.last_position_hash = hash_text(progress_.position_hashes.back());
+  result.seconds_solver = seconds_solver_;
+  result.seconds_writing = seconds_writing_;
+  result.seconds_total = seconds_since(start_);
+  return result;
+}
+
+void Run::begin_sinks(std::uint64_t first) {
+  const Stopwatch time(seconds_writing_);
+  const BakeInfo info{.model = &model_,
+                      .folder = options_.folder,
+                      .scene_name = scene_.name,
+                      .fps = scene_.fps,
+                      .start = scene_.start,
+                      .frames = frames_,
+                      .first = first,
+                      .initial = &initial_};
+  needs_ = {.positions = true};  // for the hash, whatever the sinks want
+  for (const Format& format : all_formats()) {
+    const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
+                                                         format.name) != options_.formats.end();
+    if (!wanted) continue;
+    sinks_.push_back(format.make());
+    needs_ = needs_ | sinks_.back()->needs();
+    sinks_.back()->begin(info);
+  }
+  if (model_.surface_count() > 0) write_whole(path_of("rest.obj"), rest_obj(model_));
+  if (first == 0) return;
+  // The cache is the witness of the frames that are kept: reading them also checks them.
+  const FrameCacheReader cache(path_of(cache_name));
+  for (std::uint64_t k = 0; k < first; ++k)
+    progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
+}
+
+// One frame is stepped while the one before is written. Where a checkpoint is due no further frame may be in
+// flight, because the solver's state is that after the last frame submitted.
+void Run::step_frames(std::uint64_t first) {
+  if (first > frames_) return;
+  const auto submit = [&](std::uint64_t frame) {
+    const Stopwatch time(seconds_solver_);
+    solver_.submit(drives_.drive(frame), needs_);
+  };
+  const auto stopped = [&] { return options_.interrupted != nullptr && options_.interrupted->load(); };
+  if (stopped()) {
+    interrupted_ = true;
+    return;
+  }
+  submit(first);
+  for (std::uint64_t k = first; k <= frames_; ++k) {
+    interrupted_ = k < frames_ && stopped();
+    const bool drain = interrupted_ || checkpoint_due(k);
+    if (!drain) submit(k + 1);
+    model::Frame frame;
+    {
+      const Stopwatch time(seconds_solver_);
+      frame = solver_.collect();
+    }
+    if (frame.index != k)
+      throw std::logic_error("the solver returned frame " + number_text(frame.index) + " for frame " +
+                             number_text(k));
+    check_finite(frame);
+    write(frame);
+    if (options_.on_frame) options_.on_frame(k, frames_);
+    if (!drain) continue;
+    checkpoint(solver_.save());
+    if (interrupted_) return;
+    if (k < frames_) submit(k + 1);
+  }
+}
+
+bool Run::checkpoint_due(std::uint64_t frame) const {
+  return frame == frames_ || frame % options_.checkpoint_frames == 0 ||
+         seconds_since(last_checkpoint_) >= options_.checkpoint_seconds;
+}
+
+void Run::check_finite(const model::Frame& frame) {
+  if (std::all_of(frame.positions.begin(), frame.positions.end(), is_finite)) return;
+  std::uint32_t count = 0, first = 0;
+  for (std::uint32_t i = 0; i < model_.vertex_count; ++i) {
+    const float* p = &frame.positions[std::size_t{3} * i];
+    if (is_finite(p[0]) && is_finite(p[1]) && is_finite(p[2])) continue;
+    if (count == 0 || model_.source_vertex[i] < model_.source_vertex[first]) first = i;
+    ++count;
+  }
+  const double time = scene_.start + static_cast<double>(frame.index) / scene_.fps;
+  progress_.message = "frame " + number_text(frame.index) + " (" + number_text(time) + " s): vertex " +
+                      number_text(model_.source_vertex[first]) + " of layer " +
+                      model_.layers.at(model_.layer_of(first)).name + " left the finite numbers, one of " +
+                      number_text(count) + "; try more substeps, a lower alpha or more damping";
+  save_manifest(Status::not_finite);
+  throw NotFinite(progress_.message);
+}
+
+void Run::write(const model::Frame& frame) {
+  const Stopwatch time(seconds_writing_);
+  for (const auto& sink : sinks_) sink->write(frame);
+  progress_.position_hashes.push_back(model::position_hash(frame));
+}
+
+void Run::checkpoint(const model::State& state) {
+  const Stopwatch time(seconds_writing_);
+  for (const auto& sink : sinks_) sink->sync();
+  write_checkpoint(path_of(checkpoint_name), {identity_, state});
+  save_manifest(Status::running);
+  last_checkpoint_ = Clock::now();
+}
+
+void Run::save_manifest(Status status) {
+  progress_.status = status;
+  progress_.timings = {.solver = before_.solver + seconds_solver_,
+                       .writing = before_.writing + seconds_writing_,
+                       .total = before_.total + seconds_since(start_),
+                       .runs = before_.runs};
+  write_whole(path_of(manifest_name), manifest_text(scene_, model_, options_, model_hash_, progress_));
+}
+
+}  // namespace
+
+BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
+                const BakeOptions& options) {
+  return Run(scene, model, solver, options).go();
+}
+
+std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
+                           const std::vector<std::string>& formats) {
+  const std::uint64_t samples = scene::frame_count(scene) + 1;
+  std::uint64_t bytes = checkpoint_bytes(model);
+  for (const Format& format : all_formats())
+    if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
+      bytes += format.bytes(model, samples);
+  // The manifest's line for each frame and its text; rest.obj with about 36 and 20 characters a vertex and a
+  // triangle.
+  bytes += samples * 25 + 4000 + scene.text.size();
+  if (model.surface_count() > 0)
+    bytes += std::uint64_t{36} * model.surface_count() + model.surface_triangle.size() / 3 * 20;
+  return bytes;
+}
+
+}  // namespace fascicle::bake

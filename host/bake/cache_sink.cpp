@@ -1,0 +1,77 @@
+// The frame cache's writer: records appended one by one under the final name.
+#include <optional>
+#include <system_error>
+
+#include "host/bake/bake.h"
+#include "host/bake/formats.h"
+#include "host/bake/identity.h"
+#include "host/bake/read_frame_cache.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+class CacheSink final : public FrameSink {
+ public:
+  std::string name() const override { return "cache"; }
+  model::Read needs() const override { return {.positions = true}; }
+  void begin(const BakeInfo& info) override {
+    const std::filesystem::path path = info.folder / cache_name;
+    header_ = {.vertex_count = info.model->vertex_count,
+               .unit = info.model->unit,
+               .fps = info.fps,
+               .start = info.start,
+               .frames = info.frames,
+               .model_hash = model_hash(*info.model),
+               .rest_origin = info.model->rest_origin};
+    if (info.first == 0) {
+      file_.emplace(path, FileMode::replace);
+      file_->write(encode_cache_header(header_));
+      return;
+    }
+    const FrameCacheReader reader(path);
+    if (reader.header() != header_)
+      throw BakeError(path.string() + ": belongs to another bake; start again with --overwrite");
+    if (reader.frame_count() < info.first)
+      throw BakeError(path.string() + ": holds " + number_text(reader.frame_count()) +
+                      " whole frames and the checkpoint " + number_text(info.first) +
+                      "; start again with --overwrite");
+    file_.emplace(path, FileMode::modify);
+    file_->truncate(cache_header_bytes + info.first * cache_record_bytes(header_.vertex_count));
+  }
+  void write(const model::Frame& frame) override {
+    const std::uint64_t end = file_->size();
+    try {
+      file_->write(encode_cache_record(header_, frame));
+    } catch (const std::system_error&) {
+      // A full disk: leave whole frames. Should this fail too, readers drop the piece by its length.
+      try {
+        file_->truncate(end);
+      } catch (const std::system_error&) {
+      }
+      throw;
+    }
+  }
+  void sync() override { file_->sync(); }
+  void finish() override {
+    file_->sync();
+    file_->close();
+  }
+
+ private:
+  CacheHeader header_;
+  std::optional<File> file_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_cache_sink() {
+  return std::make_unique<CacheSink>();
+}
+
+std::uint64_t cache_bytes(const model::Model& model, std::uint64_t frames) {
+  return cache_header_bytes + frames * cache_record_bytes(model.vertex_count);
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,126 @@
+#include "host/bake/checkpoint.h"
+
+#include <cstring>
+#include <string_view>
+#include <system_error>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "host/bake/file.h"
+#include "host/bake/scene_json.h"
+
+namespace fascicle::bake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view magic = "FASCCKPT";
+constexpr std::uint32_t version = 1;
+
+void append_floats(std::string& out, const std::vector<float>& values) {
+  append_bytes(out, std::uint64_t{values.size()});
+  append_array(out, std::span<const float>(values));
+}
+
+// Takes values off the front of a file's bytes; every length is checked against what is left.
+class Parser {
+ public:
+  Parser(std::string_view bytes, const fs::path& path) : bytes_(bytes), path_(&path) {}
+  template <class T>
+  T value() {
+    T result;
+    std::memcpy(&result, take(sizeof result).data(), sizeof result);
+    return result;
+  }
+  std::string_view take(std::uint64_t count) {
+    if (count > bytes_.size()) damaged();
+    const std::string_view front = bytes_.substr(0, count);
+    bytes_.remove_prefix(count);
+    return front;
+  }
+  std::vector<float> floats() {
+    const auto count = value<std::uint64_t>();
+    if (count > bytes_.size() / sizeof(float)) damaged();
+    const std::string_view raw = take(count * sizeof(float));
+    std::vector<float> values(count);
+    if (count > 0) std::memcpy(values.data(), raw.data(), raw.size());
+    return values;
+  }
+  [[noreturn]] void damaged() const {
+    throw BakeError(path_->string() + ": the checkpoint is damaged; start again with --overwrite");
+  }
+
+ private:
+  std::string_view bytes_;
+  const fs::path* path_;
+};
+
+}  // namespace
+
+void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
+  const std::string identity = dump(Json(checkpoint.identity));
+  const model::State& state = checkpoint.state;
+  std::string bytes(magic);
+  append_bytes(bytes, version);
+  append_bytes(bytes, static_cast<std::uint32_t>(identity.size()));
+  bytes += identity;
+  append_bytes(bytes, state.frame);
+  append_bytes(bytes, state.origin);
+  append_floats(bytes, state.positions);
+  append_floats(bytes, state.velocities);
+  append_floats(bytes, state.rotations);
+  append_floats(bytes, state.skinned);
+  const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
+  append_bytes(bytes, checksum);
+  write_whole(path, bytes);
+}
+
+std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  const File file(path, FileMode::read);
+  std::string bytes(file.size(), '\0');
+  Parser parser(bytes, path);
+  if (bytes.size() < magic.size() + sizeof(std::uint64_t) || !file.read_at(0, bytes)) parser.damaged();
+  const std::size_t length = bytes.size() - sizeof(std::uint64_t);
+  std::uint64_t checksum = 0;
+  std::memcpy(&checksum, bytes.data() + length, sizeof checksum);
+  parser = Parser(std::string_view(bytes).substr(0, length), path);
+  if (parser.take(magic.size()) != magic || XXH3_64bits(bytes.data(), length) != checksum) parser.damaged();
+  if (parser.value<std::uint32_t>() != version)
+    throw BakeError(path.string() +
+                    ": a checkpoint of another version of fascicle; start again with --overwrite");
+  Checkpoint checkpoint;
+  const auto identity_bytes = parser.value<std::uint32_t>();
+  const Json identity = Json::parse(parser.take(identity_bytes), nullptr, false);
+  if (identity.is_discarded()) parser.damaged();
+  checkpoint.identity = identity.get<Identity>();
+  model::State& state = checkpoint.state;
+  state.frame = parser.value<std::uint64_t>();
+  state.origin = parser.value<std::array<double, 3>>();
+  state.positions = parser.floats();
+  state.velocities = parser.floats();
+  state.rotations = parser.floats();
+  state.skinned = parser.floats();
+  return checkpoint;
+}
+
+bool is_checkpoint(const fs::path& path) {
+  try {
+    std::array<char, 8> bytes{};
+    return File(path, FileMode::read).read_at(0, bytes) &&
+           std::string_view(bytes.data(), bytes.size()) == magic;
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
+
+std::uint64_t checkpoint_bytes(const model::Model& model) {
+  // Positions, velocities, rotations, and the skinned positions that only a skeleton has; the rest is the
+  // identity.
+  const std::uint64_t floats = model.has_skeleton() ? 13 : 10;
+  return floats * sizeof(float) * model.vertex_count + 1024;
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,114 @@
+#include "host/bake/folder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "host/bake/bake.h"
+#include "host/bake/checkpoint.h"
+#include "host/bake/file.h"
+#include "host/bake/formats.h"
+#include "host/bake/manifest.h"
+#include "host/bake/read_frame_cache.h"
+
+namespace fascicle::bake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// A file under its own name and under those it has while it is written.
+std::vector<fs::path> forms_of(const fs::path& path) {
+  return {path, fs::path(path.string() + part_suffix), fs::path(path.string() + temporary_suffix)};
+}
+
+// All there is of one entry of the manifest's list.
+std::vector<fs::path> existing(const fs::path& folder, const std::string& entry) {
+  std::vector<fs::path> found;
+  const auto add = [&](const fs::path& path) {
+    for (const fs::path& form : forms_of(path))
+      if (fs::symlink_status(form).type() != fs::file_type::not_found) found.push_back(form);
+  };
+  if (!entry.ends_with('/')) {
+    add(folder / entry);
+    return found;
+  }
+  const fs::path inner = folder / entry;
+  if (!fs::is_directory(inner)) return found;
+  add(inner / vtu_series);
+  for (const auto& item : fs::directory_iterator(inner)) {
+    std::string name = item.path().filename().string();
+    if (name.ends_with(temporary_suffix)) name.resize(name.size() - std::string(temporary_suffix).size());
+    if (is_vtu_frame_name(name)) found.push_back(item.path());
+  }
+  return found;
+}
+
+void remove_file(const fs::path& path) {
+  if (fs::is_directory(fs::symlink_status(path)))
+    throw BakeError(path.string() + ": is a folder; move it away");
+  fs::remove(path);
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const fs::path& folder) {
+  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ < 0)
+    throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
+  // File systems without locks answer something else; there the folder is used unlocked.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(descriptor_);
+    throw BakeError(folder.string() + ": another bake is writing there; wait for it or choose another -o");
+  }
+}
+
+FolderLock::~FolderLock() {
+  ::close(descriptor_);
+}
+
+void make_folder(const fs::path& folder) {
+  if (folder.empty()) throw BakeError("no output folder given; use -o FOLDER");
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw BakeError(folder.string() + ": is not a folder; choose another -o");
+  fs::create_directories(folder);
+}
+
+bool holds_bake(const fs::path& folder) {
+  return read_manifest(folder).has_value() || is_frame_cache(folder / cache_name) ||
+         is_checkpoint(folder / checkpoint_name);
+}
+
+void clear_bake(const fs::path& folder) {
+  const std::vector<std::string> known = all_file_names();
+  std::vector<std::string> made;
+  if (const auto manifest = read_manifest(folder)) made = manifest->files;
+  // Without a manifest only what shows by itself that it is ours.
+  if (is_frame_cache(folder / cache_name)) made.push_back(cache_name);
+  if (is_checkpoint(folder / checkpoint_name)) made.push_back(checkpoint_name);
+  // The manifest goes last: while it stands, a clearing that was cut short can be done again.
+  std::stable_partition(made.begin(), made.end(),
+                        [](const std::string& entry) { return entry != manifest_name; });
+  for (const std::string& entry : made) {
+    if (std::find(known.begin(), known.end(), entry) == known.end()) continue;
+    for (const fs::path& path : existing(folder, entry)) remove_file(path);
+    std::error_code not_empty;
+    if (entry.ends_with('/')) fs::remove(folder / vtu_folder, not_empty);
+  }
+  sync_folder(folder);
+}
+
+void refuse_foreign(const fs::path& folder, const std::vector<std::string>& files) {
+  // What a bake leaves that is stopped while it writes its first file.
+  const fs::path first_temporary = folder / (std::string(manifest_name) + temporary_suffix);
+  for (const std::string& entry : files)
+    for (const fs::path& path : existing(folder, entry))
+      if (path != first_temporary)
+        throw BakeError(path.string() + ": would be overwritten, and no bake made it; move it or choose another -o");
+}
+
+}  // namespace fascicle::bake

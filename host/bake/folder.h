@@ -1,0 +1,37 @@
+// The -o folder: whose it is, and what in it may be removed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace fascicle::bake {
+
+// Keeps two bakes out of one folder. Released on destruction, and by the system when the process dies. Throws
+// BakeError if another process holds it.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+// Makes the folder and those above it. Throws BakeError if the path is something else.
+void make_folder(const std::filesystem::path& folder);
+
+// Whether a bake was begun there: a manifest of fascicle, a frame cache or a checkpoint.
+bool holds_bake(const std::filesystem::path& folder);
+
+// Removes what the bake there made: the files that its manifest lists, as far as they are names a bake
+// writes, with their unfinished forms. Everything else in the folder stays, also where a manifest lists it.
+void clear_bake(const std::filesystem::path& folder);
+
+// Throws BakeError if one of the `files` (in the form of the manifest's list) is there already: no bake made
+// it.
+void refuse_foreign(const std::filesystem::path& folder, const std::vector<std::string>& files);
+
+}  // namespace fascicle::bake

@@ -1,0 +1,152 @@
+#include "host/bake/identity.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <new>
+#include <span>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "host/bake/scene_json.h"
+#include "host/bake/text.h"
+#include "host/bake/version.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+class Hash {
+ public:
+  Hash() : state_(XXH3_createState()) {
+    if (!state_) throw std::bad_alloc();
+    XXH3_64bits_reset(state_.get());
+  }
+  template <class T>
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+  void add(T value) { XXH3_64bits_update(state_.get(), &value, sizeof value); }
+  // The length goes in too: else an element could move from one array to the next unseen.
+  template <class T>
+  void add_array(std::span<const T> values) {
+    add(std::uint64_t{values.size()});
+    XXH3_64bits_update(state_.get(), values.data(), values.size_bytes());
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add_array(std::span<const T>(values));
+  }
+  void add(const std::string& text) { add_array(std::span<const char>(text)); }
+  std::uint64_t value() const { return XXH3_64bits_digest(state_.get()); }
+
+ private:
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  std::unique_ptr<XXH3_state_t, Free> state_;
+};
+
+std::string text_hash(const std::string& text) {
+  return hash_text(XXH3_64bits(text.data(), text.size()));
+}
+
+}  // namespace
+
+std::uint64_t model_hash(const model::Model& model) {
+  Hash hash;
+  hash.add(model.unit);
+  hash.add_array(std::span<const double>(model.rest_origin));
+  hash.add(model.weight_form);
+  hash.add(model.momentum_scaled);
+  hash.add(model.vertex_count);
+  hash.add(model.source_vertex);
+  hash.add(model.rest);
+  hash.add(model.mass);
+  hash.add(model.alpha);
+  hash.add(model.beta);
+  hash.add(model.fibre);
+  hash.add(model.tag);
+  hash.add(std::uint64_t{model.layers.size()});
+  for (const model::Layer& layer : model.layers) {
+    hash.add(layer.name);
+    hash.add(layer.damping);
+    hash.add(layer.density);
+    hash.add(layer.kinematic);
+  }
+  hash.add(model.ring_offset);
+  hash.add(model.ring);
+  hash.add(model.pull);
+  hash.add(model.share_taken);
+  hash.add(model.share_given);
+  hash.add(model.region_rest);
+  hash.add(model.muscle_count);
+  hash.add(model.region_muscle);
+  hash.add(model.region_normal);
+  hash.add(model.joint_count);
+  hash.add(model.skin_offset);
+  hash.add(model.skin_joint);
+  hash.add(model.skin_weight);
+  hash.add(model.force_count);
+  hash.add(model.force_offset);
+  hash.add(model.force_index);
+  hash.add(model.force_coefficient);
+  hash.add(model.surface_vertex);
+  hash.add(model.surface_weight);
+  hash.add(model.surface_triangle);
+  hash.add(model.tetrahedron);
+  hash.add(std::uint64_t{model.probes.size()});
+  for (const model::ProbeSet& probe : model.probes) {
+    hash.add(probe.name);
+    hash.add(probe.vertices);
+  }
+  return hash.value();
+}
+
+Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOptions& options) {
+  Identity identity{{"the version of fascicle", fascicle_version},
+                    {"the solver's version", number_text(solver_version)},
+                    {"model", hash_text(hash)},
+                    {"fps", number_text(scene.fps)},
+                    {"start", number_text(scene.start)},
+                    {"end", number_text(scene.end)},
+                    {"gravity", dump(json_of(scene.gravity))},
+                    {"solver.integrator", scene.solver.integrator},
+                    {"solver.rotation", scene.solver.rotation},
+                    {"solver.weights", scene.solver.weights},
+                    {"solver.substeps", number_text(scene.solver.substeps)},
+                    {"clip", scene.clip},
+                    {"forces", dump(json_of(scene.forces))}};
+  for (const auto& [file, file_hash] : scene.input_hashes)
+    identity.emplace_back("the content of " + std::filesystem::path(file).filename().string(), file_hash);
+  identity.emplace_back("the scene's text (hash)", text_hash(scene.text));
+  std::vector<std::string> formats = options.formats;
+  std::sort(formats.begin(), formats.end());
+  std::string list;
+  for (const std::string& format : formats) list += (list.empty() ? "" : ",") + format;
+  identity.emplace_back("--format", list);
+  identity.emplace_back("device",
+                        options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
+  return identity;
+}
+
+std::string differences(const Identity& before, const Identity& now) {
+  const std::map<std::string, std::string> old(before.begin(), before.end());
+  const std::map<std::string, std::string> current(now.begin(), now.end());
+  const auto quoted = [](const std::string& value) { return value.empty() ? std::string("nothing") : value; };
+  std::string text;
+  const auto say = [&](const std::string& name, const std::string& was, const std::string& is) {
+    text += (text.empty() ? "" : "; ") + name + " was " + was + " and is " + is;
+  };
+  for (const auto& [name, value] : current) {
+    const auto match = old.find(name);
+    if (match == old.end())
+      say(name, "absent", quoted(value));
+    else if (match->second != value)
+      say(name, quoted(match->second), quoted(value));
+  }
+  for (const auto& [name, value] : old)
+    if (!current.contains(name)) say(name, quoted(value), "absent");
+  return text;
+}
+
+}  // namespace fascicle::bake

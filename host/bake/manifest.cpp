@@ -1,0 +1,140 @@
+#include "host/bake/manifest.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "host/bake/checkpoint.h"
+#include "host/bake/formats.h"
+#include "host/bake/scene_json.h"
+#include "host/bake/text.h"
+#include "host/bake/version.h"
+
+namespace fascicle::bake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kind = "fascicle bake";
+constexpr const char* rest_name = "rest.obj";
+
+Json json_of(const model::Model& model, std::uint64_t hash) {
+  std::vector<std::uint64_t> vertices(model.layers.size(), 0);
+  std::vector<double> mass(model.layers.size(), 0.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    ++vertices.at(model.layer_of(i));
+    mass.at(model.layer_of(i)) += model.mass[i];
+  }
+  Json layers = Json::array();
+  for (std::size_t k = 0; k < model.layers.size(); ++k)
+    layers.push_back({{"name", model.layers[k].name}, {"vertices", vertices[k]}, {"mass", mass[k]}});
+  Json probes = Json::object();
+  for (const model::ProbeSet& probe : model.probes) probes[probe.name] = probe.vertices.size();
+  return {{"hash", hash_text(hash)},
+          {"unit", model.unit},
+          {"rest_origin", model.rest_origin},
+          {"weights", name_of(model.weight_form)},
+          {"momentum_scaled", model.momentum_scaled},
+          {"vertices", model.vertex_count},
+          {"tetrahedra", model.tetrahedron_count()},
+          {"surface_vertices", model.surface_count()},
+          {"surface_triangles", model.surface_triangle.size() / 3},
+          {"joints", model.joint_count},
+          {"muscles", model.muscle_count},
+          {"layers", std::move(layers)},
+          {"probes", std::move(probes)}};
+}
+
+Json json_of(const DeviceDescription& device) {
+  return {{"solver", device.solver}, {"name", device.name},
+          {"driver", device.driver}, {"float_controls", device.float_controls},
+          {"exact", device.exact},   {"threads", device.threads}};
+}
+
+}  // namespace
+
+const char* name_of(Status status) {
+  switch (status) {
+    case Status::running:
+      return "running";
+    case Status::interrupted:
+      return "interrupted";
+    case Status::not_finite:
+      return "not-finite";
+    case Status::complete:
+      return "complete";
+  }
+  return "";
+}
+
+std::vector<std::string> file_names(const model::Model& model, const std::vector<std::string>& formats) {
+  std::vector<std::string> names{manifest_name, checkpoint_name};
+  if (model.surface_count() > 0) names.push_back(rest_name);
+  for (const Format& format : all_formats())
+    if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
+      names.push_back(format.file);
+  return names;
+}
+
+std::vector<std::string> all_file_names() {
+  std::vector<std::string> names{manifest_name, checkpoint_name, rest_name};
+  for (const Format& format : all_formats()) names.push_back(format.file);
+  return names;
+}
+
+std::string manifest_text(const scene::Scene& scene, const model::Model& model, const BakeOptions& options,
+                          std::uint64_t hash, const Progress& progress) {
+  Json hashes = Json::array();
+  for (const std::uint64_t value : progress.position_hashes) hashes.push_back(hash_text(value));
+  Json inputs = Json::array();
+  for (const auto& [file, file_hash] : scene.input_hashes)
+    inputs.push_back({{"file", file}, {"xxh3_64", file_hash}});
+  // Frame 0 is the pose at the start and is written too.
+  const std::uint64_t frames_done = hashes.empty() ? 0 : hashes.size() - 1;
+  const Json manifest{{"kind", kind},
+                      {"version", 1},
+                      {"fascicle", {{"version", fascicle_version}, {"solver_version", solver_version}}},
+                      {"status", name_of(progress.status)},
+                      {"message", progress.message},
+                      {"frames_done", frames_done},
+                      {"frames", scene::frame_count(scene)},
+                      {"files", file_names(model, options.formats)},
+                      {"formats", options.formats},
+                      {"device", json_of(options.device)},
+                      {"scene", json_of(scene)},
+                      {"inputs", std::move(inputs)},
+                      {"model", json_of(model, hash)},
+                      {"warnings", options.warnings},
+                      {"timings",
+                       {{"solver_seconds", progress.timings.solver},
+                        {"writing_seconds", progress.timings.writing},
+                        {"total_seconds", progress.timings.total},
+                        {"runs", progress.timings.runs}}},
+                      {"position_hashes", std::move(hashes)}};
+  return dump(manifest, 2) + '\n';
+}
+
+std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
+  std::ifstream file(folder / manifest_name, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const Json manifest = Json::parse(text, nullptr, false);
+  if (!manifest.is_object() || manifest.value("kind", Json()) != kind) return std::nullopt;
+  ManifestSummary summary;
+  if (const auto files = manifest.find("files"); files != manifest.end() && files->is_array())
+    for (const Json& name : *files)
+      if (name.is_string()) summary.files.push_back(name.get<std::string>());
+  const auto timings = manifest.find("timings");
+  const auto seconds = [&](const char* key) {
+    if (timings == manifest.end() || !timings->is_object()) return 0.0;
+    const auto entry = timings->find(key);
+    return entry != timings->end() && entry->is_number() ? entry->get<double>() : 0.0;
+  };
+  summary.timings = {.solver = seconds("solver_seconds"),
+                     .writing = seconds("writing_seconds"),
+                     .total = seconds("total_seconds"),
+                     .runs = static_cast<std::uint64_t>(std::clamp(seconds("runs"), 1.0, 1e9))};
+  return summary;
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,50 @@
+// manifest.json: everything about a bake that its files do not say.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bake/bake.h"
+#include "host/bake/identity.h"
+#include "host/model/model.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::bake {
+
+inline constexpr const char* manifest_name = "manifest.json";
+
+enum class Status { running, interrupted, not_finite, complete };
+const char* name_of(Status status);
+
+struct Timings {
+  double solver = 0.0, writing = 0.0, total = 0.0;  // s, over all runs
+  std::uint64_t runs = 1;                           // 1 + times resumed
+};
+
+struct Progress {
+  Status status = Status::running;
+  std::string message;                         // of Status::not_finite
+  std::vector<std::uint64_t> position_hashes;  // of frames 0, 1, ... written so far (model::position_hash)
+  Timings timings;
+};
+
+// The files of a bake with these formats, the manifest first; a name that ends in / is a folder of frames.
+std::vector<std::string> file_names(const model::Model& model, const std::vector<std::string>& formats);
+// Those of any bake.
+std::vector<std::string> all_file_names();
+
+std::string manifest_text(const scene::Scene& scene, const model::Model& model, const BakeOptions& options,
+                          std::uint64_t model_hash, const Progress& progress);
+
+// What a later bake reads of it.
+struct ManifestSummary {
+  std::vector<std::string> files;
+  Timings timings;
+};
+// Nothing if there is no manifest in the folder or it is not one of fascicle.
+std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);
+
+}  // namespace fascicle::bake

@@ -1,0 +1,150 @@
+// metrics.csv: a bake in numbers, from positions and velocities, in double precision.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "host/bake/file.h"
+#include "host/bake/formats.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+using Point = std::array<double, 3>;
+
+Point point_at(const std::vector<float>& values, std::size_t i) {
+  return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
+}
+
+Point difference(const Point& a, const Point& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double squared_length(const Point& a) {
+  return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
+
+double determinant(const Point& a, const Point& b, const Point& c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+         a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+// m^3
+double volume(const model::Model& model, const std::vector<float>& positions) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const Point corner = point_at(positions, model.tetrahedron[t]);
+    const auto edge = [&](std::size_t k) {
+      return difference(point_at(positions, model.tetrahedron[t + k]), corner);
+    };
+    sum += determinant(edge(1), edge(2), edge(3));
+  }
+  return sum / 6.0 * (model.unit * model.unit * model.unit);
+}
+
+// J
+double kinetic_energy(const model::Model& model, const std::vector<float>& velocities) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < model.vertex_count; ++i)
+    sum += model.mass[i] * squared_length(point_at(velocities, i));
+  return 0.5 * sum * (model.unit * model.unit);
+}
+
+// m, in the world: the two frames may have different origins.
+double largest_displacement(const model::Model& model, const model::Frame& frame,
+                            const model::Frame& initial) {
+  const Point shift = difference(frame.origin, initial.origin);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < model.vertex_count; ++i) {
+    const Point moved = difference(point_at(frame.positions, i), point_at(initial.positions, i));
+    Point metres;
+    for (std::size_t axis = 0; axis < 3; ++axis) metres[axis] = shift[axis] + model.unit * moved[axis];
+    largest = std::max(largest, squared_length(metres));
+  }
+  return std::sqrt(largest);
+}
+
+// m, in the world
+Point mean_position(const model::Model& model, const model::Frame& frame, const model::ProbeSet& probe) {
+  Point sum{0, 0, 0};
+  for (const std::uint32_t i : probe.vertices) {
+    const Point p = point_at(frame.positions, i);
+    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] += p[axis];
+  }
+  Point mean;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    mean[axis] = frame.origin[axis] + model.unit * (sum[axis] / static_cast<double>(probe.vertices.size()));
+  return mean;
+}
+
+// RFC 4180: a name with a comma, a quote or a line end stands in quotes.
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+class MetricsSink final : public FrameSink {
+ public:
+  std::string name() const override { return "metrics"; }
+  model::Read needs() const override { return {.positions = true, .velocities = true}; }
+  void begin(const BakeInfo& info) override {
+    info_ = info;
+
+    rest_volume_ = volume(*info.model, info.model->rest);
+    const std::filesystem::path path = info.folder / "metrics.csv";
+    const std::string header = header_line();
+    if (info.first == 0) {
+      file_.emplace(PartFile::start(path));
+      file_->write(header);
+    } else {
+      const auto lines = static_cast<std::uint64_t>(std::count(header.begin(), header.end(), '\n'));
+      file_.emplace(PartFile::resume_lines(path, lines + info.first));
+    }
+  }
+  void write(const model::Frame& frame) override {
+    const model::Model& model = *info_.model;
+    const double now = volume(model, frame.positions);
+    std::string line = number_text(frame.index);
+    const auto add = [&](double value) { line += ',' + number_text(value); };
+    add(info_.start + static_cast<double>(frame.index) / info_.fps);
+    add(kinetic_energy(model, frame.velocities));
+    add(now);
+    add(now / rest_volume_);
+    add(largest_displacement(model, frame, *info_.initial));
+    for (const model::ProbeSet& probe : model.probes)
+      for (const double coordinate : mean_position(model, frame, probe)) add(coordinate);
+    file_->write(line + '\n');
+  }
+  void sync() override { file_->sync(); }
+  void finish() override { file_->finish(); }
+
+ private:
+  std::string header_line() const {
+    std::string line = "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement";
+    for (const model::ProbeSet& probe : info_.model->probes)
+      for (const char* axis : {"_x", "_y", "_z"}) line += ',' + csv_text(probe.name + axis);
+    return line + '\n';
+  }
+
+  BakeInfo info_;
+
+  double rest_volume_ = 0.0;  // m^3
+  std::optional<PartFile> file_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_metrics_sink() {
+  return std::make_unique<MetricsSink>();
+}
+
+std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames) {
+  // A number takes up to 24 characters and a comma, mostly about 19.
+  return (frames + 1) * (std::uint64_t{6} + 3 * model.probes.size()) * 20;
+}
+
+}  // namespace fascicle::bake

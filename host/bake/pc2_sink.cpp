@@ -1,0 +1,66 @@
+// surface.pc2: Point Cache 2, read by Blender's mesh cache, 3ds Max and Maya.
+#include <limits>
+#include <optional>
+
+#include "host/bake/bake.h"
+#include "host/bake/file.h"
+#include "host/bake/formats.h"
+#include "host/bake/surface.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+constexpr std::uint64_t header_bytes = 32;
+constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+
+class Pc2Sink final : public FrameSink {
+ public:
+  std::string name() const override { return "pc2"; }
+  model::Read needs() const override { return {.surface = true}; }
+  void begin(const BakeInfo& info) override {
+    unit_ = info.model->unit;
+    const std::uint64_t points = info.model->surface_count(), samples = info.frames + 1;
+    if (points == 0) throw BakeError("pc2: the scene has no surface to write; leave out --format pc2");
+    if (points > most || samples > most)
+      throw BakeError("pc2: the format counts to " + number_text(most) +
+                      " points and frames, and this bake has " + number_text(points) + " and " +
+                      number_text(samples) + "; leave out --format pc2");
+    const std::filesystem::path path = info.folder / "surface.pc2";
+    if (info.first > 0) {
+      file_.emplace(PartFile::resume(path, header_bytes + info.first * points * 3 * sizeof(float)));
+      return;
+    }
+    std::string header("POINTCACHE2", 12);
+    append_bytes(header, std::int32_t{1});
+    append_bytes(header, static_cast<std::int32_t>(points));
+    append_bytes(header, 0.0f);
+    append_bytes(header, 1.0f);
+    append_bytes(header, static_cast<std::int32_t>(samples));
+    file_.emplace(PartFile::start(path));
+    file_->write(header);
+  }
+  void write(const model::Frame& frame) override {
+    const std::vector<float> world = world_positions(frame.surface, unit_, frame.origin);
+    file_->write({reinterpret_cast<const char*>(world.data()), world.size() * sizeof(float)});
+  }
+  void sync() override { file_->sync(); }
+  void finish() override { file_->finish(); }
+
+ private:
+  double unit_ = 1.0;
+  std::optional<PartFile> file_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_pc2_sink() {
+  return std::make_unique<Pc2Sink>();
+}
+
+std::uint64_t pc2_bytes(const model::Model& model, std::uint64_t frames) {
+  return header_bytes + frames * model.surface_count() * 3 * sizeof(float);
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,127 @@
+#include "host/bake/read_frame_cache.h"
+
+#include <cstring>
+#include <string_view>
+#include <system_error>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "host/bake/bake.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+constexpr std::string_view magic = "FASCICLE";
+constexpr std::uint32_t version = 1;
+
+template <class T>
+T value_at(std::string_view bytes, std::size_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return value;
+}
+
+// Whether the last eight bytes are the checksum of those before.
+bool is_sealed(std::string_view bytes) {
+  const std::size_t length = bytes.size() - sizeof(std::uint64_t);
+  return XXH3_64bits(bytes.data(), length) == value_at<std::uint64_t>(bytes, length);
+}
+
+void seal(std::string& bytes) {
+  const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
+  append_bytes(bytes, checksum);
+}
+
+}  // namespace
+
+std::uint64_t cache_record_bytes(std::uint32_t vertex_count) {
+  const std::uint64_t positions = std::uint64_t{12} * vertex_count;
+  return 32 + (positions + 7) / 8 * 8 + 8;
+}
+
+std::string encode_cache_header(const CacheHeader& header) {
+  std::string bytes(magic);
+  append_bytes(bytes, version);
+  append_bytes(bytes, static_cast<std::uint32_t>(cache_header_bytes));
+  append_bytes(bytes, header.vertex_count);
+  append_bytes(bytes, std::uint32_t{0});
+  append_bytes(bytes, header.unit);
+  append_bytes(bytes, header.fps);
+  append_bytes(bytes, header.start);
+  append_bytes(bytes, header.frames);
+  append_bytes(bytes, header.model_hash);
+  append_bytes(bytes, header.rest_origin);
+  append_bytes(bytes, cache_record_bytes(header.vertex_count));
+  seal(bytes);
+  return bytes;
+}
+
+std::string encode_cache_record(const CacheHeader& header, const model::Frame& frame) {
+  const std::uint64_t size = cache_record_bytes(header.vertex_count);
+  std::string bytes;
+  bytes.reserve(size);
+  append_bytes(bytes, frame.index);
+  append_bytes(bytes, frame.origin);
+  append_array(bytes, std::span<const float>(frame.positions));
+  bytes.resize(size - sizeof(std::uint64_t), '\0');
+  seal(bytes);
+  return bytes;
+}
+
+FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(path, FileMode::read) {
+  std::string bytes(cache_header_bytes, '\0');
+  if (!file_.read_at(0, bytes) || !bytes.starts_with(magic))
+    throw BakeError(path.string() + ": not a frame cache of fascicle");
+  if (const auto found = value_at<std::uint32_t>(bytes, 8); found != version)
+    throw BakeError(path.string() + ": a frame cache of version " + number_text(found) +
+                    ", and this program reads " + number_text(version) + "; bake again");
+  if (!is_sealed(bytes)) throw BakeError(path.string() + ": the header is damaged; bake again");
+  header_.vertex_count = value_at<std::uint32_t>(bytes, 16);
+  header_.unit = value_at<double>(bytes, 24);
+  header_.fps = value_at<double>(bytes, 32);
+  header_.start = value_at<double>(bytes, 40);
+  header_.frames = value_at<std::uint64_t>(bytes, 48);
+  header_.model_hash = value_at<std::uint64_t>(bytes, 56);
+  header_.rest_origin = value_at<std::array<double, 3>>(bytes, 64);
+  record_bytes_ = cache_record_bytes(header_.vertex_count);
+  frame_count_ = (file_.size() - cache_header_bytes) / record_bytes_;
+  // After a power cut the end may be of the right length and never have reached the disk.
+  std::string record;
+  while (frame_count_ > 0 && !read_record(frame_count_ - 1, record)) --frame_count_;
+}
+
+bool FrameCacheReader::read_record(std::uint64_t k, std::string& bytes) const {
+  bytes.resize(record_bytes_);
+  return file_.read_at(cache_header_bytes + k * record_bytes_, bytes) && is_sealed(bytes) &&
+         value_at<std::uint64_t>(bytes, 0) == k;
+}
+
+model::Frame FrameCacheReader::read(std::uint64_t k) const {
+  std::string bytes;
+  if (k >= frame_count_)
+    throw BakeError(file_.path().string() + ": has no frame " + number_text(k) + "; frames 0 to " +
+                    number_text(frame_count_) + " (exclusive) are there");
+  if (!read_record(k, bytes))
+    throw BakeError(file_.path().string() + ": frame " + number_text(k) + " is damaged; bake again");
+  model::Frame frame;
+  frame.index = k;
+  frame.origin = value_at<std::array<double, 3>>(bytes, 8);
+  frame.positions.resize(std::size_t{3} * header_.vertex_count);
+  std::memcpy(frame.positions.data(), bytes.data() + 32, frame.positions.size() * sizeof(float));
+  return frame;
+}
+
+bool is_frame_cache(const std::filesystem::path& path) {
+  try {
+    std::array<char, 8> bytes{};
+    return File(path, FileMode::read).read_at(0, bytes) &&
+           std::string_view(bytes.data(), bytes.size()) == magic;
+  } catch (const std::system_error&) {
+    return false;
+  }
+}
+
+}  // namespace fascicle::bake

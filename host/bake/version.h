@@ -1,0 +1,15 @@
+// Versions written into every output.
+#pragma once
+
+#include <cstdint>
+
+namespace fascicle::bake {
+
+// Of the program; the number in the root CMakeLists.txt.
+inline constexpr const char* fascicle_version = FASCICLE_VERSION;
+
+// Raised whenever the solvers' bits change for the same model and drives: two bakes compare only within one
+// number.
+inline constexpr std::uint32_t solver_version = 1;
+
+}  // namespace fascicle::bake
