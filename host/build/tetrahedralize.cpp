@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -147,7 +148,7 @@ std::string reason(const ProcessResult& result) {
 
 [[noreturn]] void fail_crossing(const ProcessResult& found) {
   throw SceneError("the surface crosses itself" + reason(found) +
-                   " (counted from 0); separate or merge the parts that cross, or remesh the surface");
+                   "; separate or merge the parts that cross, or remesh the surface");
 }
 
 // Turns a run that did not end well into one message.
@@ -262,16 +263,17 @@ void check_boundary(const TetMesh& mesh, const SurfaceMesh& surface) {
   const auto boundary = sorted_corners(boundary_triangles(mesh, mesher_name));
   const auto wanted = sorted_corners(surface.triangles);
   if (boundary == wanted) return;
-  for (const auto& t : wanted) {
-    if (!std::binary_search(boundary.begin(), boundary.end(), t)) {
-      throw SceneError(
-          "the triangle of vertices " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " +
-          std::to_string(t[2]) +
-          " (counted from 0) is not on the outside once the surface is filled: it belongs to a part "
-          "that lies inside another; remove that part");
-    }
+  if (!std::includes(wanted.begin(), wanted.end(), boundary.begin(), boundary.end())) {
+    fail_result("its outside is not the surface");
   }
-  fail_result("it has an outside where the surface has none");
+  std::vector<std::array<std::uint32_t, 3>> enclosed;
+  std::set_difference(wanted.begin(), wanted.end(), boundary.begin(), boundary.end(),
+                      std::back_inserter(enclosed));
+  const auto& t = enclosed.front();
+  throw SceneError("part of the surface lies inside another part (the triangle of vertices " +
+                   std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " + std::to_string(t[2]) +
+                   ", counted from 0, and " + std::to_string(enclosed.size() - 1) +
+                   " more); remove the inner part");
 }
 
 void check_result(TetMesh& mesh, const SurfaceMesh& surface) {

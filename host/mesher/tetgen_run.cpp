@@ -158,8 +158,8 @@ std::optional<std::string> find_intersection(const Surface& surface) {
   tetrahedralize(&behavior, &in, &out);
   const auto pair = captured.first_pair();
   if (!pair) return std::nullopt;
-  std::string text =
-      "triangles " + std::to_string((*pair)[0] - 1) + " and " + std::to_string((*pair)[1] - 1) + " cross";
+  std::string text = "triangles " + std::to_string((*pair)[0] - 1) + " and " +
+                     std::to_string((*pair)[1] - 1) + " (counted from 0) cross";
   if ((*pair)[0] >= 1 && static_cast<std::size_t>((*pair)[0]) <= surface.triangles.size()) {
     const int vertex = surface.triangles[static_cast<std::size_t>((*pair)[0] - 1)][0];
     const Point& p = surface.vertices[static_cast<std::size_t>(vertex)];
