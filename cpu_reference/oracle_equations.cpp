@@ -42,9 +42,9 @@ Matrix3d region_moment(const Weights& weights, std::uint32_t r, const Matrix3d& 
 // keeps the twist, and no moment at all keeps the rotation.
 Quaterniond best_rotation(const Matrix3d& A, const Quaterniond& previous) {
   const Eigen::JacobiSVD<Matrix3d> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Matrix3d U = svd.matrixU();
-  const Matrix3d V = svd.matrixV();
-  const Vector3d s = svd.singularValues();
+  const Matrix3d& U = svd.matrixU();
+  const Matrix3d& V = svd.matrixV();
+  const Vector3d& s = svd.singularValues();
   const double d = U.determinant() * V.determinant() < 0.0 ? -1.0 : 1.0;
   const std::array<Vector3d, 4> signs{Vector3d(1, 1, d), Vector3d(1, -1, -d), Vector3d(-1, 1, -d),
                                       Vector3d(-1, -1, d)};

@@ -36,7 +36,7 @@ class Random {
 };
 
 // R times a symmetric positive matrix has R as its best rotation.
-TEST(oracle_rotation, polar_factor_is_found) {
+TEST(OracleRotation, PolarFactorIsFound) {
   Random random(1);
   for (int k = 0; k < 2000; ++k) {
     const Quaterniond R = random.rotation();
@@ -50,7 +50,7 @@ TEST(oracle_rotation, polar_factor_is_found) {
 }
 
 // An inverted moment: the weakest axis is the one mirrored, and the result is a proper rotation.
-TEST(oracle_rotation, inversion_gives_a_proper_rotation) {
+TEST(OracleRotation, InversionGivesAProperRotation) {
   Random random(2);
   for (int k = 0; k < 2000; ++k) {
     const Quaterniond R = random.rotation();
@@ -63,7 +63,7 @@ TEST(oracle_rotation, inversion_gives_a_proper_rotation) {
 }
 
 // Brute force: no rotation near or far has a larger trace(R^T A) than the one found.
-TEST(oracle_rotation, no_other_rotation_is_better) {
+TEST(OracleRotation, NoOtherRotationIsBetter) {
   Random random(3);
   for (int k = 0; k < 50; ++k) {
     Matrix3d A;
@@ -78,7 +78,7 @@ TEST(oracle_rotation, no_other_rotation_is_better) {
   }
 }
 
-TEST(oracle_rotation, of_two_signs_the_quaternion_near_the_last_is_taken) {
+TEST(OracleRotation, OfTwoSignsTheQuaternionNearTheLastIsTaken) {
   Random random(4);
   for (int k = 0; k < 200; ++k) {
     const Quaterniond last = random.rotation();
@@ -88,7 +88,7 @@ TEST(oracle_rotation, of_two_signs_the_quaternion_near_the_last_is_taken) {
   }
 }
 
-TEST(oracle_rotation, no_moment_keeps_the_rotation) {
+TEST(OracleRotation, NoMomentKeepsTheRotation) {
   Random random(5);
   const Quaterniond last = random.rotation();
   EXPECT_LT((best_rotation(Matrix3d::Zero(), last).coeffs() - last.coeffs()).norm(), 1e-15);
@@ -96,7 +96,7 @@ TEST(oracle_rotation, no_moment_keeps_the_rotation) {
 
 // A rank-1 moment s a b^T says only that b goes to a. Of all such rotations the nearest to the last has no
 // twist about a: it is the last one followed by the shortest arc.
-TEST(oracle_rotation, rank_one_keeps_the_twist) {
+TEST(OracleRotation, RankOneKeepsTheTwist) {
   Random random(6);
   for (int k = 0; k < 500; ++k) {
     const Vector3d a = random.direction();
@@ -112,7 +112,7 @@ TEST(oracle_rotation, rank_one_keeps_the_twist) {
 }
 
 // A point reflection is as far from every half turn: the last rotation, if it is one of the best, stays.
-TEST(oracle_rotation, ties_of_an_inversion_go_to_the_nearest) {
+TEST(OracleRotation, TiesOfAnInversionGoToTheNearest) {
   Random random(7);
   for (int k = 0; k < 200; ++k) {
     const Quaterniond last(Eigen::AngleAxisd(std::numbers::pi, random.direction()));
@@ -125,7 +125,7 @@ TEST(oracle_rotation, ties_of_an_inversion_go_to_the_nearest) {
 }
 
 // A flat region (rank 2) has one best rotation, normal included.
-TEST(oracle_rotation, rank_two_is_determined) {
+TEST(OracleRotation, RankTwoIsDetermined) {
   Random random(8);
   for (int k = 0; k < 500; ++k) {
     const Quaterniond R = random.rotation();
@@ -135,7 +135,7 @@ TEST(oracle_rotation, rank_two_is_determined) {
 }
 
 // (8)(9)(10)(11): the goals of a rigidly moved body are where it is, whatever fibre and beta.
-TEST(oracle_goal, rigidly_moved_body_is_its_own_goal) {
+TEST(OracleGoal, RigidlyMovedBodyIsItsOwnGoal) {
   Random random(9);
   for (unsigned seed = 0; seed < 20; ++seed) {
     model::Model model = random_model(seed);
@@ -162,7 +162,7 @@ TEST(oracle_goal, rigidly_moved_body_is_its_own_goal) {
   }
 }
 
-TEST(oracle_muscle, scale_keeps_volume) {
+TEST(OracleMuscle, ScaleKeepsVolume) {
   Random random(10);
   for (int k = 0; k < 1000; ++k) {
     const Vector3d n = random.direction();
@@ -177,7 +177,7 @@ TEST(oracle_muscle, scale_keeps_volume) {
   }
 }
 
-TEST(oracle_muscle, slack_muscle_is_the_identity) {
+TEST(OracleMuscle, SlackMuscleIsTheIdentity) {
   Random random(11);
   const Vector3d n = random.direction();
   EXPECT_EQ(cpu_reference::muscle_stretch(1.5, 0.0, n, random.direction()), 1.0);
@@ -186,7 +186,7 @@ TEST(oracle_muscle, slack_muscle_is_the_identity) {
 }
 
 // (17) by hand, and its clamp.
-TEST(oracle_muscle, stretch_by_hand) {
+TEST(OracleMuscle, StretchByHand) {
   const Vector3d n(0, 0.6, 0.8);
   EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(1.5, 0.5, n, n), 1.75);
   EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.5, 0.5, n, -n), 0.75);

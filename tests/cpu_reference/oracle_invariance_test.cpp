@@ -119,7 +119,7 @@ void expect_mapped(const std::vector<Points>& a, const std::vector<Points>& b, c
 // more.
 constexpr double same_trajectory = 1e-11;
 
-TEST(oracle_invariance, rotated_and_moved_body_moves_the_same) {
+TEST(OracleInvariance, RotatedAndMovedBodyMovesTheSame) {
   const Matrix3d R = exact_rotation();
   const Vector3d t(2, -1, 3);
   for (bool pinned : {false, true}) {
@@ -128,7 +128,7 @@ TEST(oracle_invariance, rotated_and_moved_body_moves_the_same) {
   }
 }
 
-TEST(oracle_invariance, mirrored_body_moves_mirrored) {
+TEST(OracleInvariance, MirroredBodyMovesMirrored) {
   const Matrix3d mirror = Vector3d(1, -1, 1).asDiagonal();
   const Matrix3d both = exact_rotation() * mirror;
   for (bool pinned : {false, true}) {
@@ -139,7 +139,7 @@ TEST(oracle_invariance, mirrored_body_moves_mirrored) {
   }
 }
 
-TEST(oracle_invariance, numbering_does_not_matter) {
+TEST(OracleInvariance, NumberingDoesNotMatter) {
   const Scene scene = make_scene(3, true);
   const std::size_t n = scene.mesh.points.size();
   std::vector<std::uint32_t> new_number(n);
@@ -167,7 +167,7 @@ TEST(oracle_invariance, numbering_does_not_matter) {
 }
 
 // A body that is rotated and thrown without spin goes straight, at its speed, and keeps its shape.
-TEST(oracle_invariance, thrown_rigid_body_goes_straight) {
+TEST(OracleInvariance, ThrownRigidBodyGoesStraight) {
   Scene scene = make_scene(5, false);
   const Vector3d v(1.5, -0.25, 5.0);
   const Model model = model_of(scene);
@@ -255,7 +255,7 @@ Drift momentum_drift(unsigned seed, bool momentum_scaled) {
   return {drift.linear / linear_scale, drift.angular / angular_scale};
 }
 
-TEST(oracle_momentum, free_body_keeps_both_momenta) {
+TEST(OracleMomentum, FreeBodyKeepsBothMomenta) {
   for (unsigned seed : {11u, 12u, 13u}) {
     const Drift drift = momentum_drift(seed, true);
     // A goal 0.2 m from the origin rounds by 3e-17, its pull on the velocity by 1/h = 64 times that: 2e-15
@@ -268,7 +268,7 @@ TEST(oracle_momentum, free_body_keeps_both_momenta) {
 }
 
 // As printed a free body pushes itself: the control that the test above can fail.
-TEST(oracle_momentum, printed_weights_do_not) {
+TEST(OracleMomentum, PrintedWeightsDoNot) {
   for (unsigned seed : {11u, 12u, 13u}) {
     const Drift drift = momentum_drift(seed, false);
     EXPECT_GT(drift.linear, 1e-3) << "seed " << seed;
@@ -279,7 +279,7 @@ TEST(oracle_momentum, printed_weights_do_not) {
 // A skeleton that bends, carried along at 5 m/s in whole and half metres a frame: positions are kept relative
 // to an origin that follows in whole metres. Damping is relative to the skeleton, so nothing but the
 // translation may change.
-TEST(oracle_invariance, carried_frame_changes_nothing) {
+TEST(OracleInvariance, CarriedFrameChangesNothing) {
   constexpr std::uint32_t substeps = 4;
   constexpr int frames = 64;
   const Scene scene = make_scene(21, true);
@@ -298,7 +298,7 @@ TEST(oracle_invariance, carried_frame_changes_nothing) {
       drive.drive.origin_shift = {float(new_origin - origin), 0, 0};
       origin = new_origin;
       for (std::uint32_t s = 0; s < substeps; ++s) {
-        const double time = h * (substeps * f + s + 1);
+        const double time = h * (double(substeps) * f + s + 1);
         shader::Bone& moving = drive.bones[2 * s + 1];
         const float bend = float(0.25 * std::sin(6.0 * time));
         moving.xy = -bend;  // a shear and a stretch: skinning takes any affine map

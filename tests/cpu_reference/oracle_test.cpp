@@ -63,7 +63,7 @@ std::vector<double> displacements(const Spring& spring, double x_0, int steps, d
 
 // x_n = x_0 cos((n + 1/2) theta) / cos(theta/2) with 2 (1 - cos theta) = alpha_eff, theta = 2 pi f h: it
 // satisfies x_{n+1} - 2 x_n + x_{n-1} = -alpha_eff x_n and starts from x_0 at rest.
-TEST(oracle_spring, swings_with_the_frequency_of_its_stiffness) {
+TEST(OracleSpring, SwingsWithTheFrequencyOfItsStiffness) {
   for (bool scaled : {false, true})
     for (float alpha : {0.0625f, 0.5f, 1.0f}) {
       const Spring spring = make_spring(alpha, scaled);
@@ -82,7 +82,7 @@ TEST(oracle_spring, swings_with_the_frequency_of_its_stiffness) {
 
 // With decay e the update is x_{n+1} = (1 + e (1 - alpha_eff)) x_n - e x_{n-1}; its roots give the closed
 // form.
-TEST(oracle_spring, damps_as_its_layer_says) {
+TEST(OracleSpring, DampsAsItsLayerSays) {
   const Spring spring = make_spring(0.5f, true, 1.0, 2.0);
   const double e = float(std::exp(-2.0 * h));
   const std::complex<double> b = 1.0 + e * (1.0 - spring.alpha_eff);
@@ -99,7 +99,7 @@ TEST(oracle_spring, damps_as_its_layer_says) {
 }
 
 // A float rounds h = 1/60: the step taken is the float's, which shows after 600 steps of free fall.
-TEST(oracle_spring, steps_by_the_float_of_h) {
+TEST(OracleSpring, StepsByTheFloatOfH) {
   Model model = make_model(regular_tetrahedron());
   model.alpha.assign(4, 0.0f);
   Oracle oracle(model, {});
@@ -111,7 +111,7 @@ TEST(oracle_spring, steps_by_the_float_of_h) {
 }
 
 // The explicit step is stable below alpha_eff = 4. Anchors heavy as a wall make alpha_eff = alpha.
-TEST(oracle_spring, stability_ends_at_four) {
+TEST(OracleSpring, StabilityEndsAtFour) {
   const auto largest = [](float alpha) {
     double most = 0.0;
     for (double x : displacements(make_spring(alpha, true, 1e6), 1.0 / 1024, 2000))
@@ -127,7 +127,7 @@ TEST(oracle_spring, stability_ends_at_four) {
 }
 
 // A body at rest without gravity stays, whatever holds it, beta and the fibres.
-TEST(oracle_rest, stays_for_ten_thousand_steps) {
+TEST(OracleRest, StaysForTenThousandSteps) {
   struct Case {
     const char* name;
     bool pinned;
@@ -159,7 +159,7 @@ TEST(oracle_rest, stays_for_ten_thousand_steps) {
 
 // Rest under (15)-(17): a body whose regions all share one T is at rest in the shape T q0, and its volume the
 // same.
-TEST(oracle_rest, bulged_body_rests_in_its_bulged_shape) {
+TEST(OracleRest, BulgedBodyRestsInItsBulgedShape) {
   BodyOptions options;
   options.beta = 0.5f;
   Model model = make_model(kuhn_bar(2, 2, 2, 0.125), options);
@@ -184,7 +184,7 @@ TEST(oracle_rest, bulged_body_rests_in_its_bulged_shape) {
 }
 
 // A muscle with activation 0 is no muscle.
-TEST(oracle_rest, slack_muscle_changes_nothing) {
+TEST(OracleRest, SlackMuscleChangesNothing) {
   Model model = make_model(jittered(kuhn_bar(2, 2, 1, 0.125), 1.0 / 1024, 10, 6));
   Points pulled = rest_points(model);
   for (Vector3d& p : pulled) p.x() *= 1.25;
@@ -207,7 +207,7 @@ TEST(oracle_rest, slack_muscle_changes_nothing) {
 }
 
 // Vertices of stiffness 0 fall as stones, and the others do not know of them, wherever they are.
-TEST(oracle_degenerate, layer_without_stiffness_falls_and_pulls_nothing) {
+TEST(OracleDegenerate, LayerWithoutStiffnessFallsAndPullsNothing) {
   BodyOptions options;
   options.beta = 0.4f;
   Model model = make_model(jittered(kuhn_bar(3, 2, 1, 0.125), 1.0 / 1024, 10, 7), options);
@@ -242,7 +242,7 @@ TEST(oracle_degenerate, layer_without_stiffness_falls_and_pulls_nothing) {
   EXPECT_EQ(largest_distance(results[0], results[1]), 0.0);  // zero times anything finite
 }
 
-TEST(oracle_degenerate, body_without_any_stiffness_is_finite) {
+TEST(OracleDegenerate, BodyWithoutAnyStiffnessIsFinite) {
   Model model = make_model(kuhn_bar(1, 1, 1, 0.125));
   model.alpha.assign(model.vertex_count, 0.0f);
   Oracle oracle(model, {});
@@ -253,7 +253,7 @@ TEST(oracle_degenerate, body_without_any_stiffness_is_finite) {
 }
 
 // All points at one place have no moment: the last rotation stays and the body springs open again.
-TEST(oracle_degenerate, collapsed_body_opens_in_its_last_rotation) {
+TEST(OracleDegenerate, CollapsedBodyOpensInItsLastRotation) {
   const Model model = make_model(regular_tetrahedron());
   Oracle oracle(model, {});
   model::State state = oracle.save();
@@ -271,7 +271,7 @@ TEST(oracle_degenerate, collapsed_body_opens_in_its_last_rotation) {
   }
 }
 
-TEST(oracle_forces, coefficient_times_force_accelerates) {
+TEST(OracleForces, CoefficientTimesForceAccelerates) {
   Model model = make_model(regular_tetrahedron());
   model.alpha.assign(4, 0.0f);
   model.force_count = 2;
@@ -289,7 +289,7 @@ TEST(oracle_forces, coefficient_times_force_accelerates) {
 }
 
 // Every frame's surface is the barycentric mean of its vertices; only asked-for buffers come.
-TEST(oracle_frame, surface_rides_on_the_vertices) {
+TEST(OracleFrame, SurfaceRidesOnTheVertices) {
   const Model model = make_model(kuhn_bar(2, 1, 1, 0.125));
   Oracle oracle(model, {});
   TestDrive drive = quiet_drive(model, h, 3, Vector3d(1, -8, 2));
@@ -318,7 +318,7 @@ TEST(oracle_frame, surface_rides_on_the_vertices) {
 }
 
 // save() rounds to float once; from there on the same history gives the same bits.
-TEST(oracle_frame, saved_state_goes_on) {
+TEST(OracleFrame, SavedStateGoesOn) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Model model = random_model(seed);
     Oracle a(model, {});
@@ -341,7 +341,7 @@ TEST(oracle_frame, saved_state_goes_on) {
 }
 
 // What the probe is shown: stages in order, floats by stage_width.
-TEST(oracle_frame, probe_sees_every_stage_in_order) {
+TEST(OracleFrame, ProbeSeesEveryStageInOrder) {
   struct Seen : model::Probe {
     void on_stage(const model::Where& where, std::span<const float> values) override {
       stages.push_back(where);

@@ -52,14 +52,14 @@ Mesh octahedron() {
   return mesh;
 }
 
-TEST(oracle_weights, beta_zero_is_the_mass) {
+TEST(OracleWeights, BetaZeroIsTheMass) {
   const Model model = make_model(small_bar(), printed(0.0f, Vector3d(0.6, 0.8, 0)));
   const Oracle oracle(model, {});
   for (std::uint32_t r = 0; r < model.vertex_count; ++r)
     for (std::uint32_t i : region_of(model, r)) EXPECT_EQ(oracle.weight(i, r), model.mass[i]);
 }
 
-TEST(oracle_weights, beta_one_is_the_mass_times_the_cosine_squared) {
+TEST(OracleWeights, BetaOneIsTheMassTimesTheCosineSquared) {
   const Vector3d d(0.6, 0.8, 0);
   const Model model = make_model(small_bar(), printed(1.0f, d));
   const Oracle oracle(model, {});
@@ -82,7 +82,7 @@ TEST(oracle_weights, beta_one_is_the_mass_times_the_cosine_squared) {
 
 // Between: w = m (beta c + 1 - beta)^2 / (beta^2 + (1 - beta)^2), at cosine 0.6 and beta 0.75 by hand:
 // (0.45 + 0.25)^2 / (0.5625 + 0.0625) = 0.784.
-TEST(oracle_weights, between_by_hand) {
+TEST(OracleWeights, BetweenByHand) {
   const Vector3d offset(3, 4, 0);
   for (WeightForm form : {WeightForm::symmetric, WeightForm::kaneda2017})
     EXPECT_NEAR(fibre_weight(Vector3d::UnitX(), 0.75, offset, form), 0.784, 1e-15);
@@ -91,7 +91,7 @@ TEST(oracle_weights, between_by_hand) {
   EXPECT_NEAR(fibre_weight(-Vector3d::UnitX(), 0.75, offset, WeightForm::symmetric), 0.784, 1e-15);
 }
 
-TEST(oracle_weights, a_fibre_has_no_sign) {
+TEST(OracleWeights, AFibreHasNoSign) {
   for (float beta : {0.0f, 0.3f, 0.5f, 0.9f, 1.0f}) {
     const Vector3d d(0.48, -0.6, 0.64);
     const Model model = make_model(small_bar(), printed(beta, d));
@@ -104,7 +104,7 @@ TEST(oracle_weights, a_fibre_has_no_sign) {
 }
 
 // As printed it has one, between beta 0 and 1: the control that the test above can fail.
-TEST(oracle_weights, a_printed_fibre_has_a_sign) {
+TEST(OracleWeights, APrintedFibreHasASign) {
   const Vector3d d(0.48, -0.6, 0.64);
   for (float beta : {0.0f, 0.5f, 1.0f}) {
     const Model model = make_model(small_bar(), printed(beta, d, WeightForm::kaneda2017));
@@ -122,7 +122,7 @@ TEST(oracle_weights, a_printed_fibre_has_a_sign) {
   }
 }
 
-TEST(oracle_weights, no_fibre_is_beta_zero) {
+TEST(OracleWeights, NoFibreIsBetaZero) {
   const Model model = make_model(small_bar(), printed(0.7f, Vector3d::Zero()));
   const Oracle oracle(model, {});
   for (std::uint32_t r = 0; r < model.vertex_count; ++r)
@@ -130,7 +130,7 @@ TEST(oracle_weights, no_fibre_is_beta_zero) {
 }
 
 // At the centre of mass r_i has no direction: the weight is the mass, also where rounding leaves a tiny r_i.
-TEST(oracle_weights, vertex_at_the_centre_weighs_its_mass) {
+TEST(OracleWeights, VertexAtTheCentreWeighsItsMass) {
   for (double away : {0.0, 1e-7}) {
     Mesh mesh = octahedron();
     mesh.points[0] += Vector3d(0, away, 0);
@@ -145,7 +145,7 @@ TEST(oracle_weights, vertex_at_the_centre_weighs_its_mass) {
 
 // Every r_i of a flat region stands square to a fibre along its normal: the weights sum to nothing and fall
 // back.
-TEST(oracle_weights, region_without_weights_falls_back_to_mass) {
+TEST(OracleWeights, RegionWithoutWeightsFallsBackToMass) {
   Mesh flat = regular_tetrahedron();
   for (Vector3d& p : flat.points) p.z() = 0.0;
   Model model = make_model(flat, printed(1.0f, Vector3d::UnitZ()));
@@ -157,7 +157,7 @@ TEST(oracle_weights, region_without_weights_falls_back_to_mass) {
 
 // Here vertices (1,1,1) and (-1,-1,1) stand square to the fibre in all their regions, the others do not: only
 // those two fall back.
-TEST(oracle_weights, vertex_without_weights_falls_back_to_mass) {
+TEST(OracleWeights, VertexWithoutWeightsFallsBackToMass) {
   const Mesh mesh = regular_tetrahedron();
   const Model model = make_model(mesh, printed(1.0f, Vector3d(1, -1, 0)));
   const Oracle oracle(model, {});
@@ -171,7 +171,7 @@ TEST(oracle_weights, vertex_without_weights_falls_back_to_mass) {
 }
 
 // Scaled: what vertex i gives to all its regions is s_i = alpha_i m_i, m_i if kinematic, nothing at alpha 0.
-TEST(oracle_weights, momentum_scaling_sums_to_stiffness_times_mass) {
+TEST(OracleWeights, MomentumScalingSumsToStiffnessTimesMass) {
   int kinematic = 0;
   int loose = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
@@ -191,7 +191,7 @@ TEST(oracle_weights, momentum_scaling_sums_to_stiffness_times_mass) {
   EXPECT_GT(loose, 0);
 }
 
-TEST(oracle_weights, outside_the_one_ring_is_zero) {
+TEST(OracleWeights, OutsideTheOneRingIsZero) {
   const Model model = make_model(kuhn_bar(4, 1, 1, 0.125));
   const Oracle oracle(model, {});
   EXPECT_EQ(oracle.weight(0, 4), 0.0);

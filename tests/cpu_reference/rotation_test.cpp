@@ -128,7 +128,7 @@ Errors measure(const Category& category, bool mueller) {
   return errors;
 }
 
-TEST(rotation, qcp_is_the_svd_to_float_accuracy) {
+TEST(Rotation, QcpIsTheSvdToFloatAccuracy) {
   for (const Category& category : categories) {
     const Errors errors = measure(category, false);
     EXPECT_LT(errors.worst, category.qcp) << category.name;
@@ -139,7 +139,7 @@ TEST(rotation, qcp_is_the_svd_to_float_accuracy) {
   }
 }
 
-TEST(rotation, mueller2016_lags_on_anisotropic_moments) {
+TEST(Rotation, Mueller2016LagsOnAnisotropicMoments) {
   for (const Category& category : categories) {
     const Errors errors = measure(category, true);
     EXPECT_LT(errors.worst, category.mueller) << category.name;
@@ -152,7 +152,7 @@ TEST(rotation, mueller2016_lags_on_anisotropic_moments) {
 
 // Iterated from frame to frame on the same moment it does arrive: the lag is the eight steps', not the
 // method's.
-TEST(rotation, mueller2016_arrives_in_the_end) {
+TEST(Rotation, Mueller2016ArrivesInTheEnd) {
   Random random(5);
   for (int k = 0; k < 200; ++k) {
     const Quaterniond last = random.rotation();
@@ -170,7 +170,7 @@ TEST(rotation, mueller2016_arrives_in_the_end) {
 // A hundredth of a degree from a half turn the start holds next to nothing of the answer (a cosine of 9e-5),
 // and each step multiplies that by some 1e5: two still find it. Worst measured 5.6e-5, bound five times that.
 // At half a turn exactly, start and answer are orthogonal, and the rotation may stay for a substep.
-TEST(rotation, qcp_turns_by_nearly_half_a_turn) {
+TEST(Rotation, QcpTurnsByNearlyHalfATurn) {
   Random random(6);
   for (int k = 0; k < samples; ++k) {
     const Quaterniond last = random.rotation();
@@ -188,7 +188,7 @@ TEST(rotation, qcp_turns_by_nearly_half_a_turn) {
 // steps only halve the distance: 6 of them leave about 0.01 to 0.02 of it, so two inverse iterations
 // leave 1.1e-2 degrees x tan(jump/2), measured, beside the rounding of a root that rounding splits (1.2e-3).
 // The twist alone is never touched by more.
-TEST(rotation, qcp_keeps_the_twist_of_a_rank_one_moment) {
+TEST(Rotation, QcpKeepsTheTwistOfARankOneMoment) {
   for (double jump : {0.0, 1.0, 10.0, 30.0, 90.0, 170.0}) {
     Random random(4);
     double worst = 0.0;
@@ -210,7 +210,7 @@ TEST(rotation, qcp_keeps_the_twist_of_a_rank_one_moment) {
 
 // Nothing, or less than 2^-40 of what moments are at rest, keeps the rotation to the bit; twice that moves
 // it.
-TEST(rotation, too_small_a_moment_keeps_the_rotation) {
+TEST(Rotation, TooSmallAMomentKeepsTheRotation) {
   Random random(7);
   for (bool mueller : {false, true})
     for (int k = 0; k < 1000; ++k) {
