@@ -1,9 +1,13 @@
 #include "host/build/body.h"
 
 #include "host/build/bar.h"
+#include "host/build/bones.h"
 #include "host/build/boundary.h"
 #include "host/build/check_mesh.h"
-#include "host/build/message.h"
+#include "host/build/embedding.h"
+#include "host/build/skin_weights.h"
+#include "host/build/tetrahedralize.h"
+#include "host/build/weld.h"
 
 namespace fascicle::build {
 
@@ -32,9 +36,37 @@ Body body_of(const scene::TetMesh& mesh, const scene::Scene& scene, Report& repo
   return body;
 }
 
-template <class Unsupported>
-Body body_of(const Unsupported&, const scene::Scene& scene, Report&, const BuildOptions&) {
-  fail(scene.source, "surfaces cannot be built yet");
+// Scales a surface to metres and welds it.
+WeldedSurface prepare_surface(scene::SurfaceMesh surface, const scene::Scene& scene, Report& report) {
+  for (Vector3d& p : surface.vertices) p *= scene.scale;
+  return weld(surface, scene.source, report);
+}
+
+Body body_of(const scene::SurfaceMesh& surface, const scene::Scene& scene, Report& report,
+             const BuildOptions& options) {
+  const WeldedSurface welded = prepare_surface(surface, scene, report);
+  Body body;
+  body.mesh = tetrahedralize(welded.surface, scene.resolution.value_or(0.0), {}, options);
+  check_and_orient(body.mesh, scene.source, report);
+  body.render = surface_render_mesh(surface, welded.of_vertex);
+  add_scene_bones(scene, body);
+  return body;
+}
+
+Body body_of(const scene::Character& character, const scene::Scene& scene, Report& report,
+             const BuildOptions& options) {
+  const WeldedSurface welded = prepare_surface(character.surface, scene, report);
+  Body body;
+  body.bones = skeleton_bones(character.skeleton, scene.scale, scene.source);
+  const double spacing = scene.resolution.value_or(mean_edge(welded.surface));
+  body.mesh = tetrahedralize(welded.surface, scene.resolution.value_or(0.0),
+                             points_along_bones(body.bones, welded.surface, spacing), options);
+  check_and_orient(body.mesh, scene.source, report);
+  body.render = surface_render_mesh(character.surface, welded.of_vertex);
+  body.skin =
+      skin_weights(body.mesh, welded.surface.vertices.size(), character, welded.of_vertex, scene.source);
+  body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
+  return body;
 }
 
 }  // namespace

@@ -55,18 +55,23 @@ std::vector<std::uint32_t> locality_order(const scene::TetMesh& mesh, const OneR
                    [&](int a, int b) { return high[a] - low[a] > high[b] - low[b]; });
   const double thickness = slab_spacings * cube_root(total_volume(mesh) / static_cast<double>(n));
 
+  // Ties go by the other coordinates, so that vertices in different places are ordered by their places alone.
   struct Place {
-    double slab, strip, along;
+    double slab, strip;
+    Vector3d point;  // along the third, second and longest axis
     std::uint32_t vertex;
     bool operator<(const Place& other) const {
-      return std::tie(slab, strip, along, vertex) <
-             std::tie(other.slab, other.strip, other.along, other.vertex);
+      return std::tie(slab, strip, point[0], point[1], point[2], vertex) <
+             std::tie(other.slab, other.strip, other.point[0], other.point[1], other.point[2], other.vertex);
     }
   };
   std::vector<Place> places(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const Vector3d p = mesh.vertices[i] - low;
-    places[i] = {std::floor(p[axis[0]] / thickness), std::floor(p[axis[1]] / thickness), p[axis[2]], i};
+    places[i] = {std::floor(p[axis[0]] / thickness),
+                 std::floor(p[axis[1]] / thickness),
+                 {p[axis[2]], p[axis[1]], p[axis[0]]},
+                 i};
   }
   std::sort(places.begin(), places.end());
 

@@ -14,7 +14,8 @@ using Eigen::Vector3d;
 // Rest positions are floats: a region two hundredths of the body wide has them to about 3e-6 of its size, so
 // a shorter r_i is rounding, and its direction chance.
 constexpr double no_direction = 1e-4;
-constexpr double no_weight = 1e-12;
+// For the same reason cosines below 1e-5, whose squares these sums are, count as none.
+constexpr double no_weight = 1e-10;
 
 Vector3d vector_at(std::span<const float> values, std::size_t i) {
   return {static_cast<double>(values[3 * i]), static_cast<double>(values[3 * i + 1]),
@@ -68,7 +69,7 @@ bool weigh_region(const OneRings& rings, const RestState& state, model::WeightFo
     sum += w;
     masses += state.mass[i];
   });
-  return sum >= no_weight * masses;
+  return sum > no_weight * masses;
 }
 
 void take_masses(const OneRings& rings, const RestState& state, std::size_t r, RegionWeights& weights) {
@@ -96,7 +97,7 @@ RegionWeights region_weights(const OneRings& rings, const RestState& state, mode
   for (std::size_t k = 0; k < rings.neighbour.size(); ++k) given[rings.neighbour[k]] += weights.taken[k];
   std::vector<char> empty(n, 0);
   for (std::size_t i = 0; i < n; ++i)
-    if (given[i] < no_weight * state.mass[i] * (1.0 + rings.degree(i))) {
+    if (given[i] <= no_weight * state.mass[i] * (1.0 + rings.degree(i))) {
       empty[i] = 1;
       weights.own[i] = state.mass[i];
       ++weights.vertex_fallbacks;

@@ -28,7 +28,7 @@ struct RegionWeights {
 
 // w_ir = m_i (beta c + 1 - beta)^2 / (beta^2 + (1 - beta)^2) with c the cosine between the fibre and r_i, its
 // absolute value for `symmetric`. Where r_i is shorter than 1e-4 of the region's longest, w_ir = m_i. So it
-// is in a region whose weights sum to less than 1e-12 of its masses, and then for a vertex whose weights do
+// is in a region whose weights sum to less than 1e-10 of its masses, and then for a vertex whose weights do
 // so over its regions.
 RegionWeights region_weights(const OneRings& rings, const RestState& state, model::WeightForm form);
 

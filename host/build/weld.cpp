@@ -1,0 +1,171 @@
+#include "host/build/weld.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "host/build/message.h"
+
+namespace fascicle::build {
+
+namespace {
+
+using scene::SurfaceMesh;
+using scene::Vector3d;
+
+constexpr double weld_of_diagonal = 1e-9;
+// A cell is many tolerances wide, so that a vertex rarely has to look into a second one.
+constexpr double cell_in_tolerances = 1024.0;
+
+void check_surface(const SurfaceMesh& surface, const std::string& source) {
+  if (surface.triangles.empty()) fail(source, "mesh: there are no triangles");
+  std::vector<std::uint32_t> bad;
+  for (std::uint32_t i = 0; i < surface.vertices.size(); ++i)
+    if (!surface.vertices[i].allFinite()) bad.push_back(i);
+  if (!bad.empty())
+    fail(source, "mesh: coordinates are not finite at vertex " + list_of(bad) + " (counted from 0)");
+  for (std::uint32_t k = 0; k < surface.triangles.size(); ++k)
+    for (const std::uint32_t corner : surface.triangles[k])
+      if (corner >= surface.vertices.size()) bad.push_back(k);
+  if (!bad.empty())
+    fail(source, "mesh: a corner is not below the " + std::to_string(surface.vertices.size()) +
+                     " vertices in triangle " + list_of(bad) + " (counted from 0)");
+}
+
+using Cell = std::array<std::int64_t, 3>;
+
+struct CellEntry {
+  Cell cell;
+  std::uint32_t vertex;
+  bool operator<(const CellEntry& other) const {
+    return cell != other.cell ? cell < other.cell : vertex < other.vertex;
+  }
+};
+
+// Vertices of each other's neighbourhood, found through a grid kept as a sorted list.
+class NearbyVertices {
+ public:
+  NearbyVertices(const std::vector<Vector3d>& vertices, double tolerance)
+      : vertices_(vertices), tolerance_(tolerance), low_(vertices[0]) {
+    for (const Vector3d& p : vertices) low_ = low_.cwiseMin(p);
+    entries_.reserve(vertices.size());
+    for (std::uint32_t i = 0; i < vertices.size(); ++i) entries_.push_back({cell_of(vertices[i]), i});
+    std::sort(entries_.begin(), entries_.end());
+  }
+
+  // Calls visit(j) for each vertex within the tolerance of vertex i, i itself included.
+  template <class Visit>
+  void for_each(std::uint32_t i, Visit visit) const {
+    const Vector3d& p = vertices_[i];
+    const Cell first = cell_of(p - Vector3d::Constant(tolerance_));
+    const Cell last = cell_of(p + Vector3d::Constant(tolerance_));
+    for (std::int64_t x = first[0]; x <= last[0]; ++x)
+      for (std::int64_t y = first[1]; y <= last[1]; ++y)
+        for (std::int64_t z = first[2]; z <= last[2]; ++z) {
+          const Cell cell{x, y, z};
+          auto entry = std::lower_bound(entries_.begin(), entries_.end(), CellEntry{cell, 0});
+          for (; entry != entries_.end() && entry->cell == cell; ++entry)
+            if ((vertices_[entry->vertex] - p).norm() <= tolerance_) visit(entry->vertex);
+        }
+  }
+
+ private:
+  Cell cell_of(const Vector3d& p) const {
+    const double width = tolerance_ > 0.0 ? tolerance_ * cell_in_tolerances : 1.0;
+    const Vector3d cell = (p - low_) / width;
+    return {static_cast<std::int64_t>(std::floor(cell[0])), static_cast<std::int64_t>(std::floor(cell[1])),
+            static_cast<std::int64_t>(std::floor(cell[2]))};
+  }
+
+  const std::vector<Vector3d>& vertices_;
+  double tolerance_;
+  Vector3d low_;
+  std::vector<CellEntry> entries_;
+};
+
+// For each vertex the lowest vertex that it is the same as.
+std::vector<std::uint32_t> representatives(const SurfaceMesh& surface) {
+  Vector3d low = surface.vertices[0], high = low;
+  for (const Vector3d& p : surface.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const NearbyVertices nearby(surface.vertices, weld_of_diagonal * (high - low).norm());
+  std::vector<std::uint32_t> same(surface.vertices.size());
+  for (std::uint32_t i = 0; i < same.size(); ++i) {
+    std::uint32_t lowest = i;
+    nearby.for_each(i, [&](std::uint32_t j) { lowest = std::min(lowest, j); });
+    same[i] = lowest == i ? i : same[lowest];
+  }
+  return same;
+}
+
+std::uint32_t nearest_vertex(const SurfaceMesh& surface, const Vector3d& point) {
+  std::uint32_t nearest = 0;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < surface.vertices.size(); ++i) {
+    const double distance2 = (surface.vertices[i] - point).squaredNorm();
+    if (distance2 < smallest) {
+      smallest = distance2;
+      nearest = i;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
+WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report& report) {
+  check_surface(surface, source);
+  const std::vector<std::uint32_t> same = representatives(surface);
+
+  WeldedSurface welded;
+  std::vector<char> used(surface.vertices.size(), 0);
+  std::size_t collapsed = 0;
+  for (std::array<std::uint32_t, 3> t : surface.triangles) {
+    for (std::uint32_t& corner : t) corner = same[corner];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+      ++collapsed;
+      continue;
+    }
+    for (const std::uint32_t corner : t) used[corner] = 1;
+    welded.surface.triangles.push_back(t);
+  }
+  if (welded.surface.triangles.empty()) fail(source, "mesh: every triangle has two corners in one place");
+  if (collapsed > 0)
+    warn(report, counted(collapsed, "triangle has", "triangles have") + " two corners in one place and " +
+                     (collapsed == 1 ? "was" : "were") + " left out of the body");
+
+  std::vector<std::uint32_t> number(surface.vertices.size(), 0);
+  for (std::uint32_t i = 0; i < surface.vertices.size(); ++i)
+    if (used[i]) {
+      number[i] = static_cast<std::uint32_t>(welded.surface.vertices.size());
+      welded.surface.vertices.push_back(surface.vertices[i]);
+    }
+  for (auto& t : welded.surface.triangles)
+    for (std::uint32_t& corner : t) corner = number[corner];
+
+  std::vector<std::uint32_t> stray;
+  for (std::uint32_t i = 0; i < surface.vertices.size(); ++i) {
+    const bool in_body = used[same[i]] != 0;
+    welded.of_vertex.push_back(in_body ? number[same[i]]
+                                       : nearest_vertex(welded.surface, surface.vertices[i]));
+    if (!in_body) stray.push_back(i);
+  }
+  if (!stray.empty())
+    warn(report, counted(stray.size(), "vertex of the surface belongs", "vertices of the surface belong") +
+                     " to no triangle (vertex " + list_of(stray) +
+                     "); each follows the nearest vertex that does");
+  return welded;
+}
+
+double mean_edge(const SurfaceMesh& surface) {
+  double sum = 0.0;
+  for (const auto& t : surface.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      sum += (surface.vertices[t[k]] - surface.vertices[t[(k + 1) % 3]]).norm();
+  return sum / (3.0 * static_cast<double>(surface.triangles.size()));
+}
+
+}  // namespace fascicle::build

@@ -1,0 +1,27 @@
+// Surfaces as files hold them, with seams, turned into surfaces that can be filled.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/build/build.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+struct WeldedSurface {
+  scene::SurfaceMesh surface;            // no two vertices alike, every vertex in a triangle
+  std::vector<std::uint32_t> of_vertex;  // for each vertex given: its vertex in `surface`
+};
+
+// Makes one vertex of those that lie within 1e-9 of the bounding box's diagonal of each other; the first
+// keeps its place, and their order is kept. Triangles that lose a corner by it are left out, with a warning.
+// A vertex in no triangle follows the nearest one that is, with a warning. Throws scene::SceneError for a
+// surface without triangles, corners out of range and coordinates that are not finite.
+WeldedSurface weld(const scene::SurfaceMesh& surface, const std::string& source, Report& report);
+
+// Mean length of the triangles' sides, m.
+double mean_edge(const scene::SurfaceMesh& surface);
+
+}  // namespace fascicle::build

@@ -1,0 +1,206 @@
+// Tetrahedral meshes as given: what is repaired, what is refused and with which words, what comes out the
+// same.
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "host/build/bar.h"
+#include "host/build/boundary.h"
+#include "host/build/mass.h"
+#include "host/model/model.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using scene::TetMesh;
+using scene::Vector3d;
+
+// A bar as a mesh; jittered, so that no two vertices tie in the numbering.
+scene::Scene mesh_scene() {
+  scene::Scene scene = bar_scene();
+  scene.geometry = build::make_bar({.vertices = {8, 5, 4}, .jitter = 0.25}, "test");
+  return scene;
+}
+TetMesh& mesh_of(scene::Scene& scene) {
+  return std::get<TetMesh>(scene.geometry);
+}
+
+TEST(MeshInput, TurnsRoundNegativeTetrahedra) {
+  scene::Scene scene = mesh_scene();
+  const model::Model plain = build_quietly(scene);
+  for (const std::size_t k : {3u, 17u, 40u})
+    std::swap(mesh_of(scene).tetrahedra[k][0], mesh_of(scene).tetrahedra[k][1]);
+  build::Report report;
+  const model::Model repaired = build::build_model(scene, report);
+  EXPECT_EQ(report.flipped_tetrahedra, 3u);
+  EXPECT_EQ(repaired.share_taken, plain.share_taken);
+  EXPECT_NO_THROW(model::check_model(repaired));
+}
+
+TEST(MeshInput, AMirroredMeshHasTheSameVolumeAndNoNegativeTetrahedron) {
+  scene::Scene scene = mesh_scene();
+  build::Report plain, mirrored;
+  build::build_model(scene, plain);
+  for (Vector3d& p : mesh_of(scene).vertices) p[1] = -p[1];
+  const model::Model model = build::build_model(scene, mirrored);
+  EXPECT_EQ(mirrored.flipped_tetrahedra, mirrored.tetrahedra);
+  // Sums of the same numbers in another order: 500 roundings of 2^-53.
+  EXPECT_NEAR(mirrored.volume, plain.volume, plain.volume * 1e-13);
+  const auto at = [&](std::uint32_t i) {
+    return Vector3d(double{model.rest[3 * i]}, double{model.rest[3 * i + 1]}, double{model.rest[3 * i + 2]});
+  };
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const std::uint32_t* c = &model.tetrahedron[t];
+    EXPECT_GT(build::signed_volume(at(c[0]), at(c[1]), at(c[2]), at(c[3])), 0.0);
+  }
+}
+
+TEST(MeshInput, RefusesMalformedMeshesWithIds) {
+  const auto refusal = [](const std::function<void(TetMesh&)>& spoil, const std::string& part) {
+    scene::Scene scene = mesh_scene();
+    spoil(mesh_of(scene));
+    expect_refusal([&] { build_quietly(scene); }, part);
+  };
+  refusal([](TetMesh& m) { m.tetrahedra.clear(); }, "no tetrahedra");
+  refusal([](TetMesh& m) { m.tetrahedra[7][2] = 160; }, "tetrahedron 7 ");
+  refusal([](TetMesh& m) { m.tetrahedra[9][2] = m.tetrahedra[9][0]; }, "named twice in tetrahedron 9 ");
+  refusal([](TetMesh& m) { m.vertices.emplace_back(0, 0, 0); }, "uses vertex 160 ");
+  refusal([](TetMesh& m) { m.vertices[12][1] = std::numeric_limits<double>::quiet_NaN(); }, "vertex 12 ");
+  refusal([](TetMesh& m) { m.vertices[12][1] = std::numeric_limits<double>::infinity(); }, "vertex 12 ");
+  // All four corners of tetrahedron 0 in one plane.
+  refusal(
+      [](TetMesh& m) {
+        for (const auto c : m.tetrahedra[0]) m.vertices[c][2] = 0.01;
+      },
+      "no volume in tetrahedron 0");
+  // The same tetrahedron twice: its triangles have two tetrahedra on one side.
+  refusal([](TetMesh& m) { m.tetrahedra.push_back(m.tetrahedra[0]); }, "overlap");
+}
+
+TEST(MeshInput, RefusesTetrahedraThatSinglePrecisionFlattens) {
+  scene::Scene scene = bar_scene();
+  // Height 1e-9 over a base of 1: a volume in double, none in float.
+  TetMesh mesh{{{0, 0, 0.3}, {1, 0, 0.3}, {0, 1, 0.3}, {0.3, 0.3, 0.3 + 1e-9}, {0.3, 0.3, -0.7}},
+               {{0, 1, 2, 3}, {0, 2, 1, 4}}};
+  scene.geometry = mesh;
+  expect_refusal([&] { build_quietly(scene); }, "too flat");
+}
+
+TEST(MeshInput, ThePermutationOfTheInputDoesNotMatter) {
+  scene::Scene scene = mesh_scene();
+  const model::Model plain = build_quietly(scene);
+
+  const TetMesh given = mesh_of(scene);
+  std::vector<std::uint32_t> order(given.vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::mt19937 random(5);
+  std::shuffle(order.begin(), order.end(), random);
+  TetMesh& shuffled = mesh_of(scene);
+  std::vector<std::uint32_t> number(order.size());
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    shuffled.vertices[k] = given.vertices[order[k]];
+    number[order[k]] = k;
+  }
+  std::shuffle(shuffled.tetrahedra.begin(), shuffled.tetrahedra.end(), random);
+  for (auto& t : shuffled.tetrahedra) {
+    for (std::uint32_t& corner : t) corner = number[corner];
+    // Another even permutation of the same corners.
+    t = {t[1], t[0], t[3], t[2]};
+  }
+  const model::Model other = build_quietly(scene);
+
+  std::vector<std::uint32_t> source(plain.vertex_count);
+  for (std::uint32_t i = 0; i < plain.vertex_count; ++i) source[i] = order[other.source_vertex[i]];
+  EXPECT_EQ(source, plain.source_vertex);
+  // The numbering follows from places only, and so all arrays are the same to the bit.
+  EXPECT_EQ(other.rest, plain.rest);
+  EXPECT_EQ(other.ring, plain.ring);
+  EXPECT_EQ(other.share_taken, plain.share_taken);
+  EXPECT_EQ(other.pull, plain.pull);
+  EXPECT_EQ(other.region_rest, plain.region_rest);
+  EXPECT_EQ(other.tetrahedron, plain.tetrahedron);
+  // Their order inside a sum of masses is canonical too.
+  EXPECT_EQ(other.mass, plain.mass);
+}
+
+TEST(MeshInput, TheBoundaryIsClosedAndFacesOutward) {
+  const scene::Bar bar{.size = {0.4, 0.1, 0.2}, .vertices = {6, 4, 5}, .jitter = 0.2};
+  const TetMesh mesh = build::make_bar(bar, "test");
+  const auto triangles = build::boundary_triangles(mesh, "test");
+  EXPECT_EQ(triangles.size(), 4u * (5 * 3 + 5 * 4 + 3 * 4));
+  // Gauss: the flux of x/3 through a closed surface that faces outward is the volume.
+  double flux = 0.0;
+  Vector3d area = Vector3d::Zero();
+  for (const auto& t : triangles) {
+    const Vector3d& a = mesh.vertices[t[0]];
+    const Vector3d cross = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+    flux += a.dot(cross) / 6.0;
+    area += cross;
+  }
+  // 200 terms of at most the volume's size, each rounded.
+  EXPECT_NEAR(flux, bar.size.prod(), 1e-14);
+  EXPECT_LT(area.norm(), 1e-14);
+}
+
+TEST(MeshInput, RenderVerticesAreTheBoundarysByAscendingSource) {
+  scene::Scene scene = mesh_scene();
+  const model::Model model = build_quietly(scene);
+  ASSERT_GT(model.surface_count(), 0u);
+  for (std::uint32_t k = 0; k < model.surface_count(); ++k) {
+    EXPECT_EQ(model.surface_weight[4 * k], 1.0f);
+    if (k > 0) {
+      EXPECT_LT(model.source_vertex[model.surface_vertex[4 * k - 4]],
+                model.source_vertex[model.surface_vertex[4 * k]]);
+    }
+  }
+}
+
+TEST(MeshInput, WarnsOfPartsAndOfWhatFalls) {
+  scene::Scene scene = bar_scene();
+  scene.geometry =
+      TetMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {3, 0, 0}, {4, 0, 0}, {3, 1, 0}, {3, 0, 1}},
+              {{0, 1, 2, 3}, {4, 5, 6, 7}}};
+  build::Report report;
+  build::build_model(scene, report);
+  ASSERT_EQ(report.warnings.size(), 2u);
+  EXPECT_NE(report.warnings[0].text.find("2 parts"), std::string::npos);
+  EXPECT_EQ(report.warnings[0].vertices, (std::vector<std::uint32_t>{0, 4}));
+  EXPECT_NE(report.warnings[1].text.find("fall"), std::string::npos);
+  EXPECT_EQ(report.warnings[1].vertices, (std::vector<std::uint32_t>{4}));
+}
+
+TEST(MeshInput, ScaleMultipliesMeshesButNotBars) {
+  scene::Scene scene = mesh_scene();
+  build::Report plain, scaled, bar;
+  build::build_model(scene, plain);
+  scene.scale = 0.01;
+  build::build_model(scene, scaled);
+  // The factor is rounded once and cubed; volumes are sums of 500.
+  EXPECT_NEAR(scaled.volume, plain.volume * 1e-6, plain.volume * 1e-18);
+  scene.geometry = scene::Bar{};
+  build::build_model(scene, bar);
+  EXPECT_NEAR(bar.volume, 0.4 * 0.08 * 0.08, 1e-15);
+}
+
+TEST(MeshInput, RestPositionsReturnToMetresWithinHalfAnUlp) {
+  scene::Scene scene = mesh_scene();
+  for (Vector3d& p : mesh_of(scene).vertices) p += Vector3d(100.3, -7.7, 3.1);
+  const model::Model model = build_quietly(scene);
+  EXPECT_EQ(model.unit, 0.25);  // the bar is 0.4 m long
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double x = double{model.rest[3 * i + a]};
+      EXPECT_LE(std::abs(x), 1.0);
+      const double metres = model.rest_origin[a] + model.unit * x;
+      // Half an ULP of a float below 1, and the double's own rounding 100 m away.
+      EXPECT_NEAR(metres, mesh_of(scene).vertices[model.source_vertex[i]][static_cast<Eigen::Index>(a)],
+                  0.25 * 0x1p-25 + 1e-13);
+    }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

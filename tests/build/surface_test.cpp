@@ -1,0 +1,146 @@
+// Surfaces before they are filled: welding, bones, points inside.
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "host/build/bones.h"
+#include "host/build/weld.h"
+#include "tests/build/scenes.h"
+#include "tests/build/surfaces.h"
+
+namespace fascicle::tests {
+namespace {
+
+using scene::SurfaceMesh;
+using scene::Vector3d;
+
+TEST(Weld, MakesOneVertexOfEqualOnes) {
+  // A cube whose every triangle has corners of its own.
+  const SurfaceMesh cube = cube_surface(2.0);
+  SurfaceMesh split;
+  for (const auto& t : cube.triangles) {
+    const auto first = static_cast<std::uint32_t>(split.vertices.size());
+    for (const std::uint32_t corner : t) split.vertices.push_back(cube.vertices[corner]);
+    split.triangles.push_back({first, first + 1, first + 2});
+  }
+  build::Report report;
+  const build::WeldedSurface welded = build::weld(split, "test", report);
+  EXPECT_EQ(welded.surface.vertices.size(), 8u);
+  EXPECT_EQ(welded.surface.triangles.size(), 12u);
+  EXPECT_TRUE(report.warnings.empty());
+  for (std::size_t v = 0; v < split.vertices.size(); ++v)
+    EXPECT_EQ(welded.surface.vertices[welded.of_vertex[v]], split.vertices[v]);
+}
+
+TEST(Weld, JoinsWithinABillionthOfTheDiagonalOnly) {
+  const double diagonal = 2.0 * std::sqrt(3.0);
+  const auto welded_with_gap = [&](double gap) {
+    SurfaceMesh cube = cube_surface(2.0);
+    // Vertex 8: a copy of vertex 0, `gap` away, in one of its triangles.
+    cube.vertices.push_back(cube.vertices[0] + Vector3d(-gap, 0, 0));
+    for (std::uint32_t& corner : cube.triangles[0])
+      if (corner == 0) corner = 8;
+    build::Report report;
+    return build::weld(cube, "test", report).surface.vertices.size();
+  };
+  EXPECT_EQ(welded_with_gap(0.5e-9 * diagonal), 8u);
+  EXPECT_EQ(welded_with_gap(2e-9 * diagonal), 9u);
+}
+
+TEST(Weld, KeepsTheOrderAndPassesByStrayVertices) {
+  SurfaceMesh cube = cube_surface(2.0);
+  cube.vertices.insert(cube.vertices.begin(), Vector3d(0.9, 0.9, 0.95));
+  for (auto& t : cube.triangles)
+    for (std::uint32_t& corner : t) ++corner;
+  build::Report report;
+  const build::WeldedSurface welded = build::weld(cube, "test", report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].text.substr(0, 31), "1 vertex of the surface belongs");
+  EXPECT_EQ(welded.surface.vertices, cube_surface(2.0).vertices);
+  EXPECT_EQ(welded.surface.vertices[welded.of_vertex[0]], Vector3d(1, 1, 1));
+}
+
+TEST(Weld, LeavesOutCollapsedTrianglesWithAWarning) {
+  SurfaceMesh cube = cube_surface(2.0);
+  cube.vertices.push_back(cube.vertices[0]);
+  cube.triangles.push_back({0, 8, 1});
+  build::Report report;
+  EXPECT_EQ(build::weld(cube, "test", report).surface.triangles.size(), 12u);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].text.find("1 triangle has"), std::string::npos);
+}
+
+TEST(Weld, RefusesMalformedSurfacesWithIds) {
+  const auto refusal = [](const std::function<void(SurfaceMesh&)>& spoil, const std::string& part) {
+    SurfaceMesh cube = cube_surface(2.0);
+    spoil(cube);
+    build::Report report;
+    expect_refusal([&] { build::weld(cube, "test", report); }, part);
+  };
+  refusal([](SurfaceMesh& m) { m.triangles.clear(); }, "no triangles");
+  refusal([](SurfaceMesh& m) { m.triangles[5][1] = 8; }, "triangle 5 ");
+  refusal([](SurfaceMesh& m) { m.vertices[3][2] = std::numeric_limits<double>::quiet_NaN(); }, "vertex 3 ");
+  refusal([](SurfaceMesh& m) { std::fill(m.vertices.begin(), m.vertices.end(), Vector3d(1, 2, 3)); },
+          "in one place");
+}
+
+TEST(Surface, TriangleDistanceIsTheSmallestOverThePlaneAndTheSides) {
+  const Vector3d a(0, 0, 0), b(4, 0, 0), c(0, 4, 0);
+  EXPECT_DOUBLE_EQ(build::triangle_distance({1, 1, 3}, a, b, c), 3.0);
+  EXPECT_DOUBLE_EQ(build::triangle_distance({1, 1, -3}, a, b, c), 3.0);
+  EXPECT_DOUBLE_EQ(build::triangle_distance({2, -3, 4}, a, b, c), 5.0);
+  EXPECT_DOUBLE_EQ(build::triangle_distance({-3, 0, 4}, a, b, c), 5.0);
+  EXPECT_DOUBLE_EQ(build::triangle_distance({3, 3, 0}, a, b, c), std::sqrt(2.0));
+}
+
+TEST(Surface, InsideIsToldWhateverWayTheTrianglesFace) {
+  SurfaceMesh cube = cube_surface(2.0);
+  for (int turned = 0; turned < 2; ++turned) {
+    for (double x = -1.75; x < 2.0; x += 0.5)
+      for (double y = -1.75; y < 2.0; y += 0.5)
+        for (double z = -1.75; z < 2.0; z += 0.5)
+          EXPECT_EQ(build::is_inside(cube, {x, y, z}), std::abs(x) < 1 && std::abs(y) < 1 && std::abs(z) < 1);
+    for (auto& t : cube.triangles) std::swap(t[0], t[1]);
+  }
+}
+
+TEST(Bones, LeadFromJointToJointThroughNodesThatDoNotSkin) {
+  // hip -> (helper) -> knee -> foot, and a tail in the hip's own place.
+  std::vector<scene::Joint> skeleton = {joint_at("hip", -1, {0, 2, 0}), joint_at("helper", 0, {9, 9, 9}),
+                                        joint_at("knee", 1, {0, 1, 0}), joint_at("foot", 2, {0, 0, 0.5}),
+                                        joint_at("tail", 0, {0, 2, 0})};
+  skeleton[1].skins = false;
+  const std::vector<build::Bone> bones = build::skeleton_bones(skeleton, 0.5, "test");
+  ASSERT_EQ(bones.size(), 4u);
+  EXPECT_EQ(bones[0].from, Vector3d(0, 1, 0));
+  EXPECT_EQ(bones[0].to, Vector3d(0, 0.5, 0));
+  EXPECT_EQ(bones[0].owners, (std::array<std::int32_t, 3>{0, -1, 2}));
+  EXPECT_EQ(bones[1].to, Vector3d(0, 0, 0.25));
+  EXPECT_EQ(bones[1].owners, (std::array<std::int32_t, 3>{2, 0, 3}));
+  // Ends of chains are points.
+  EXPECT_EQ(bones[2].from, bones[2].to);
+  EXPECT_EQ(bones[2].owners, (std::array<std::int32_t, 3>{3, 2, -1}));
+  EXPECT_EQ(bones[3].owners, (std::array<std::int32_t, 3>{4, 0, -1}));
+}
+
+TEST(Bones, RefuseAMatrixWithoutInverse) {
+  std::vector<scene::Joint> skeleton = {joint_at("hip", -1, {0, 0, 0})};
+  skeleton[0].inverse_bind.setZero();
+  expect_refusal([&] { build::skeleton_bones(skeleton, 1.0, "test"); }, "\"hip\"");
+}
+
+TEST(Bones, GivePointsInsideAndApart) {
+  const SurfaceMesh cube = cube_surface(2.0);
+  // Through the cube and out of it, and a second bone over part of the first.
+  const std::vector<build::Bone> bones = {{{-0.9, 0, 0}, {3, 0, 0}, {}}, {{0, 0, 0}, {0.5, 0.01, 0}, {}}};
+  const std::vector<Vector3d> points = build::points_along_bones(bones, cube, 0.3);
+  EXPECT_GE(points.size(), 5u);
+  for (std::size_t a = 0; a < points.size(); ++a) {
+    EXPECT_LE(points[a].cwiseAbs().maxCoeff(), 1.0 - 0.15 + 1e-12);
+    for (std::size_t b = 0; b < a; ++b) EXPECT_GE((points[a] - points[b]).norm(), 0.15);
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests
