@@ -34,9 +34,11 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
       .integrator = model::Integrator::explicit_,
       .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
+#ifdef FASCICLE_WITH_VULKAN
+  std::unique_ptr<gpu::Device> gpu_device;  // outlives the solver
+#endif
   std::unique_ptr<model::Solver> solver;
 #ifdef FASCICLE_WITH_VULKAN
-  std::unique_ptr<gpu::Device> gpu_device;
   if (device.rfind("vulkan:", 0) == 0) {
     gpu_device = std::make_unique<gpu::Device>(number);
     solver = gpu::make_vulkan_solver(*gpu_device, model, solver_options);
