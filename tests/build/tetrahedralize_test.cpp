@@ -1,0 +1,332 @@
+// The parent's side of fascicle-mesher: what it gives back on good surfaces, and one clear message for each
+// way to fail.
+#include "host/build/tetrahedralize.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "host/scene/mesh_file.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using build::BuildOptions;
+using scene::SurfaceMesh;
+using scene::TetMesh;
+using scene::Vector3d;
+using Triangle = std::array<std::uint32_t, 3>;
+
+SurfaceMesh cube(const Vector3d& corner, double size) {
+  SurfaceMesh mesh;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    mesh.vertices.push_back(corner + size * Vector3d((i & 1U) != 0, (i & 2U) != 0, (i & 4U) != 0));
+  }
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b) {
+  SurfaceMesh mesh = a;
+  const auto offset = static_cast<std::uint32_t>(a.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
+  for (const Triangle& t : b.triangles)
+    mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  return mesh;
+}
+
+SurfaceMesh turned_inside_out(SurfaceMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+// By the divergence theorem, relative to the first vertex.
+double volume_inside(const SurfaceMesh& mesh) {
+  double volume = 0.0;
+  const Vector3d origin = mesh.vertices[0];
+  for (const Triangle& t : mesh.triangles) {
+    volume +=
+        (mesh.vertices[t[0]] - origin).cross(mesh.vertices[t[1]] - origin).dot(mesh.vertices[t[2]] - origin) /
+        6.0;
+  }
+  return volume;
+}
+
+double volume_of(const TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
+  Eigen::Matrix3d edges;
+  for (int k = 0; k < 3; ++k)
+    edges.col(k) = mesh.vertices[t[static_cast<std::size_t>(k) + 1]] - mesh.vertices[t[0]];
+  return edges.determinant() / 6.0;
+}
+
+double mean_edge(const TetMesh& mesh) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& t : mesh.tetrahedra) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < a; ++b) edges.insert(std::minmax(t[a], t[b]));
+    }
+  }
+  double sum = 0.0;
+  for (const auto& [a, b] : edges) sum += (mesh.vertices[a] - mesh.vertices[b]).norm();
+  return sum / static_cast<double>(edges.size());
+}
+
+// The promises of tetrahedralize().
+void expect_fills(const TetMesh& mesh, const SurfaceMesh& surface) {
+  ASSERT_GE(mesh.vertices.size(), surface.vertices.size());
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i) EXPECT_EQ(mesh.vertices[i], surface.vertices[i]);
+  double volume = 0.0;
+  std::vector<bool> is_used(mesh.vertices.size(), false);
+  std::map<Triangle, int> faces;
+  for (const auto& t : mesh.tetrahedra) {
+    EXPECT_GT(volume_of(mesh, t), 0.0);
+    volume += volume_of(mesh, t);
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      Triangle face{};
+      std::size_t size = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        ASSERT_LT(t[k], mesh.vertices.size());
+        is_used[t[k]] = true;
+        if (k != left_out) face[size++] = t[k];
+      }
+      std::sort(face.begin(), face.end());
+      ++faces[face];
+    }
+  }
+  EXPECT_EQ(std::count(is_used.begin(), is_used.end(), false), 0);
+  // Rounding: both sums have at most 1e6 terms of either sign, each good to some 1e-15 of the body's volume.
+  const double wanted = std::abs(volume_inside(surface));
+  EXPECT_NEAR(volume, wanted, 1e-9 * wanted);
+  for (Triangle t : surface.triangles) {
+    std::sort(t.begin(), t.end());
+    EXPECT_EQ(faces[t], 1);
+  }
+  EXPECT_EQ(static_cast<std::size_t>(
+                std::count_if(faces.begin(), faces.end(), [](const auto& face) { return face.second == 1; })),
+            surface.triangles.size());
+}
+
+class Tetrahedralize : public ::testing::Test {
+ protected:
+  // Temporary folders of the code under test go into one of ours, so that a leftover shows.
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "fascicle-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    fs::create_directory(folder_ / "tmp");
+    const char* before = std::getenv("TMPDIR");
+    saved_ = before == nullptr ? "" : before;
+    ::setenv("TMPDIR", (folder_ / "tmp").c_str(), 1);
+    options_.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+  }
+  void TearDown() override {
+    EXPECT_TRUE(fs::is_empty(folder_ / "tmp")) << "a temporary folder was left behind";
+    if (saved_.empty()) {
+      ::unsetenv("TMPDIR");
+    } else {
+      ::setenv("TMPDIR", saved_.c_str(), 1);
+    }
+    fs::remove_all(folder_);
+  }
+
+  // A mesher of a few lines of shell. $3 is the output's path.
+  void fake_mesher(const std::string& script) {
+    options_.mesher = folder_ / "fake-mesher";
+    std::ofstream(options_.mesher) << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(options_.mesher, fs::perms::owner_all);
+  }
+
+  std::string refusal(const SurfaceMesh& surface, double edge = 0.0) const {
+    std::string what = "accepted";
+    try {
+      build::tetrahedralize(surface, edge, {}, options_);
+    } catch (const scene::SceneError& error) {
+      what = error.what();
+    }
+    EXPECT_EQ(what.find('\n'), std::string::npos) << "more than one line: " << what;
+    return what;
+  }
+
+  fs::path folder_;
+  std::string saved_;
+  BuildOptions options_;
+};
+
+#define EXPECT_REFUSED(message, part) \
+  EXPECT_NE((message).find(part), std::string::npos) << "the message is: " << (message)
+
+const SurfaceMesh unit_cube = cube(Vector3d::Zero(), 1.0);
+
+TEST_F(Tetrahedralize, FillsCube) {
+  const SurfaceMesh surface = cube({0.1, -0.2, 0.3}, 0.7);
+  expect_fills(build::tetrahedralize(surface, 0.0, {}, options_), surface);
+}
+
+TEST_F(Tetrahedralize, TurnsInsideOutSurfaceRound) {
+  const SurfaceMesh surface = turned_inside_out(unit_cube);
+  expect_fills(build::tetrahedralize(surface, 0.0, {}, options_), surface);
+}
+
+TEST_F(Tetrahedralize, FillsSeparateParts) {
+  const SurfaceMesh surface = joined(unit_cube, cube({3, 0, 0}, 0.5));
+  expect_fills(build::tetrahedralize(surface, 0.0, {}, options_), surface);
+}
+
+TEST_F(Tetrahedralize, InsidePointsBecomeVerticesInOrder) {
+  const std::vector<Vector3d> inside = {{0.5, 0.25, 0.5}, {7, 7, 7}, {0.3, 0.6, 0.7}};
+  const TetMesh mesh = build::tetrahedralize(unit_cube, 0.0, inside, options_);
+  expect_fills(mesh, unit_cube);
+  ASSERT_GE(mesh.vertices.size(), 10U);
+  EXPECT_EQ(mesh.vertices[8], inside[0]);
+  EXPECT_EQ(mesh.vertices[9], inside[2]) << "the point outside should be left out";
+}
+
+TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
+  const fs::path file = fs::path(FASCICLE_SOURCE_DIR) / "../shared/assets/bunny.off";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is missing: the largest real surface is NOT tested";
+  const SurfaceMesh surface = scene::read_surface_mesh(file);
+  double own_edge = 0.0;
+  for (const Triangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k)
+      own_edge += (surface.vertices[t[k]] - surface.vertices[t[(k + 1) % 3]]).norm();
+  }
+  own_edge /= 3.0 * static_cast<double>(surface.triangles.size());
+  const TetMesh mesh = build::tetrahedralize(surface, 0.0, {}, options_);
+  expect_fills(mesh, surface);
+  // The bound on volumes was calibrated here (measured: 0.997); another TetGen may differ by a few per cent.
+  EXPECT_NEAR(mean_edge(mesh) / own_edge, 1.0, 0.05);
+  const TetMesh finer = build::tetrahedralize(surface, 0.7 * own_edge, {}, options_);
+  expect_fills(finer, surface);
+  EXPECT_LT(mean_edge(finer), 0.85 * mean_edge(mesh));
+
+  options_.mesher_bytes = std::uint64_t{60} << 20;
+  EXPECT_REFUSED(refusal(surface, 0.2 * own_edge), "60 MiB of memory");
+  options_.mesher_bytes = std::uint64_t{4} << 30;
+  options_.mesher_seconds = 0.3;
+  EXPECT_REFUSED(refusal(surface, 0.05 * own_edge), "longer than the 0.3 s");
+}
+
+TEST_F(Tetrahedralize, RefusesSurfacesThatEncloseNothing) {
+  SurfaceMesh open = unit_cube;
+  open.triangles.pop_back();
+  EXPECT_REFUSED(refusal(open), "has only one triangle");
+  SurfaceMesh flipped = unit_cube;
+  std::swap(flipped.triangles[3][0], flipped.triangles[3][1]);
+  EXPECT_REFUSED(refusal(flipped), "face opposite ways");
+  SurfaceMesh fin = unit_cube;
+  fin.triangles.push_back({0, 2, 7});
+  EXPECT_REFUSED(refusal(fin), "has 3 triangles");
+  SurfaceMesh loose = unit_cube;
+  loose.vertices.emplace_back(5, 5, 5);
+  EXPECT_REFUSED(refusal(loose), "vertex 8 belongs to no triangle");
+  SurfaceMesh split = joined(unit_cube, cube({1, 1, 1}, 1.0));
+  EXPECT_REFUSED(refusal(split), "vertices 7 and 8 lie at one place");
+  EXPECT_REFUSED(refusal(SurfaceMesh{}), "no triangles");
+}
+
+TEST_F(Tetrahedralize, NamesWhereASurfaceCrossesItself) {
+  const SurfaceMesh crossing = joined(unit_cube, cube({0.5, 0.4, 0.3}, 1.0));
+  const std::string message = refusal(crossing);
+  EXPECT_REFUSED(message, "crosses itself: triangles ");
+  EXPECT_REFUSED(message, "cross near (");
+}
+
+TEST_F(Tetrahedralize, RefusesPartsInsideOthers) {
+  EXPECT_REFUSED(refusal(joined(unit_cube, cube({0.3, 0.3, 0.3}, 0.3))), "inside another part");
+}
+
+TEST_F(Tetrahedralize, RefusesImpossibleEdges) {
+  EXPECT_REFUSED(refusal(unit_cube, -1.0), "edge length");
+  EXPECT_REFUSED(refusal(unit_cube, std::numeric_limits<double>::quiet_NaN()), "edge length");
+  EXPECT_REFUSED(refusal(unit_cube, 1e-200), "scale it");
+}
+
+TEST_F(Tetrahedralize, SaysWhenTheMesherIsMissing) {
+  options_.mesher = folder_ / "nothing";
+  EXPECT_REFUSED(refusal(unit_cube), "no such program");
+  options_.mesher = folder_ / "tmp";  // a folder
+  EXPECT_REFUSED(refusal(unit_cube), "no such program");
+  options_.mesher = folder_ / "not-a-program";
+  std::ofstream(options_.mesher) << "neither ELF nor script";
+  fs::permissions(options_.mesher, fs::perms::owner_all);
+  EXPECT_REFUSED(refusal(unit_cube), "cannot run fascicle-mesher");
+}
+
+TEST_F(Tetrahedralize, SurvivesMeshersThatEndBadly) {
+  fake_mesher("echo 'free(): invalid pointer' >&2; kill -SEGV $$");
+  EXPECT_REFUSED(refusal(unit_cube), "crashed (Segmentation fault): free(): invalid pointer");
+  fake_mesher("kill -ABRT $$");
+  EXPECT_REFUSED(refusal(unit_cube), "crashed (Aborted)");
+  fake_mesher("exit 42");
+  EXPECT_REFUSED(refusal(unit_cube), "exit status 42");
+  fake_mesher("exit 8");
+  EXPECT_REFUSED(refusal(unit_cube), "no tetrahedra");
+  fake_mesher("exit 7");
+  EXPECT_REFUSED(refusal(unit_cube), "could not be filled");
+}
+
+TEST_F(Tetrahedralize, StopsMeshersThatDoNotEnd) {
+  options_.mesher_seconds = 0.3;
+  fake_mesher("trap '' TERM INT; while :; do :; done");
+  EXPECT_REFUSED(refusal(unit_cube), "longer than the 0.3 s");
+  fake_mesher("exec 2>&-; sleep 600");
+  EXPECT_REFUSED(refusal(unit_cube), "longer than the 0.3 s");
+  fake_mesher("while :; do echo noise >&2; done");
+  EXPECT_REFUSED(refusal(unit_cube), "longer than the 0.3 s");
+  // A process it leaves behind goes with it, though it holds stderr open.
+  fake_mesher("(sleep 2; touch '" + (folder_ / "survived").string() + "') & exit 8");
+  EXPECT_REFUSED(refusal(unit_cube), "no tetrahedra");
+  ::sleep(3);
+  EXPECT_FALSE(fs::exists(folder_ / "survived"));
+}
+
+TEST_F(Tetrahedralize, StopsMeshersThatEatMemory) {
+  options_.mesher_bytes = std::uint64_t{64} << 20;
+  fake_mesher("x=0123456789abcdef; while :; do x=$x$x; done");
+  const std::string message = refusal(unit_cube);
+  EXPECT_EQ(message.find("longer than"), std::string::npos)
+      << message;  // it hit the memory limit, not the clock
+  EXPECT_NE(message, "accepted");
+}
+
+TEST_F(Tetrahedralize, BelievesNothingThatComesBack) {
+  fake_mesher("exit 0");
+  EXPECT_REFUSED(refusal(unit_cube), "there is no file");
+  fake_mesher(": > $3");
+  EXPECT_REFUSED(refusal(unit_cube), "cannot be used");
+  const std::string vertices =
+      "MeshVersionFormatted 2\\nDimension 3\\nVertices\\n8\\n0 0 0 0\\n1 0 0 0\\n0 1 0 0\\n1 1 0 0\\n0 0 1 "
+      "0\\n"
+      "1 0 1 0\\n0 1 1 0\\n1 1 1 0\\nTetrahedra\\n";
+  const auto answer = [&](const std::string& text) { fake_mesher("printf '" + text + "' > $3"); };
+  answer(vertices + "1\\n1 2 3 9 0\\nEnd\\n");
+  EXPECT_REFUSED(refusal(unit_cube), "vertex number 9");
+  answer(vertices + "0\\nEnd\\n");
+  EXPECT_REFUSED(refusal(unit_cube), "no tetrahedra");
+  answer(vertices + "1\\n1 2 3 5 0\\nEnd\\n");
+  EXPECT_REFUSED(refusal(unit_cube), "of the surface is in no tetrahedron");
+  answer(vertices + "1\\n1 2 3 4 0\\nEnd\\n");
+  EXPECT_REFUSED(refusal(unit_cube), "is flat");
+  // A cube of five tetrahedra is a right answer, but not with the surface's diagonals.
+  answer(vertices + "5\\n1 2 3 5 0\\n4 3 2 8 0\\n6 2 5 8 0\\n7 3 8 5 0\\n2 3 5 8 0\\nEnd\\n");
+  EXPECT_REFUSED(refusal(unit_cube), "its outside is not the surface");
+  SurfaceMesh moved = unit_cube;
+  moved.vertices[3].x() += 1e-15;
+  EXPECT_REFUSED(refusal(moved), "vertex 3 of the surface was moved");
+}
+
+}  // namespace
+}  // namespace fascicle::tests
