@@ -13,7 +13,7 @@
 namespace fascicle::cli {
 namespace {
 
-using OnFrame = std::function<void(const std::string& what, std::uint64_t frame)>;
+using OnFrame = std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>;
 
 // Counts the stage values that a comparison sees on their way to it.
 class CountingProbe : public model::Probe {
@@ -64,7 +64,7 @@ struct Run {
   const model::SolverOptions& options;
   bake::DriveSource source;
   model::State start;
-  std::uint64_t frames;
+  std::uint64_t frames, oracle_frames;
   const OnFrame& on_frame;
 
   std::unique_ptr<model::Solver> solver(const ChosenDevice& device) const {
@@ -73,9 +73,9 @@ struct Run {
     return made;
   }
   // Drives that also report the frame they are asked for.
-  model::DriveSource drives(const std::string& what) {
-    return [this, what](std::uint64_t frame) {
-      on_frame(what, frame);
+  model::DriveSource drives(const std::string& what, std::uint64_t last) {
+    return [this, what, last](std::uint64_t frame) {
+      on_frame(what, frame, last);
       return source.drive(frame);
     };
   }
@@ -83,7 +83,8 @@ struct Run {
 
 HashComparison compare_hashes(Run& run, const ChosenDevice& a, const ChosenDevice& b) {
   const std::unique_ptr<model::Solver> solver_a = run.solver(a), solver_b = run.solver(b);
-  const model::DriveSource drives = run.drives("comparing hashes of " + a.label() + " and " + b.label());
+  const model::DriveSource drives =
+      run.drives("comparing hashes of " + a.label() + " and " + b.label(), run.frames);
   HashComparison comparison;
   for (std::uint64_t frame = 1; frame <= run.frames; ++frame) {
     const model::Drive drive = drives(frame);
@@ -110,7 +111,8 @@ Comparison compare(Run& run, const ChosenDevice& a, const ChosenDevice& b, doubl
   comparison.exact = a.description().exact && b.description().exact;
   const std::unique_ptr<model::Solver> solver_a = run.solver(a), solver_b = run.solver(b);
   if (!comparison.exact) {
-    const model::DriveSource drives = run.drives("measuring " + b.label() + " against " + a.label());
+    const model::DriveSource drives =
+        run.drives("measuring " + b.label() + " against " + a.label(), run.frames);
     comparison.distance = model::distance_to(run.model, *solver_b, *solver_a, drives, run.frames);
     comparison.relative = comparison.distance.largest / extent;
     return comparison;
@@ -118,8 +120,8 @@ Comparison compare(Run& run, const ChosenDevice& a, const ChosenDevice& b, doubl
   comparison.hashes = compare_hashes(run, a, b);
   CountingSolver counting(*solver_a);
   comparison.difference = model::first_difference(
-      run.model, counting, *solver_b, run.drives("comparing stages of " + a.label() + " and " + b.label()),
-      run.frames);
+      run.model, counting, *solver_b,
+      run.drives("comparing stages of " + a.label() + " and " + b.label(), run.frames), run.frames);
   comparison.values = counting.count();
   return comparison;
 }
@@ -130,8 +132,9 @@ OracleComparison compare_with_oracle(Run& run, const ChosenDevice& device, doubl
   const std::unique_ptr<model::Solver> solver = run.solver(device);
   OracleComparison comparison;
   comparison.device = device.label();
-  const model::DriveSource drives = run.drives("measuring " + device.label() + " against the oracle");
-  comparison.distance = model::distance_to(run.model, *solver, oracle, drives, run.frames);
+  const model::DriveSource drives =
+      run.drives("measuring " + device.label() + " against the oracle", run.oracle_frames);
+  comparison.distance = model::distance_to(run.model, *solver, oracle, drives, run.oracle_frames);
   comparison.relative = comparison.distance.largest / extent;
   return comparison;
 }
@@ -148,16 +151,17 @@ bool Validation::holds() const {
 }
 
 Validation validate(const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
-                    const std::vector<ChosenDevice>& devices, std::uint64_t frames, bool with_oracle,
-                    const OnFrame& on_frame) {
-  Run run{model, options, bake::DriveSource(scene, model), {}, frames, on_frame};
+                    const std::vector<ChosenDevice>& devices, std::uint64_t frames,
+                    std::uint64_t oracle_frames, const OnFrame& on_frame) {
+  Run run{model, options, bake::DriveSource(scene, model), {}, frames, oracle_frames, on_frame};
   run.start = run.source.initial_state();
   Validation validation;
   validation.frames = frames;
+  validation.oracle_frames = oracle_frames;
   validation.extent = body_extent(model);
   for (std::size_t k = 1; k < devices.size(); ++k)
     validation.comparisons.push_back(compare(run, devices.front(), devices[k], validation.extent));
-  if (!with_oracle) return validation;
+  if (oracle_frames == 0) return validation;
   // Devices that were found identical have one distance; it is measured once.
   validation.oracle.push_back(compare_with_oracle(run, devices.front(), validation.extent));
   for (std::size_t k = 1; k < devices.size(); ++k) {

@@ -52,19 +52,20 @@ struct OracleComparison {
 };
 
 struct Validation {
-  std::uint64_t frames = 0;
+  std::uint64_t frames = 0, oracle_frames = 0;
   double extent = 0.0;  // m, the body's largest
   std::vector<Comparison> comparisons;
   std::vector<OracleComparison> oracle;
   bool holds() const;
 };
 
-// Runs `frames` frames on every device; compares each with the first, and with the oracle if wanted.
-// `on_frame` is told what is running and how far it is. Throws bake::NotFinite where the positions stop being
-// finite.
-Validation validate(const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
-                    const std::vector<ChosenDevice>& devices, std::uint64_t frames, bool with_oracle,
-                    const std::function<void(const std::string& what, std::uint64_t frame)>& on_frame);
+// Runs `frames` frames on every device and compares each with the first; then `oracle_frames` frames (0:
+// none) with the oracle. `on_frame` is told what is running, how far it is and how far it goes. Throws
+// bake::NotFinite where the positions stop being finite.
+Validation validate(
+    const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
+    const std::vector<ChosenDevice>& devices, std::uint64_t frames, std::uint64_t oracle_frames,
+    const std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>& on_frame);
 
 // The largest extent of the rest shape's bounding box, m.
 double body_extent(const model::Model& model);

@@ -1,0 +1,225 @@
+// fascicle bake as a user runs it.
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+using nlohmann::json;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+json manifest_of(const std::filesystem::path& folder) {
+  return json::parse(read_text(folder / "manifest.json"), nullptr, false);
+}
+
+// Waits until `condition` holds or the program has ended; says whether it holds.
+template <class Condition>
+bool wait_until(Program& program, Condition condition) {
+  while (!condition()) {
+    if (!program.is_running()) return condition();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+TEST(Bake, ResultsGoToStdoutAndSayHowToLook) {
+  const TemporaryFolder folder;
+  const Outcome outcome = fascicle({"bake", "bar-hang-none", "-o", folder / "bake", "--end", "0.1",
+                                    "--device", "cpu", "--format", "pc2,vtu"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part :
+       {"ParaView", "Blender", "Mesh Cache", "surface.pc2", "rest.obj", "series.pvd", "metrics.csv"})
+    EXPECT_TRUE(contains(outcome.out, part)) << part;
+  EXPECT_FALSE(contains(outcome.out, "device: "));
+  EXPECT_FALSE(contains(outcome.out, "100 %"));
+  EXPECT_TRUE(contains(outcome.err, "device: cpu")) << outcome.err;
+  for (const char* file :
+       {"manifest.json", "frames.fascicle", "metrics.csv", "surface.pc2", "rest.obj", "vtu/series.pvd"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder.path() / "bake" / file)) << file;
+  const json manifest = manifest_of(folder.path() / "bake");
+  EXPECT_EQ(manifest.at("status"), "complete");
+  EXPECT_EQ(manifest.at("frames"), 6);  // 0.1 s at 60 a second
+  EXPECT_EQ(manifest.at("position_hashes").size(), 7u);
+}
+
+TEST(Bake, CpuAndVulkanGiveTheSameHashes) {
+  NEEDS_VULKAN();
+  const TemporaryFolder folder;
+  for (const char* device : {"cpu", "vulkan"}) {
+    const Outcome outcome = fascicle({"bake", "bar-layers-iii", "-o", folder / device, "--end", "0.1",
+                                      "--device", device, "--format", "pc2"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, std::string("device: ") + device)) << outcome.err;
+  }
+  const json cpu = manifest_of(folder.path() / "cpu"), vulkan = manifest_of(folder.path() / "vulkan");
+  EXPECT_EQ(cpu.at("device").at("solver"), "cpu");
+  EXPECT_EQ(vulkan.at("device").at("solver"), "vulkan");
+  ASSERT_EQ(cpu.at("position_hashes").size(), 7u);
+  EXPECT_EQ(cpu.at("position_hashes"), vulkan.at("position_hashes"));
+  EXPECT_EQ(read_text(folder.path() / "cpu/surface.pc2"), read_text(folder.path() / "vulkan/surface.pc2"));
+}
+
+TEST(Bake, ThreadsChangeNothing) {
+  const TemporaryFolder folder;
+  for (const char* threads : {"1", "3"}) {
+    const Outcome outcome = fascicle({"bake", "bar-hang-none", "-o", folder / threads, "--end", "0.1",
+                                      "--device", "cpu", "--threads", threads});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(manifest_of(folder.path() / threads).at("device").at("threads"), std::stoi(threads));
+  }
+  EXPECT_EQ(manifest_of(folder.path() / "1").at("position_hashes"),
+            manifest_of(folder.path() / "3").at("position_hashes"));
+}
+
+TEST(Bake, SetReachesTheManifestAndTheMotion) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> common{"--end", "0.1", "--device", "cpu"};
+  const auto bake = [&](const std::string& name, std::vector<std::string> extra) {
+    std::vector<std::string> arguments{"bake", "bar-hang-none", "-o", folder / name};
+    arguments.insert(arguments.end(), common.begin(), common.end());
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    const Outcome outcome = fascicle(arguments);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return manifest_of(folder.path() / name);
+  };
+  const json plain = bake("plain", {});
+  const json set = bake("set", {"--set", "layers.body.alpha=0.25", "--set", "layers.body.damping=1.5"});
+  const json& layer = set.at("scene").at("layers").at(0);
+  EXPECT_EQ(layer.at("alpha"), 0.25);
+  EXPECT_EQ(layer.at("damping"), 1.5);
+  EXPECT_NE(plain.at("position_hashes"), set.at("position_hashes"));
+  const json fps = bake("fps", {"--fps", "30"});
+  EXPECT_EQ(fps.at("frames"), 3);
+}
+
+TEST(Bake, FolderInUseIsRefused) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> arguments{"bake",  "bar-hang-none", "-o",       folder / "bake",
+                                           "--end", "0.05",          "--device", "cpu"};
+  ASSERT_EQ(fascicle(arguments).status, 0);
+  const std::string before = read_text(folder.path() / "bake/manifest.json");
+  const Outcome again = fascicle(arguments);
+  EXPECT_EQ(again.status, 2);
+  EXPECT_EQ(again.out, "");
+  EXPECT_TRUE(contains(again.err, "--overwrite") && contains(again.err, "--resume")) << again.err;
+  EXPECT_EQ(read_text(folder.path() / "bake/manifest.json"), before);
+  std::vector<std::string> overwrite = arguments;
+  overwrite.push_back("--overwrite");
+  EXPECT_EQ(fascicle(overwrite).status, 0);
+}
+
+TEST(Bake, ResumeOfAnotherBakeIsBadInput) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> arguments{"bake",  "bar-hang-none", "-o",       folder / "bake",
+                                           "--end", "0.05",          "--device", "cpu"};
+  ASSERT_EQ(fascicle(arguments).status, 0);
+  std::vector<std::string> other = arguments;
+  other.insert(other.end(), {"--resume", "--set", "layers.body.alpha=0.5"});
+  const Outcome outcome = fascicle(other);
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+}
+
+// 20,000 substeps, so that the bake is far from its end when the signal comes.
+const std::vector<std::string> long_bake{
+    "bake",     "bar-hang-none", "--end",    "2",  "--set", "solver.substeps=170",
+    "--device", "cpu",           "--format", "pc2"};
+
+TEST(Bake, InterruptedAndResumedIsAsIfNeverStopped) {
+  const TemporaryFolder folder;
+  const auto arguments = [&](const std::string& name, bool resume) {
+    std::vector<std::string> list = long_bake;
+    list.insert(list.end(), {"-o", folder / name});
+    if (resume) list.push_back("--resume");
+    return list;
+  };
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string name = std::to_string(signal);
+    Program program(arguments(name, false));
+    ASSERT_TRUE(
+        wait_until(program, [&] { return std::filesystem::exists(folder.path() / name / "manifest.json"); }));
+    program.send(signal);
+    const Outcome stopped = program.wait();
+    ASSERT_EQ(stopped.status, 75) << stopped.err;
+    EXPECT_EQ(stopped.out, "");
+    EXPECT_TRUE(contains(stopped.err, "--resume")) << stopped.err;
+    const json manifest = manifest_of(folder.path() / name);
+    EXPECT_EQ(manifest.at("status"), "interrupted");
+    EXPECT_LT(manifest.at("frames_done"), manifest.at("frames"));
+    const Outcome resumed = fascicle(arguments(name, true));
+    ASSERT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_EQ(manifest_of(folder.path() / name).at("status"), "complete");
+  }
+  const Outcome whole = fascicle(arguments("whole", false));
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::filesystem::path stopped = folder.path() / std::to_string(signal),
+                                reference = folder.path() / "whole";
+    for (const char* file : {"frames.fascicle", "metrics.csv", "surface.pc2", "rest.obj"})
+      EXPECT_TRUE(read_text(stopped / file) == read_text(reference / file)) << file;
+    EXPECT_EQ(manifest_of(stopped).at("position_hashes"), manifest_of(reference).at("position_hashes"));
+  }
+}
+
+// Frames long enough that the second signal comes before the first has its effect.
+TEST(Bake, SecondSignalEndsItAtOnce) {
+  const TemporaryFolder folder;
+  Program program({"bake", "bar-layers-iii", "-o", folder / "bake", "--device", "cpu", "--threads", "1",
+                   "--set", "solver.substeps=1000"});
+  ASSERT_TRUE(
+      wait_until(program, [&] { return std::filesystem::exists(folder.path() / "bake/manifest.json"); }));
+  while (program.is_running()) {
+    program.send(SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  EXPECT_EQ(program.wait().signal, SIGINT);
+}
+
+TEST(Bake, DryRunWritesNothing) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      fascicle({"bake", "bar-hang-none", "-o", folder / "bake", "--device", "cpu", "--dry-run"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* part : {"vertices", "solver memory", "output", "time", "device"})
+    EXPECT_TRUE(contains(outcome.out, part)) << part;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "bake"));
+}
+
+// So light a body that the force's acceleration is beyond the floats.
+TEST(Bake, LeavingTheFiniteNumbersIsFive) {
+  const TemporaryFolder folder;
+  write_text(folder / "heavy.toml",
+             "[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [5, 3, 3]\n"
+             "[layers.body]\ndensity = 1e-28\n"
+             "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
+             "[force.push]\nkind = \"point\"\nvector = [0.0, -1e9, 0.0]\nwhere = { everywhere = true }\n");
+  const Outcome outcome = fascicle({"bake", folder / "heavy.toml", "-o", folder / "bake", "--device", "cpu"});
+  EXPECT_EQ(outcome.status, 5) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_TRUE(contains(outcome.err, "frame 1")) << outcome.err;
+  EXPECT_EQ(manifest_of(folder.path() / "bake").at("status"), "not-finite");
+  EXPECT_EQ(fascicle({"validate", folder / "heavy.toml", "--devices", "cpu,cpu", "--frames", "2"}).status, 5);
+}
+
+TEST(Bake, UnwritableFolderIsOneMessage) {
+  const TemporaryFolder folder;
+  write_text(folder / "file", "");
+  const Outcome outcome =
+      fascicle({"bake", "bar-hang-none", "-o", folder / "file/bake", "--end", "0.05", "--device", "cpu"});
+  EXPECT_TRUE(outcome.status == 1 || outcome.status == 3) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "fascicle: error: ")) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+}
+
+}  // namespace
+}  // namespace fascicle::tests

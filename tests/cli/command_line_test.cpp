@@ -1,0 +1,216 @@
+// The executable's surface: help, errors and their exit status, the commands that only print, the log.
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/scene/scene.h"
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> found;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) found.push_back(line);
+  return found;
+}
+
+// One line on stderr that says what is wrong, nothing on stdout.
+void expect_error(const Outcome& outcome, int status, const std::string& part) {
+  EXPECT_EQ(outcome.status, status) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  const std::vector<std::string> said = lines(outcome.err);
+  ASSERT_FALSE(said.empty());
+  EXPECT_TRUE(said.back().starts_with("fascicle: error: ")) << outcome.err;
+  EXPECT_TRUE(contains(said.back(), part)) << outcome.err;
+}
+
+TEST(CommandLine, HelpListsEveryFlag) {
+  const std::vector<std::string> log{"--quiet", "--verbose", "--log-format"};
+  const std::vector<std::string> scene{"--set", "--fps", "--start", "--end", "--clip"};
+  std::map<std::string, std::vector<std::string>> flags{
+      {"bake", {"--output", "--format", "--device", "--threads", "--overwrite", "--resume", "--dry-run"}},
+      {"validate", {"--devices", "--frames", "--threads", "--json", "--oracle", "--no-oracle"}},
+      {"inspect", {"--model", "--json"}},
+      {"devices", {"--json"}},
+      {"scenes", {}},
+      {"schema", {}}};
+  for (const char* name : {"bake", "validate", "inspect"})
+    flags[name].insert(flags[name].end(), scene.begin(), scene.end());
+  const Outcome whole = fascicle({"--help"});
+  EXPECT_EQ(whole.status, 0);
+  for (auto& [command, expected] : flags) {
+    EXPECT_TRUE(contains(whole.out, command)) << command;
+    expected.insert(expected.end(), log.begin(), log.end());
+    const Outcome help = fascicle({command, "--help"});
+    EXPECT_EQ(help.status, 0) << command;
+    EXPECT_EQ(help.err, "") << command;
+    for (const std::string& flag : expected) EXPECT_TRUE(contains(help.out, flag)) << command << " " << flag;
+  }
+}
+
+TEST(CommandLine, VersionIsTheProjects) {
+  const Outcome outcome = fascicle({"--version"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(outcome.out, std::string("fascicle ") + FASCICLE_VERSION + "\n");
+}
+
+TEST(CommandLine, BadUsageIsTwo) {
+  expect_error(fascicle({}), 2, "subcommand");
+  expect_error(fascicle({"bake", "--frobnicate"}), 2, "--frobnicate");
+  expect_error(fascicle({"frobnicate"}), 2, "frobnicate");
+  expect_error(fascicle({"bake", "bar-hang-none", "--format", "fbx"}), 2, "fbx");
+  expect_error(fascicle({"bake", "bar-hang-none", "--overwrite", "--resume"}), 2, "--resume");
+  expect_error(fascicle({"bake", "bar-hang-none", "--threads", "-1"}), 2, "--threads");
+  expect_error(fascicle({"bake", "bar-hang-none", "--fps", "0"}), 2, "--fps");
+  expect_error(fascicle({"bake", "bar-hang-none", "--set", "layers.body.alpha"}), 2, "KEY=VALUE");
+  expect_error(fascicle({"bake", "bar-hang-none", "--device", "abacus"}), 2, "abacus");
+  expect_error(fascicle({"bake", "bar-hang-none", "--device", "vulkan:1x"}), 2, "vulkan:1x");
+  expect_error(fascicle({"validate", "bar-hang-none", "--devices", "cpu,"}), 2, "device");
+  expect_error(fascicle({"validate", "bar-hang-none", "--devices", "auto,cpu"}), 2, "not auto");
+  expect_error(fascicle({"validate", "bar-hang-none", "--devices", "cpu", "--no-oracle"}), 2,
+               "nothing to compare");
+  expect_error(fascicle({"validate"}), 2, "scene");
+  expect_error(fascicle({"inspect", "bar-hang-none", "--model", "out.stl"}), 2, ".vtu");
+}
+
+// A scene that loads as it stands makes a wrong --set the command line's fault.
+TEST(CommandLine, BadOverrideIsTwoAndNamesTheNearestKey) {
+  expect_error(fascicle({"inspect", "bar-hang-none", "--set", "layers.body.alfa=0.5"}), 2, "alpha");
+  expect_error(fascicle({"inspect", "bar-hang-none", "--set", "layers.body.alpha=4.1"}), 2, "alpha");
+}
+
+TEST(CommandLine, UnknownSceneIsThreeAndSuggestsTheNearest) {
+  for (const char* command : {"bake", "validate", "inspect", "scenes"})
+    expect_error(fascicle({command, "bar-hang-nome"}), 3, "bar-hang-none");
+}
+
+TEST(CommandLine, BrokenSceneFileIsThreeAndNamesItsLine) {
+  const TemporaryFolder folder;
+  write_text(folder / "broken.toml", "[bar]\nsize = [1.0, 1.0, 1.0]\n\n[layers.body]\nalpha = \"soft\"\n");
+  const Outcome outcome = fascicle({"inspect", folder / "broken.toml"});
+  expect_error(outcome, 3, "broken.toml:5");
+}
+
+TEST(CommandLine, NoSuchDeviceIsFour) {
+  expect_error(fascicle({"bake", "bar-hang-none", "--dry-run", "--device", "vulkan:77"}), 4, "");
+  // A loader that finds no driver: the CPU still bakes, and vulkan is said to be missing.
+  const std::vector<std::string> no_driver{"VK_ICD_FILENAMES=/nonexistent.json",
+                                           "VK_DRIVER_FILES=/nonexistent.json"};
+  expect_error(fascicle({"bake", "bar-hang-none", "--dry-run", "--device", "vulkan"}, no_driver), 4,
+               "no Vulkan device");
+  const Outcome automatic = fascicle({"bake", "bar-hang-none", "--dry-run", "--end", "0.1"}, no_driver);
+  EXPECT_EQ(automatic.status, 0) << automatic.err;
+  EXPECT_TRUE(contains(automatic.err, "device: cpu")) << automatic.err;
+}
+
+TEST(CommandLine, ScenesAreListedAndPrinted) {
+  const Outcome list = fascicle({"scenes"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_EQ(list.err, "");
+  ASSERT_EQ(lines(list.out).size(), scene::builtin_scenes().size());
+  for (const scene::BuiltinScene& scene : scene::builtin_scenes())
+    EXPECT_TRUE(contains(list.out, scene.name));
+  EXPECT_TRUE(contains(list.out, "(default)"));
+
+  // What is printed is a scene file of the same content.
+  const Outcome one = fascicle({"scenes", "bar-hang-along"});
+  EXPECT_EQ(one.status, 0);
+  const TemporaryFolder folder;
+  write_text(folder / "copy.toml", one.out);
+  nlohmann::json original = nlohmann::json::parse(fascicle({"inspect", "bar-hang-along", "--json"}).out);
+  nlohmann::json copy = nlohmann::json::parse(fascicle({"inspect", folder / "copy.toml", "--json"}).out);
+  for (const char* key : {"scene", "source", "build_seconds"}) {
+    original.erase(key);
+    copy.erase(key);
+  }
+  EXPECT_EQ(original, copy);
+}
+
+TEST(CommandLine, SchemaIsJson) {
+  const Outcome outcome = fascicle({"schema"});
+  EXPECT_EQ(outcome.status, 0);
+  const nlohmann::json schema = nlohmann::json::parse(outcome.out);
+  EXPECT_TRUE(contains(schema.at("$schema").get<std::string>(), "2020-12"));
+}
+
+TEST(CommandLine, DevicesNamesTheCpuAndEveryVulkanDevice) {
+  const Outcome text = fascicle({"devices"}), json = fascicle({"devices", "--json"});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_EQ(json.status, 0);
+  const nlohmann::json devices = nlohmann::json::parse(json.out);
+  EXPECT_TRUE(contains(text.out, devices.at("cpu").at("name").get<std::string>()));
+  EXPECT_GE(devices.at("cpu").at("threads").get<unsigned>(), 1u);
+  for (const nlohmann::json& device : devices.at("vulkan")) {
+    EXPECT_TRUE(contains(text.out, device.at("name").get<std::string>()));
+    EXPECT_GT(device.at("max_storage_buffer_range").get<std::uint64_t>(), 0u);
+    // Either it is exact, or something says why it is not.
+    EXPECT_NE(device.at("exact").get<bool>(), !device.at("why_not").get<std::string>().empty());
+  }
+}
+
+TEST(CommandLine, QuietSaysNothing) {
+  const Outcome outcome =
+      fascicle({"bake", "bar-hang-none", "--dry-run", "--end", "0.1", "--device", "cpu", "-q"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_NE(outcome.out, "");
+  // Errors are said all the same.
+  expect_error(fascicle({"inspect", "bar-hang-nome", "-q"}), 3, "bar-hang-none");
+}
+
+TEST(CommandLine, JsonLogIsOneObjectALine) {
+  const TemporaryFolder folder;
+  const Outcome good = fascicle({"bake", "bar-hang-none", "-o", folder / "bake", "--end", "0.1", "--device",
+                                 "cpu", "-v", "--log-format", "json"});
+  EXPECT_EQ(good.status, 0) << good.err;
+  const Outcome usage = fascicle({"bake", "--frobnicate", "--log-format", "json"});
+  const Outcome input = fascicle({"inspect", "bar-hang-nome", "--log-format=json"});
+  EXPECT_EQ(usage.status, 2);
+  EXPECT_EQ(input.status, 3);
+  int progress = 0;
+  for (const Outcome& outcome : {good, usage, input}) {
+    ASSERT_FALSE(outcome.err.empty());
+    for (const std::string& line : lines(outcome.err)) {
+      const nlohmann::json object = nlohmann::json::parse(line, nullptr, false);
+      ASSERT_TRUE(object.is_object()) << line;
+      EXPECT_TRUE(object.contains("time") && object.contains("level") && object.contains("message")) << line;
+      if (object["level"] == "progress") ++progress;
+    }
+  }
+  EXPECT_GE(progress, 1);
+  EXPECT_EQ(nlohmann::json::parse(lines(usage.err).back())["level"], "error");
+}
+
+// stderr is a file here: no bar, no colour, with NO_COLOR or without.
+TEST(CommandLine, NoEscapesAndNoCarriageReturnsOffTheTerminal) {
+  for (const char* variable : {"NO_COLOR=1", "NO_COLOR="}) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        fascicle({"bake", "bar-hang-none", "-o", folder / "bake", "--end", "0.1", "--device", "cpu"},
+                 {variable, "TERM=xterm"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "100 %")) << outcome.err;
+    EXPECT_FALSE(contains(outcome.err + outcome.out, "\x1b"));
+    EXPECT_FALSE(contains(outcome.err + outcome.out, "\r"));
+  }
+}
+
+TEST(CommandLine, ResultsThatCannotBeWrittenAreAnError) {
+  // The shell only to send stdout to a full device.
+  const std::string command = std::string(FASCICLE_PROGRAM) + " schema >/dev/full 2>/dev/null";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(status, 1 << 8);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

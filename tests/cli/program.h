@@ -1,0 +1,75 @@
+// Runs the built executable as a user would.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace fascicle::tests {
+
+// A folder that goes away with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Outcome {
+  int status = -1;  // exit status
+  int signal = 0;   // that ended it, or 0
+  std::string out, err;
+};
+
+// `fascicle ARGUMENTS...` under way, with default signal handling and stdout and stderr in files.
+class Program {
+ public:
+  explicit Program(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& environment = {});
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void send(int signal) const;
+  bool is_running();
+  Outcome wait();
+
+ private:
+  TemporaryFolder folder_;
+  pid_t process_ = -1;
+  bool ended_ = false;
+  int raw_status_ = 0;
+};
+
+// Runs it to its end. `environment` adds NAME=VALUE entries.
+Outcome fascicle(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
+
+std::string read_text(const std::filesystem::path& path);
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace fascicle::tests
+
+// Leaves the test where there is no Vulkan device; with FASCICLE_REQUIRE_VULKAN=1 that is a failure.
+#define NEEDS_VULKAN()                                                                 \
+  do {                                                                                 \
+    const std::string without = fascicle::tests::why_no_vulkan();                      \
+    if (!without.empty() && fascicle::tests::vulkan_is_required())                     \
+      FAIL() << "no Vulkan device: " << without;                                       \
+    if (!without.empty()) GTEST_SKIP() << "NO VULKAN DEVICE, NOT TESTED: " << without; \
+  } while (false)
+
+namespace fascicle::tests {
+
+// Empty where `fascicle devices` finds a usable Vulkan device.
+std::string why_no_vulkan();
+bool vulkan_is_required();
+
+}  // namespace fascicle::tests

@@ -1,0 +1,97 @@
+// fascicle validate and fascicle inspect as a user runs them.
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+using nlohmann::json;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Validate, CpuAndVulkanAreIdentical) {
+  NEEDS_VULKAN();
+  const Outcome text = fascicle({"validate", "bar-hang-along", "--devices", "cpu,vulkan", "--frames", "4"});
+  EXPECT_EQ(text.status, 0) << text.out << text.err;
+  EXPECT_TRUE(contains(text.out, "identical")) << text.out;
+  EXPECT_TRUE(contains(text.out, "the oracle: within the bound over 4 frames")) << text.out;
+
+  const Outcome outcome = fascicle(
+      {"validate", "bar-hang-along", "--devices", "cpu,vulkan", "--frames", "4", "--json", "--no-oracle"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  EXPECT_TRUE(result.at("holds").get<bool>());
+  EXPECT_TRUE(result.at("oracle").empty());
+  const json& comparison = result.at("comparisons").at(0);
+  EXPECT_TRUE(comparison.at("identical").get<bool>());
+  EXPECT_TRUE(comparison.at("first_difference").is_null());
+  EXPECT_EQ(comparison.at("unprobed").at("frames"), 4);
+  EXPECT_EQ(comparison.at("unprobed").at("last_hash_a"), comparison.at("unprobed").at("last_hash_b"));
+  // A bar has no skeleton: in each substep predict 3, region 16, goal 3 and integrate 6 floats a vertex; what
+  // embed shows once a frame comes on top.
+  const auto vertices = result.at("vertices").get<std::uint64_t>();
+  const auto steps = 4 * result.at("substeps").get<std::uint64_t>();
+  EXPECT_GE(comparison.at("values_compared").get<std::uint64_t>(), vertices * steps * (3 + 16 + 3 + 6));
+}
+
+// Needs no Vulkan: the float solver against the oracle, and against itself with another number of threads.
+TEST(Validate, CpuKeepsToTheOracle) {
+  const Outcome outcome =
+      fascicle({"validate", "bar-hang-across", "--devices", "cpu,cpu", "--frames", "6", "--json"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const json result = json::parse(outcome.out);
+  ASSERT_EQ(result.at("oracle").size(), 2u);
+  const json& oracle = result.at("oracle").at(0);
+  EXPECT_TRUE(oracle.at("holds").get<bool>());
+  EXPECT_GT(oracle.at("largest_m").get<double>(), 0.0)
+      << "a float solver rounds: no distance means nothing was compared";
+  EXPECT_GE(oracle.at("largest_m").get<double>(), oracle.at("rms_m").get<double>());
+  EXPECT_LE(oracle.at("relative").get<double>(), oracle.at("bound").get<double>());
+}
+
+TEST(Inspect, SaysWhatIsThere) {
+  const TemporaryFolder folder;
+  const Outcome outcome = fascicle({"inspect", "bar-layers-iii", "--json", "--model", folder / "model.vtu"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json result = json::parse(outcome.out);
+  // 43 x 11 x 11 vertices, 42 x 10 x 10 cells of six tetrahedra, 0.42 x 0.1 x 0.1 m
+  EXPECT_EQ(result.at("vertices"), 43 * 11 * 11);
+  EXPECT_EQ(result.at("tetrahedra"), 42 * 10 * 10 * 6);
+  EXPECT_NEAR(result.at("volume_m3").get<double>(), 0.0042,
+              1e-12);  // sums of 25,200 doubles: far above their rounding
+  double share = 0.0;
+  for (const json& layer : result.at("layers")) share += layer.at("volume_share").get<double>();
+  EXPECT_NEAR(share, 1.0, 1e-9);
+  EXPECT_EQ(result.at("pinned_vertices"), 11 * 11);
+  EXPECT_GT(result.at("solver_bytes").get<std::uint64_t>(), 0u);
+
+  const std::string model = read_text(folder / "model.vtu");
+  EXPECT_TRUE(contains(model, "NumberOfPoints=\"5203\" NumberOfCells=\"25200\""));
+  for (const char* name : {"layer", "alpha", "beta", "fibre", "mass", "source_vertex", "kinematic"})
+    EXPECT_TRUE(contains(model, "Name=\"" + std::string(name) + "\"")) << name;
+  EXPECT_TRUE(model.ends_with("</VTKFile>\n"));
+
+  const Outcome text = fascicle({"inspect", "bar-layers-iii"});
+  EXPECT_EQ(text.status, 0);
+  for (const char* part :
+       {"vertices", "tetrahedra", "volume", "muscle", "fat", "edges", "working unit", "tip"})
+    EXPECT_TRUE(contains(text.out, part)) << part;
+}
+
+TEST(Inspect, ModelInAFolderThatIsNotThereLeavesNothing) {
+  const TemporaryFolder folder;
+  const Outcome outcome = fascicle({"inspect", "bar-hang-none", "--model", folder / "no/such/model.vtu"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_TRUE(contains(outcome.err, "model.vtu")) << outcome.err;
+}
+
+}  // namespace
+}  // namespace fascicle::tests
