@@ -54,6 +54,22 @@ File reopen(const fs::path& path) {
                   ": holds fewer frames than the checkpoint; start again with --overwrite");
 }
 
+// Writes beside `path`, then renames.
+void replace_file(const fs::path& path, std::string_view bytes, bool sync) {
+  const fs::path temporary = with_suffix(path, temporary_suffix);
+  try {
+    File file(temporary, FileMode::replace);
+    file.write(bytes);
+    if (sync) file.sync();
+    file.close();
+    rename_over(temporary, path);
+  } catch (const std::system_error&) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
 }  // namespace
 
 File::File(fs::path path, FileMode mode) : path_(std::move(path)) {
@@ -138,19 +154,16 @@ void sync_folder(const fs::path& folder) {
 }
 
 void write_whole(const fs::path& path, std::string_view bytes) {
-  const fs::path temporary = with_suffix(path, temporary_suffix);
-  try {
-    File file(temporary, FileMode::replace);
-    file.write(bytes);
-    file.sync();
-    file.close();
-    rename_over(temporary, path);
-  } catch (const std::system_error&) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    throw;
-  }
+  replace_file(path, bytes, true);
   sync_folder(path.parent_path());
+}
+
+void write_whole_unsynced(const fs::path& path, std::string_view bytes) {
+  replace_file(path, bytes, false);
+}
+
+void sync_file(const fs::path& path) {
+  File(path, FileMode::modify).sync();
 }
 
 PartFile::PartFile(fs::path path, File file) : path_(std::move(path)), file_(std::move(file)) {}

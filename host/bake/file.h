@@ -52,6 +52,10 @@ inline constexpr const char* part_suffix = ".part";
 
 // `path` holds either its old content or all of `bytes`, whatever happens.
 void write_whole(const std::filesystem::path& path, std::string_view bytes);
+// The same as far as other processes see, also if this one is killed; durable only after sync_file and
+// sync_folder.
+void write_whole_unsynced(const std::filesystem::path& path, std::string_view bytes);
+void sync_file(const std::filesystem::path& path);
 
 // A stream that grows frame by frame under the name PATH.part and becomes PATH in finish().
 class PartFile {

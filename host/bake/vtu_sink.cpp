@@ -31,17 +31,16 @@ class VtuSink final : public FrameSink {
   model::Read needs() const override { return {.positions = true, .velocities = true}; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  // Each frame's file was synced when it was written.
-  void sync() override {}
+  void sync() override;
   void finish() override;
 
  private:
-  std::string xml(double time) const;
   double time_of(std::uint64_t frame) const { return info_.start + static_cast<double>(frame) / info_.fps; }
 
   BakeInfo info_;
   fs::path folder_;
-  std::string constant_;  // the arrays that no frame changes, as they stand in the file
+  std::vector<std::uint64_t> unsynced_;  // frames written since the last sync
+  std::string constant_;                 // the arrays that no frame changes, as they stand in the file
 };
 
 template <class T>
@@ -83,25 +82,10 @@ std::string constant_arrays(const model::Model& model) {
   return bytes;
 }
 
-void VtuSink::begin(const BakeInfo& info) {
-  info_ = info;
-  folder_ = info.folder / vtu_folder;
-  const model::Model& model = *info.model;
-  if (model.tetrahedron.size() > std::numeric_limits<std::int32_t>::max())
-    throw BakeError("vtu: " + number_text(model.tetrahedron_count()) +
-                    " tetrahedra are more than its 32-bit offsets hold; leave out --format vtu");
-  constant_ = constant_arrays(model);
-  fs::create_directories(folder_);
-  for (std::uint64_t k = 0; k < info.first; ++k)
-    if (!fs::exists(folder_ / vtu_frame_name(k)))
-      throw BakeError((folder_ / vtu_frame_name(k)).string() +
-                      ": the bake to resume has lost this file; start again with --overwrite");
-  for (std::uint64_t k = info.first; fs::remove(folder_ / vtu_frame_name(k)); ++k) {
-  }
-}
+constexpr const char* text_after_arrays = "\n  </AppendedData>\n</VTKFile>\n";
 
-std::string VtuSink::xml(double time) const {
-  const model::Model& model = *info_.model;
+// A file up to its appended data.
+std::string text_before_arrays(const model::Model& model, double time) {
   const std::vector<ArrayField> arrays = fields(model);
   std::uint64_t offset = 0;
   const auto tag = [&](const ArrayField& field) {
@@ -131,6 +115,23 @@ std::string VtuSink::xml(double time) const {
   return text + "      </Cells>\n    </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_";
 }
 
+void VtuSink::begin(const BakeInfo& info) {
+  info_ = info;
+  folder_ = info.folder / vtu_folder;
+  const model::Model& model = *info.model;
+  if (model.tetrahedron.size() > std::numeric_limits<std::int32_t>::max())
+    throw BakeError("vtu: " + number_text(model.tetrahedron_count()) +
+                    " tetrahedra are more than its 32-bit offsets hold; leave out --format vtu");
+  constant_ = constant_arrays(model);
+  fs::create_directories(folder_);
+  for (std::uint64_t k = 0; k < info.first; ++k)
+    if (!fs::exists(folder_ / vtu_frame_name(k)))
+      throw BakeError((folder_ / vtu_frame_name(k)).string() +
+                      ": the bake to resume has lost this file; start again with --overwrite");
+  for (std::uint64_t k = info.first; fs::remove(folder_ / vtu_frame_name(k)); ++k) {
+  }
+}
+
 void VtuSink::write(const model::Frame& frame) {
   const model::Model& model = *info_.model;
   const std::vector<float> points = world_positions(frame.positions, model.unit, frame.origin);
@@ -143,16 +144,24 @@ void VtuSink::write(const model::Frame& frame) {
         static_cast<float>((frame.origin[i % 3] - info_.initial->origin[i % 3]) + model.unit * moved);
     velocity[i] = static_cast<float>(model.unit * double{frame.velocities[i]});
   }
-  std::string bytes = xml(time_of(frame.index));
+  std::string bytes = text_before_arrays(model, time_of(frame.index));
   append_sized(bytes, points);
   append_sized(bytes, displacement);
   append_sized(bytes, velocity);
   bytes += constant_;
-  bytes += "\n  </AppendedData>\n</VTKFile>\n";
-  write_whole(folder_ / vtu_frame_name(frame.index), bytes);
+  bytes += text_after_arrays;
+  write_whole_unsynced(folder_ / vtu_frame_name(frame.index), bytes);
+  unsynced_.push_back(frame.index);
+}
+
+void VtuSink::sync() {
+  for (const std::uint64_t frame : unsynced_) sync_file(folder_ / vtu_frame_name(frame));
+  sync_folder(folder_);
+  unsynced_.clear();
 }
 
 void VtuSink::finish() {
+  sync();
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  "
       "<Collection>\n";
@@ -180,9 +189,9 @@ bool is_vtu_frame_name(const std::string& name) {
 }
 
 std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
-  std::uint64_t bytes = 2000;  // the text around the arrays
+  std::uint64_t bytes = text_before_arrays(model, 0.125).size() + std::string(text_after_arrays).size();
   for (const ArrayField& field : fields(model)) bytes += sizeof(std::uint64_t) + field.bytes;
-  return frames * (bytes + 70);  // and its line in the collection
+  return frames * (bytes + 70);  // and the frame's line in the collection
 }
 
 }  // namespace fascicle::bake
