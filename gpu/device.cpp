@@ -67,6 +67,7 @@ Device::Impl::~Impl() {
 }
 
 spirv_exact::FloatControls Device::Impl::float_controls() const {
+  if (!use_float_controls) return {};
   return {info().rounding_rte, info().signed_zero_inf_nan_preserve};
 }
 

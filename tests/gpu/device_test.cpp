@@ -1,0 +1,69 @@
+#include "gpu/device.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "gpu/check.h"
+#include "gpu/physical_device.h"
+#include "shaders/modules.h"
+#include "shaders/spirv_exact/exact.h"
+#include "tests/gpu/vulkan_device.h"
+
+namespace fascicle::tests {
+namespace {
+
+TEST(DeviceList, IsEmptyWithAReasonOrNumbered) {
+  std::string why;
+  const std::vector<gpu::DeviceInfo> devices = gpu::list_devices(&why);
+  EXPECT_EQ(devices.empty(), !why.empty());
+  for (std::size_t k = 0; k < devices.size(); ++k) {
+    EXPECT_EQ(devices[k].index, k);
+    EXPECT_FALSE(devices[k].name.empty());
+    EXPECT_EQ(devices[k].usable, devices[k].why_not.empty());
+    EXPECT_EQ(devices[k].software, devices[k].type == "cpu");
+  }
+}
+
+TEST(Check, ThrowsTheCallsText) {
+  EXPECT_NO_THROW(gpu::check(VK_SUCCESS, "vkSomething()"));
+  EXPECT_NO_THROW(gpu::check(VK_NOT_READY, "vkSomething()"));
+  try {
+    gpu::check(VK_ERROR_DEVICE_LOST, "vkSomething(queue)");
+    FAIL();
+  } catch (const gpu::DeviceError& error) {
+    EXPECT_STREQ(error.what(), "vkSomething(queue): VK_ERROR_DEVICE_LOST");
+  }
+}
+
+// A device is refused that binds fewer buffers than the largest kernel uses: the number must be that
+// kernel's.
+TEST(PhysicalDevice, MostBuffersOfAKernelIsTheLargestKernels) {
+  std::size_t most = 0;
+  for (const spirv_exact::Module module :
+       {shader::rebase_module(), shader::skin_module(), shader::predict_module(), shader::region_module(),
+        shader::goal_module(), shader::integrate_module(), shader::update_module(), shader::embed_module(),
+        shader::self_test_module()})
+    most = std::max(most, spirv_exact::used_bindings(module).size());
+  EXPECT_EQ(most, gpu::most_buffers_of_a_kernel);
+}
+
+class OpenDevice : public VulkanTest {};
+
+TEST_F(OpenDevice, ThatDoesNotExistIsRefusedWithTheCount) {
+  try {
+    gpu::Device device(1000);
+    FAIL();
+  } catch (const gpu::DeviceError& error) {
+    EXPECT_NE(std::string(error.what()).find("no Vulkan device 1000"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(OpenDevice, TwoCanBeOpenAtOnce) {
+  gpu::Device first(*index), second(*index);
+  EXPECT_TRUE(first.self_test());
+  EXPECT_TRUE(second.self_test());
+}
+
+}  // namespace
+}  // namespace fascicle::tests

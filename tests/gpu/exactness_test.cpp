@@ -1,0 +1,57 @@
+// The controls of the exactness rules, on whole stages.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "gpu/device_impl.h"
+#include "gpu/vulkan_solver_experiments.h"
+#include "host/model/validate.h"
+#include "tests/gpu/bar_model.h"
+#include "tests/gpu/vulkan_device.h"
+#include "tests/shaders/read_module.h"
+
+namespace fascicle::tests {
+namespace {
+
+class Exactness : public VulkanTest {};
+
+std::optional<model::Difference> difference_with(std::uint32_t index, gpu::StageKernel altered,
+                                                 const gpu::AlterModule& alter) {
+  const model::Model m = make_bar({.skeleton = true, .muscle = true});
+  gpu::Device device(index);
+  device.impl().use_float_controls = false;
+  const gpu::Experiments experiments{
+      .alter_module = [&](gpu::StageKernel kernel, spirv_exact::Module module) {
+        return kernel == altered ? alter(kernel, module) : spirv_exact::Words(module.begin(), module.end());
+      }};
+  const auto vulkan = gpu::make_vulkan_solver(device, m, {}, experiments);
+  const auto cpu = cpu_reference::make_cpu_solver(m, {}, 1);
+  BarMotion motion(m, 2);
+  return first_difference(
+      m, *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 5);
+}
+
+spirv_exact::Words without_the_pass(gpu::StageKernel kernel, spirv_exact::Module) {
+  return read_raw_module(gpu::name_of(kernel));
+}
+
+// Needs a compiler that does reassociate; Mesa's is known to.
+TEST_F(Exactness, RegionWithoutNoContractionDiffers) {
+  if (!gpu::Device(*index).info().software) GTEST_SKIP() << "this driver need not reorder anything";
+  const auto difference = difference_with(*index, gpu::StageKernel::region, without_the_pass);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->where.stage, model::Stage::region);
+}
+
+// The same harness with nothing altered finds nothing: the difference above is the missing decoration's.
+TEST_F(Exactness, RegionWithThePassDoesNot) {
+  const auto difference =
+      difference_with(*index, gpu::StageKernel::region, [](gpu::StageKernel kernel, spirv_exact::Module) {
+        return spirv_exact::add_no_contraction(read_raw_module(gpu::name_of(kernel)));
+      });
+  EXPECT_FALSE(difference);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,5 @@
+// Not exact: a division.
+#version 450
+layout(local_size_x = 32) in;
+layout(std430, binding = 0) buffer Values { float value[]; };
+void main() { value[gl_GlobalInvocationID.x] = 1.0 / value[gl_GlobalInvocationID.x]; }

@@ -1,0 +1,8 @@
+// Refused: a 64-bit float.
+#version 450
+layout(local_size_x = 32) in;
+layout(std430, binding = 0) buffer Values { double value[]; };
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  value[i] = value[i] + value[i];
+}

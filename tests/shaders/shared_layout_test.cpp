@@ -1,0 +1,105 @@
+// The structs of shared.h and buffers.h have one layout in C++ and, by std430, another in GLSL, and the two
+// must be the same. The truth is in the compiled shaders: the Offset decorations of their members.
+#include <cstddef>
+#include <cstring>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "shaders/buffers.h"
+#include "shaders/modules.h"
+#include "shaders/spirv_exact/module.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Members = std::map<std::string, std::uint32_t>;  // name to offset
+
+std::string text_at(std::span<const std::uint32_t> words) {
+  return std::string(reinterpret_cast<const char*>(words.data()),
+                     strnlen(reinterpret_cast<const char*>(words.data()), 4 * words.size()));
+}
+
+struct Layout {
+  Members members;
+  std::uint32_t stride = 0;  // of a run-time array of it, 0 if there is none
+};
+
+// The struct named `name` that has offsets (a struct that only functions use has none).
+Layout layout_in(spirv_exact::Module module, const std::string& name) {
+  constexpr std::uint16_t op_name = 5, op_member_name = 6, op_type_runtime_array = 29;
+  constexpr std::uint32_t decoration_array_stride = 6;
+  std::map<std::uint32_t, std::string> names;
+  std::map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names;
+  std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> offsets;
+  std::map<std::uint32_t, std::uint32_t> strides, element_of;
+  for (const auto& i : spirv_exact::instructions_of(module)) {
+    const auto number = static_cast<std::uint16_t>(i.opcode);
+    if (number == op_name) names[i.words[1]] = text_at(i.words.subspan(2));
+    if (number == op_member_name) member_names[i.words[1]][i.words[2]] = text_at(i.words.subspan(3));
+    if (number == op_type_runtime_array) element_of[i.words[1]] = i.words[2];
+    if (i.opcode == spirv_exact::Opcode::decorate && i.words[2] == decoration_array_stride)
+      strides[i.words[1]] = i.words[3];
+    if (i.opcode == spirv_exact::Opcode::member_decorate && i.words[3] == spirv_exact::decoration_offset)
+      offsets[i.words[1]][i.words[2]] = i.words[4];
+  }
+  Layout layout;
+  for (const auto& [id, of] : offsets) {
+    if (names[id] != name) continue;
+    for (const auto& [member, offset] : of) layout.members[member_names[id][member]] = offset;
+    for (const auto& [array, element] : element_of)
+      if (element == id) layout.stride = strides[array];
+  }
+  return layout;
+}
+
+#define MEMBER(Type, name) \
+  { #name, static_cast < std::uint32_t>(offsetof(shader::Type, name)) }
+
+TEST(SharedLayout, Bone) {
+  const Layout layout = layout_in(shader::skin_module(), "Bone");
+  EXPECT_EQ(layout.members,
+            (Members{MEMBER(Bone, xx), MEMBER(Bone, xy), MEMBER(Bone, xz), MEMBER(Bone, xt), MEMBER(Bone, yx),
+                     MEMBER(Bone, yy), MEMBER(Bone, yz), MEMBER(Bone, yt), MEMBER(Bone, zx), MEMBER(Bone, zy),
+                     MEMBER(Bone, zz), MEMBER(Bone, zt)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::Bone));
+}
+
+TEST(SharedLayout, Muscle) {
+  const Layout layout = layout_in(shader::region_module(), "Muscle");
+  EXPECT_EQ(layout.members, (Members{MEMBER(Muscle, tau_x), MEMBER(Muscle, tau_y), MEMBER(Muscle, tau_z),
+                                     MEMBER(Muscle, activation)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::Muscle));
+}
+
+TEST(SharedLayout, Force) {
+  const Layout layout = layout_in(shader::predict_module(), "Force");
+  EXPECT_EQ(layout.members,
+            (Members{MEMBER(Force, x), MEMBER(Force, y), MEMBER(Force, z), MEMBER(Force, unused)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::Force));
+}
+
+TEST(SharedLayout, VertexRecord) {
+  const Layout layout = layout_in(shader::update_module(), "VertexRecord");
+  EXPECT_EQ(layout.members, (Members{MEMBER(VertexRecord, tag), MEMBER(VertexRecord, degree),
+                                     MEMBER(VertexRecord, alpha), MEMBER(VertexRecord, unused)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::VertexRecord));
+}
+
+TEST(SharedLayout, SubstepAndPush) {
+  const Layout substep = layout_in(shader::update_module(), "Substep");
+  EXPECT_EQ(
+      substep.members,
+      (Members{MEMBER(Substep, h), MEMBER(Substep, inverse_h), MEMBER(Substep, gravity_x),
+               MEMBER(Substep, gravity_y), MEMBER(Substep, gravity_z), MEMBER(Substep, shift_x),
+               MEMBER(Substep, shift_y), MEMBER(Substep, shift_z), MEMBER(Substep, vertex_count),
+               MEMBER(Substep, surface_count), MEMBER(Substep, joint_count), MEMBER(Substep, first_bone),
+               MEMBER(Substep, first_muscle), MEMBER(Substep, first_force)}));
+  const Layout push = layout_in(shader::update_module(), "Push");
+  EXPECT_EQ(push.members, (Members{MEMBER(Push, substep), MEMBER(Push, first_slice)}));
+}
+
+}  // namespace
+}  // namespace fascicle::tests

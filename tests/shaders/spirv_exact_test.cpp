@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "shaders/buffers.h"
+#include "shaders/modules.h"
+#include "shaders/spirv_exact/exact.h"
+#include "tests/shaders/read_module.h"
+
+namespace fascicle::tests {
+namespace {
+
+using spirv_exact::Instruction;
+using spirv_exact::Module;
+using spirv_exact::Opcode;
+using spirv_exact::Words;
+
+struct NamedModule {
+  const char* name;
+  Module (*words)();
+};
+const NamedModule our_modules[] = {
+    {"rebase", shader::rebase_module},       {"skin", shader::skin_module},
+    {"predict", shader::predict_module},     {"region", shader::region_module},
+    {"goal", shader::goal_module},           {"integrate", shader::integrate_module},
+    {"update", shader::update_module},       {"embed", shader::embed_module},
+    {"self_test", shader::self_test_module},
+};
+
+std::size_t count_of(Module module, Opcode opcode) {
+  const auto instructions = spirv_exact::instructions_of(module);
+  return static_cast<std::size_t>(std::count_if(instructions.begin(), instructions.end(),
+                                                [&](const Instruction& i) { return i.opcode == opcode; }));
+}
+
+std::string all_of(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+class OurShader : public testing::TestWithParam<NamedModule> {};
+
+TEST_P(OurShader, PassesTheLint) {
+  EXPECT_EQ(all_of(spirv_exact::lint(GetParam().words())), "");
+}
+
+// The control: as the compiler leaves it, each shader that computes is refused.
+TEST_P(OurShader, WithoutThePassIsRefused) {
+  EXPECT_FALSE(spirv_exact::lint(read_raw_module(GetParam().name)).empty());
+}
+
+// Each decoration is needed: one left out is seen.
+TEST_P(OurShader, OneUndecoratedOperationIsRefused) {
+  const Module exact = GetParam().words();
+  Words missing_one(exact.begin(), exact.begin() + spirv_exact::header_words);
+  std::uint32_t left_out = 0;
+  for (const Instruction& i : spirv_exact::instructions_of(exact)) {
+    if (left_out == 0 && i.opcode == Opcode::decorate && i.words[2] == spirv_exact::decoration_no_contraction)
+      left_out = i.words[1];
+    else
+      missing_one.insert(missing_one.end(), i.words.begin(), i.words.end());
+  }
+  ASSERT_NE(left_out, 0u);
+  const std::vector<std::string> faults = spirv_exact::lint(missing_one);
+  ASSERT_EQ(faults.size(), 1u) << all_of(faults);
+  EXPECT_NE(faults[0].find("without NoContraction, result %" + std::to_string(left_out)), std::string::npos)
+      << faults[0];
+}
+
+TEST_P(OurShader, PassDoneTwiceChangesNothing) {
+  const Module exact = GetParam().words();
+  EXPECT_EQ(spirv_exact::add_no_contraction(exact), Words(exact.begin(), exact.end()));
+}
+
+TEST_P(OurShader, TakesTheFloatControlsAndStaysValid) {
+  const Module exact = GetParam().words();
+  EXPECT_EQ(spirv_exact::add_float_controls(exact, {}), Words(exact.begin(), exact.end()));
+  const Words both = spirv_exact::add_float_controls(exact, {true, true});
+  EXPECT_EQ(count_of(both, Opcode::execution_mode), count_of(exact, Opcode::execution_mode) + 2);
+  EXPECT_EQ(count_of(both, Opcode::capability), count_of(exact, Opcode::capability) + 2);
+  EXPECT_EQ(all_of(spirv_exact::lint(both)), "");
+  const std::string path = testing::TempDir() + "fascicle_float_controls_" + GetParam().name + ".spv";
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(both.data()), static_cast<std::streamsize>(4 * both.size()));
+  EXPECT_EQ(std::system((std::string(SPIRV_VAL) + " --target-env vulkan1.1 " + path).c_str()), 0);
+  std::remove(path.c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Shaders, OurShader, testing::ValuesIn(our_modules),
+                         [](const auto& of) { return std::string(of.param.name); });
+
+// Shaders with one forbidden thing each. The pass decorates what it can; the lint must still refuse.
+class Planted : public testing::TestWithParam<const char*> {};
+
+TEST_P(Planted, IsRefusedByLintAndTool) {
+  const std::string raw = std::string(PLANTED_DIR) + "/" + GetParam() + ".spv";
+  EXPECT_FALSE(spirv_exact::lint(spirv_exact::add_no_contraction(read_module(raw))).empty());
+  const std::string out = testing::TempDir() + "fascicle_planted_" + GetParam() + ".spv";
+  std::remove(out.c_str());
+  EXPECT_NE(std::system((std::string(SPIRV_EXACT) + " " + raw + " " + out + " 2>/dev/null").c_str()), 0);
+  EXPECT_FALSE(std::ifstream(out).good()) << "the tool left a file though it refused the shader";
+}
+
+INSTANTIATE_TEST_SUITE_P(Shaders, Planted,
+                         testing::Values("square_root", "division", "fused", "dot_product", "vector_sum",
+                                         "double_precision", "subgroup_sum", "conversion"),
+                         [](const auto& of) { return std::string(of.param); });
+
+TEST(Module, BrokenWordsAreRefused) {
+  const Module whole = shader::goal_module();
+  EXPECT_THROW(spirv_exact::instructions_of({}), spirv_exact::ModuleError);
+  EXPECT_THROW(spirv_exact::instructions_of(whole.first(spirv_exact::header_words + 1)), spirv_exact::ModuleError);
+  Words zero_length(whole.begin(), whole.end());
+  zero_length[spirv_exact::header_words] &= 0xffff;
+  EXPECT_THROW(spirv_exact::instructions_of(zero_length), spirv_exact::ModuleError);
+  zero_length[0] = 0;
+  EXPECT_THROW(spirv_exact::instructions_of(zero_length), spirv_exact::ModuleError);
+}
+
+TEST(Module, UsedBindingsAreThoseTheCodeTouches) {
+  EXPECT_EQ(spirv_exact::used_bindings(shader::embed_module()),
+            (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_surface,
+                                        shader::buffer_surface_vertex, shader::buffer_surface_weight}));
+  EXPECT_EQ(spirv_exact::used_bindings(shader::rebase_module()),
+            (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_skinned}));
+}
+
+}  // namespace
+}  // namespace fascicle::tests
