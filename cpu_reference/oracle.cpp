@@ -204,7 +204,7 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
 
 // The rotation option names ways to approximate (9) in float; here (9) is solved, so it has no say.
 Oracle::Oracle(const model::Model& model, const model::SolverOptions& options) {
-  if (options.integrator != model::Integrator::explicit_)
+  if (options.integrator != model::Integrator::explicit_step)
     throw std::invalid_argument("oracle: integrator is not the explicit one");
   impl_ = std::make_unique<Impl>(model);
   const std::vector<shader::Bone> bind_pose(model.joint_count,

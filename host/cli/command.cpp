@@ -94,7 +94,7 @@ void log_warnings(const build::Report& report, Log& log) {
 
 model::SolverOptions solver_options(const scene::Scene& scene) {
   model::SolverOptions options;
-  if (scene.solver.integrator != model::name_of(model::Integrator::explicit_))
+  if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
     throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
                             "\"; use \"explicit\"");
   for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})

@@ -33,7 +33,7 @@ struct ProbeSet {
 };
 
 enum class WeightForm { symmetric, kaneda2017 };
-enum class Integrator { explicit_ };
+enum class Integrator { explicit_step };
 enum class Rotation { qcp, mueller2016 };
 
 const char* name_of(WeightForm form);
@@ -62,8 +62,8 @@ struct Model {
 
   // Weights (12)(13)(14), written w_ir = pull_i f_ir. f_ir is region r's share in vertex i, sum over r of f_ir = 1
   // (the share of i in its own region is what remains), a multiple of 2^-16; pull_i is alpha_i m_i (m_i if kinematic)
-  // when momentum_scaled, else sum_r w_ir. All pulls carry one common factor, chosen so that the mean over regions of
-  // |A_r|_F at rest is 1.
+  // when momentum_scaled, else sum_r w_ir. All pulls carry one common factor, the power of two that
+  // brings the mean over regions of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is exact).
   std::vector<float> pull;                       // n
   std::vector<float> share_taken;                // e: entry (r, i) holds f_ir: what region r takes of vertex i
   std::vector<float> share_given;                // e: entry (i, r) holds f_ir: what vertex i gives to region r

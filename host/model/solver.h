@@ -25,7 +25,7 @@ const char* name_of(Stage stage);
 std::uint32_t stage_width(Stage stage);
 
 struct SolverOptions {
-  Integrator integrator = Integrator::explicit_;
+  Integrator integrator = Integrator::explicit_step;
   Rotation rotation = Rotation::qcp;
 };
 

@@ -31,7 +31,7 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
   const model::Model model = build::build_model(scene, report, options);
   model::check_model(model);
   const model::SolverOptions solver_options{
-      .integrator = model::Integrator::explicit_,
+      .integrator = model::Integrator::explicit_step,
       .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
 #ifdef FASCICLE_WITH_VULKAN
