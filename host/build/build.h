@@ -33,7 +33,7 @@ struct Report {
   std::uint32_t region_fallbacks = 0;      // regions whose weights summed to nothing: w = m
   std::uint32_t vertex_fallbacks = 0;      // vertices whose weights summed to nothing: w = m
   std::uint32_t skipped_regions = 0;       // all weights zero
-  std::uint32_t pinned_vertices = 0;
+  std::uint32_t pinned_vertices = 0;        // kinematic ones: pinned, or of a kinematic layer
   std::vector<LayerShare> layers;
   std::vector<Warning> warnings;
   double seconds = 0.0;

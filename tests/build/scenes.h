@@ -26,9 +26,13 @@ inline scene::Scene bar_scene() {
   return scene;
 }
 
-inline model::Model build_quietly(const scene::Scene& scene) {
+inline model::Model build_with(const scene::Scene& scene, const build::BuildOptions& options) {
   build::Report report;
-  return build::build_model(scene, report);
+  return build::build_model(scene, report, options);
+}
+
+inline model::Model build_quietly(const scene::Scene& scene) {
+  return build_with(scene, {});
 }
 
 // Expects a SceneError whose text holds `part`.

@@ -1,0 +1,196 @@
+// Real inputs, all the way to a model: the Stanford bunny and a walking man. They need ../shared/assets and
+// the mesher.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "host/model/model.h"
+#include "host/scene/gltf.h"
+#include "host/scene/mesh_file.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using model::Model;
+using scene::Vector3d;
+
+std::filesystem::path asset(const std::string& name) {
+  return std::filesystem::path(FASCICLE_SOURCE_DIR) / ".." / "shared" / "assets" / name;
+}
+
+#define SKIP_WITHOUT(path) \
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "NOT TESTED: " << (path) << " is missing"
+
+build::BuildOptions with_mesher() {
+  build::BuildOptions options;
+  options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+  return options;
+}
+
+Vector3d metres(const Model& m, std::uint32_t i) {
+  Vector3d p;
+  for (std::size_t a = 0; a < 3; ++a)
+    p[static_cast<Eigen::Index>(a)] = m.rest_origin[a] + m.unit * double{m.rest[3 * std::size_t{i} + a]};
+  return p;
+}
+
+// The render mesh is the file's, vertex for vertex and triangle for triangle, and stands in its place.
+void expect_own_surface(const Model& model, const scene::SurfaceMesh& surface, double scale) {
+  ASSERT_EQ(model.surface_count(), surface.vertices.size());
+  ASSERT_EQ(model.surface_triangle.size(), 3 * surface.triangles.size());
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(model.surface_triangle[3 * t + k], surface.triangles[t][k]);
+  for (std::uint32_t v = 0; v < model.surface_count(); ++v) {
+    Vector3d p = Vector3d::Zero();
+    for (std::size_t c = 0; c < 4; ++c)
+      p += double{model.surface_weight[4 * v + c]} * metres(model, model.surface_vertex[4 * v + c]);
+    // Half an ULP of a float below 1 along each axis, and the weld's 1e-9 of the diagonal (at most 4 units).
+    EXPECT_LE((p - scale * surface.vertices[v]).norm(), model.unit * (0x1p-24 + 4e-9));
+  }
+}
+
+double enclosed_volume(const scene::SurfaceMesh& surface) {
+  double volume = 0.0;
+  for (const auto& t : surface.triangles)
+    volume += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]])) / 6.0;
+  return std::abs(volume);
+}
+
+scene::Layer layer_named(const std::string& name, const scene::Where& where = {}) {
+  scene::Layer layer;
+  layer.name = name;
+  layer.where = where;
+  return layer;
+}
+
+TEST(Assets, TheBunnyInThreeLayers) {
+  const std::filesystem::path file = asset("bunny.off");
+  SKIP_WITHOUT(file);
+  const scene::SurfaceMesh surface = scene::read_surface_mesh(file);
+  scene::Scene scene = bar_scene();
+  scene.geometry = surface;
+  Vector3d low = surface.vertices[0], high = low;
+  for (const Vector3d& p : surface.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Vector3d middle = (low + high) / 2.0;
+  const double size = (high - low).maxCoeff();
+  scene.bones = {{"spine", middle - Vector3d(size / 5, 0, 0), middle + Vector3d(size / 5, 0, 0)}};
+  scene.layers = {layer_named("bone", {scene::BoneDistance{0.0, 0.06 * size}}),
+                  layer_named("muscle", {scene::BoneDistance{0.06 * size, 0.2 * size}}), layer_named("fat")};
+  scene.pins = {{"base", {scene::HalfSpace{scene::Axis::y, true, true, 0.05}}}};
+
+  build::Report report;
+  const Model model = build::build_model(scene, report, with_mesher());
+  ASSERT_NO_THROW(model::check_model(model));
+  expect_own_surface(model, surface, 1.0);
+  // Thousands of volumes, and as many triangles, each rounded; the surface stands up to its own size off the
+  // origin.
+  EXPECT_NEAR(report.volume, enclosed_volume(surface), 1e-9 * report.volume);
+  for (const build::LayerShare& share : report.layers) EXPECT_GT(share.vertices, 0u) << share.name;
+  EXPECT_GT(report.pinned_vertices, 0u);
+  EXPECT_EQ(report.flipped_tetrahedra, 0u);
+}
+
+TEST(Assets, RefusesAnOpenSurfaceByItsName) {
+  const std::filesystem::path file = asset("bunny.off");
+  SKIP_WITHOUT(file);
+  scene::SurfaceMesh surface = scene::read_surface_mesh(file);
+  surface.triangles.pop_back();
+  scene::Scene scene = bar_scene();
+  scene.geometry = surface;
+  build::Report report;
+  expect_refusal([&] { build::build_model(scene, report, with_mesher()); }, "test: mesh: ");
+}
+
+scene::Scene man_scene(const scene::Character& man) {
+  scene::Scene scene = bar_scene();
+  scene.geometry = man;
+  scene.pins.clear();
+  scene.layers = {layer_named("fat"), layer_named("muscle", {scene::BoneDistance{0.0, 0.07}}),
+                  layer_named("bone", {scene::BoneDistance{0.0, 0.03}})};
+  scene.layers[0].alpha = 0.3;
+  scene.layers[2].kinematic = true;
+  return scene;
+}
+
+TEST(Assets, TheWalkingMan) {
+  const std::filesystem::path file = asset("CesiumMan.glb");
+  SKIP_WITHOUT(file);
+  const scene::Character man = scene::read_gltf(file);
+  build::Report report;
+  const Model model = build::build_model(man_scene(man), report, with_mesher());
+  ASSERT_NO_THROW(model::check_model(model));
+  expect_own_surface(model, man.surface, 1.0);
+  EXPECT_EQ(model.joint_count, man.skeleton.size());
+  EXPECT_NEAR(report.volume, enclosed_volume(man.surface), 1e-9 * report.volume);
+  for (const build::LayerShare& share : report.layers) EXPECT_GT(share.vertices, 0u) << share.name;
+
+  // A render vertex that no seam doubles moves by its own weights.
+  std::vector<std::uint32_t> doubles(model.vertex_count, 0);
+  for (std::uint32_t v = 0; v < model.surface_count(); ++v) ++doubles[model.surface_vertex[4 * v]];
+  std::size_t single = 0;
+  for (std::uint32_t v = 0; v < model.surface_count(); ++v) {
+    const std::uint32_t i = model.surface_vertex[4 * v];
+    if (doubles[i] != 1) continue;
+    ++single;
+    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k) {
+      double given = 0.0;
+      for (std::size_t c = 0; c < 8; ++c)
+        if (man.joints[v][c] == model.skin_joint[k]) given += man.weights[v][c];
+      // Shares below 1e-4 are dropped, at most seven of them.
+      EXPECT_NEAR(double{model.skin_weight[k]}, given, 7e-4);
+    }
+  }
+  EXPECT_GT(single, 1000u);
+}
+
+TEST(Assets, TheWalkingManIsTheSameEveryTime) {
+  const std::filesystem::path file = asset("CesiumMan.glb");
+  SKIP_WITHOUT(file);
+  const scene::Scene scene = man_scene(scene::read_gltf(file));
+  build::Report report;
+  const Model a = build::build_model(scene, report, with_mesher());
+  const Model b = build::build_model(scene, report, with_mesher());
+  EXPECT_EQ(a.rest, b.rest);
+  EXPECT_EQ(a.tetrahedron, b.tetrahedron);
+  EXPECT_EQ(a.skin_weight, b.skin_weight);
+  EXPECT_EQ(a.share_taken, b.share_taken);
+  EXPECT_EQ(a.tag, b.tag);
+}
+
+// Every bone has vertices of the bone layer along it: without points along the bones the layer would be
+// islands.
+TEST(Assets, TheWalkingMansBoneLayerHoldsTogether) {
+  const std::filesystem::path file = asset("CesiumMan.glb");
+  SKIP_WITHOUT(file);
+  const Model m = build_with(man_scene(scene::read_gltf(file)), with_mesher());
+  std::vector<char> seen(m.vertex_count, 0);
+  std::size_t bone_vertices = 0, largest = 0;
+  for (std::uint32_t start = 0; start < m.vertex_count; ++start) {
+    if (!m.is_kinematic(start)) continue;
+    ++bone_vertices;
+    if (seen[start]) continue;
+    std::vector<std::uint32_t> open{start};
+    seen[start] = 1;
+    std::size_t size = 0;
+    while (!open.empty()) {
+      const std::uint32_t i = open.back();
+      open.pop_back();
+      ++size;
+      for (std::uint32_t k = m.ring_offset[i]; k < m.ring_offset[i + 1]; ++k)
+        if (m.is_kinematic(m.ring[k]) && !seen[m.ring[k]]) {
+          seen[m.ring[k]] = 1;
+          open.push_back(m.ring[k]);
+        }
+    }
+    largest = std::max(largest, size);
+  }
+  // Most of the layer in one piece; feet and hands may stand alone where the skin is nearer than a spacing.
+  EXPECT_GT(2 * largest, bone_vertices);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
