@@ -47,7 +47,7 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
                        bool required) {
   scene::SceneOverrides& overrides = arguments.overrides;
-  subcommand.add_option("scene", arguments.name, what)->required(required)->option_text("SCENE");
+  subcommand.add_option("SCENE", arguments.name, what)->required(required)->option_text(" ");
   subcommand
       .add_option("--set", overrides.set, "Change a key of the scene, as in layers.fat.alpha=0.2; repeatable")
       ->allow_extra_args(false)

@@ -3,11 +3,13 @@
 #include <exception>
 #include <iostream>
 #include <new>
-#include <system_error>
+#include <string>
+#include <vector>
 
 #include "host/bake/bake.h"
 #include "host/bake/version.h"
 #include "host/cli/command.h"
+#include "host/scene/scene_table.h"
 
 namespace fascicle::cli {
 namespace {
@@ -22,6 +24,19 @@ LogOptions log_options_of_bad_usage(int argc, const char* const* argv) {
     if (joined || split) options.format = LogFormat::json;
   }
   return options;
+}
+
+// CLI11 says of a word that is no subcommand only that one is required.
+std::string usage_text(const CLI::ParseError& error, const CLI::App& app, int argc, const char* const* argv) {
+  const std::vector<CLI::App*> named = app.get_subcommands();
+  if (!named.empty())
+    return std::string(error.what()) + "; see fascicle " + named.front()->get_name() + " --help";
+  if (argc < 2 || argv[1][0] == '-') return std::string(error.what()) + "; see fascicle --help";
+  std::vector<std::string> names;
+  for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(subcommand->get_name());
+  return "there is no command \"" + std::string(argv[1]) + "\"; did you mean " +
+         scene::nearest_name(argv[1], names) + "? See fascicle --help";
 }
 
 ExitCode report(Log& log, const std::string& message, ExitCode code) {
@@ -82,10 +97,7 @@ int run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version, on stdout
     Log log(log_options_of_bad_usage(argc, argv));
-    const auto named = app.get_subcommands();
-    const std::string help =
-        named.empty() ? "fascicle --help" : "fascicle " + named.front()->get_name() + " --help";
-    log.error(std::string(error.what()) + "; see " + help);
+    log.error(usage_text(error, app, argc, argv));
     return static_cast<int>(ExitCode::bad_usage);
   }
   Log log(command.log);

@@ -31,7 +31,7 @@ ExitCode scenes(const std::string& name) {
 void add_scenes(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand("scenes", "List the built-in scenes, or print one as a scene file");
   const auto name = std::make_shared<std::string>();
-  subcommand->add_option("name", *name, "The scene to print")->option_text("NAME");
+  subcommand->add_option("NAME", *name, "The scene to print")->option_text(" ");
   add_log_options(*subcommand, command.log);
   subcommand->callback([name, &command] { command.run = [name](Log&) { return scenes(*name); }; });
 }

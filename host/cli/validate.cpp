@@ -16,10 +16,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Frames that the oracle runs where --frames does not say: it takes a hundred times as long as the CPU
-// solver, and a wrong formula shows at once.
-constexpr std::uint64_t usual_oracle_frames = 60;
-
 struct ValidateArguments {
   SceneArguments scene;
   std::string devices = "cpu,vulkan";
@@ -191,8 +187,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   const std::uint64_t all = scene::frame_count(scene);
   const std::uint64_t frames = arguments.frames == 0 ? all : std::min(arguments.frames, all);
 
-  std::uint64_t oracle_frames = 0;
-  if (arguments.oracle) oracle_frames = arguments.frames == 0 ? std::min(usual_oracle_frames, all) : frames;
+  const std::uint64_t oracle_frames = arguments.oracle ? frames : 0;
 
   std::optional<Progress> progress;
   std::string running;
@@ -226,9 +221,7 @@ void add_validate(CLI::App& app, Command& command) {
           "--devices", arguments->devices,
           "What to compare with the first: cpu, vulkan, vulkan:N, separated by commas; without it cpu,vulkan")
       ->option_text("LIST");
-  subcommand
-      ->add_option("--frames", arguments->frames,
-                   "Frames to run; without it all of the scene's, and 60 at most with the oracle")
+  subcommand->add_option("--frames", arguments->frames, "Frames to run; without it all of the scene's")
       ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}).description(""))
       ->option_text("N");
   subcommand

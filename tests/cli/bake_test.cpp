@@ -130,9 +130,9 @@ TEST(Bake, ResumeOfAnotherBakeIsBadInput) {
   EXPECT_EQ(outcome.status, 3) << outcome.err;
 }
 
-// 20,000 substeps, so that the bake is far from its end when the signal comes.
+// 7,200 substeps, so that the bake is far from its end when the signal comes.
 const std::vector<std::string> long_bake{
-    "bake",     "bar-hang-none", "--end",    "2",  "--set", "solver.substeps=170",
+    "bake",     "bar-hang-none", "--end",    "2",  "--set", "solver.substeps=60",
     "--device", "cpu",           "--format", "pc2"};
 
 TEST(Bake, InterruptedAndResumedIsAsIfNeverStopped) {
