@@ -100,7 +100,11 @@ Instance::Instance(const DeviceOptions& options) {
     info.enabledExtensionCount = 2;
     info.ppEnabledExtensionNames = extensions;
   }
-  VULKAN_CHECK(vkCreateInstance(&info, nullptr, &instance_));
+  const VkResult created = vkCreateInstance(&info, nullptr, &instance_);
+  if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw DeviceError(
+        "the Vulkan loader found no driver; on Debian, mesa-vulkan-drivers has one for most devices");
+  check(created, "vkCreateInstance");
   {
     const std::scoped_lock lock(volk_mutex());
     if (vkEnumeratePhysicalDevices == nullptr) volkLoadInstanceOnly(instance_);

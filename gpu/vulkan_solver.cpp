@@ -203,7 +203,7 @@ class VulkanSolver : public model::Solver {
       const std::vector<float> rotations = read(shader::buffer_rotation, 4 * n);
       values.reserve(16 * n);
       for (std::size_t r = 0; r < n; ++r) {
-        for (const std::size_t k : {0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11})
+        for (const std::size_t k : {0u, 1u, 2u, 4u, 5u, 6u, 8u, 9u, 10u, 3u, 7u, 11u})
           values.push_back(transforms[12 * r + k]);
         for (std::size_t k = 0; k < 4; ++k) values.push_back(rotations[4 * r + k]);
       }

@@ -18,6 +18,19 @@ struct Ignore : model::Probe {
 
 class Validation : public VulkanTest {
  protected:
+  void SetUp() override {
+    VulkanTest::SetUp();
+    if (!index) return;
+    try {
+      gpu::DeviceOptions options;
+      options.validation = true;
+      const gpu::Device device(*index, options);
+    } catch (const gpu::DeviceError& error) {
+      if (vulkan_is_required()) FAIL() << error.what();
+      GTEST_SKIP() << "NOTHING WAS VALIDATED: " << error.what();
+    }
+  }
+
   // The messages of a run that uses everything: skeleton, muscles, forces, origin shifts, probes, frames in
   // flight.
   std::vector<std::string> messages_of(const gpu::Experiments& experiments) {
