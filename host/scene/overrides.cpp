@@ -114,7 +114,7 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   for (const std::string& text : overrides.set) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw SceneError("--set " + text + ": takes KEY.PATH=VALUE, such as layers.fat.alpha=0.2");
+      throw SceneError(one_line("--set " + text + ": takes KEY.PATH=VALUE, such as layers.fat.alpha=0.2"));
     }
     set("--set " + text, std::string_view(text).substr(0, equals), text.substr(equals + 1));
   }
@@ -127,7 +127,7 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   if (overrides.clip) {
     const std::string option = "--clip " + *overrides.clip;
     if (!root.contains("character"))
-      throw SceneError(option + ": the scene has no character, so there is no clip to choose");
+      throw SceneError(one_line(option + ": the scene has no character, so there is no clip to choose"));
     set(option, "character.clip", *overrides.clip);
   }
 }

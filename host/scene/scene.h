@@ -132,7 +132,7 @@ struct SolverSettings {
 struct Scene {
   std::string name;                        // file stem or built-in name
   std::string source;                      // path as given, or "builtin:NAME"
-  std::string text;                        // scene file's text as parsed (after --set), for the manifest; empty for a bare mesh
+  std::string text;                        // scene file's text as parsed (after --set), for the manifest; a bare mesh has one too
   std::vector<std::pair<std::string, std::string>> input_hashes;  // file, xxh3-64 hex: everything that was read
 
   Geometry geometry = Bar{};
@@ -156,9 +156,9 @@ std::uint64_t frame_count(const Scene& scene);
 
 // Changes to a scene before it is checked.
 struct SceneOverrides {
-  std::vector<std::string> set;            // "layers.fat.alpha=0.2"
-  std::optional<double> fps, start, end;
-  std::optional<std::string> clip;
+  std::vector<std::string> set = {};       // "layers.fat.alpha=0.2"
+  std::optional<double> fps = {}, start = {}, end = {};
+  std::optional<std::string> clip = {};
 };
 
 // `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb .gltf) or a

@@ -173,10 +173,15 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
 }
 
 void check_table(const toml::table& table, const Table& keys, const std::string& path) {
-  for (const auto& [name, value] : in_order(table)) {
-    const Key* key = find_key(keys, name->str());
-    if (key == nullptr) fail_unknown(name->source(), path, name->str(), key_names(keys));
-    check_node(*value, *key, join_path(path, name->str()));
+  const auto entries = in_order(table);
+  // Unknown names first: a mistyped table's keys would seem to be missing elsewhere.
+  for (const auto& [name, value] : entries) {
+    if (find_key(keys, name->str()) == nullptr) {
+      fail_unknown(name->source(), path, name->str(), key_names(keys));
+    }
+  }
+  for (const auto& [name, value] : entries) {
+    check_node(*value, *find_key(keys, name->str()), join_path(path, name->str()));
   }
   for (const Key& key : keys.keys) {
     if (key.required && !table.contains(key.name)) {
@@ -186,7 +191,6 @@ void check_table(const toml::table& table, const Table& keys, const std::string&
   }
   for (const auto& choice : keys.choices) {
     const Entry* first = nullptr;
-    const auto entries = in_order(table);
     for (const Entry& entry : entries) {
       if (std::find(choice.begin(), choice.end(), entry.first->str()) == choice.end()) continue;
       if (first != nullptr) {
@@ -221,12 +225,14 @@ std::string join_path(std::string_view path, std::string_view name) {
   return path.empty() ? std::string(name) : std::string(path) + "." + std::string(name);
 }
 
-void fail(const toml::source_region& source, std::string_view path, std::string_view message) {
-  std::string text = location(source) + ": " + std::string(path) + ": " + std::string(message);
-  // Quoted keys and values may hold anything; a message is one line.
+std::string one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
-  throw SceneError(text);
+  return text;
+}
+
+void fail(const toml::source_region& source, std::string_view path, std::string_view message) {
+  throw SceneError(one_line(location(source) + ": " + std::string(path) + ": " + std::string(message)));
 }
 
 void fail_unknown(const toml::source_region& source, std::string_view path, std::string_view name,

@@ -1,0 +1,422 @@
+// load_scene: built-in scenes, scene files, bare meshes and characters, overrides, and the messages for what
+// cannot be.
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "host/scene/input_files.h"
+#include "host/scene/scene_file.h"
+#include "tests/scene/scene_samples.h"
+
+namespace fascicle::tests {
+namespace {
+
+using namespace scene;
+
+std::string refusal(const std::string& name, const SceneOverrides& overrides = {}) {
+  try {
+    load_scene(name, overrides);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+Scene parse(const std::string& text, const SceneOverrides& overrides = {}) {
+  return parse_scene({"sample", "sample.toml", text, {}}, overrides);
+}
+
+std::string refusal_of_text(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+const Layer& layer(const Scene& scene, const std::string& name) {
+  for (const Layer& each : scene.layers) {
+    if (each.name == name) return each;
+  }
+  throw std::out_of_range(name);
+}
+
+TEST(BuiltinScenes, AreThePapersInOrder) {
+  const std::vector<std::string> names{"bar-hang-none", "bar-hang-along",     "bar-hang-across",
+                                       "bar-beta-0",    "bar-beta-0.6",       "bar-beta-0.75",
+                                       "bar-beta-1",    "bar-layers-iwamoto", "bar-layers-i",
+                                       "bar-layers-ii", "bar-layers-iii"};
+  std::vector<std::string> found;
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    found.push_back(builtin.name);
+    EXPECT_TRUE(builtin.description.starts_with("figure ")) << builtin.name;
+    EXPECT_TRUE(builtin.text.starts_with("# Figure ")) << builtin.name;
+  }
+  EXPECT_EQ(found, names);
+  EXPECT_NE(std::find(names.begin(), names.end(), default_scene), names.end());
+}
+
+TEST(BuiltinScenes, AreTheFilesOfTheScenesFolder) {
+  std::size_t files = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(FASCICLE_SOURCE_DIR) / "scenes")) {
+    files += entry.path().extension() == ".toml";
+  }
+  EXPECT_EQ(files, builtin_scenes().size());
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    const auto path = std::filesystem::path(FASCICLE_SOURCE_DIR) / "scenes" / (builtin.name + ".toml");
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    EXPECT_EQ(text.str(), builtin.text) << path;
+    // The file and the name lead to the same scene.
+    Scene from_file = load_scene(path.string());
+    const Scene from_name = load_scene(builtin.name);
+    from_file.source = from_name.source;
+    EXPECT_EQ(describe(from_file), describe(from_name));
+    ASSERT_EQ(from_name.input_hashes.size(), 1u);
+    EXPECT_EQ(from_name.input_hashes[0].first, "builtin:" + builtin.name);
+    EXPECT_EQ(from_name.input_hashes[0].second, from_file.input_hashes[0].second);
+  }
+}
+
+TEST(BuiltinScenes, HaveTheSizeTheyPromise) {
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    const Scene scene = load_scene(builtin.name);
+    const Bar bar = std::get<Bar>(scene.geometry);
+    auto counts = bar.vertices;
+    std::sort(counts.begin(), counts.end());
+    EXPECT_GE(counts[0], 5u) << builtin.name;
+    EXPECT_GE(counts[2], 21u) << builtin.name;
+    EXPECT_EQ(frame_count(scene), 600u) << builtin.name;
+    ASSERT_FALSE(scene.pins.empty()) << builtin.name;
+    const auto is_tip = [](const ProbeSet& probe) { return probe.name == "tip"; };
+    EXPECT_EQ(std::count_if(scene.probes.begin(), scene.probes.end(), is_tip), 1) << builtin.name;
+    for (const Layer& each : scene.layers) EXPECT_EQ(each.damping, 13.4) << builtin.name;
+    if (builtin.name.starts_with("bar-layers")) {
+      EXPECT_GE(std::uint64_t{bar.vertices[0]} * bar.vertices[1] * bar.vertices[2], 5000u) << builtin.name;
+      EXPECT_EQ(bar.vertices, std::get<Bar>(load_scene(default_scene).geometry).vertices) << builtin.name;
+    }
+  }
+}
+
+TEST(BuiltinScenes, HaveTheParametersOfTableOne) {
+  const auto betas = [](const std::string& name) {
+    const Scene scene = load_scene(name);
+    EXPECT_EQ(scene.layers.size(), 2u);
+    EXPECT_EQ(layer(scene, "muscle").alpha, 1.0);
+    EXPECT_EQ(layer(scene, "fat").alpha, 0.3);
+    return std::pair(layer(scene, "muscle").beta, layer(scene, "fat").beta);
+  };
+  EXPECT_EQ(betas("bar-layers-iwamoto"), std::pair(0.0, 0.0));
+  EXPECT_EQ(betas("bar-layers-i"), std::pair(1.0, 0.3));
+  EXPECT_EQ(betas("bar-layers-ii"), std::pair(1.0, 0.3));
+  EXPECT_EQ(betas("bar-layers-iii"), std::pair(1.0, 1.0));
+  EXPECT_NE(*layer(load_scene("bar-layers-i"), "muscle").fibre,
+            *layer(load_scene("bar-layers-ii"), "muscle").fibre);
+}
+
+TEST(BuiltinScenes, GoThroughTheirOwnWriterUnchanged) {
+  for (const BuiltinScene& builtin : builtin_scenes()) {
+    const Scene scene = load_scene(builtin.name);
+    EXPECT_EQ(scene.text, builtin.text);
+    // An override that changes nothing makes load_scene write the text anew.
+    const Scene written = load_scene(builtin.name, {.fps = scene.fps});
+    EXPECT_NE(written.text, builtin.text);
+    EXPECT_EQ(describe(written), describe(scene));
+    const Scene again = parse_scene({scene.name, scene.source, written.text, {}}, {});
+    EXPECT_EQ(describe(again), describe(scene));
+  }
+}
+
+TEST(SceneText, GoesThroughTheWriterWithAllItsKeysAndInItsOrder) {
+  const Scene scene = parse(bar_sample());
+  // Not the alphabetical order.
+  ASSERT_EQ(scene.layers.size(), 3u);
+  EXPECT_EQ(scene.layers[0].name, "skin");
+  EXPECT_EQ(scene.layers[1].name, "fat");
+  EXPECT_EQ(scene.layers[2].name, "bone");
+  const Scene written =
+      parse(bar_sample(), {.set = {"layers.fat.alpha=0.1", "layers.ash={where={below={value=0.1}}}"}});
+  ASSERT_EQ(written.layers.size(), 4u);
+  EXPECT_EQ(written.layers[1].alpha, 0.1);
+  EXPECT_EQ(written.layers[3].name, "ash");
+  EXPECT_EQ(describe(parse(written.text)), describe(written));
+}
+
+TEST(SceneText, ReadsEveryKeyIntoItsPlace) {
+  const Scene s = parse(bar_sample());
+  EXPECT_EQ(s.gravity, Vector3d(0.0, -1.5, 0.25));
+  EXPECT_EQ(s.fps, 24.0);
+  EXPECT_EQ(s.start, 0.5);
+  EXPECT_EQ(s.end, 2.5);
+  EXPECT_EQ(frame_count(s), 48u);
+  const Bar bar = std::get<Bar>(s.geometry);
+  EXPECT_EQ(bar.size, Vector3d(0.5, 0.25, 0.125));
+  EXPECT_EQ(bar.vertices, (std::array<std::uint32_t, 3>{5, 4, 3}));
+  EXPECT_EQ(bar.jitter, 0.125);
+  EXPECT_EQ(bar.seed, 7u);
+  ASSERT_EQ(s.bones.size(), 1u);
+  EXPECT_EQ(s.bones[0].name, "thigh");
+  EXPECT_EQ(s.bones[0].from, Vector3d(0.0, 0.1, 0.1));
+  EXPECT_EQ(s.bones[0].to, Vector3d(0.4, 0.1, 0.1));
+  const Layer& fat = layer(s, "fat");
+  EXPECT_EQ(fat.alpha, 0.5);
+  EXPECT_EQ(fat.beta, 0.75);
+  EXPECT_EQ(fat.damping, 3.5);
+  EXPECT_EQ(fat.density, 900.0);
+  EXPECT_FALSE(fat.kinematic);
+  // 0 3 4 has length 5; one rounding of each division is all that can differ.
+  EXPECT_LT((*fat.fibre - Vector3d(0.0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_EQ(std::get<BoneDistance>(fat.where.at(0)).minimum, 0.01);
+  EXPECT_EQ(std::get<BoneDistance>(fat.where.at(0)).maximum, 0.05);
+  EXPECT_TRUE(layer(s, "skin").where.empty());
+  EXPECT_FALSE(layer(s, "skin").fibre.has_value());
+  EXPECT_TRUE(layer(s, "bone").kinematic);
+  EXPECT_EQ(std::get<Capsule>(layer(s, "bone").where.at(0)).radius, 0.01);
+  EXPECT_EQ(s.solver.integrator, "explicit");
+  EXPECT_EQ(s.solver.rotation, "mueller2016");
+  EXPECT_EQ(s.solver.weights, "kaneda2017");
+  EXPECT_EQ(s.solver.substeps, 5u);
+  EXPECT_EQ(std::get<Box>(s.pins.at(0).where.at(0)).maximum, Vector3d(0.1, 0.1, 0.1));
+  const auto below = std::get<HalfSpace>(s.pins.at(1).where.at(0));
+  EXPECT_EQ(below.axis, Axis::x);
+  EXPECT_TRUE(below.below);
+  EXPECT_FALSE(below.is_fraction);
+  EXPECT_EQ(below.value, 0.01);
+  EXPECT_TRUE(std::holds_alternative<Everywhere>(s.probes.at(0).where.at(0)));
+  EXPECT_EQ(std::get<Sphere>(s.probes.at(1).where.at(0)).center, Vector3d(0.2, 0.1, 0.0));
+  const auto above = std::get<HalfSpace>(s.probes.at(2).where.at(0));
+  EXPECT_EQ(above.axis, Axis::z);
+  EXPECT_FALSE(above.below);
+  EXPECT_TRUE(above.is_fraction);
+  EXPECT_EQ(above.value, 0.9);
+  EXPECT_EQ(s.forces.at(0).kind, ForceKind::wind);
+  EXPECT_EQ(s.forces.at(0).vector, Vector3d(0.0, 0.0, 10.0));
+  EXPECT_EQ(s.forces.at(1).kind, ForceKind::point);
+  EXPECT_EQ(s.forces.at(1).start, 0.25);
+  EXPECT_EQ(s.forces.at(1).end, 0.75);
+}
+
+TEST(SceneText, TakesSeveralShapes) {
+  const Scene scene = parse(
+      "[bar]\n[layers.body]\n[pin.ends]\n"
+      "where = [{ below = { axis = 'x', fraction = 0.1 } }, { above = { axis = 'x', fraction = 0.9 } }]\n");
+  EXPECT_EQ(scene.pins.at(0).where.size(), 2u);
+}
+
+TEST(SceneText, RefusesWhatDoesNotFitTogether) {
+  const std::string body = "[bar]\n[layers.body]\n";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"[layers.body]\n", "sample.toml:1: scene: lacks one of bar, mesh, character"},
+      {"[bar]\n", "sample.toml:1: layers: is missing"},
+      {"[bar]\n[layers]\n", "sample.toml:2: layers: is empty"},
+      {"[bar]\n[mesh]\nfile = 'a.off'\n[layers.body]\n", "sample.toml:2: mesh: stands beside bar"},
+      {"[mesh]\n[layers.body]\n", "sample.toml:1: mesh.file: is missing"},
+      {"[mesh]\nfile = 'nowhere.off'\n[layers.body]\n",
+       "sample.toml:2: mesh.file: nowhere.off does not exist"},
+      {"[mesh]\nfile = 'a.glb'\n[layers.body]\n", "sample.toml:2: mesh.file: a.glb is a character"},
+      {"[mesh]\nfile = 'a.txt'\n[layers.body]\n", "sample.toml:2: mesh.file: a.txt is no mesh file"},
+      {"[character]\nfile = 'a.off'\n[layers.body]\n",
+       "sample.toml:2: character.file: a.off is no character"},
+      {body + "[layers.other]\n", "sample.toml:3: layers.other.where: is missing"},
+      {body + "[layers.'a b']\n", "sample.toml:3: layers.a b: is no name"},
+      {body + "[layers]\nx = 1\n", "sample.toml:4: layers.x: takes a table"},
+      {body + "[pin.a]\n", "sample.toml:3: pin.a.where: is missing"},
+      {body + "[pin.a]\nwhere = []\n", "sample.toml:4: pin.a.where: is empty"},
+      {body + "[pin.a]\nwhere = {}\n", "sample.toml:4: pin.a.where: lacks one of box"},
+      {body + "[pin.a]\nwhere = { everywhere = false }\n", "sample.toml:4: pin.a.where.everywhere: is false"},
+      {body + "[pin.a]\nwhere = { below = { value = 1, fraction = 1 } }\n",
+       "sample.toml:4: pin.a.where.below.fraction: stands"},
+      {body + "[pin.a]\nwhere = { bone_distance = { maximum = 1 } }\n",
+       "sample.toml:4: pin.a.where.bone_distance: the scene has no bones"},
+      {body + "[pin.a]\nwhere = { box = { minimum = [0, 1, 0], maximum = [1, 0, 1] } }\n",
+       "sample.toml:4: pin.a.where.box: minimum"},
+      {body + "[force.a]\nkind = 'wind'\nvector = [1, 0, 0]\nwhere = { everywhere = true }\n",
+       "sample.toml:6: force.a.where: wind"},
+      {body + "[force.a]\nkind = 'point'\nvector = [1, 0, 0]\n", "sample.toml:3: force.a.where: is missing"},
+      {body + "[force.a]\nkind = 'wind'\nvector = [1, 0, 0]\nstart = 2\nend = 2\n",
+       "sample.toml:3: force.a.end: is not after"},
+      {body + "[bones.a]\nfrom = [1, 0, 0]\nto = [1, 0, 0]\n", "sample.toml:3: bones.a: from and to"},
+      {body + "[scene]\nstart = 3\nend = 3\n", "sample.toml:5: scene.end: lies less than a frame"},
+      {body + "[scene]\nend = 1e5\nfps = 1e5\n", "sample.toml:4: scene.end: asks for more than 10 million"},
+      {"[bar]\nvertices = [4096, 4096, 4096]\n[layers.body]\n",
+       "sample.toml:2: bar.vertices: asks for more than 100 million"},
+      {body + "[layers.body]\n", "sample.toml:3: TOML: "},
+      {body + "[layers.b\n", "sample.toml:3: TOML: "},
+      {"\xff", "sample.toml:1: TOML: "}};
+  for (const auto& [text, start] : cases)
+    EXPECT_EQ(refusal_of_text(text).substr(0, start.size()), start) << text;
+}
+
+TEST(SceneText, AnEndThatIsNotGivenFollowsTheStart) {
+  const Scene scene = parse("[scene]\nstart = 1.5\n[bar]\n[layers.body]\n");
+  EXPECT_EQ(scene.end, 3.5);
+  EXPECT_EQ(frame_count(scene), 120u);
+}
+
+TEST(Overrides, ReplaceWhatTheFileSaysAndTheLastOneWins) {
+  const Scene scene = parse(
+      bar_sample(), {.set = {"layers.fat.alpha=0.2", "scene.fps=50", "layers.fat.alpha=0.3", "scene.end=5"},
+                     .fps = 12.0,
+                     .start = 1.0});
+  EXPECT_EQ(layer(scene, "fat").alpha, 0.3);
+  EXPECT_EQ(scene.fps, 12.0);
+  EXPECT_EQ(scene.start, 1.0);
+  EXPECT_EQ(scene.end, 5.0);
+  EXPECT_EQ(layer(scene, "fat").beta, 0.75);
+}
+
+TEST(Overrides, AddTablesThatTheFileLeftOut) {
+  const Scene scene =
+      parse("[bar]\n[layers.body]\n", {.set = {"solver.substeps=9", "probe.tip={where={everywhere=true}}"}});
+  EXPECT_EQ(scene.solver.substeps, 9u);
+  ASSERT_EQ(scene.probes.size(), 1u);
+  EXPECT_EQ(scene.probes[0].name, "tip");
+}
+
+TEST(Overrides, OneFormOfAChoiceReplacesTheOther) {
+  const Scene plane = parse(bar_sample(), {.set = {"pin.plane.where.below.fraction=0.5"}});
+  EXPECT_TRUE(std::get<HalfSpace>(plane.pins.at(1).where.at(0)).is_fraction);
+  EXPECT_EQ(std::get<HalfSpace>(plane.pins.at(1).where.at(0)).value, 0.5);
+  const Scene ball = parse(bar_sample(), {.set = {"pin.plane.where.sphere={center=[0,0,0],radius=1}"}});
+  ASSERT_EQ(ball.pins.at(1).where.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<Sphere>(ball.pins.at(1).where[0]));
+  const TemporaryFolder folder;
+  write_tetrahedron_off(folder.path() / "a.off");
+  const Scene mesh =
+      parse(bar_sample(), {.set = {"mesh.file=" + (folder.path() / "a.off").string(), "mesh.scale=2"}});
+  EXPECT_TRUE(std::holds_alternative<SurfaceMesh>(mesh.geometry));
+  EXPECT_EQ(mesh.scale, 2.0);
+}
+
+TEST(Overrides, NameTheOptionWhenTheyAreWrong) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"layers.fat.alhpa=0.2", "layers.fat.alhpa: unknown; did you mean alpha?"},
+      {"layers.fta.alpha=0.2", "layers.fta: unknown; did you mean fat?"},
+      {"layres.fat.alpha=0.2", "layres: unknown; did you mean layers?"},
+      {"layers.fat.alpha=2", "layers.fat.alpha: is 2; must be at most 1"},
+      {"layers.fat.alpha=much", "layers.fat.alpha: takes a number, not text"},
+      {"layers.fat.alpha.x=1", "layers.fat.alpha: has no keys inside"},
+      {"layers.fat.alpha=1\nbeta=1", "layers.fat.alpha: the value is neither"},
+      {"layers.fat=3", "layers.fat: takes a table"},
+      {"solver.rotation=svd", "solver.rotation: \"svd\" is not one of qcp, mueller2016"},
+      {"scene.fps=nan", "scene.fps: is not a finite number"},
+      {"layers..alpha=1", "layers.: unknown"}};
+  for (const auto& [set, message] : cases) {
+    std::string start = "--set " + set + ": " + message;
+    std::replace(start.begin(), start.end(), '\n', '?');
+    EXPECT_EQ(refusal(default_scene, {.set = {set}}).substr(0, start.size()), start);
+  }
+  EXPECT_TRUE(refusal(default_scene, {.set = {"foo"}}).starts_with("--set foo: takes KEY.PATH=VALUE"));
+  EXPECT_TRUE(
+      refusal(default_scene, {.fps = 0.0}).starts_with("--fps 0: scene.fps: is 0; must be at least 0.001"));
+  EXPECT_TRUE(
+      refusal(default_scene, {.end = -1.0}).starts_with("--end -1: scene.end: lies less than a frame"));
+  EXPECT_TRUE(refusal(default_scene, {.start = 20.0}).starts_with("builtin:bar-layers-iii:"));
+  EXPECT_TRUE(
+      refusal(default_scene, {.clip = "walk"}).starts_with("--clip walk: the scene has no character"));
+}
+
+TEST(LoadScene, HashesAreXxh3OfSixtyFourBits) {
+  // The value for no input at all that xxHash's own sanity checks hold XXH3_64bits to.
+  EXPECT_EQ(hash_of(""), "2d06800538d394c2");
+}
+
+TEST(LoadScene, HashesSceneAndMesh) {
+  const TemporaryFolder folder;
+  write_tetrahedron_off(folder.path() / "tetrahedron.off");
+  write_file(folder.path() / "a.toml", mesh_sample());
+  const Scene scene = load_scene((folder.path() / "a.toml").string());
+  EXPECT_EQ(scene.name, "a");
+  EXPECT_EQ(scene.text, mesh_sample());
+  ASSERT_EQ(scene.input_hashes.size(), 2u);
+  EXPECT_EQ(scene.input_hashes[0].first, (folder.path() / "a.toml").string());
+  EXPECT_EQ(scene.input_hashes[1].first, (folder.path() / "tetrahedron.off").string());
+  for (const auto& [file, hash] : scene.input_hashes) EXPECT_EQ(hash.size(), 16u);
+  write_file(folder.path() / "tetrahedron.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n");
+  const Scene changed = load_scene((folder.path() / "a.toml").string());
+  EXPECT_EQ(changed.input_hashes[0], scene.input_hashes[0]);
+  EXPECT_NE(changed.input_hashes[1].second, scene.input_hashes[1].second);
+}
+
+TEST(LoadScene, HashesBothFilesOfATetGenMesh) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "a.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
+  write_file(folder.path() / "a.ele", "1 4 0\n1 1 2 3 4\n");
+  const Scene scene = load_scene((folder.path() / "a.ele").string());
+  EXPECT_TRUE(std::holds_alternative<TetMesh>(scene.geometry));
+  ASSERT_EQ(scene.input_hashes.size(), 2u);
+  EXPECT_TRUE(scene.input_hashes[0].first.ends_with("a.node"));
+  EXPECT_TRUE(scene.input_hashes[1].first.ends_with("a.ele"));
+}
+
+TEST(LoadScene, TakesABareMeshAsAScene) {
+  const TemporaryFolder folder;
+  // A name that TOML must quote.
+  const auto path = folder.path() / "it's \"it\".off";
+  write_tetrahedron_off(path);
+  const Scene scene = load_scene(path.string(), {.set = {"mesh.resolution=0.5"}});
+  EXPECT_EQ(scene.source, path.string());
+  ASSERT_EQ(scene.layers.size(), 1u);
+  EXPECT_EQ(scene.layers[0].name, "body");
+  EXPECT_EQ(scene.layers[0].alpha, 1.0);
+  EXPECT_EQ(scene.layers[0].beta, 0.0);
+  EXPECT_TRUE(scene.layers[0].where.empty());
+  ASSERT_EQ(scene.pins.size(), 1u);
+  const auto below = std::get<HalfSpace>(scene.pins[0].where.at(0));
+  EXPECT_TRUE(below.below && below.is_fraction && below.axis == Axis::y);
+  EXPECT_EQ(below.value, 0.05);
+  ASSERT_EQ(scene.probes.size(), 1u);
+  EXPECT_EQ(scene.probes[0].name, "top");
+  EXPECT_EQ(scene.gravity, Vector3d(0, -9.81, 0));
+  EXPECT_EQ(scene.solver.substeps, 8u);
+  EXPECT_EQ(frame_count(scene), 120u);
+  EXPECT_EQ(scene.resolution, 0.5);
+  EXPECT_EQ(describe(parse_scene({scene.name, scene.source, scene.text, {}}, {})), describe(scene));
+}
+
+TEST(LoadScene, TakesABareCharacterAsAScene) {
+  const auto path = assets_folder() / "CesiumMan.glb";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "needs " << path;
+  const Scene scene = load_scene(path.string());
+  EXPECT_TRUE(std::holds_alternative<Character>(scene.geometry));
+  // Later layers win: fat is what neither muscle nor bone claims.
+  ASSERT_EQ(scene.layers.size(), 3u);
+  EXPECT_EQ(scene.layers[0].name, "fat");
+  EXPECT_EQ(scene.layers[1].name, "muscle");
+  EXPECT_EQ(scene.layers[2].name, "bone");
+  EXPECT_TRUE(scene.layers[0].where.empty());
+  EXPECT_EQ(std::pair(scene.layers[0].alpha, scene.layers[0].beta), std::pair(0.3, 0.0));
+  EXPECT_EQ(std::pair(scene.layers[1].alpha, scene.layers[1].beta), std::pair(1.0, 1.0));
+  EXPECT_TRUE(scene.layers[2].kinematic);
+  const double muscle = std::get<BoneDistance>(scene.layers[1].where.at(0)).maximum;
+  const double bone = std::get<BoneDistance>(scene.layers[2].where.at(0)).maximum;
+  // Of a man of 1.5 m: his wrists are about 2 to 4 cm thick from the axis to the skin, his belly over 10.
+  EXPECT_GT(bone, 0.015);
+  EXPECT_LT(bone, 0.05);
+  EXPECT_GT(muscle, bone);
+  EXPECT_LT(muscle, 0.1);
+  EXPECT_EQ(scene.solver.substeps, 8u);
+  EXPECT_EQ(scene.start, 0.0);
+  EXPECT_NEAR(scene.end, 2.0, 1e-6);  // the clip's last key, a float in the file
+  EXPECT_EQ(frame_count(scene), 120u);
+  EXPECT_EQ(frame_count(load_scene(path.string(), {.fps = 24.0, .end = 1.0, .clip = "0"})), 24u);
+  EXPECT_TRUE(refusal(path.string(), {.clip = "jump"}).starts_with("--clip jump: character.clip: "));
+  EXPECT_EQ(scene.input_hashes.size(), 1u);
+}
+
+TEST(LoadScene, SaysWhatANameMayBe) {
+  EXPECT_NE(refusal("bar-layer-iii").find("did you mean bar-layers-iii?"), std::string::npos);
+  EXPECT_EQ(refusal("/nowhere/a.toml"), "/nowhere/a.toml does not exist");
+  EXPECT_EQ(refusal("/nowhere/a.glb"), "/nowhere/a.glb does not exist");
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "a.toml");
+  EXPECT_EQ(refusal((folder.path() / "a.toml").string()),
+            (folder.path() / "a.toml").string() + " is not a file");
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,370 @@
+// Every key of the scene file: mistyped, of a wrong type, out of range; and the JSON Schema that says the
+// same. The keys are taken from hand-written samples and from the schema's text, not from the table that both
+// are made from.
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/scene/scene_file.h"
+#include "tests/scene/scene_samples.h"
+
+namespace fascicle::tests {
+namespace {
+
+using nlohmann::json;
+using scene::Scene;
+using scene::SceneError;
+
+const std::set<std::string> tables_of_named{"bones", "layers", "pin", "probe", "force"};
+
+// One line of a sample, and what it is about.
+struct Line {
+  std::size_t number = 0;  // from 0
+  std::string text;
+  std::vector<std::string> section;  // parts of the header above, or of this header
+  std::string key;                   // empty: a header
+};
+
+struct Sample {
+  std::vector<Line> lines;
+
+  std::string text_with(std::size_t number, const std::string& replacement) const {
+    std::string text;
+    for (const Line& line : lines) text += (line.number == number ? replacement : line.text) + "\n";
+    return text;
+  }
+};
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, '.');) parts.push_back(part);
+  return parts;
+}
+
+Sample sample_of(const std::string& text) {
+  Sample sample;
+  std::istringstream in(text);
+  std::vector<std::string> section;
+  for (std::string line; std::getline(in, line);) {
+    Line entry{sample.lines.size(), line, {}, {}};
+    if (line.starts_with('[')) section = split(line.substr(1, line.size() - 2));
+    if (const std::size_t equals = line.find(" = "); equals != std::string::npos)
+      entry.key = line.substr(0, equals);
+    if (line.starts_with('[') || !entry.key.empty()) entry.section = section;
+    sample.lines.push_back(entry);
+  }
+  return sample;
+}
+
+std::string join(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ".") + part;
+  return text;
+}
+
+// "layers.fat.alpha" to "layers.NAME.alpha"
+std::string general(std::vector<std::string> parts) {
+  if (parts.size() > 1 && tables_of_named.contains(parts[0])) parts[1] = "NAME";
+  return join(parts);
+}
+
+// The files that the mesh and character samples name stand in a folder of their own.
+class SceneKeys : public ::testing::Test {
+ protected:
+  SceneKeys() {
+    write_tetrahedron_off(folder_.path() / "tetrahedron.off");
+    samples_.push_back(sample_of(bar_sample()));
+    samples_.push_back(sample_of(mesh_sample()));
+    const auto character = assets_folder() / "CesiumMan.glb";
+    has_character_ = std::filesystem::exists(character);
+    if (has_character_) std::filesystem::copy(character, folder_.path() / "CesiumMan.glb");
+    samples_.push_back(sample_of(character_sample()));
+  }
+
+  Scene parse(const std::string& text, const scene::SceneOverrides& overrides = {}) const {
+    return scene::parse_scene({"sample", "sample.toml", text, folder_.path()}, overrides);
+  }
+
+  // The message of the SceneError that `text` must lead to.
+  std::string refusal(const std::string& text, const scene::SceneOverrides& overrides = {}) const {
+    try {
+      parse(text, overrides);
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  void for_each_line(const std::function<void(const Sample&, const Line&)>& use) const {
+    for (const Sample& sample : samples_) {
+      for (const Line& line : sample.lines) use(sample, line);
+    }
+  }
+
+  TemporaryFolder folder_;
+  std::vector<Sample> samples_;
+  bool has_character_ = false;
+};
+
+std::string mistyped(std::string name) {
+  std::swap(name[name.size() - 1], name[name.size() - 2]);
+  return name;
+}
+
+std::set<std::string> keys_of_samples(const std::vector<Sample>& samples) {
+  std::set<std::string> keys;
+  for (const Sample& sample : samples) {
+    for (const Line& line : sample.lines) {
+      for (std::size_t n = 1; n <= line.section.size(); ++n) {
+        keys.insert(general({line.section.begin(), line.section.begin() + static_cast<std::ptrdiff_t>(n)}));
+      }
+      if (line.key.empty()) continue;
+      auto parts = line.section;
+      parts.push_back(line.key);
+      keys.insert(general(parts));
+    }
+  }
+  for (const std::string& table : tables_of_named) keys.erase(table + ".NAME");
+  return keys;
+}
+
+// Shapes may stand under each `where`, and either half space may have each of its keys; the samples show each
+// once.
+std::string shape_key(const std::string& key) {
+  std::string short_key = key;
+  if (const std::size_t where = key.find(".where."); where != std::string::npos)
+    short_key = "WHERE" + key.substr(where + 6);
+  if (const std::size_t above = short_key.find("above."); above != std::string::npos)
+    short_key.replace(above, 5, "below");
+  return short_key;
+}
+
+// Path to each property of the schema.
+std::map<std::string, json> properties_of_schema() {
+  const json schema = json::parse(scene::scene_schema());
+  std::map<std::string, json> found;
+  const std::function<void(const json&, const std::string&)> walk = [&](const json& node,
+                                                                        const std::string& path) {
+    if (node.contains("$ref")) {
+      const auto reference = node["$ref"].get<std::string>();
+      ASSERT_TRUE(reference.starts_with("#/"));
+      walk(schema.at(json::json_pointer(reference.substr(1))), path);
+      return;
+    }
+    if (node.contains("oneOf") && !node.contains("properties")) walk(node["oneOf"][0], path);
+    if (node.contains("additionalProperties") && node["additionalProperties"].is_object()) {
+      walk(node["additionalProperties"], path + ".NAME");
+    }
+    if (!node.contains("properties")) return;
+    EXPECT_EQ(node["additionalProperties"], false) << path;
+    for (const auto& [name, property] : node["properties"].items()) {
+      const std::string inner = path.empty() ? name : path + "." + name;
+      found[inner] = property;
+      walk(property, inner);
+    }
+  };
+  walk(schema, "");
+  return found;
+}
+
+TEST_F(SceneKeys, SamplesAreAccepted) {
+  EXPECT_EQ(refusal(bar_sample()), "no error");
+  EXPECT_EQ(refusal(mesh_sample()), "no error");
+  if (has_character_) {
+    EXPECT_EQ(refusal(character_sample()), "no error");
+  }
+}
+
+TEST_F(SceneKeys, SchemaListsTheSamplesKeysAndNothingElse) {
+  const json schema = json::parse(scene::scene_schema());
+  EXPECT_EQ(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
+  std::set<std::string> in_schema, in_samples;
+  for (const auto& [path, property] : properties_of_schema()) {
+    in_schema.insert(shape_key(path));
+    EXPECT_TRUE(property.contains("description")) << path;
+  }
+  for (const std::string& key : keys_of_samples(samples_)) in_samples.insert(shape_key(key));
+  EXPECT_EQ(in_schema, in_samples);
+}
+
+TEST_F(SceneKeys, MistypedKeysAreRefusedWithLineAndNearestName) {
+  std::size_t tried = 0;
+  for_each_line([&](const Sample& sample, const Line& line) {
+    if (line.key.empty()) return;
+    const std::string text =
+        sample.text_with(line.number, mistyped(line.key) + line.text.substr(line.key.size()));
+    const std::string start = "sample.toml:" + std::to_string(line.number + 1) + ": " + join(line.section) +
+                              "." + mistyped(line.key) + ": unknown; did you mean " + line.key + "?";
+    EXPECT_EQ(refusal(text).substr(0, start.size()), start);
+    ++tried;
+  });
+  EXPECT_GE(tried, 50u);
+}
+
+TEST_F(SceneKeys, MistypedTablesAreRefusedWithLineAndNearestName) {
+  for_each_line([&](const Sample& sample, const Line& line) {
+    if (!line.key.empty()) return;
+    for (std::size_t i = 0; i < line.section.size(); ++i) {
+      if (i == 1 && tables_of_named.contains(line.section[0])) continue;
+      auto parts = line.section;
+      parts[i] = mistyped(parts[i]);
+      const std::string message = refusal(sample.text_with(line.number, "[" + join(parts) + "]"));
+      const std::vector<std::string> up_to(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      const std::string start = "sample.toml:" + std::to_string(line.number + 1) + ": " + join(up_to) +
+                                ": unknown; did you mean " + line.section[i] + "?";
+      EXPECT_EQ(message.substr(0, start.size()), start);
+    }
+  });
+}
+
+TEST_F(SceneKeys, WrongTypesAreRefusedWithLine) {
+  const auto schema = properties_of_schema();
+  for_each_line([&](const Sample& sample, const Line& line) {
+    if (line.key.empty()) return;
+    auto parts = line.section;
+    parts.push_back(line.key);
+    const json& property = schema.at(general(parts));
+    const std::string type = property["type"];
+    std::vector<std::string> wrong{"1979-05-27", "{}", "[[1.0]]"};
+    if (type != "string") wrong.push_back("\"1\"");
+    if (type != "boolean") wrong.push_back("true");
+    if (type != "number" && type != "integer") wrong.push_back("1");
+    if (type != "number") wrong.push_back("1.5");
+    if (type == "array") {
+      wrong.insert(wrong.end(), {"[]", "[2, 2]", "[2, 2, 2, 2]", "[2, 2, \"2\"]", "[2, 2, nan]"});
+      if (property["items"]["type"] == "integer") wrong.push_back("[2, 2, 2.5]");
+    }
+    if (type == "number") wrong.insert(wrong.end(), {"nan", "inf", "-inf", "+nan"});
+    for (const std::string& value : wrong) {
+      const std::string start = "sample.toml:" + std::to_string(line.number + 1) + ": " + join(parts);
+      EXPECT_EQ(refusal(sample.text_with(line.number, line.key + " = " + value)).substr(0, start.size()),
+                start)
+          << value;
+    }
+  });
+}
+
+TEST_F(SceneKeys, TablesOfWrongTypeAreRefused) {
+  for (const auto& [path, property] : properties_of_schema()) {
+    const bool is_table =
+        property.contains("$ref") || property.contains("oneOf") || property["type"] == "object";
+    if (!is_table || path.find("WHERE") != std::string::npos) continue;
+    std::string set = path;
+    // Names in the bar sample that are there whatever the path goes on with.
+    const std::map<std::string, std::string> names{
+        {"bones", "thigh"}, {"layers", "fat"}, {"pin", "box"}, {"probe", "ball"}, {"force", "push"}};
+    const std::string first = split(path)[0];
+    if (const std::size_t name = set.find("NAME"); name != std::string::npos)
+      set.replace(name, 4, names.at(first));
+    for (const std::string value : {"3", "\"text\"", "[]", "[1]"}) {
+      const std::string option = "--set " + set + "=" + value;
+      const std::string start = option + ": " + set;
+      EXPECT_EQ(refusal(bar_sample(), {.set = {set + "=" + value}}).substr(0, start.size()), start);
+    }
+  }
+}
+
+// The largest double or whole number that a schema's bound leaves out, on the far side of it.
+std::string beyond(const json& bounds, bool minimum) {
+  const bool whole = bounds["type"] == "integer";
+  std::ostringstream out;
+  out.precision(17);
+  if (minimum && bounds.contains("exclusiveMinimum")) {
+    out << std::showpoint << bounds["exclusiveMinimum"].get<double>();
+  } else if (const char* name = minimum ? "minimum" : "maximum"; !bounds.contains(name)) {
+    return {};
+  } else if (whole) {
+    out << bounds[name].get<std::int64_t>() + (minimum ? -1 : 1);
+  } else {
+    const double far = minimum ? -INFINITY : INFINITY;
+    out << std::showpoint << std::nextafter(bounds[name].get<double>(), far);
+  }
+  return out.str();
+}
+
+std::string at_bound(const json& bounds, bool minimum) {
+  const char* name = minimum ? "minimum" : "maximum";
+  return bounds.contains(name) ? bounds[name].dump() : std::string{};
+}
+
+TEST_F(SceneKeys, ValuesOutOfTheSchemasRangeAreRefusedAndItsBoundsAreNot) {
+  const auto schema = properties_of_schema();
+  std::size_t tried = 0;
+  for_each_line([&](const Sample& sample, const Line& line) {
+    if (line.key.empty()) return;
+    auto parts = line.section;
+    parts.push_back(line.key);
+    const json& property = schema.at(general(parts));
+    const bool is_vector = property["type"] == "array";
+    const json& bounds = is_vector ? property["items"] : property;
+    const auto with = [&](const std::string& value) {
+      const std::string whole_value = is_vector ? "[" + value + ", " + value + ", " + value + "]" : value;
+      return refusal(sample.text_with(line.number, line.key + " = " + whole_value));
+    };
+    const std::string start = "sample.toml:" + std::to_string(line.number + 1) + ": " + join(parts);
+    for (const bool minimum : {true, false}) {
+      if (const std::string value = beyond(bounds, minimum); !value.empty()) {
+        const std::string message = with(value);
+        EXPECT_EQ(message.substr(0, start.size()), start) << value;
+        EXPECT_NE(message.find("must be"), std::string::npos) << message;
+        ++tried;
+      }
+      // A bound itself may clash with other keys (end with start), but not with the range.
+      if (const std::string value = at_bound(bounds, minimum); !value.empty()) {
+        EXPECT_EQ(with(value).find("must be"), std::string::npos) << start << " " << value;
+      }
+    }
+    if (property.contains("enum")) {
+      EXPECT_EQ(with("\"nonesuch\"").substr(0, start.size()), start);
+      ++tried;
+    }
+  });
+  EXPECT_GE(tried, 60u);
+}
+
+TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
+  const std::vector<std::string> refused{
+      "layers.fat.alpha=1.01",     "layers.fat.alpha=-0.01", "layers.fat.beta=1.01", "layers.fat.beta=-0.01",
+      "layers.fat.damping=-1",     "layers.fat.density=0",   "bar.jitter=0.31",      "bar.vertices=[1, 5, 5]",
+      "bar.size=[0, 1, 1]",        "solver.substeps=0",      "solver.substeps=1001", "scene.fps=0",
+      "layers.fat.fibre=[0, 0, 0]"};
+  for (const std::string& set : refused) {
+    const std::string start = "--set " + set + ": ";
+    EXPECT_EQ(refusal(bar_sample(), {.set = {set}}).substr(0, start.size()), start);
+  }
+  const std::vector<std::string> accepted{
+      "layers.fat.alpha=0",   "layers.fat.alpha=1", "layers.fat.beta=0",      "layers.fat.beta=1",
+      "layers.fat.damping=0", "bar.jitter=0.3",     "bar.vertices=[2, 2, 2]", "solver.substeps=1000"};
+  for (const std::string& set : accepted) EXPECT_EQ(refusal(bar_sample(), {.set = {set}}), "no error") << set;
+}
+
+TEST_F(SceneKeys, AbsentKeysMeanTheSchemasDefaults) {
+  if (!has_character_) GTEST_SKIP() << "needs ../shared/assets/CesiumMan.glb";
+  const auto schema = properties_of_schema();
+  std::set<std::string> with_default, tried;
+  for (const auto& [path, property] : schema) {
+    if (property.contains("default")) with_default.insert(shape_key(path));
+  }
+  for_each_line([&](const Sample& sample, const Line& line) {
+    if (line.key.empty()) return;
+    auto parts = line.section;
+    parts.push_back(line.key);
+    const json& property = schema.at(general(parts));
+    if (!property.contains("default")) return;
+    const std::string given = line.key + " = " + property["default"].dump();
+    EXPECT_EQ(describe(parse(sample.text_with(line.number, ""))),
+              describe(parse(sample.text_with(line.number, given))))
+        << given;
+    tried.insert(shape_key(general(parts)));
+  });
+  EXPECT_EQ(tried, with_default);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

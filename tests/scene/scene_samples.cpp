@@ -1,0 +1,204 @@
+#include "tests/scene/scene_samples.h"
+
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+namespace fascicle::tests {
+
+using namespace scene;
+
+std::string bar_sample() {
+  return R"(# Every key of a bar's scene.
+[scene]
+description = "all keys"
+gravity = [0.0, -1.5, 0.25]
+fps = 24
+start = 0.5
+end = 2.5
+
+[bar]
+size = [0.5, 0.25, 0.125]
+vertices = [5, 4, 3]
+jitter = 0.125
+seed = 7
+
+[bones.thigh]
+from = [0.0, 0.1, 0.1]
+to = [0.4, 0.1, 0.1]
+
+[layers.skin]
+alpha = 0.25
+
+[layers.fat]
+alpha = 0.5
+beta = 0.75
+damping = 3.5
+density = 900.0
+fibre = [0.0, 3.0, 4.0]
+kinematic = false
+
+[layers.fat.where.bone_distance]
+minimum = 0.01
+maximum = 0.05
+
+[layers.bone]
+kinematic = true
+
+[layers.bone.where.capsule]
+from = [0.0, 0.1, 0.1]
+to = [0.4, 0.1, 0.1]
+radius = 0.01
+
+[solver]
+integrator = "explicit"
+rotation = "mueller2016"
+weights = "kaneda2017"
+substeps = 5
+
+[pin.box.where.box]
+minimum = [0.0, 0.0, 0.0]
+maximum = [0.1, 0.1, 0.1]
+
+[pin.plane.where.below]
+axis = "x"
+value = 0.01
+
+[probe.all.where]
+everywhere = true
+
+[probe.ball.where.sphere]
+center = [0.2, 0.1, 0.0]
+radius = 0.1
+
+[probe.tip.where.above]
+axis = "z"
+fraction = 0.9
+
+[force.breeze]
+kind = "wind"
+vector = [0.0, 0.0, 10.0]
+
+[force.push]
+kind = "point"
+vector = [1.0, 0.0, 0.0]
+start = 0.25
+end = 0.75
+
+[force.push.where.above]
+axis = "x"
+fraction = 1.0
+)";
+}
+
+std::string mesh_sample() {
+  return R"(# Every key of a mesh.
+[mesh]
+file = "tetrahedron.off"
+scale = 0.5
+resolution = 0.25
+
+[layers.body]
+alpha = 0.5
+)";
+}
+
+std::string character_sample() {
+  return R"(# Every key of a character.
+[character]
+file = "CesiumMan.glb"
+clip = "0"
+resolution = 0.05
+
+[layers.body]
+alpha = 0.5
+)";
+}
+
+void write_tetrahedron_off(const std::filesystem::path& path) {
+  write_file(path, "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+}
+
+namespace {
+
+class Description {
+ public:
+  Description() { out_ << std::hexfloat; }
+  std::string text() const { return out_.str(); }
+
+  template <class... Values>
+  void line(const char* name, const Values&... values) {
+    out_ << name;
+    ((out_ << ' ', add(values)), ...);
+    out_ << '\n';
+  }
+
+ private:
+  template <class Value>
+  void add(const Value& value) {
+    out_ << value;
+  }
+  void add(const Vector3d& v) { out_ << v.x() << ' ' << v.y() << ' ' << v.z(); }
+  template <class Value>
+  void add(const std::optional<Value>& value) {
+    if (value) add(*value);
+  }
+  void add(const Where& where) {
+    for (const Shape& shape : where) std::visit([&](const auto& s) { add_shape(s); }, shape);
+  }
+  void add_shape(const Box& s) { out_ << "box ", add(s.minimum), out_ << ' ', add(s.maximum); }
+  void add_shape(const Sphere& s) { out_ << "sphere ", add(s.center), out_ << ' ' << s.radius; }
+  void add_shape(const Capsule& s) {
+    out_ << "capsule ", add(s.from), out_ << ' ', add(s.to), out_ << ' ' << s.radius;
+  }
+  void add_shape(const HalfSpace& s) {
+    out_ << "half_space " << static_cast<int>(s.axis) << s.below << s.is_fraction << ' ' << s.value;
+  }
+  void add_shape(const BoneDistance& s) { out_ << "bone_distance " << s.minimum << ' ' << s.maximum; }
+  void add_shape(const Everywhere&) { out_ << "everywhere"; }
+
+  std::ostringstream out_;
+};
+
+}  // namespace
+
+std::string describe(const Scene& scene) {
+  Description d;
+  d.line("name", scene.name, scene.source);
+  d.line("geometry", scene.geometry.index(), scene.scale, scene.resolution);
+  if (const auto* bar = std::get_if<Bar>(&scene.geometry)) {
+    d.line("bar", bar->size, bar->vertices[0], bar->vertices[1], bar->vertices[2], bar->jitter, bar->seed);
+  } else if (const auto* surface = std::get_if<SurfaceMesh>(&scene.geometry)) {
+    for (const Vector3d& p : surface->vertices) d.line("vertex", p);
+    for (const auto& t : surface->triangles) d.line("triangle", t[0], t[1], t[2]);
+  } else if (const auto* character = std::get_if<Character>(&scene.geometry)) {
+    for (const Vector3d& p : character->surface.vertices) d.line("vertex", p);
+  }
+  for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
+  for (const Layer& l : scene.layers) {
+    d.line("layer", l.name, l.alpha, l.beta, l.damping, l.density, l.fibre, l.kinematic, l.where);
+  }
+  for (const Pin& pin : scene.pins) d.line("pin", pin.name, pin.where);
+  for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);
+  for (const Force& f : scene.forces) {
+    d.line("force", f.name, static_cast<int>(f.kind), f.vector, f.where, f.start, f.end);
+  }
+  d.line("gravity", scene.gravity);
+  d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
+         scene.solver.substeps);
+  d.line("time", scene.fps, scene.start, scene.end, scene.clip);
+  return d.text();
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  ASSERT_TRUE(out.good()) << path;
+}
+
+std::filesystem::path assets_folder() {
+  return std::filesystem::path(FASCICLE_SOURCE_DIR) / ".." / "shared" / "assets";
+}
+
+}  // namespace fascicle::tests

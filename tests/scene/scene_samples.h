@@ -1,0 +1,29 @@
+// Scene files for the tests, and scenes as text, so that they can be compared.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/scene/scene.h"
+#include "tests/scene/gltf_builder.h"  // TemporaryFolder
+
+namespace fascicle::tests {
+
+// Between them these use every key there is, one a line.
+std::string bar_sample();
+std::string mesh_sample();       // of a file tetrahedron.off beside it
+std::string character_sample();  // of a file CesiumMan.glb beside it
+
+// A closed surface of four triangles.
+void write_tetrahedron_off(const std::filesystem::path& path);
+
+// Every field of the scene but its text and hashes, all digits.
+std::string describe(const scene::Scene& scene);
+
+// Writes the whole file; a failure to do so fails the test.
+void write_file(const std::filesystem::path& path, const std::string& text);
+
+// The characters and meshes for trials; they are not part of the repository.
+std::filesystem::path assets_folder();
+
+}  // namespace fascicle::tests
