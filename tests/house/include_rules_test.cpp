@@ -24,7 +24,7 @@ struct Room {
 const std::vector<std::string> every_room{"shaders/",   "host/scene/",    "host/build/", "host/model/",
                                           "host/bake/", "cpu_reference/", "gpu/",        "host/cli/"};
 const std::vector<std::string> every_library{"Eigen",      "JSON",       "xxHash", "Vulkan",
-                                             "GoogleTest", "RapidCheck", "CLI11"};
+                                             "GoogleTest", "RapidCheck", "CLI11",  "SIMD"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
@@ -37,7 +37,7 @@ const std::vector<Room>& rooms() {
       {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
       {"host/bake/", {"host/scene/", "host/model/"}, {"JSON", "xxHash"}},
       {"host/cli/", every_room, {"CLI11", "JSON"}},
-      {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen"}},
+      {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
       {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
       {"tests/", every_room, every_library},
       {"bench/", every_room, every_library},
@@ -52,7 +52,8 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
       {"volk.h", "Vulkan"},         {"vulkan/", "Vulkan"},       {"CLI/", "CLI11"},
       {"toml++/", "toml++"},        {"tiny_gltf.h", "tinygltf"}, {"nlohmann/", "JSON"},
       {"xxhash.h", "xxHash"},       {"gtest/", "GoogleTest"},    {"gmock/", "GoogleTest"},
-      {"rapidcheck", "RapidCheck"}, {"pugixml.hpp", "pugixml"},
+      {"rapidcheck", "RapidCheck"}, {"pugixml.hpp", "pugixml"},  {"immintrin.h", "SIMD"},
+      {"xmmintrin.h", "SIMD"},
   };
   return table;
 }
