@@ -1,0 +1,11 @@
+#!/bin/sh
+# The long runs that CI has a short form of; argument: a build folder with tests. About an hour on 2 cores.
+set -eu
+build=$1
+# 20,000 random bodies a property; CI runs 100.
+RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
+# Damaged meshes, scenes and characters, many times over.
+"$build/test_scene" --gtest_filter='*uzz*:*amage*:*alicious*:*utat*' --gtest_repeat=20
+# All scenes on all devices for a minute of time instead of ten seconds.
+FASCICLE_EXACTNESS_FRAMES=3600 "$build/test_exactness"
+echo "soak: all passed"
