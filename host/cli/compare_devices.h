@@ -22,7 +22,7 @@ namespace fascicle::cli {
 // out, in an undamped one they grow with the number of substeps N, as its modes drift apart in phase: about
 // 6e-8 N, 6e-5 after the 1,000 substeps in which a bar swings a few times. The rotation extraction adds its
 // own 3e-5 degrees, 5e-7 rad. 1e-3 leaves a factor of ten over their sum for states that are sensitive by
-// themselves, such as a region about to turn inside out. The bars of figures 6 and 7 stay below 2e-5 over 600
+// themselves, such as a region about to turn inside out. The bars of figures 6 to 8 stay below 3e-5 over 600
 // frames; a wrong formula, weight or index moves the body by percents.
 inline constexpr double oracle_bound = 1e-3;
 

@@ -1,10 +1,12 @@
 // fascicle validate and fascicle inspect as a user runs them.
 #include <filesystem>
 #include <string>
+#include <variant>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/scene/scene.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -61,19 +63,22 @@ TEST(Inspect, SaysWhatIsThere) {
   const Outcome outcome = fascicle({"inspect", "bar-layers-iii", "--json", "--model", folder / "model.vtu"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json result = json::parse(outcome.out);
-  // 43 x 11 x 11 vertices, 42 x 10 x 10 cells of six tetrahedra, 0.42 x 0.1 x 0.1 m
-  EXPECT_EQ(result.at("vertices"), 43 * 11 * 11);
-  EXPECT_EQ(result.at("tetrahedra"), 42 * 10 * 10 * 6);
-  EXPECT_NEAR(result.at("volume_m3").get<double>(), 0.0042,
-              1e-12);  // sums of 25,200 doubles: far above their rounding
+  const scene::Bar bar = std::get<scene::Bar>(scene::load_scene("bar-layers-iii").geometry);
+  const auto [nx, ny, nz] = bar.vertices;
+  const std::uint32_t vertices = nx * ny * nz, tetrahedra = 6 * (nx - 1) * (ny - 1) * (nz - 1);
+  EXPECT_EQ(result.at("vertices"), vertices);
+  EXPECT_EQ(result.at("tetrahedra"), tetrahedra);
+  // Sums of some 10,000 doubles: 1e-9 is far above their rounding.
+  EXPECT_NEAR(result.at("volume_m3").get<double>() / bar.size.prod(), 1.0, 1e-9);
   double share = 0.0;
   for (const json& layer : result.at("layers")) share += layer.at("volume_share").get<double>();
   EXPECT_NEAR(share, 1.0, 1e-9);
-  EXPECT_EQ(result.at("pinned_vertices"), 11 * 11);
+  EXPECT_EQ(result.at("pinned_vertices"), ny * nz);
   EXPECT_GT(result.at("solver_bytes").get<std::uint64_t>(), 0u);
 
   const std::string model = read_text(folder / "model.vtu");
-  EXPECT_TRUE(contains(model, "NumberOfPoints=\"5203\" NumberOfCells=\"25200\""));
+  EXPECT_TRUE(contains(model, "NumberOfPoints=\"" + std::to_string(vertices) + "\" NumberOfCells=\"" +
+                                  std::to_string(tetrahedra) + "\""));
   for (const char* name : {"layer", "alpha", "beta", "fibre", "mass", "source_vertex", "kinematic"})
     EXPECT_TRUE(contains(model, "Name=\"" + std::string(name) + "\"")) << name;
   EXPECT_TRUE(model.ends_with("</VTKFile>\n"));
