@@ -48,7 +48,10 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
   try {
     if (path.extension() == ".toml") return load_scene_file(path, overrides);
     if (is_tet_mesh_file(path) || is_surface_mesh_file(path)) {
-      return parse_scene({stem, name, scene_for_mesh(path), {}}, overrides);
+      // Read twice, as a character is: the substeps follow from the size.
+      const Geometry mesh =
+          is_tet_mesh_file(path) ? Geometry(read_tet_mesh(path)) : Geometry(read_surface_mesh(path));
+      return parse_scene({stem, name, scene_for_mesh(path, mesh), {}}, overrides);
     }
     if (is_gltf_file(path)) {
       // Read twice, because the layers' default extents follow from the size; the text must be complete
