@@ -1,6 +1,8 @@
 #include "cpu_reference/thread_pool.h"
 
 #include <algorithm>
+#include <new>
+#include <system_error>
 
 namespace fascicle::cpu_reference {
 
@@ -22,9 +24,14 @@ bool spin_until(Ready ready) {
 
 ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
-  workers_.reserve(threads - 1);
-  for (unsigned worker = 1; worker < threads; ++worker)
-    workers_.emplace_back([this, worker] { work(worker); });
+  // A thread that is underway must be joined whatever happens, so nothing may leave this loop by an
+  // exception.
+  try {
+    for (unsigned worker = 1; worker < threads; ++worker)
+      workers_.emplace_back([this, worker] { work(worker); });
+  } catch (const std::system_error&) {
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 ThreadPool::~ThreadPool() {

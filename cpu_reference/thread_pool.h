@@ -12,7 +12,8 @@ namespace fascicle::cpu_reference {
 
 class ThreadPool {
  public:
-  // `threads` counts the caller; 0 means one for each core.
+  // `threads` counts the caller; 0 means one for each core. Where the system refuses to make that many (a
+  // limit on memory or on processes) the pool is smaller: size() tells, and no result depends on it.
   explicit ThreadPool(unsigned threads);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;

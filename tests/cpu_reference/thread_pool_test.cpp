@@ -1,0 +1,86 @@
+// ThreadPool: every item once, whatever the number of threads, also where the system makes fewer than asked
+// for.
+#include "cpu_reference/thread_pool.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+namespace fascicle::tests {
+
+namespace {
+
+using cpu_reference::ThreadPool;
+
+// Whether two jobs in a row visit each item of [0, count) exactly once each.
+bool visits_each_once(ThreadPool& pool, std::uint32_t count) {
+  std::vector<int> visits(count, 0);
+  for (int round = 1; round <= 2; ++round) {
+    pool.run(count, [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t i = first; i < last; ++i) ++visits[i];
+    });
+    for (const int v : visits)
+      if (v != round) return false;
+  }
+  return true;
+}
+
+TEST(ThreadPool, VisitsEachItemOnce) {
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    ThreadPool pool(threads);
+    EXPECT_EQ(pool.size(), threads);
+    for (const std::uint32_t count : {0u, 1u, 7u, 1000u})
+      EXPECT_TRUE(visits_each_once(pool, count)) << threads << " threads, " << count << " items";
+  }
+}
+
+TEST(ThreadPool, HasOneThreadOrMoreByDefault) {
+  EXPECT_GE(ThreadPool(0).size(), 1u);
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+
+TEST(ThreadPool, GoesOnWithTheThreadsThatCouldBeMade) {
+  GTEST_SKIP() << "SKIPPED: under a sanitizer a process cannot live with a limit on its address space";
+}
+
+#else
+
+std::size_t address_space_used() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * 4096;
+}
+
+// In a process of its own, as the limit would hold for the rest of the tests. Leaves with 0 if all is well.
+[[noreturn]] void use_a_pool_under_a_limit() {
+  // A thread's stack takes 2 MiB or more, so that 200 MiB hold some threads and not 1,000.
+  const rlim_t limit = address_space_used() + (200u << 20);
+  const rlimit space{limit, limit};
+  setrlimit(RLIMIT_AS, &space);
+  int status = 0;
+  {
+    ThreadPool pool(1000);
+    if (pool.size() < 2 || pool.size() >= 1000)
+      status = 1;
+    else if (!visits_each_once(pool, 5000))
+      status = 2;
+    std::fprintf(stderr, "%u threads\n", pool.size());
+  }
+  std::_Exit(status);
+}
+
+TEST(ThreadPoolDeathTest, GoesOnWithTheThreadsThatCouldBeMade) {
+  EXPECT_EXIT(use_a_pool_under_a_limit(), testing::ExitedWithCode(0), "threads");
+}
+
+#endif
+
+}  // namespace
+
+}  // namespace fascicle::tests
