@@ -6,6 +6,7 @@
 #include <memory>
 #include <system_error>
 
+#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "host/scene/gltf.h"

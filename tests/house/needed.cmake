@@ -1,0 +1,31 @@
+# cmake -D READELF=readelf -P needed.cmake -- PROGRAM [LIBRARY...]
+# Fails if a program asks the loader for more than the C library and the libraries named.
+cmake_minimum_required(VERSION 3.25)
+
+math(EXPR last "${CMAKE_ARGC} - 1")
+set(arguments "")
+set(after_dashes OFF)
+foreach(k RANGE ${last})
+  if(after_dashes)
+    list(APPEND arguments "${CMAKE_ARGV${k}}")
+  elseif("${CMAKE_ARGV${k}}" STREQUAL "--")
+    set(after_dashes ON)
+  endif()
+endforeach()
+list(POP_FRONT arguments program)
+
+execute_process(COMMAND ${READELF} --dynamic --wide ${program} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "[(]NEEDED[)][^\n]*" lines "${text}")
+set(needed "")
+foreach(line IN LISTS lines)
+  string(REGEX REPLACE "^.*: .(.*).$" "\\1" library "${line}")
+  list(APPEND needed "${library}")
+endforeach()
+# The C library itself must be found, or the reading above found nothing at all.
+if(NOT "libc.so.6" IN_LIST needed)
+  message(FATAL_ERROR "${program}: no libc.so.6 among what it needs (${needed}); is this a dynamic executable?")
+endif()
+list(REMOVE_ITEM needed libc.so.6 libm.so.6 ld-linux-x86-64.so.2 ld-linux-aarch64.so.1 ${arguments})
+if(needed)
+  message(FATAL_ERROR "${program}: needs ${needed}; a portable executable may need only the C library and (${arguments})")
+endif()
