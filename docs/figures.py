@@ -179,7 +179,7 @@ def figure_7(program):
     width, height, scale = 900, 330, 185 / length
     canvas, body, drops = Canvas(width, height), "", {}
     for k, (beta, r) in enumerate(results):
-        draw(canvas, r["frame"](r["samples"] - 1), r["triangles"], banded(r["rest"], SINGLE, 0, length / 10), scale, (30 + 222 * k, 130))
+        draw(canvas, r["frame"](r["samples"] - 1), r["triangles"], banded(r["rest"], SINGLE, 0, length / 10), scale, (52 + 222 * k, 130))
         drops[beta] = -tip_change(r)[1] / length
     body += image(canvas, 0, 0)
     for k, (beta, _) in enumerate(results):
@@ -193,22 +193,22 @@ def figure_8(program):
     inks = ["#888888", "#3465a4", "#4e9a06", "#cc0000"]
     results = [(label, read_bake(bake(program, f"bar-layers-{name}"))) for name, label in names]
     length = length_of(results[0][1], 0)
-    width, height, scale = 960, 560, 190 / length
+    width, height, scale = 960, 560, 180 / length
     canvas, body = Canvas(width, 300), ""
     half = length / 2
     for k, (label, r) in enumerate(results):
         swing = r["metrics"]
         lowest = min(range(len(swing)), key=lambda f: swing[f]["tip_y"])
         color = lambda t, r=r: MUSCLE if sum(r["rest"][i][0] for i in t) / 3 < half else FAT
-        draw(canvas, r["frame"](lowest), r["triangles"], color, scale, (30 + 238 * k, 110))
+        draw(canvas, r["frame"](lowest), r["triangles"], color, scale, (64 + 238 * k, 110))
     body += image(canvas, 0, 0)
     left, top, w, h = 60, 320, 860, 200
-    seconds = 3.0
+    seconds = 5.0
     shown = [[(m["time"], (m["tip_y"] - r["metrics"][0]["tip_y"]) / length) for m in r["metrics"] if m["time"] <= seconds] for _, r in results]
     low = min(y for curve in shown for _, y in curve) * 1.05
     px = lambda t: left + w * t / seconds
     py = lambda y: top + h * y / low
-    for k in range(7):
+    for k in range(11):
         body += f'<line x1="{px(k / 2)}" x2="{px(k / 2)}" y1="{top}" y2="{top + h}" stroke="#eee"/>\n' + text(px(k / 2), top + h + 18, f"{k / 2:g} s")
     step = 0.1 if -low < 0.6 else 0.2
     for k in range(int(-low / step) + 1):
