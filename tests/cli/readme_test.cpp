@@ -1,0 +1,93 @@
+// README, --help and the code agree: the README's commands are run, its scene file is parsed, and the
+// subcommands of ./do it names exist.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  EXPECT_TRUE(file) << path;
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// The lines of all fenced blocks of one language.
+std::vector<std::string> fenced(const std::string& language) {
+  std::istringstream readme(text_of(std::filesystem::path(FASCICLE_SOURCE_DIR) / "README.md"));
+  std::vector<std::string> lines;
+  bool inside = false;
+  for (std::string line; std::getline(readme, line);) {
+    if (line.rfind("```", 0) == 0)
+      inside = !inside && line == "```" + language;
+    else if (inside)
+      lines.push_back(line);
+  }
+  return lines;
+}
+
+class Readme : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("fascicle-readme-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_ / "out");
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST_F(Readme, CommandsRun) {
+  std::size_t ran = 0;
+  for (const std::string& line : fenced("sh")) {
+    if (line.rfind("fascicle ", 0) != 0) continue;
+    const std::string command = "cd '" + folder_.string() + "' && PATH='" + FASCICLE_BINARY_DIR +
+                                "':\"$PATH\" && { " + line.substr(0, line.find("  #")) + "; } > log 2>&1";
+    if (line.find("vulkan") != std::string::npos && !std::getenv("FASCICLE_REQUIRE_VULKAN") &&
+        std::system((std::string(FASCICLE_BINARY_DIR) + "/fascicle devices | grep -q vulkan:").c_str()) !=
+            0) {
+      ADD_FAILURE() << "no Vulkan device: README's '" << line << "' was NOT run";
+      continue;
+    }
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(status, 0) << line << "\n" << text_of(folder_ / "log");
+    ++ran;
+  }
+  EXPECT_GE(ran, 8u) << "README's commands were not found";
+}
+
+TEST_F(Readme, ScriptKnowsItsSubcommands) {
+  const std::string script = text_of(std::filesystem::path(FASCICLE_SOURCE_DIR) / "do");
+  std::size_t seen = 0;
+  for (const std::string& line : fenced("sh")) {
+    if (line.rfind("./do ", 0) != 0) continue;
+    std::istringstream words(line.substr(5));
+    std::string subcommand;
+    words >> subcommand;
+    EXPECT_NE(script.find("\n  " + subcommand + ")"), std::string::npos) << line;
+    ++seen;
+  }
+  EXPECT_EQ(seen, 2u) << "the first screen shows two commands";
+}
+
+TEST_F(Readme, SceneFileIsOne) {
+  std::ofstream file(folder_ / "readme.toml");
+  for (const std::string& line : fenced("toml")) file << line << "\n";
+  file.close();
+  const scene::Scene scene = scene::load_scene((folder_ / "readme.toml").string());
+  EXPECT_EQ(scene.layers.size(), 2u);
+  EXPECT_EQ(scene.forces.size(), 1u);
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
