@@ -28,7 +28,7 @@ class CpuSolver : public model::Solver {
     fields_.transforms.resize(12 * n);
     fields_.goals.resize(3 * n);
     fields_.surface.resize(3 * std::size_t{model.surface_count()});
-    CpuSolver::load(model::initial_state(model, rest_pose(model), model.rest_origin));
+    CpuSolver::load(model::rest_state(model));
   }
 
   void submit(const Drive& drive, Read what, Probe* probe) override {
@@ -76,11 +76,6 @@ class CpuSolver : public model::Solver {
   }
 
  private:
-  // Bones that leave every vertex where it is at rest.
-  static std::vector<shader::Bone> rest_pose(const Model& model) {
-    return std::vector<shader::Bone>(model.joint_count, shader::Bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
-  }
-
   using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
   void run(std::uint32_t count, ModelStage stage, const SubstepInput& in) {
     pool_.run(count, [&](std::uint32_t first, std::uint32_t last) {
@@ -90,14 +85,7 @@ class CpuSolver : public model::Solver {
 
   SubstepInput input_of(const Drive& drive, std::uint32_t s) const {
     SubstepInput in;
-    in.step.h = static_cast<float>(drive.h);
-    in.step.inverse_h = static_cast<float>(1.0 / drive.h);
-    in.step.gravity_x = drive.gravity[0];
-    in.step.gravity_y = drive.gravity[1];
-    in.step.gravity_z = drive.gravity[2];
-    in.step.shift_x = drive.origin_shift[0];
-    in.step.shift_y = drive.origin_shift[1];
-    in.step.shift_z = drive.origin_shift[2];
+    in.step = model::first_substep(model_, drive);
     in.bones = drive.bones.subspan(std::size_t{s} * model_.joint_count, model_.joint_count);
     in.muscles = drive.muscles.subspan(std::size_t{s} * model_.muscle_count, model_.muscle_count);
     in.forces = drive.forces.subspan(std::size_t{s} * model_.force_count, model_.force_count);
@@ -128,29 +116,11 @@ class CpuSolver : public model::Solver {
     run(n, &predict, in);
     show(Stage::predict, fields_.predicted);
     run(n, &region, in);
-    show(Stage::region, regions_shown());
+    show(Stage::region, model::side_by_side(fields_.transforms, 12, fields_.rotations, 4));
     run(n, &goal, in);
     show(Stage::goal, fields_.goals);
     run(n, &integrate, in);
-    show(Stage::integrate, motion_shown());
-  }
-
-  // The layouts of stage_width.
-  std::vector<float> regions_shown() const {
-    std::vector<float> shown(16 * std::size_t{model_.vertex_count});
-    for (std::size_t r = 0; r < model_.vertex_count; ++r) {
-      for (std::size_t k = 0; k < 12; ++k) shown[16 * r + k] = fields_.transforms[12 * r + k];
-      for (std::size_t k = 0; k < 4; ++k) shown[16 * r + 12 + k] = fields_.rotations[4 * r + k];
-    }
-    return shown;
-  }
-  std::vector<float> motion_shown() const {
-    std::vector<float> shown(6 * std::size_t{model_.vertex_count});
-    for (std::size_t i = 0; i < model_.vertex_count; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) shown[6 * i + k] = fields_.positions[3 * i + k];
-      for (std::size_t k = 0; k < 3; ++k) shown[6 * i + 3 + k] = fields_.velocities[3 * i + k];
-    }
-    return shown;
+    show(Stage::integrate, model::side_by_side(fields_.positions, 3, fields_.velocities, 3));
   }
 
   const Model& model_;

@@ -41,6 +41,14 @@ std::uint32_t memory_type_of(const Device::Impl& device, std::uint32_t types, Bu
 
 }  // namespace
 
+bool takes_device_memory(const Device::Impl& device, BufferUse use) {
+  const VkPhysicalDeviceMemoryProperties& memory = device.physical.memory;
+  // Which types a buffer may have is known when it is there; this takes any of them.
+  const std::uint32_t type = memory_type_of(device, ~0u, use);
+  return (memory.memoryHeaps[memory.memoryTypes[type].heapIndex].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) !=
+         0;
+}
+
 Buffer::Buffer(const Device::Impl& device, VkDeviceSize bytes, BufferUse use)
     : size_(std::max<VkDeviceSize>(bytes, 16)) {
   VkBufferCreateInfo info{};

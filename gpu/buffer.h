@@ -15,6 +15,10 @@ enum class BufferUse {
   readback,  // the device copies into it, then the host reads
 };
 
+// Whether such a buffer takes device memory: an upload or readback buffer does where host and device share
+// theirs.
+bool takes_device_memory(const Device::Impl& device, BufferUse use);
+
 class Buffer {
  public:
   Buffer() = default;

@@ -67,7 +67,6 @@ Device::Impl::~Impl() {
 }
 
 spirv_exact::FloatControls Device::Impl::float_controls() const {
-  if (!use_float_controls) return {};
   return {info().rounding_rte, info().signed_zero_inf_nan_preserve};
 }
 
@@ -102,7 +101,8 @@ const DeviceInfo& Device::info() const {
 }
 
 bool Device::self_test(std::string* why) {
-  const std::string difference = first_self_test_difference(run_self_test(*impl_));
+  const std::string difference =
+      first_self_test_difference(run_self_test(*impl_, shader::self_test_module(), impl_->float_controls()));
   if (why) *why = difference;
   return difference.empty();
 }

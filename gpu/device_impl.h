@@ -21,9 +21,7 @@ struct Device::Impl {
 
   const DeviceInfo& info() const { return physical.info; }
 
-  // Float modes that shaders are given on this device. A driver may take them as a reason to reorder nothing
-  // (Mesa does), so the tests of NoContraction do without them.
-  bool use_float_controls = true;
+  // Float modes that shaders are given on this device.
   spirv_exact::FloatControls float_controls() const;
 
   // Queues a command buffer; `fence` may be null. Several solvers may share the device.

@@ -1,8 +1,19 @@
 #include "gpu/frame_recorder.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace fascicle::gpu {
+
+FrameRecorder::FrameRecorder(Device::Impl& device, FrameSlot& slot, const SubmissionPace& pace,
+                             const RecorderOptions& options)
+    : device_(device),
+      slot_(slot),
+      options_(options),
+      allowed_slices_(std::min(pace.slices_per_submission(), options.limits.slices_per_submission)),
+      allowed_groups_(std::min(device.info().max_groups, options.limits.groups_per_dispatch)) {
+  assert(allowed_slices_ > 0 && allowed_groups_ > 0);
+}
 
 CommandBuffer& FrameRecorder::commands() {
   if (!open_) {
@@ -17,6 +28,7 @@ void FrameRecorder::submit(VkFence fence) {
   commands().end_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
   open_->submit(fence);
   slot_.slices_of_submission.push_back(recorded_);
+  if (options_.on_submission) options_.on_submission(recorded_);
   open_.reset();
   recorded_ = 0;
 }
@@ -26,12 +38,12 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
   const std::uint32_t slices = items / shader::slice_width + (items % shader::slice_width != 0 ? 1 : 0);
   shader::Push push{substep, 0};
   while (push.first_slice < slices) {
-    if (recorded_ >= allowed_) submit(VK_NULL_HANDLE);
-    const std::uint64_t room =
-        std::min<std::uint64_t>(allowed_ - recorded_, device_.physical.limits.maxComputeWorkGroupCount[0]);
+    if (recorded_ >= allowed_slices_) submit(VK_NULL_HANDLE);
+    const std::uint64_t room = std::min(allowed_slices_ - recorded_, allowed_groups_);
     const auto groups = static_cast<std::uint32_t>(std::min<std::uint64_t>(room, slices - push.first_slice));
     commands().dispatch(slot_.kernel(kernel), slot_.set(kernel, swapped), push, groups);
-    if (with_barriers_) commands().barrier();
+    if (options_.with_barriers) commands().barrier();
+    if (options_.on_dispatch) options_.on_dispatch(groups);
     push.first_slice += groups;
     recorded_ += groups;
   }

@@ -2,17 +2,32 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <optional>
 
 #include "gpu/frame_slot.h"
 
 namespace fascicle::gpu {
 
+// Where work is cut.
+struct SubmissionLimits {
+  std::uint64_t slices_per_submission = std::numeric_limits<std::uint64_t>::max();
+  std::uint32_t groups_per_dispatch = std::numeric_limits<std::uint32_t>::max();
+};
+
+struct RecorderOptions {
+  SubmissionLimits limits;
+  bool with_barriers = true;
+  std::function<void(std::uint64_t slices)> on_submission = {};
+  std::function<void(std::uint32_t groups)> on_dispatch = {};
+};
+
 class FrameRecorder {
  public:
-  // `with_barriers` false is for the test that shows the validation layer sees a missing one.
-  FrameRecorder(Device::Impl& device, FrameSlot& slot, const SubmissionPace& pace, bool with_barriers)
-      : device_(device), slot_(slot), allowed_(pace.slices_per_submission()), with_barriers_(with_barriers) {}
+  // The options outlive the recorder. The slot's submissions are cut by its pace too, if that is less.
+  FrameRecorder(Device::Impl& device, FrameSlot& slot, const SubmissionPace& pace,
+                const RecorderOptions& options);
 
   // One invocation an item. What was recorded before is done before it, what comes later sees it.
   void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items);
@@ -31,8 +46,9 @@ class FrameRecorder {
 
   Device::Impl& device_;
   FrameSlot& slot_;
-  std::uint64_t allowed_;
-  bool with_barriers_;
+  const RecorderOptions& options_;
+  std::uint64_t allowed_slices_;  // in a submission
+  std::uint64_t allowed_groups_;  // in a dispatch
   std::optional<CommandBuffer> open_;
   std::uint64_t recorded_ = 0;  // slices in the open submission
 };

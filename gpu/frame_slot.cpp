@@ -21,6 +21,11 @@ std::span<const float> floats(std::span<const std::byte> bytes) {
 
 }  // namespace
 
+std::uint64_t readback_bytes(const Device::Impl& device, const model::Model& model) {
+  if (!takes_device_memory(device, BufferUse::readback)) return 0;
+  return std::uint64_t{2 * 16} * model.vertex_count + std::uint64_t{12} * model.surface_count();
+}
+
 FrameSlot::FrameSlot(Device::Impl& device, const StageKernels& kernels, const ModelBuffers& buffers)
     : pool(device),
       fence(device),

@@ -13,6 +13,12 @@
 
 namespace fascicle::gpu {
 
+// Frames that may be under way at once; more hide no more of the time that the host takes.
+inline constexpr std::size_t most_frames_in_flight = 4;
+
+// Bytes of device memory that the results of one frame take, if all of them are read.
+std::uint64_t readback_bytes(const Device::Impl& device, const model::Model& model);
+
 class FrameSlot {
  public:
   FrameSlot(Device::Impl& device, const StageKernels& kernels, const ModelBuffers& buffers);

@@ -5,8 +5,9 @@
 namespace fascicle::gpu {
 namespace {
 
-Owned<VkShaderModule> make_module(const Device::Impl& device, spirv_exact::Module words) {
-  const spirv_exact::Words code = spirv_exact::add_float_controls(words, device.float_controls());
+Owned<VkShaderModule> make_module(const Device::Impl& device, spirv_exact::Module words,
+                                  spirv_exact::FloatControls controls) {
+  const spirv_exact::Words code = spirv_exact::add_float_controls(words, controls);
   VkShaderModuleCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
   info.codeSize = code.size() * sizeof(std::uint32_t);
@@ -46,7 +47,7 @@ Owned<VkPipelineLayout> make_layout(const Device::Impl& device, VkDescriptorSetL
 }  // namespace
 
 Kernel::Kernel(const Device::Impl& device, spirv_exact::Module module,
-               std::span<const std::uint32_t> constants)
+               std::span<const std::uint32_t> constants, spirv_exact::FloatControls controls)
     : buffers_(spirv_exact::used_bindings(module)),
       set_layout_(make_set_layout(device, buffers_)),
       layout_(make_layout(device, set_layout_.get())) {
@@ -59,7 +60,7 @@ Kernel::Kernel(const Device::Impl& device, spirv_exact::Module module,
   specialisation.dataSize = constants.size_bytes();
   specialisation.pData = constants.data();
 
-  const Owned<VkShaderModule> shader_module = make_module(device, module);
+  const Owned<VkShaderModule> shader_module = make_module(device, module, controls);
   VkComputePipelineCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;

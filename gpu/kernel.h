@@ -12,9 +12,10 @@ namespace fascicle::gpu {
 
 class Kernel {
  public:
-  // `constants`: values of the specialisation constants 0, 1, ... The module is given the device's float
-  // modes.
-  Kernel(const Device::Impl& device, spirv_exact::Module module, std::span<const std::uint32_t> constants);
+  // `constants`: values of the specialisation constants 0, 1, ... The module is given the float modes; the
+  // device must know them.
+  Kernel(const Device::Impl& device, spirv_exact::Module module, std::span<const std::uint32_t> constants,
+         spirv_exact::FloatControls controls);
 
   VkPipeline pipeline() const { return pipeline_.get(); }
   VkPipelineLayout layout() const { return layout_.get(); }

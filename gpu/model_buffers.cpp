@@ -62,8 +62,9 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
   };
 }
 
-void check_plan(const std::vector<PlannedBuffer>& plan, const DeviceInfo& device) {
-  std::uint64_t total = 0;
+void check_plan(const std::vector<PlannedBuffer>& plan, std::uint64_t frames_in_flight_bytes,
+                const DeviceInfo& device) {
+  std::uint64_t total = frames_in_flight_bytes;
   for (const PlannedBuffer& buffer : plan) {
     total += buffer.bytes;
     if (buffer.bytes > device.max_storage_buffer_range)
@@ -73,8 +74,10 @@ void check_plan(const std::vector<PlannedBuffer>& plan, const DeviceInfo& device
                         " (maxStorageBufferRange); use a coarser mesh or another device");
   }
   if (total > device.memory)
-    throw DeviceError("the model needs " + std::to_string(total) + " bytes, device " + device.name + " has " +
-                      std::to_string(device.memory) + "; use a coarser mesh or another device");
+    throw DeviceError("the model needs " + std::to_string(total) + " bytes (" +
+                      std::to_string(frames_in_flight_bytes) + " of them for frames in flight), device " +
+                      device.name + " has " + std::to_string(device.memory) +
+                      "; use a coarser mesh or another device");
 }
 
 ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {

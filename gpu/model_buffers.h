@@ -21,9 +21,10 @@ struct PlannedBuffer {
 // All buffers of a model and its state, without making any.
 std::vector<PlannedBuffer> plan_buffers(const model::Model& model);
 
-// Throws DeviceError, with the numbers, if a buffer is over maxStorageBufferRange or all together over the
-// memory.
-void check_plan(const std::vector<PlannedBuffer>& plan, const DeviceInfo& device);
+// Throws DeviceError, with the numbers, if a buffer is over maxStorageBufferRange, or all together and the
+// frames in flight are over the memory.
+void check_plan(const std::vector<PlannedBuffer>& plan, std::uint64_t frames_in_flight_bytes,
+                const DeviceInfo& device);
 
 class ModelBuffers {
  public:

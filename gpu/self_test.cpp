@@ -101,10 +101,11 @@ std::string operation_name(std::uint32_t k) {
 
 }  // namespace
 
-std::vector<float> run_self_test(Device::Impl& device, spirv_exact::Module module) {
+std::vector<float> run_self_test(Device::Impl& device, spirv_exact::Module module,
+                                 spirv_exact::FloatControls controls) {
   const std::vector<Input> table = make_table();
   std::vector<float> results(std::size_t{row_count} * shader::self_test_results);
-  const Kernel kernel(device, module, {});
+  const Kernel kernel(device, module, {}, controls);
   const Buffer inputs(device, std::as_bytes(std::span(table)).size(), BufferUse::storage);
   const Buffer outputs(device, std::as_bytes(std::span(results)).size(), BufferUse::storage);
   write_buffer(device, inputs, std::as_bytes(std::span(table)));

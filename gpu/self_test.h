@@ -11,10 +11,11 @@
 
 namespace fascicle::gpu {
 
-// Results of the device, self_test_results for each row of the table. `module` differs from the default in
-// the tests that show what a missing NoContraction does.
-std::vector<float> run_self_test(Device::Impl& device,
-                                 spirv_exact::Module module = shader::self_test_module());
+// Results of the device, self_test_results for each row of the table. The module is
+// shader::self_test_module() and the float modes the device's, but for the tests that show what a missing
+// NoContraction does.
+std::vector<float> run_self_test(Device::Impl& device, spirv_exact::Module module,
+                                 spirv_exact::FloatControls controls);
 
 // Results of this CPU.
 std::vector<float> expected_self_test();

@@ -39,7 +39,8 @@ const char* name_of(StageKernel kernel) {
 }
 
 StageKernels::StageKernels(const Device::Impl& device, const model::Model& model,
-                           const model::SolverOptions& options, const AlterModule& alter) {
+                           const model::SolverOptions& options, spirv_exact::FloatControls controls,
+                           const AlterModule& alter) {
   std::array<std::uint32_t, 3> constants{};
   constants[shader::constant_rotation] =
       options.rotation == model::Rotation::qcp ? shader::rotation_qcp : shader::rotation_mueller2016;
@@ -48,9 +49,9 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
     if (alter)
-      kernels_.emplace_back(device, alter(kernel, module_of(kernel)), constants);
+      kernels_.emplace_back(device, alter(kernel, module_of(kernel)), constants, controls);
     else
-      kernels_.emplace_back(device, module_of(kernel), constants);
+      kernels_.emplace_back(device, module_of(kernel), constants, controls);
   }
 }
 

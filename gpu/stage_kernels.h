@@ -21,7 +21,7 @@ using AlterModule = std::function<spirv_exact::Words(StageKernel, spirv_exact::M
 class StageKernels {
  public:
   StageKernels(const Device::Impl& device, const model::Model& model, const model::SolverOptions& options,
-               const AlterModule& alter);
+               spirv_exact::FloatControls controls, const AlterModule& alter);
   const Kernel& operator[](StageKernel kernel) const { return kernels_[static_cast<std::uint32_t>(kernel)]; }
 
  private:

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "gpu/device_impl.h"
+#include "gpu/experiments.h"
 #include "gpu/frame_recorder.h"
 #include "gpu/frame_slot.h"
-#include "gpu/vulkan_solver_experiments.h"
 
 namespace fascicle::gpu {
 namespace {
@@ -22,10 +22,15 @@ using model::Read;
 using model::Stage;
 using model::State;
 
-std::vector<PlannedBuffer> checked_plan(const Model& model, const DeviceInfo& info) {
-  std::vector<PlannedBuffer> plan = plan_buffers(model);
-  check_plan(plan, info);
-  return plan;
+// Refuses a model that will not fit before anything is made.
+const Model& checked(const Device::Impl& device, const Model& model) {
+  check_plan(plan_buffers(model), most_frames_in_flight * readback_bytes(device, model), device.info());
+  return model;
+}
+
+RecorderOptions recorder_options(const Experiments& experiments) {
+  return {experiments.limits, !experiments.leave_out_barriers, experiments.on_submission,
+          experiments.on_dispatch};
 }
 
 // After a DeviceError from any call the solver's state is not defined; it can be destroyed.
@@ -34,13 +39,16 @@ class VulkanSolver : public model::Solver {
   VulkanSolver(Device& device, const Model& model, const model::SolverOptions& options,
                const Experiments& experiments)
       : device_(device.impl()),
-        model_(model),
-        plan_(checked_plan(model, device.info())),
-        with_barriers_(!experiments.leave_out_barriers),
-        kernels_(device_, model, options, experiments.alter_module),
+        model_(checked(device_, model)),
+        recorder_options_(recorder_options(experiments)),
+        on_new_slot_(experiments.on_new_slot),
+        kernels_(
+            device_, model, options,
+            experiments.leave_out_float_controls ? spirv_exact::FloatControls{} : device_.float_controls(),
+            experiments.alter_module),
         buffers_(device_, model),
         pace_(device.info().software) {
-    VulkanSolver::load(model::initial_state(model, rest_pose(model), model.rest_origin));
+    VulkanSolver::load(model::rest_state(model));
     warm_up();
   }
 
@@ -55,13 +63,14 @@ class VulkanSolver : public model::Solver {
 
   void submit(const Drive& drive, Read what, Probe* probe) override {
     check_drive(model_, drive);
+    if (pending_.size() == most_frames_in_flight) finish_oldest();
     FrameSlot& slot = free_slot();
     slot.prepare(drive, what, model_.vertex_count, model_.surface_count());
     slot.index = frame_ + 1;
     slot.origin = drive.origin;
-    FrameRecorder recorder(device_, slot, pace_, with_barriers_);
+    FrameRecorder recorder(device_, slot, pace_, recorder_options_);
     recorder.upload_drive();
-    shader::Substep substep = first_substep(drive);
+    shader::Substep substep = model::first_substep(model_, drive);
     if (drive.origin_shift != std::array<float, 3>{0, 0, 0})
       recorder.dispatch(StageKernel::rebase, swapped_, substep, model_.vertex_count);
     for (std::uint32_t s = 0; s < drive.substeps; ++s) {
@@ -87,33 +96,30 @@ class VulkanSolver : public model::Solver {
   }
 
   Frame collect() override {
-    if (pending_.empty()) throw std::logic_error("collect: no frame was submitted");
-    FrameSlot* slot = pending_.front();
-    Frame frame = slot->finish(pace_);
-    pending_.pop_front();
-    free_.push_back(slot);
+    if (done_.empty()) {
+      if (pending_.empty()) throw std::logic_error("collect: no frame was submitted");
+      finish_oldest();
+    }
+    Frame frame = std::move(done_.front());
+    done_.pop_front();
     return frame;
   }
 
   State save() const override {
-    const std::size_t n = model_.vertex_count;
     State state;
     state.frame = frame_;
     state.origin = origin_;
-    narrow(read(shader::buffer_position, 4 * n), state.positions);
-    narrow(read(shader::buffer_velocity, 4 * n), state.velocities);
-    state.rotations = read(shader::buffer_rotation, 4 * n);
-    if (model_.has_skeleton()) narrow(read(skinned_buffer(), 4 * n), state.skinned);
+    state.positions = read_triples(shader::buffer_position);
+    state.velocities = read_triples(shader::buffer_velocity);
+    state.rotations = read(shader::buffer_rotation, 4 * std::size_t{model_.vertex_count});
+    if (model_.has_skeleton()) state.skinned = read_triples(skinned_buffer());
     return state;
   }
 
   void load(const State& state) override {
     check_state(model_, state);
-    while (!pending_.empty()) {
-      pending_.front()->finish(pace_);
-      free_.push_back(pending_.front());
-      pending_.pop_front();
-    }
+    while (!pending_.empty()) finish_oldest();
+    done_.clear();
     frame_ = state.frame;
     origin_ = state.origin;
     swapped_ = false;
@@ -124,9 +130,12 @@ class VulkanSolver : public model::Solver {
   }
 
  private:
-  // Bones that leave every vertex where it is at rest.
-  static std::vector<shader::Bone> rest_pose(const Model& model) {
-    return std::vector<shader::Bone>(model.joint_count, shader::Bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  // Waits for the frame longest under way and keeps it for collect().
+  void finish_oldest() {
+    FrameSlot* slot = pending_.front();
+    done_.push_back(slot->finish(pace_));
+    pending_.pop_front();
+    free_.push_back(slot);
   }
 
   // Drivers compile at the first dispatch, tens of milliseconds a kernel; it is done here, over no items, so
@@ -146,22 +155,6 @@ class VulkanSolver : public model::Solver {
       commands.dispatch(kernels_[kernel], slot.set(kernel, false), shader::Push{}, 1);
       commands.submit_and_wait();
     }
-  }
-
-  shader::Substep first_substep(const Drive& drive) const {
-    shader::Substep substep{};
-    substep.h = static_cast<float>(drive.h);
-    substep.inverse_h = static_cast<float>(1.0 / drive.h);
-    substep.gravity_x = drive.gravity[0];
-    substep.gravity_y = drive.gravity[1];
-    substep.gravity_z = drive.gravity[2];
-    substep.shift_x = drive.origin_shift[0];
-    substep.shift_y = drive.origin_shift[1];
-    substep.shift_z = drive.origin_shift[2];
-    substep.vertex_count = model_.vertex_count;
-    substep.surface_count = model_.surface_count();
-    substep.joint_count = model_.joint_count;
-    return substep;
   }
 
   void record_substep(FrameRecorder& recorder, const shader::Substep& substep, model::Where where,
@@ -197,32 +190,21 @@ class VulkanSolver : public model::Solver {
   // A stage's output in the layout of stage_width.
   std::vector<float> shown(Stage stage) const {
     const std::size_t n = model_.vertex_count;
-    std::vector<float> values;
     if (stage == Stage::region) {
-      const std::vector<float> transforms = read(shader::buffer_transform, 12 * n);
-      const std::vector<float> rotations = read(shader::buffer_rotation, 4 * n);
-      values.reserve(16 * n);
-      for (std::size_t r = 0; r < n; ++r) {
+      const std::vector<float> rows = read(shader::buffer_transform, 12 * n);
+      std::vector<float> transforms;
+      transforms.reserve(12 * n);
+      for (std::size_t r = 0; r < n; ++r)
         for (const std::size_t k : {0u, 1u, 2u, 4u, 5u, 6u, 8u, 9u, 10u, 3u, 7u, 11u})
-          values.push_back(transforms[12 * r + k]);
-        for (std::size_t k = 0; k < 4; ++k) values.push_back(rotations[4 * r + k]);
-      }
-    } else if (stage == Stage::integrate) {
-      const std::vector<float> positions = read(shader::buffer_position, 4 * n);
-      const std::vector<float> velocities = read(shader::buffer_velocity, 4 * n);
-      values.reserve(6 * n);
-      for (std::size_t i = 0; i < n; ++i) {
-        for (std::size_t k = 0; k < 3; ++k) values.push_back(positions[4 * i + k]);
-        for (std::size_t k = 0; k < 3; ++k) values.push_back(velocities[4 * i + k]);
-      }
-    } else {
-      narrow(read(stage == Stage::skin      ? skinned_buffer()
-                  : stage == Stage::predict ? shader::buffer_velocity
-                                            : shader::buffer_goal,
-                  4 * n),
-             values);
+          transforms.push_back(rows[12 * r + k]);
+      return model::side_by_side(transforms, 12, read(shader::buffer_rotation, 4 * n), 4);
     }
-    return values;
+    if (stage == Stage::integrate)
+      return model::side_by_side(read_triples(shader::buffer_position), 3,
+                                 read_triples(shader::buffer_velocity), 3);
+    return read_triples(stage == Stage::skin      ? skinned_buffer()
+                        : stage == Stage::predict ? shader::buffer_velocity
+                                                  : shader::buffer_goal);
   }
 
   std::uint32_t skinned_buffer() const {
@@ -234,6 +216,12 @@ class VulkanSolver : public model::Solver {
     read_buffer(device_, buffers_[number], std::as_writable_bytes(std::span(values)));
     return values;
   }
+  // x y z of a buffer of one vec4 a vertex.
+  std::vector<float> read_triples(std::uint32_t number) const {
+    std::vector<float> triples;
+    narrow(read(number, 4 * std::size_t{model_.vertex_count}), triples);
+    return triples;
+  }
   void write(std::uint32_t number, const std::vector<float>& values) {
     write_buffer(device_, buffers_[number], std::as_bytes(std::span(values)));
   }
@@ -243,21 +231,23 @@ class VulkanSolver : public model::Solver {
     if (free_.empty()) {
       slots_.push_back(std::make_unique<FrameSlot>(device_, kernels_, buffers_));
       free_.push_back(slots_.back().get());
+      if (on_new_slot_) on_new_slot_();
     }
     return *free_.back();
   }
 
   Device::Impl& device_;
   const Model& model_;
-  std::vector<PlannedBuffer> plan_;  // made first: refuses before anything is allocated
-  bool with_barriers_;
+  RecorderOptions recorder_options_;
+  std::function<void()> on_new_slot_;
   StageKernels kernels_;
   ModelBuffers buffers_;
   SubmissionPace pace_;
   std::vector<std::unique_ptr<FrameSlot>> slots_;
   std::vector<FrameSlot*> free_;
-  std::deque<FrameSlot*> pending_;
-  bool swapped_ = false;  // which of the two skinned buffers is the current one
+  std::deque<FrameSlot*> pending_;  // at most most_frames_in_flight
+  std::deque<Frame> done_;          // finished before they were collected; older than all pending
+  bool swapped_ = false;            // which of the two skinned buffers is the current one
   std::uint64_t frame_ = 0;
   std::array<double, 3> origin_{0, 0, 0};
 };
@@ -266,12 +256,12 @@ class VulkanSolver : public model::Solver {
 
 std::unique_ptr<model::Solver> make_vulkan_solver(Device& device, const Model& model,
                                                   const model::SolverOptions& options) {
-  return make_vulkan_solver(device, model, options, Experiments{});
+  return make_experimental_solver(device, model, options, {});
 }
 
-std::unique_ptr<model::Solver> make_vulkan_solver(Device& device, const Model& model,
-                                                  const model::SolverOptions& options,
-                                                  const Experiments& experiments) {
+std::unique_ptr<model::Solver> make_experimental_solver(Device& device, const Model& model,
+                                                        const model::SolverOptions& options,
+                                                        const Experiments& experiments) {
   return std::make_unique<VulkanSolver>(device, model, options, experiments);
 }
 

@@ -120,8 +120,8 @@ Comparison compare(Run& run, const ChosenDevice& a, const ChosenDevice& b, doubl
   comparison.hashes = compare_hashes(run, a, b);
   CountingSolver counting(*solver_a);
   comparison.difference = model::first_difference(
-      run.model, counting, *solver_b,
-      run.drives("comparing stages of " + a.label() + " and " + b.label(), run.frames), run.frames);
+      counting, *solver_b, run.drives("comparing stages of " + a.label() + " and " + b.label(), run.frames),
+      run.frames);
   comparison.values = counting.count();
   return comparison;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -36,6 +37,18 @@ std::uint32_t stage_width(Stage stage) {
   }
 }
 
+std::vector<float> side_by_side(std::span<const float> a, std::size_t a_width, std::span<const float> b,
+                                std::size_t b_width) {
+  assert(a.size() / a_width == b.size() / b_width);
+  std::vector<float> items;
+  items.reserve(a.size() + b.size());
+  for (; !a.empty(); a = a.subspan(a_width), b = b.subspan(b_width)) {
+    items.insert(items.end(), a.begin(), a.begin() + static_cast<std::ptrdiff_t>(a_width));
+    items.insert(items.end(), b.begin(), b.begin() + static_cast<std::ptrdiff_t>(b_width));
+  }
+  return items;
+}
+
 void check_drive(const Model& model, const Drive& drive) {
   const auto check = [&](const char* what, std::size_t have, std::size_t need) {
     if (have != need)
@@ -49,6 +62,22 @@ void check_drive(const Model& model, const Drive& drive) {
   check("muscles", drive.muscles.size(), s * model.muscle_count);
   check("forces", drive.forces.size(), s * model.force_count);
   check("decay", drive.decay.size(), model.layers.size());
+}
+
+shader::Substep first_substep(const Model& model, const Drive& drive) {
+  shader::Substep substep{};
+  substep.h = static_cast<float>(drive.h);
+  substep.inverse_h = static_cast<float>(1.0 / drive.h);
+  substep.gravity_x = drive.gravity[0];
+  substep.gravity_y = drive.gravity[1];
+  substep.gravity_z = drive.gravity[2];
+  substep.shift_x = drive.origin_shift[0];
+  substep.shift_y = drive.origin_shift[1];
+  substep.shift_z = drive.origin_shift[2];
+  substep.vertex_count = model.vertex_count;
+  substep.surface_count = model.surface_count();
+  substep.joint_count = model.joint_count;
+  return substep;
 }
 
 void check_state(const Model& model, const State& state) {
@@ -161,6 +190,11 @@ State initial_state(const Model& model, std::span<const shader::Bone> pose,
     for (std::size_t c = 0; c < 4; ++c) state.rotations[4 * i + c] = rounded(q[c]);
   }
   return state;
+}
+
+State rest_state(const Model& model) {
+  const std::vector<shader::Bone> pose(model.joint_count, shader::Bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+  return initial_state(model, pose, model.rest_origin);
 }
 
 }  // namespace fascicle::model

@@ -24,6 +24,10 @@ const char* name_of(Stage stage);
 // velocity (3); embed: position. One item a vertex, for embed one a render vertex.
 std::uint32_t stage_width(Stage stage);
 
+// Items of a_width and b_width floats side by side, as stage_width wants them of region (12 and 4) and integrate (3, 3).
+std::vector<float> side_by_side(std::span<const float> a, std::size_t a_width, std::span<const float> b,
+                                std::size_t b_width);
+
 struct SolverOptions {
   Integrator integrator = Integrator::explicit_step;
   Rotation rotation = Rotation::qcp;
@@ -44,6 +48,9 @@ struct Drive {
 
 // Throws std::invalid_argument where a drive's spans do not fit the model.
 void check_drive(const Model& model, const Drive& drive);
+
+// The frame's first substep as the float solvers take it: numbers rounded to float, first_* 0.
+shader::Substep first_substep(const Model& model, const Drive& drive);
 
 // Which buffers of a frame to bring back.
 struct Read {
@@ -77,6 +84,9 @@ struct State {
 // The state before the first frame: every vertex skinned to `pose` (joint_count bones; none: the rest positions), at rest,
 // rotations those of the blended bones' nearest quaternions. Computed in double, rounded once.
 State initial_state(const Model& model, std::span<const shader::Bone> pose, const std::array<double, 3>& origin);
+
+// The state of the body at rest, before any state is loaded: every bone leaves its vertices where they are.
+State rest_state(const Model& model);
 
 // Throws std::invalid_argument where a state's arrays do not fit the model.
 void check_state(const Model& model, const State& state);

@@ -65,10 +65,9 @@ std::uint64_t ulp_distance(float a, float b) {
   return static_cast<std::uint64_t>(std::abs(ordered(a) - ordered(b)));
 }
 
-std::optional<Difference> first_difference(const Model& model, Solver& a, Solver& b,
-                                           const DriveSource& drives, std::uint64_t frames,
+std::optional<Difference> first_difference(Solver& a, Solver& b, const DriveSource& drives,
+                                           std::uint64_t frames,
                                            const std::function<void(std::uint64_t)>& on_frame) {
-  (void)model;
   Recorder stages_a, stages_b;
   const Read everything{.positions = true, .velocities = true, .surface = true};
   for (std::uint64_t k = 1; k <= frames; ++k) {

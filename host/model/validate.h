@@ -23,7 +23,7 @@ using DriveSource = std::function<Drive(std::uint64_t frame)>;
 
 // Steps both solvers together for `frames` frames with a probe and returns the first difference of stage outputs or frame
 // buffers, if any. `on_frame` is called after each frame.
-std::optional<Difference> first_difference(const Model& model, Solver& a, Solver& b, const DriveSource& drives,
+std::optional<Difference> first_difference(Solver& a, Solver& b, const DriveSource& drives,
                                            std::uint64_t frames, const std::function<void(std::uint64_t)>& on_frame = {});
 
 // XXH3-64 of a frame's positions, their bits in model order.

@@ -4,8 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cpu_reference/cpu_solver.h"
-#include "gpu/device_impl.h"
-#include "gpu/vulkan_solver_experiments.h"
+#include "gpu/experiments.h"
 #include "host/model/validate.h"
 #include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
@@ -20,16 +19,16 @@ std::optional<model::Difference> difference_with(std::uint32_t index, gpu::Stage
                                                  const gpu::AlterModule& alter) {
   const model::Model m = make_bar({.skeleton = true, .muscle = true});
   gpu::Device device(index);
-  device.impl().use_float_controls = false;
   const gpu::Experiments experiments{
+      .leave_out_float_controls = true,
       .alter_module = [&](gpu::StageKernel kernel, spirv_exact::Module module) {
         return kernel == altered ? alter(kernel, module) : spirv_exact::Words(module.begin(), module.end());
       }};
-  const auto vulkan = gpu::make_vulkan_solver(device, m, {}, experiments);
+  const auto vulkan = gpu::make_experimental_solver(device, m, {}, experiments);
   const auto cpu = cpu_reference::make_cpu_solver(m, {}, 1);
   BarMotion motion(m, 2);
   return first_difference(
-      m, *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 5);
+      *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 5);
 }
 
 spirv_exact::Words without_the_pass(gpu::StageKernel kernel, spirv_exact::Module) {

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "gpu/device_impl.h"
-#include "gpu/vulkan_solver_experiments.h"
+#include "gpu/experiments.h"
 #include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
 
@@ -43,7 +42,7 @@ class Validation : public VulkanTest {
           make_bar({.skeleton = true, .muscle = true, .forces = true, .odd_vertices = true});
       gpu::Device device(*index, options);
       EXPECT_TRUE(device.self_test());
-      const auto solver = gpu::make_vulkan_solver(device, m, {}, experiments);
+      const auto solver = gpu::make_experimental_solver(device, m, {}, experiments);
       BarMotion motion(m, 3);
       const model::Read everything{.positions = true, .velocities = true, .surface = true};
       for (std::uint64_t k = 1; k <= 4; ++k) solver->submit(motion.drive(k), everything);
@@ -65,7 +64,7 @@ TEST_F(Validation, HasNothingToSay) {
 
 // The control: without the barriers between stages, the layer reports the hazard.
 TEST_F(Validation, SeesAPlantedHazard) {
-  const std::vector<std::string> messages = messages_of({.leave_out_barriers = true, .alter_module = {}});
+  const std::vector<std::string> messages = messages_of({.leave_out_barriers = true});
   bool seen = false;
   for (const std::string& message : messages) seen |= message.find("SYNC-HAZARD") != std::string::npos;
   EXPECT_TRUE(seen) << messages.size() << " messages, none of a hazard";

@@ -60,7 +60,7 @@ TEST_P(VulkanSolver, HasTheBitsOfTheCpuInEveryStage) {
   const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);
   BarMotion motion(m, 3);
   const auto difference = first_difference(
-      m, *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 10);
+      *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 10);
   EXPECT_FALSE(difference) << text_of(*difference);
 }
 

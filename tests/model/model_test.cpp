@@ -106,14 +106,14 @@ TEST(FirstDifference, NamesThePlaceOfAPlantedOne) {
   const auto drives = [&](std::uint64_t) { return drive.get(); };
   const auto same_a = cpu_reference::make_cpu_solver(model, {}, 1),
              same_b = cpu_reference::make_cpu_solver(model, {}, 2);
-  EXPECT_FALSE(model::first_difference(model, *same_a, *same_b, drives, 5).has_value());
+  EXPECT_FALSE(model::first_difference(*same_a, *same_b, drives, 5).has_value());
 
   for (const model::Stage stage :
        {model::Stage::predict, model::Stage::region, model::Stage::goal, model::Stage::integrate}) {
     const auto plain = cpu_reference::make_cpu_solver(model, {}, 1);
     const std::uint32_t width = model::stage_width(stage);
     Planted planted(cpu_reference::make_cpu_solver(model, {}, 1), {3, 1, stage}, 4 * width + 1);
-    const auto difference = model::first_difference(model, *plain, planted, drives, 5);
+    const auto difference = model::first_difference(*plain, planted, drives, 5);
     ASSERT_TRUE(difference.has_value());
     EXPECT_EQ(difference->where.frame, 3u);
     EXPECT_EQ(difference->where.substep, 1u);

@@ -1,0 +1,160 @@
+// How work is cut into submissions and dispatches, and how many frames are under way: counted, and without an
+// effect on bits. With limits of a real device the small bodies of tests would never be cut.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "gpu/experiments.h"
+#include "host/model/validate.h"
+#include "tests/gpu/bar_model.h"
+#include "tests/gpu/vulkan_device.h"
+
+namespace fascicle::tests {
+namespace {
+
+constexpr model::Read everything{.positions = true, .velocities = true, .surface = true};
+
+struct Counts {
+  std::vector<std::uint64_t> slices;  // of each submission
+  std::vector<std::uint32_t> groups;  // of each dispatch
+  std::size_t slots = 0;
+
+  gpu::Experiments watching(gpu::SubmissionLimits limits = {}) {
+    return {.limits = limits,
+            .on_submission = [this](std::uint64_t n) { slices.push_back(n); },
+            .on_dispatch = [this](std::uint32_t n) { groups.push_back(n); },
+            .on_new_slot = [this] { ++slots; }};
+  }
+};
+
+class Submissions : public VulkanTest {
+ protected:
+  // 385 vertices: 13 slices a stage, the last of them a short one.
+  const model::Model model =
+      make_bar({.x = 11, .y = 7, .z = 5, .skeleton = true, .muscle = true, .forces = true});
+  static constexpr std::uint64_t slices_of_stage = 13;
+
+  void expect_bits_of_cpu(const gpu::Experiments& experiments) {
+    gpu::Device device(*index);
+    const auto cpu = cpu_reference::make_cpu_solver(model, {}, 1);
+    {
+      const auto vulkan = gpu::make_experimental_solver(device, model, {}, experiments);
+      BarMotion motion(model, 3);
+      for (std::uint64_t k = 1; k <= 4; ++k) {
+        const model::Drive drive = motion.drive(k);
+        vulkan->submit(drive, everything);
+        cpu->submit(drive, everything);
+        const model::Frame ours = vulkan->collect(), reference = cpu->collect();
+        ASSERT_EQ(ours.positions, reference.positions) << "frame " << k;
+        ASSERT_EQ(ours.velocities, reference.velocities) << "frame " << k;
+        ASSERT_EQ(ours.surface, reference.surface) << "frame " << k;
+      }
+    }
+    // And stage by stage, where a stage is cut too.
+    const auto vulkan = gpu::make_experimental_solver(device, model, {}, experiments);
+    const auto fresh = cpu_reference::make_cpu_solver(model, {}, 1);
+    BarMotion motion(model, 2);
+    EXPECT_FALSE(first_difference(
+        *fresh, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 3));
+  }
+};
+
+TEST_F(Submissions, WithoutLimitsAFrameOfASmallBodyIsOne) {
+  Counts counts;
+  gpu::Device device(*index);
+  const auto vulkan = gpu::make_experimental_solver(device, model, {}, counts.watching());
+  BarMotion motion(model, 3);
+  vulkan->submit(motion.drive(1), everything);
+  EXPECT_EQ(counts.slices.size(), 1u);
+  // skin, region and update of each substep; embed has 37 render vertices, two slices.
+  EXPECT_EQ(counts.slices[0], 3 * 3 * slices_of_stage + 2);
+  EXPECT_EQ(counts.groups.size(), 10u);
+}
+
+TEST_F(Submissions, HoldNoMoreSlicesThanAllowedAndKeepTheBits) {
+  Counts counts;
+  expect_bits_of_cpu(counts.watching({.slices_per_submission = 7}));
+  EXPECT_EQ(*std::max_element(counts.slices.begin(), counts.slices.end()), 7u);
+  // Four frames of 3 substeps and 3 stages alone have 468 slices.
+  EXPECT_GE(counts.slices.size(), 468u / 7u);
+}
+
+TEST_F(Submissions, DispatchesHoldNoMoreGroupsThanAllowedAndKeepTheBits) {
+  Counts counts;
+  expect_bits_of_cpu(counts.watching({.groups_per_dispatch = 3}));
+  EXPECT_EQ(*std::max_element(counts.groups.begin(), counts.groups.end()), 3u);
+  EXPECT_GE(counts.groups.size(), 468u / 3u);
+}
+
+TEST_F(Submissions, OfOneSliceEachKeepTheBits) {
+  Counts counts;
+  expect_bits_of_cpu(counts.watching({.slices_per_submission = 1, .groups_per_dispatch = 1}));
+  EXPECT_EQ(*std::max_element(counts.slices.begin(), counts.slices.end()), 1u);
+}
+
+// Frames that nobody collects do not pile up on the device; they are kept, in order.
+TEST_F(Submissions, OnlySoManyFramesAreUnderWayAndTheOrderStays) {
+  Counts counts;
+  gpu::Device device(*index);
+  const auto vulkan = gpu::make_experimental_solver(device, model, {}, counts.watching());
+  const auto cpu = cpu_reference::make_cpu_solver(model, {}, 1);
+  BarMotion motion(model, 2);
+  constexpr std::uint64_t frames = 3 * gpu::most_frames_in_flight;
+  for (std::uint64_t k = 1; k <= frames; ++k) {
+    const model::Drive drive = motion.drive(k);
+    vulkan->submit(drive, everything);
+    cpu->submit(drive, everything);
+  }
+  EXPECT_EQ(counts.slots, gpu::most_frames_in_flight);
+  for (std::uint64_t k = 1; k <= frames; ++k) {
+    const model::Frame ours = vulkan->collect(), reference = cpu->collect();
+    ASSERT_EQ(ours.index, k);
+    ASSERT_EQ(ours.origin, reference.origin);
+    ASSERT_EQ(ours.positions, reference.positions) << "frame " << k;
+  }
+  EXPECT_THROW(vulkan->collect(), std::logic_error);
+}
+
+TEST(BufferPlan, CountsFramesInFlightAgainstTheMemory) {
+  const model::Model m = make_bar({});
+  const std::vector<gpu::PlannedBuffer> plan = gpu::plan_buffers(m);
+  gpu::DeviceInfo info;
+  info.name = "a device";
+  info.max_storage_buffer_range = 1 << 27;
+  for (const gpu::PlannedBuffer& buffer : plan) info.memory += buffer.bytes;
+  EXPECT_NO_THROW(gpu::check_plan(plan, 0, info));
+  try {
+    gpu::check_plan(plan, 1000, info);
+    FAIL() << "1,000 bytes more than there are";
+  } catch (const gpu::DeviceError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find(std::to_string(info.memory + 1000) + " bytes (1000 of them for frames in flight)"),
+              std::string::npos)
+        << what;
+  }
+}
+
+// The program cannot be given an experiment by accident: nothing that is shipped knows the header but the
+// file that defines it.
+TEST(Experiments, AreKnownToTheSolverAndToTestsOnly) {
+  const std::filesystem::path root = FASCICLE_SOURCE_DIR;
+  std::vector<std::string> including;
+  for (const char* room : {"host", "cpu_reference", "gpu", "shaders"})
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / room)) {
+      if (!entry.is_regular_file()) continue;
+      std::ifstream file(entry.path());
+      const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+      if (text.find("\"gpu/experiments.h\"") != std::string::npos)
+        including.push_back(std::filesystem::relative(entry.path(), root).string());
+    }
+  EXPECT_EQ(including, std::vector<std::string>{"gpu/vulkan_solver.cpp"});
+}
+
+}  // namespace
+}  // namespace fascicle::tests
