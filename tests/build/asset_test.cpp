@@ -11,19 +11,13 @@
 #include "host/scene/gltf.h"
 #include "host/scene/mesh_file.h"
 #include "tests/build/scenes.h"
+#include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
 
 using model::Model;
 using scene::Vector3d;
-
-std::filesystem::path asset(const std::string& name) {
-  return std::filesystem::path(FASCICLE_SOURCE_DIR) / ".." / "shared" / "assets" / name;
-}
-
-#define SKIP_WITHOUT(path) \
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "NOT TESTED: " << (path) << " is missing"
 
 build::BuildOptions with_mesher() {
   build::BuildOptions options;
@@ -69,7 +63,7 @@ scene::Layer layer_named(const std::string& name, const scene::Where& where = {}
 
 TEST(Assets, TheBunnyInThreeLayers) {
   const std::filesystem::path file = asset("bunny.off");
-  SKIP_WITHOUT(file);
+  FASCICLE_NEEDS_ASSET(file);
   const scene::SurfaceMesh surface = scene::read_surface_mesh(file);
   scene::Scene scene = bar_scene();
   scene.geometry = surface;
@@ -96,7 +90,7 @@ TEST(Assets, TheBunnyInThreeLayers) {
 
 TEST(Assets, RefusesAnOpenSurfaceByItsName) {
   const std::filesystem::path file = asset("bunny.off");
-  SKIP_WITHOUT(file);
+  FASCICLE_NEEDS_ASSET(file);
   scene::SurfaceMesh surface = scene::read_surface_mesh(file);
   surface.triangles.pop_back();
   scene::Scene scene = bar_scene();
@@ -118,7 +112,7 @@ scene::Scene man_scene(const scene::Character& man) {
 
 TEST(Assets, TheWalkingMan) {
   const std::filesystem::path file = asset("CesiumMan.glb");
-  SKIP_WITHOUT(file);
+  FASCICLE_NEEDS_ASSET(file);
   const scene::Character man = scene::read_gltf(file);
   build::Report report;
   const Model model = build::build_model(man_scene(man), report, with_mesher());
@@ -149,7 +143,7 @@ TEST(Assets, TheWalkingMan) {
 
 TEST(Assets, TheWalkingManIsTheSameEveryTime) {
   const std::filesystem::path file = asset("CesiumMan.glb");
-  SKIP_WITHOUT(file);
+  FASCICLE_NEEDS_ASSET(file);
   const scene::Scene scene = man_scene(scene::read_gltf(file));
   build::Report report;
   const Model a = build::build_model(scene, report, with_mesher());
@@ -165,7 +159,7 @@ TEST(Assets, TheWalkingManIsTheSameEveryTime) {
 // islands.
 TEST(Assets, TheWalkingMansBoneLayerHoldsTogether) {
   const std::filesystem::path file = asset("CesiumMan.glb");
-  SKIP_WITHOUT(file);
+  FASCICLE_NEEDS_ASSET(file);
   const Model m = build_with(man_scene(scene::read_gltf(file)), with_mesher());
   std::vector<char> seen(m.vertex_count, 0);
   std::size_t bone_vertices = 0, largest = 0;

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "host/scene/mesh_file.h"
+#include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
@@ -195,8 +196,8 @@ TEST_F(Tetrahedralize, InsidePointsBecomeVerticesInOrder) {
 }
 
 TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
-  const fs::path file = fs::path(FASCICLE_SOURCE_DIR) / "../shared/assets/bunny.off";
-  if (!fs::exists(file)) GTEST_SKIP() << file << " is missing: the largest real surface is NOT tested";
+  const fs::path file = asset("bunny.off");
+  FASCICLE_NEEDS_ASSET(file);
   const SurfaceMesh surface = scene::read_surface_mesh(file);
   double own_edge = 0.0;
   for (const Triangle& t : surface.triangles) {

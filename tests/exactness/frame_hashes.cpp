@@ -1,11 +1,14 @@
 // frame_hashes SCENE FRAMES cpu:THREADS|vulkan:N
-// Steps a scene as bake does and prints each frame's position hash. The exactness tests run this program
+// Steps a scene as bake does and prints each frame's number and the hashes of its positions, velocities and
+// surface. The exactness tests run this program
 // compiled at several optimisation levels, on several devices and under several C library settings, and
 // compare what it prints.
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
@@ -20,6 +23,13 @@
 using namespace fascicle;
 
 namespace {
+
+unsigned long long hash_of(const std::vector<float>& values) {
+  if (values.empty()) throw std::runtime_error("the solver gave back an empty buffer");
+  model::Frame frame;
+  frame.positions = values;
+  return model::position_hash(frame);
+}
 
 int run(const std::string& name, std::uint64_t frames, const std::string& device) {
   const scene::Scene scene = scene::load_scene(name);
@@ -48,9 +58,10 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
   bake::DriveSource drives(scene, model);
   solver->load(drives.initial_state());
   for (std::uint64_t k = 1; k <= frames; ++k) {
-    solver->submit(drives.drive(k), {.positions = true});
-    std::printf("%llu %016llx\n", static_cast<unsigned long long>(k),
-                static_cast<unsigned long long>(model::position_hash(solver->collect())));
+    solver->submit(drives.drive(k), {.positions = true, .velocities = true, .surface = true});
+    const model::Frame frame = solver->collect();
+    std::printf("%llu %016llx %016llx %016llx\n", static_cast<unsigned long long>(k),
+                hash_of(frame.positions), hash_of(frame.velocities), hash_of(frame.surface));
   }
   return 0;
 }

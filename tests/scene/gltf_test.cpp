@@ -9,6 +9,7 @@
 
 #include "host/scene/pose.h"
 #include "tests/scene/gltf_builder.h"
+#include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
@@ -425,8 +426,8 @@ class RealFile {
 class RealGltf : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    path_ = std::filesystem::path(FASCICLE_SOURCE_DIR) / "../shared/assets" / GetParam();
-    if (!std::filesystem::exists(path_)) GTEST_SKIP() << "SKIPPED, NOT TESTED: " << path_ << " is missing";
+    path_ = asset(GetParam());
+    FASCICLE_NEEDS_ASSET(path_);
   }
   std::filesystem::path path_;
 };

@@ -8,6 +8,7 @@
 #include "host/scene/input_files.h"
 #include "host/scene/scene_file.h"
 #include "tests/scene/scene_samples.h"
+#include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
@@ -379,8 +380,8 @@ TEST(LoadScene, TakesABareMeshAsAScene) {
 }
 
 TEST(LoadScene, TakesABareCharacterAsAScene) {
-  const auto path = assets_folder() / "CesiumMan.glb";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "needs " << path;
+  const auto path = asset("CesiumMan.glb");
+  FASCICLE_NEEDS_ASSET(path);
   const Scene scene = load_scene(path.string());
   EXPECT_TRUE(std::holds_alternative<Character>(scene.geometry));
   // Later layers win: fat is what neither muscle nor bone claims.

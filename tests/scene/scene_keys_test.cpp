@@ -12,6 +12,7 @@
 
 #include "host/scene/scene_file.h"
 #include "tests/scene/scene_samples.h"
+#include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
@@ -81,9 +82,8 @@ class SceneKeys : public ::testing::Test {
     write_tetrahedron_off(folder_.path() / "tetrahedron.off");
     samples_.push_back(sample_of(bar_sample()));
     samples_.push_back(sample_of(mesh_sample()));
-    const auto character = assets_folder() / "CesiumMan.glb";
-    has_character_ = std::filesystem::exists(character);
-    if (has_character_) std::filesystem::copy(character, folder_.path() / "CesiumMan.glb");
+    if (std::filesystem::exists(character_))
+      std::filesystem::copy(character_, folder_.path() / character_.filename());
     samples_.push_back(sample_of(character_sample()));
   }
 
@@ -109,7 +109,7 @@ class SceneKeys : public ::testing::Test {
 
   TemporaryFolder folder_;
   std::vector<Sample> samples_;
-  bool has_character_ = false;
+  std::filesystem::path character_ = asset("CesiumMan.glb");
 };
 
 std::string mistyped(std::string name) {
@@ -176,9 +176,8 @@ std::map<std::string, json> properties_of_schema() {
 TEST_F(SceneKeys, SamplesAreAccepted) {
   EXPECT_EQ(refusal(bar_sample()), "no error");
   EXPECT_EQ(refusal(mesh_sample()), "no error");
-  if (has_character_) {
-    EXPECT_EQ(refusal(character_sample()), "no error");
-  }
+  FASCICLE_NEEDS_ASSET(character_);
+  EXPECT_EQ(refusal(character_sample()), "no error");
 }
 
 TEST_F(SceneKeys, SchemaListsTheSamplesKeysAndNothingElse) {
@@ -345,7 +344,7 @@ TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
 }
 
 TEST_F(SceneKeys, AbsentKeysMeanTheSchemasDefaults) {
-  if (!has_character_) GTEST_SKIP() << "needs ../shared/assets/CesiumMan.glb";
+  FASCICLE_NEEDS_ASSET(character_);
   const auto schema = properties_of_schema();
   std::set<std::string> with_default, tried;
   for (const auto& [path, property] : schema) {

@@ -197,8 +197,4 @@ void write_file(const std::filesystem::path& path, const std::string& text) {
   ASSERT_TRUE(out.good()) << path;
 }
 
-std::filesystem::path assets_folder() {
-  return std::filesystem::path(FASCICLE_SOURCE_DIR) / ".." / "shared" / "assets";
-}
-
 }  // namespace fascicle::tests

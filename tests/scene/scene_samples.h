@@ -23,7 +23,4 @@ std::string describe(const scene::Scene& scene);
 // Writes the whole file; a failure to do so fails the test.
 void write_file(const std::filesystem::path& path, const std::string& text);
 
-// The characters and meshes for trials; they are not part of the repository.
-std::filesystem::path assets_folder();
-
 }  // namespace fascicle::tests

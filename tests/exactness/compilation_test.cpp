@@ -1,0 +1,131 @@
+// What the exactness tests rest on: that the flavours of frame_hashes hold all code whose numbers reach a
+// result, compiled as their names say, and that no object with kernel arithmetic holds a fused multiply-add
+// (rule 3).
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/exactness/process.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, '|');) parts.push_back(part);
+  return parts;
+}
+
+bool cpu_has_fma() {
+  return run("grep -qw fma /proc/cpuinfo").status == 0;
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// The last -O of a command is the one that counts.
+std::string optimisation(const std::string& command) {
+  std::istringstream words(command);
+  std::string last;
+  for (std::string word; words >> word;)
+    if (word.rfind("-O", 0) == 0) last = word;
+  return last;
+}
+
+// Every source that turns input into numbers is compiled into every flavour, at the flavour's level.
+TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
+  std::ifstream file(std::string(FASCICLE_BINARY_DIR) + "/compile_commands.json");
+  const nlohmann::json commands = nlohmann::json::parse(file);
+  const std::vector<std::string> sources = split(FASCICLE_EXACT_SOURCES);
+  // Names that any rule for the list must have brought: one of each kind the numbers pass through.
+  const std::set<std::string> listed(sources.begin(), sources.end());
+  for (const char* name :
+       {"cpu_reference/stages.cpp", "host/build/shares.cpp", "host/build/fibre.cpp", "host/build/where.cpp",
+        "host/build/bones.cpp", "host/build/weld.cpp", "host/build/skin_weights.cpp",
+        "host/build/tetrahedralize.cpp", "host/bake/drive_source.cpp", "host/scene/pose_interpolation.cpp",
+        "host/scene/trigonometry.cpp"})
+    EXPECT_TRUE(listed.count(name)) << name;
+  for (const auto& [flavour, level] :
+       {std::pair{"O0", "-O0"}, std::pair{"O2", "-O2"}, std::pair{"O3_native", "-O3"}}) {
+    const std::string folder = std::string("frame_hashes_") + flavour + ".dir";
+    std::set<std::string> compiled;
+    for (const auto& entry : commands) {
+      const std::string command = entry["command"];
+      if (command.find(folder) == std::string::npos) continue;
+      EXPECT_EQ(optimisation(command), level) << entry["file"];
+      EXPECT_NE(command.find("-ffp-contract=off"), std::string::npos) << entry["file"];
+      compiled.insert(fs::path(entry["file"].get<std::string>()).lexically_relative(FASCICLE_SOURCE_DIR));
+    }
+    for (const std::string& source : sources)
+      EXPECT_TRUE(compiled.count(source)) << source << " is not compiled into frame_hashes_" << flavour;
+  }
+}
+
+// The sources, outside the tests, that hold kernel arithmetic.
+std::vector<std::string> kernel_sources() {
+  std::vector<std::string> found;
+  for (const char* room : {"cpu_reference", "gpu", "host"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(FASCICLE_SOURCE_DIR) / room)) {
+      if (!entry.is_regular_file()) continue;
+      std::ifstream in(entry.path());
+      std::stringstream text;
+      text << in.rdbuf();
+      if (text.str().find("#include \"shaders/kernel/") != std::string::npos)
+        found.push_back(entry.path().lexically_relative(FASCICLE_SOURCE_DIR));
+    }
+  return found;
+}
+
+// "cpu_reference/stages.cpp" in .../cpu_reference/CMakeFiles/ROOM.dir/stages.cpp.o, or in
+// .../FLAVOUR.dir/__/__/cpu_reference/stages.cpp.o.
+std::vector<std::string> objects_of(const std::string& source, const std::string& all) {
+  const fs::path path(source);
+  std::vector<std::string> found;
+  for (const std::string& object : split(all)) {
+    const bool own = ends_with(object, "/" + path.filename().string() + ".o") &&
+                     object.find("/" + path.parent_path().string() + "/CMakeFiles/") != std::string::npos;
+    if (own || ends_with(object, "/__/" + source + ".o")) found.push_back(object);
+  }
+  return found;
+}
+
+int fused_instructions(const std::string& object) {
+  const Output output = run("objdump -d '" + object + "' | grep -c 'vfn\\{0,1\\}m[as]'");
+  return std::atoi(output.text.c_str());
+}
+
+TEST(ExactnessFlavours, KernelObjectsHoldNoFusedMultiplyAdd) {
+  ASSERT_EQ(run("objdump --version").status, 0) << "objdump is missing (package binutils)";
+  const std::vector<std::string> sources = kernel_sources();
+  EXPECT_GE(sources.size(), 2u) << "the CPU's stages and the GPU's self-test at least";
+  for (const std::string& source : sources) {
+    for (const char* objects : {FASCICLE_BUILD_OBJECTS, FASCICLE_NATIVE_OBJECTS}) {
+      const std::vector<std::string> of_source = objects_of(source, objects);
+      ASSERT_FALSE(of_source.empty()) << source << " has kernel arithmetic, and no object of it is looked at";
+      for (const std::string& object : of_source) {
+        ASSERT_TRUE(fs::exists(object)) << object;
+        EXPECT_EQ(fused_instructions(object), 0) << object;
+      }
+    }
+    // The control: the same source, free to contract.
+    const std::vector<std::string> contracted = objects_of(source, FASCICLE_CONTRACTED_OBJECTS);
+    ASSERT_EQ(contracted.size(), 1u) << source;
+    EXPECT_TRUE(!cpu_has_fma() || fused_instructions(contracted[0]) > 0) << "the grep finds nothing at all";
+  }
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
