@@ -73,6 +73,7 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;
   body.bones = skeleton_bones(character.skeleton, scene.scale, scene.source);
+  add_scene_bones(scene, body);
   const double spacing = scene.resolution.value_or(mean_edge(welded.surface));
   body.mesh = fill(welded, scene, points_along_bones(body.bones, welded.surface, spacing), options);
   check_and_orient(body.mesh, scene.source, report);

@@ -1,6 +1,7 @@
 #include "host/build/where.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +13,9 @@ namespace {
 
 constexpr double slack_of_diagonal = 1e-9;
 constexpr double own_share = 0.02;
+constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
+// A vertex with this much of its weight on joints that end a chain is part of a head, a hand or a foot.
+constexpr double leaf_share = 0.5;
 
 struct PointTest {
   const Vector3d& point;
@@ -48,11 +52,21 @@ double share_of(const SkinWeights& skin, std::size_t vertex, std::int32_t joint)
   return share;
 }
 
+// A bone the scene draws has no owner and is everybody's.
 bool is_own_bone(const Body& body, std::size_t vertex, const Bone& bone) {
-  if (body.skin.offset.empty()) return true;
+  if (body.skin.offset.empty() || bone.owners == no_owners) return true;
   return std::any_of(bone.owners.begin(), bone.owners.end(), [&](std::int32_t owner) {
     return owner >= 0 && share_of(body.skin, vertex, owner) >= own_share;
   });
+}
+
+// The weight of a vertex on joints that end a chain: point bones of one owner and no next joint.
+double leaf_weight(const Body& body, std::size_t vertex) {
+  if (body.skin.offset.empty()) return 0.0;
+  double sum = 0.0;
+  for (const Bone& bone : body.bones)
+    if (bone.owners != no_owners && bone.owners[2] < 0) sum += share_of(body.skin, vertex, bone.owners[0]);
+  return sum;
 }
 
 }  // namespace
@@ -96,6 +110,10 @@ const std::vector<double>& WhereTest::bone_distances() {
   constexpr double far = std::numeric_limits<double>::infinity();
   bone_distances_.resize(body_.mesh.vertices.size());
   for (std::size_t i = 0; i < bone_distances_.size(); ++i) {
+    if (leaf_weight(body_, i) >= leaf_share) {
+      bone_distances_[i] = 0.0;
+      continue;
+    }
     double own = far, any = far;
     for (const Bone& bone : body_.bones) {
       const double distance = segment_distance(body_.mesh.vertices[i], bone.from, bone.to);

@@ -20,7 +20,9 @@ class WhereTest {
   std::vector<char> contains(const scene::Where& where, const std::string& key, const std::string& source);
 
   // Distance of each vertex to the nearest of its own bones, m: those that an owner with at least 2 % of the
-  // vertex's weights moves, or all where there is none. Computed on first use.
+  // vertex's weights moves, those the scene draws, or all where there is none. 0 for a vertex that joints at
+  // the end of a chain move for the most part: heads, hands and feet have no bone inside that a distance
+  // could be measured from, and follow the skeleton. Computed on first use.
   const std::vector<double>& bone_distances();
 
  private:
