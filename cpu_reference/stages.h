@@ -1,6 +1,7 @@
 // The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Only indexing: the
-// arithmetic is in shaders/kernel. Each reads what earlier stages wrote and writes its own field, so ranges
-// may run on any threads.
+// arithmetic is in shaders/kernel. Ranges may run on any threads: what a stage reads of other vertices, an
+// earlier stage wrote (region reads positions of its one-ring, goal and update read transforms), and what it
+// writes over (rotations, velocities, positions) only the vertex itself reads in that stage.
 #pragma once
 
 #include <cstdint>

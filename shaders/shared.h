@@ -1,4 +1,5 @@
-// Every struct and constant that both languages see. Compiles as C++ (namespace fascicle::shader) and as GLSL
+// Every struct and constant that C++ and GLSL both see, but for those that only the GPU's layout needs: these are in
+// buffers.h. Compiles as C++ (namespace fascicle::shader) and as GLSL
 // (std430). A test holds the offsets here against the offsets in the compiled SPIR-V.
 #ifndef FASCICLE_SHADERS_SHARED_H
 #define FASCICLE_SHADERS_SHARED_H
@@ -27,8 +28,8 @@ struct Muscle {
   float activation;
 };
 
-// One force of the scene in one substep: newtons divided by the working unit. A vertex takes its share of it
-// through Model::force_coefficient.
+// One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex takes its
+// share of it through Model::force_coefficient (1/kg, for wind m^2/kg).
 struct Force {
   float x, y, z;
   float unused;

@@ -79,7 +79,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     const bool has_fibre =
         model.fibre[3 * i] != 0.0f || model.fibre[3 * i + 1] != 0.0f || model.fibre[3 * i + 2] != 0.0f;
     model.mass.push_back(layer.density * volume[i]);
-    model.alpha.push_back(kinematic ? 0.0f : static_cast<float>(layer.alpha));
+    model.alpha.push_back(kinematic ? 0.0f : as_factor(layer.alpha));
     model.beta.push_back(has_fibre ? static_cast<float>(layer.beta) : 0.0f);
     model.tag.push_back(l | (kinematic ? shader::tag_kinematic : 0u));
 
@@ -90,6 +90,18 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     report.mass += model.mass[i];
     report.pinned_vertices += kinematic ? 1u : 0u;
   }
+}
+
+void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& model, Report& report) {
+  if (regions.empty()) return;
+  for (std::uint32_t& r : regions) r = model.source_vertex[r];
+  std::sort(regions.begin(), regions.end());
+  warn(report,
+       counted(regions.size(), "vertex lies", "vertices lie") +
+           " among tetrahedra so much smaller, flatter or softer than the rest that the region around never "
+           "turns (vertex " +
+           list_of(regions) + "); even out the mesh there, or alpha",
+       regions);
 }
 
 void write_weights(OneRings rings, Model& model, Report& report) {
@@ -103,6 +115,7 @@ void write_weights(OneRings rings, Model& model, Report& report) {
   report.region_fallbacks = weights.region_fallbacks;
   report.vertex_fallbacks = weights.vertex_fallbacks;
   report.skipped_regions = shares.skipped_regions;
+  warn_of_still_regions(std::move(shares.still_regions), model, report);
   model.ring_offset = std::move(rings.offset);
   model.ring = std::move(rings.neighbour);
   model.pull = std::move(shares.pull);

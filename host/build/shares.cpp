@@ -74,7 +74,15 @@ double power_of_two_towards_one(double mean) {
   return std::ldexp(1.0, (mantissa < 0.70710678118654752 ? 1 : 0) - exponent);
 }
 
+// Of moments scaled so that their mean is about 1; the threshold of extract_rotation in kernel/rotation.inc.
+constexpr double least_moment = 0x1p-40;
+
 }  // namespace
+
+float as_factor(double x) {
+  const float factor = static_cast<float>(x);
+  return factor < model::least_factor ? 0.0f : factor;
+}
 
 Shares make_shares(const OneRings& rings, const RestState& state, const RegionWeights& weights,
                    std::span<const float> stiffness, bool momentum_scaled) {
@@ -112,7 +120,7 @@ Shares make_shares(const OneRings& rings, const RestState& state, const RegionWe
 
   shares.pull.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    shares.pull[i] = static_cast<float>(pull[i] * factor);
+    shares.pull[i] = as_factor(pull[i] * factor);
     pull[i] = static_cast<double>(shares.pull[i]);
   }
   shares.region_rest.assign(4 * n, 0.0f);
@@ -122,6 +130,7 @@ Shares make_shares(const OneRings& rings, const RestState& state, const RegionWe
       ++shares.skipped_regions;
       continue;
     }
+    if (!(sums.moment > least_moment)) shares.still_regions.push_back(static_cast<std::uint32_t>(r));
     for (int a = 0; a < 3; ++a)
       shares.region_rest[4 * r + static_cast<std::size_t>(a)] = static_cast<float>(sums.centre[a]);
     shares.region_rest[4 * r + 3] = static_cast<float>(1.0 / sums.weight);

@@ -10,12 +10,17 @@
 
 namespace fascicle::build {
 
+// x, or 0 where it is below model::least_factor.
+float as_factor(double x);
+
 struct Shares {
   std::vector<float> pull;         // n
   std::vector<float> taken;        // entry (r, i): f_ir
   std::vector<float> given;        // entry (i, r): f_ir
   std::vector<float> region_rest;  // 4n
   std::uint32_t skipped_regions = 0;
+  // Regions whose own moment at rest lies below 2^-40 of the mean: the solvers never turn them.
+  std::vector<std::uint32_t> still_regions;
 };
 
 // `stiffness` is alpha_i, 1 where kinematic. With `momentum_scaled` the pull is stiffness x mass, which makes

@@ -19,7 +19,9 @@
 #include <unistd.h>
 
 #include "host/build/boundary.h"
+#include "host/build/mass.h"
 #include "host/build/process.h"
+#include "host/build/weld.h"
 #include "host/scene/mesh_file.h"
 
 namespace fascicle::build {
@@ -89,16 +91,6 @@ fs::path find_mesher(const BuildOptions& options) {
   throw SceneError(
       std::string(mesher_name) + ": not found in " + own_folder.string() +
       " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
-}
-
-double mean_edge(const SurfaceMesh& surface) {
-  double sum = 0.0;
-  for (const auto& t : surface.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      sum += (surface.vertices[t[k]] - surface.vertices[t[(k + 1) % 3]]).norm();
-    }
-  }
-  return sum / (3.0 * static_cast<double>(surface.triangles.size()));
 }
 
 // The largest volume of a tetrahedron for which the mean edge comes out as `edge`. A regular tetrahedron has
@@ -196,23 +188,15 @@ std::string reason(const ProcessResult& result) {
                    "; remesh the surface, or check that it belongs to this version of fascicle");
 }
 
-double volume_of(const TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
-  const Vector3d& origin = mesh.vertices[t[0]];
-  const Vector3d a = mesh.vertices[t[1]] - origin;
-  const Vector3d b = mesh.vertices[t[2]] - origin;
-  const Vector3d c = mesh.vertices[t[3]] - origin;
-  return a.cross(b).dot(c) / 6.0;
-}
-
 // TetGen turns all tetrahedra the same way; ours have positive volume. One that differs from the rest, or is
 // flat, is refused and not turned: it would be an overlap.
 void orient(TetMesh& mesh) {
   double sum = 0.0;
-  for (const auto& t : mesh.tetrahedra) sum += volume_of(mesh, t);
+  for (const auto& t : mesh.tetrahedra) sum += signed_volume(mesh, t);
   for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) {
     auto& t = mesh.tetrahedra[i];
     if (sum < 0.0) std::swap(t[2], t[3]);
-    if (!(volume_of(mesh, t) > 0.0)) {
+    if (!(signed_volume(mesh, t) > 0.0)) {
       fail_result("tetrahedron " + std::to_string(i) + " is flat or turned inside out");
     }
   }

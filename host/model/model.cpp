@@ -47,6 +47,13 @@ void check_range(const char* array, const std::vector<float>& values, float low,
                  std::to_string(high) + "]");
 }
 
+// What no snap sees must not be small enough to make a product denormal.
+void check_factors(const char* array, const std::vector<float>& values, float high) {
+  check_range(array, values, 0.0f, high);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] != 0.0f && values[i] < least_factor) broken(array, i, "is below 2^-40 and not 0");
+}
+
 void check_indices(const char* array, const std::vector<std::uint32_t>& values, std::uint32_t count) {
   for (std::size_t i = 0; i < values.size(); ++i)
     if (values[i] >= count)
@@ -153,7 +160,7 @@ void check_model(const Model& m) {
     if (!(m.mass[i] > 0.0) || !std::isfinite(m.mass[i])) broken("mass", i, "is not positive");
   check_size("alpha", m.alpha, n);
   // The explicit step is stable below 4; the paper's range is [0, 1].
-  check_range("alpha", m.alpha, 0.0f, 4.0f);
+  check_factors("alpha", m.alpha, 4.0f);
   check_size("beta", m.beta, n);
   check_range("beta", m.beta, 0.0f, 1.0f);
   check_size("fibre", m.fibre, 3 * n);
@@ -165,7 +172,7 @@ void check_model(const Model& m) {
     if (m.layer_of(i) >= m.layers.size()) broken("tag", i, "names no layer");
   check_one_rings(m);
   check_size("pull", m.pull, n);
-  check_range("pull", m.pull, 0.0f, 3.0e38f);
+  check_factors("pull", m.pull, 3.0e38f);
   check_size("region_rest", m.region_rest, 4 * n);
   check_finite("region_rest", m.region_rest);
   check_muscles(m);

@@ -40,6 +40,10 @@ const char* name_of(WeightForm form);
 const char* name_of(Integrator integrator);
 const char* name_of(Rotation rotation);
 
+// The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which devices treat
+// differently, into products that no snap sees.
+inline constexpr float least_factor = 0x1p-40f;
+
 struct Model {
   double unit = 1.0;                             // metres per working unit
   std::array<double, 3> rest_origin{0, 0, 0};    // metres
@@ -50,7 +54,8 @@ struct Model {
   std::vector<std::uint32_t> source_vertex;      // n: number in the tetrahedral mesh the model was built from
   std::vector<float> rest;                       // 3n: q0_i
   std::vector<double> mass;                      // n: m_i, kg
-  std::vector<float> alpha;                      // n: stiffness in [0,1], 0 for kinematic vertices
+  std::vector<float> alpha;                      // n: stiffness, the paper's in [0,1], stable below 4; 0 or at least
+                                                 // least_factor, 0 for kinematic vertices
   std::vector<float> beta;                       // n: fibre weight of region i; 0 where there is no fibre
   std::vector<float> fibre;                      // 3n: unit direction d_r, or 0 0 0
   std::vector<std::uint32_t> tag;                // n: shader::tag_* bits
@@ -64,7 +69,7 @@ struct Model {
   // (the share of i in its own region is what remains), a multiple of 2^-16; pull_i is alpha_i m_i (m_i if kinematic)
   // when momentum_scaled, else sum_r w_ir. All pulls carry one common factor, the power of two that
   // brings the mean over regions of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is exact).
-  std::vector<float> pull;                       // n
+  std::vector<float> pull;                       // n: 0 or at least least_factor
   std::vector<float> share_taken;                // e: entry (r, i) holds f_ir: what region r takes of vertex i
   std::vector<float> share_given;                // e: entry (i, r) holds f_ir: what vertex i gives to region r
   std::vector<float> region_rest;                // 4n: c0_r - q0_r, then 1/W_r (0 where W_r = 0: the region is skipped)
@@ -80,11 +85,12 @@ struct Model {
   std::vector<std::uint32_t> skin_joint;
   std::vector<float> skin_weight;                // sums to 1 for each vertex
 
-  // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force.
+  // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in newtons
+  // for a point force and in N/m^2 for wind, both divided by the working unit.
   std::uint32_t force_count = 0;
   std::vector<std::uint32_t> force_offset;       // n + 1 or 0
   std::vector<std::uint32_t> force_index;
-  std::vector<float> force_coefficient;          // 1/kg
+  std::vector<float> force_coefficient;          // 1/kg; for wind m^2/kg, the vertex's rest area over its mass
 
   // The render mesh, in its own vertex order: each vertex rides on four vertices of the model.
   std::vector<std::uint32_t> surface_vertex;     // 4m

@@ -22,6 +22,14 @@ TEST(CheckModel, AcceptsGoodModels) {
   for (unsigned seed = 0; seed < 20; ++seed) EXPECT_NO_THROW(check_model(random_model(seed))) << seed;
 }
 
+TEST(CheckModel, AcceptsTheSmallestFactorsThatAreNotZero) {
+  Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
+  model.alpha[2] = model::least_factor;
+  model.pull[3] = model::least_factor;
+  model.pull[4] = 0.0f;
+  EXPECT_NO_THROW(check_model(model));
+}
+
 TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
   using Change = void (*)(Model&);
   const std::pair<const char*, Change> changes[] = {
@@ -30,6 +38,7 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"rest", [](Model& m) { m.rest.pop_back(); }},
       {"mass", [](Model& m) { m.mass[1] = 0.0; }},
       {"alpha", [](Model& m) { m.alpha[2] = -0.1f; }},
+      {"alpha", [](Model& m) { m.alpha[2] = 0x1.fffffep-41f; }},
       {"beta", [](Model& m) { m.beta[0] = 1.5f; }},
       {"tag", [](Model& m) { m.tag[0] = 7; }},
       {"ring_offset", [](Model& m) { m.ring_offset[1] = 1000000; }},
@@ -38,6 +47,7 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"share_given", [](Model& m) { m.share_given[0] += 0x1p-16f; }},
       {"share_given", [](Model& m) { m.share_given[0] = m.share_taken[0] = 0.3f; }},
       {"pull", [](Model& m) { m.pull[0] = -1.0f; }},
+      {"pull", [](Model& m) { m.pull[0] = 1e-40f; }},
       {"region_rest", [](Model& m) { m.region_rest[3] = std::numeric_limits<float>::infinity(); }},
       {"region_muscle", [](Model& m) { m.region_muscle.assign(3, 0); }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},

@@ -1,0 +1,71 @@
+// Numbers too small to work with: factors below 2^-40 become zero, and regions of almost no moment are named.
+#include <gtest/gtest.h>
+
+#include "host/build/shares.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+// Two tetrahedra that do not touch, the second `ratio` times the size of the first.
+scene::Scene two_tetrahedra(double ratio) {
+  scene::TetMesh mesh;
+  for (const double size : {1.0, ratio}) {
+    const scene::Vector3d corner(size == 1.0 ? 0.0 : 2.0, 0.0, 0.0);
+    mesh.vertices.push_back(corner);
+    for (int a = 0; a < 3; ++a) mesh.vertices.push_back(corner + size * scene::Vector3d::Unit(a));
+  }
+  mesh.tetrahedra = {{0, 1, 2, 3}, {4, 5, 6, 7}};
+  scene::Scene scene = bar_scene();
+  scene.geometry = mesh;
+  scene.pins.clear();
+  return scene;
+}
+
+std::vector<build::Warning> stillness_warnings(const scene::Scene& scene) {
+  build::Report report;
+  model::check_model(build::build_model(scene, report));
+  std::vector<build::Warning> found;
+  for (const build::Warning& warning : report.warnings)
+    if (warning.text.find("never turns") != std::string::npos) found.push_back(warning);
+  return found;
+}
+
+// Masses go with the cube of the size and moments with its fifth power: 2^-9 gives 2^-45 of the larger one's,
+// 2^-7 gives 2^-35. The mean is half of the larger one's.
+TEST(SmallNumbers, RegionsThatNeverTurnAreNamed) {
+  const auto warnings = stillness_warnings(two_tetrahedra(0x1p-9));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].vertices, (std::vector<std::uint32_t>{4, 5, 6, 7}));
+  EXPECT_EQ(warnings[0].text.find("4 vertices lie"), 0u) << warnings[0].text;
+}
+
+TEST(SmallNumbers, RegionsThatTurnAreNot) {
+  EXPECT_TRUE(stillness_warnings(two_tetrahedra(0x1p-7)).empty());
+  EXPECT_TRUE(stillness_warnings(bar_scene()).empty());
+}
+
+TEST(SmallNumbers, FactorsBelowTheLeastAreZero) {
+  EXPECT_EQ(build::as_factor(0.0), 0.0f);
+  EXPECT_EQ(build::as_factor(0x1p-40), 0x1p-40f);
+  EXPECT_EQ(build::as_factor(0x1.fffffep-41), 0.0f);
+  EXPECT_EQ(build::as_factor(1e-42), 0.0f);
+  EXPECT_EQ(build::as_factor(0.75), 0.75f);
+}
+
+// An alpha so small is no stiffness: the vertex is free, its pull nothing.
+TEST(SmallNumbers, AnAlphaBelowTheLeastBuildsAFreeBody) {
+  scene::Scene scene = bar_scene();
+  scene.layers[0].alpha = 1e-40;
+  const model::Model model = build_quietly(scene);
+  EXPECT_NO_THROW(model::check_model(model));
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    EXPECT_EQ(model.alpha[i], 0.0f) << i;
+    EXPECT_EQ(model.pull[i] > 0.0f, model.is_kinematic(i)) << i;
+  }
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
