@@ -1,12 +1,11 @@
 // What must not change a trajectory, and what a free body must keep: momentum.
 #include <cmath>
-#include <numeric>
 #include <random>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "tests/cpu_reference/mapped_scene.h"
 #include "tests/cpu_reference/oracle_run.h"
 
 namespace fascicle::tests {
@@ -18,72 +17,6 @@ using Eigen::Vector3d;
 using model::Model;
 
 constexpr double h = 1.0 / 64.0;
-
-// A body with its motion, in numbers that survive what the tests do to them: the rotation below has entries
-// of whole 25ths and all lengths are multiples of 25/2^k, so that rotated and mirrored copies are exact in
-// float.
-struct Scene {
-  Mesh mesh;
-  Points velocities;
-  std::vector<float> alpha, beta;
-  Points fibres;
-  std::vector<bool> pinned;
-  Vector3d gravity = Vector3d::Zero();
-  Vector3d translation = Vector3d::Zero();
-};
-
-// The rotation of the quaternion (4, 2, 2, 1)/5.
-Matrix3d exact_rotation() {
-  Matrix3d R;
-  R << 15, 0, 20, 16, 15, -12, -12, 20, 9;
-  return R / 25.0;
-}
-
-Scene make_scene(unsigned seed, bool pinned) {
-  constexpr double grid = 25.0 / 4096.0;
-  std::mt19937 random(seed);
-  std::uniform_int_distribution<int> small(-20, 20);
-  std::uniform_real_distribution<float> unit(0.05f, 1.0f);
-  Scene scene;
-  scene.mesh = jittered(kuhn_bar(3, 2, 2, 16 * grid), grid, 1, seed);
-  for (const Vector3d& p : scene.mesh.points) {
-    scene.velocities.push_back(grid * 2 * Vector3d(small(random), small(random), small(random)));
-    scene.alpha.push_back(unit(random));
-    scene.beta.push_back(unit(random));
-    // Not of unit length, so that rotating is exact: the Oracle takes only the direction.
-    scene.fibres.push_back(25.0 * Vector3d(1 + std::abs(small(random)), small(random), small(random)));
-    scene.pinned.push_back(pinned && p.x() < 4 * grid);
-  }
-  scene.gravity = pinned ? Vector3d(25.0 / 16, -6.25, 25.0 / 8) : Vector3d::Zero();
-  return scene;
-}
-
-Scene mapped(const Scene& scene, const Matrix3d& R, const Vector3d& t) {
-  Scene copy = scene;
-  for (Vector3d& p : copy.mesh.points) p = R * p;
-  for (Vector3d& v : copy.velocities) v = R * v;
-  for (Vector3d& d : copy.fibres) d = R * d;
-  copy.gravity = R * scene.gravity;
-  copy.translation = t;
-  if (R.determinant() < 0.0)
-    for (auto& tetrahedron : copy.mesh.tetrahedra) std::swap(tetrahedron[2], tetrahedron[3]);
-  return copy;
-}
-
-Model model_of(const Scene& scene, bool momentum_scaled = true, double damping = 0.0) {
-  BodyOptions options;
-  options.momentum_scaled = momentum_scaled;
-  options.damping = damping;
-  Model model = make_model(scene.mesh, options);
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    model.alpha[i] = scene.alpha[i];
-    model.beta[i] = scene.beta[i];
-    for (int k = 0; k < 3; ++k) model.fibre[3 * i + std::size_t(k)] = float(scene.fibres[i][k]);
-    if (scene.pinned[i]) make_kinematic(model, i);
-  }
-  fill_weights(model);
-  return model;
-}
 
 // Positions after each of `steps` steps.
 std::vector<Points> trajectory(const Scene& scene, int steps, double damping = 0.0) {
@@ -141,28 +74,9 @@ TEST(OracleInvariance, MirroredBodyMovesMirrored) {
 
 TEST(OracleInvariance, NumberingDoesNotMatter) {
   const Scene scene = make_scene(3, true);
-  const std::size_t n = scene.mesh.points.size();
-  std::vector<std::uint32_t> new_number(n);
-  std::iota(new_number.begin(), new_number.end(), 0u);
-  std::shuffle(new_number.begin(), new_number.end(), std::mt19937(4));
-  Scene renamed = scene;
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::uint32_t to = new_number[i];
-    renamed.mesh.points[to] = scene.mesh.points[i];
-    renamed.velocities[to] = scene.velocities[i];
-    renamed.alpha[to] = scene.alpha[i];
-    renamed.beta[to] = scene.beta[i];
-    renamed.fibres[to] = scene.fibres[i];
-    renamed.pinned[to] = scene.pinned[i];
-  }
-  for (auto& tetrahedron : renamed.mesh.tetrahedra)
-    for (std::uint32_t& i : tetrahedron) i = new_number[i];
+  const auto new_number = shuffled_numbers(scene.mesh.points.size(), 4);
   const std::vector<Points> a = trajectory(scene, 200);
-  std::vector<Points> b = trajectory(renamed, 200);
-  for (Points& points : b) {
-    const Points by_new = points;
-    for (std::size_t i = 0; i < n; ++i) points[i] = by_new[new_number[i]];
-  }
+  const std::vector<Points> b = in_old_numbers(trajectory(renumbered(scene, new_number), 200), new_number);
   expect_mapped(a, b, Matrix3d::Identity(), Vector3d::Zero(), same_trajectory);
 }
 
