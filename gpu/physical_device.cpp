@@ -61,84 +61,109 @@ std::optional<std::uint32_t> compute_family(const std::vector<VkQueueFamilyPrope
   return found;
 }
 
+// What a device of Vulkan 1.1 says beyond its core properties. An older one leaves all at zero.
+struct MoreProperties {
+  VkPhysicalDeviceSubgroupProperties subgroup{};
+  VkPhysicalDeviceFloatControlsProperties controls{};
+  VkPhysicalDeviceDriverProperties driver{};
+};
+
+MoreProperties more_properties(VkPhysicalDevice handle, const Extensions& extensions) {
+  MoreProperties more;
+  more.subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
+  more.controls.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES;
+  more.driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  void** last = &properties.pNext;
+  const auto chain = [&](auto& structure) {
+    *last = &structure;
+    last = &structure.pNext;
+  };
+  chain(more.subgroup);
+  if (extensions.contains(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME)) chain(more.controls);
+  if (extensions.contains(VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) chain(more.driver);
+  vkGetPhysicalDeviceProperties2(handle, &properties);
+  // The chain led through this function's own structures.
+  more.subgroup.pNext = more.controls.pNext = more.driver.pNext = nullptr;
+  return more;
+}
+
+std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice handle) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(handle, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(handle, &count, families.data());
+  return families;
+}
+
+DeviceInfo info_of(const VkPhysicalDeviceProperties& core, const MoreProperties& more,
+                   const VkPhysicalDeviceMemoryProperties& memory) {
+  DeviceInfo info;
+  info.name = core.deviceName;
+  info.type = type_text(core.deviceType);
+  info.software = core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  info.driver = more.driver.driverName[0] != '\0'
+                    ? std::string(more.driver.driverName) + " " + more.driver.driverInfo
+                    : std::to_string(core.driverVersion);
+  info.api_version = version_text(core.apiVersion);
+  for (std::uint32_t h = 0; h < memory.memoryHeapCount; ++h)
+    if (memory.memoryHeaps[h].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
+      info.memory = std::max<std::uint64_t>(info.memory, memory.memoryHeaps[h].size);
+  info.max_storage_buffer_range = core.limits.maxStorageBufferRange;
+  info.max_groups = core.limits.maxComputeWorkGroupCount[0];
+  info.subgroup_size = more.subgroup.subgroupSize;
+  // Where widths depend on each other, a mode for 32 bits alone is not allowed.
+  const bool rounding_alone =
+      more.controls.roundingModeIndependence != VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE;
+  info.rounding_rte = more.controls.shaderRoundingModeRTEFloat32 && rounding_alone;
+  info.signed_zero_inf_nan_preserve = more.controls.shaderSignedZeroInfNanPreserveFloat32;
+  info.denorm_preserve = more.controls.shaderDenormPreserveFloat32;
+  return info;
+}
+
+// Why the device will not do, or nothing.
+std::string refusal(const VkPhysicalDeviceProperties& core, bool has_compute) {
+  if (core.apiVersion < VK_API_VERSION_1_1)
+    return "it knows Vulkan " + version_text(core.apiVersion) + " only; 1.1 is needed";
+  if (!has_compute) return "it has no compute queue";
+  const std::uint32_t buffers = core.limits.maxPerStageDescriptorStorageBuffers;
+  if (buffers < most_buffers_of_a_kernel)
+    return "it binds " + std::to_string(buffers) +
+           " buffers to a shader (maxPerStageDescriptorStorageBuffers); " +
+           std::to_string(most_buffers_of_a_kernel) + " are needed";
+  if (core.limits.maxPushConstantsSize < sizeof(shader::Push))
+    return "it has " + std::to_string(core.limits.maxPushConstantsSize) + " bytes of push constants; " +
+           std::to_string(sizeof(shader::Push)) + " are needed";
+  return {};
+}
+
 }  // namespace
 
 PhysicalDevice describe(VkPhysicalDevice handle, std::uint32_t index) {
   PhysicalDevice device;
   device.handle = handle;
-  DeviceInfo& info = device.info;
-
-  const Extensions extensions(handle);
-  VkPhysicalDeviceSubgroupProperties subgroup{};
-  subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
-  VkPhysicalDeviceFloatControlsProperties controls{};
-  controls.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES;
-  VkPhysicalDeviceDriverProperties driver{};
-  driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
-  VkPhysicalDeviceProperties2 properties{};
-  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
-
   VkPhysicalDeviceProperties core{};
   vkGetPhysicalDeviceProperties(handle, &core);
-  const bool modern = core.apiVersion >= VK_API_VERSION_1_1;
-  if (modern) {
-    void** last = &properties.pNext;
-    const auto chain = [&](auto& structure) {
-      *last = &structure;
-      last = &structure.pNext;
-    };
-    chain(subgroup);
-    device.float_controls_extension = extensions.contains(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME);
-    if (device.float_controls_extension) chain(controls);
-    if (extensions.contains(VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME)) chain(driver);
-    vkGetPhysicalDeviceProperties2(handle, &properties);
-  }
   vkGetPhysicalDeviceMemoryProperties(handle, &device.memory);
   device.limits = core.limits;
+  MoreProperties more;
+  if (core.apiVersion >= VK_API_VERSION_1_1) {
+    const Extensions extensions(handle);
+    device.float_controls_extension = extensions.contains(VK_KHR_SHADER_FLOAT_CONTROLS_EXTENSION_NAME);
+    more = more_properties(handle, extensions);
+  }
+  device.info = info_of(core, more, device.memory);
+  device.info.index = index;
 
-  info.index = index;
-  info.name = core.deviceName;
-  info.type = type_text(core.deviceType);
-  info.software = core.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  info.driver = driver.driverName[0] != '\0' ? std::string(driver.driverName) + " " + driver.driverInfo
-                                             : std::to_string(core.driverVersion);
-  info.api_version = version_text(core.apiVersion);
-  for (std::uint32_t h = 0; h < device.memory.memoryHeapCount; ++h)
-    if (device.memory.memoryHeaps[h].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
-      info.memory = std::max<std::uint64_t>(info.memory, device.memory.memoryHeaps[h].size);
-  info.max_storage_buffer_range = core.limits.maxStorageBufferRange;
-  info.max_groups = core.limits.maxComputeWorkGroupCount[0];
-  info.subgroup_size = subgroup.subgroupSize;
-  // Where widths depend on each other, a mode for 32 bits alone is not allowed.
-  const bool rounding_alone = controls.roundingModeIndependence != VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE;
-  info.rounding_rte = controls.shaderRoundingModeRTEFloat32 && rounding_alone;
-  info.signed_zero_inf_nan_preserve = controls.shaderSignedZeroInfNanPreserveFloat32;
-  info.denorm_preserve = controls.shaderDenormPreserveFloat32;
-
-  std::uint32_t count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(handle, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  vkGetPhysicalDeviceQueueFamilyProperties(handle, &count, families.data());
+  const std::vector<VkQueueFamilyProperties> families = queue_families(handle);
   const std::optional<std::uint32_t> family = compute_family(families);
   if (family) {
     device.queue_family = *family;
     device.has_timestamps = families[*family].timestampValidBits > 0;
   }
-
-  const auto refuse = [&](const std::string& why) {
-    if (info.usable) info.why_not = why;
-    info.usable = false;
-  };
-  if (!modern) refuse("it knows Vulkan " + info.api_version + " only; 1.1 is needed");
-  if (!family) refuse("it has no compute queue");
-  const std::uint32_t buffers = core.limits.maxPerStageDescriptorStorageBuffers;
-  if (buffers < most_buffers_of_a_kernel)
-    refuse("it binds " + std::to_string(buffers) +
-           " buffers to a shader (maxPerStageDescriptorStorageBuffers); " +
-           std::to_string(most_buffers_of_a_kernel) + " are needed");
-  if (core.limits.maxPushConstantsSize < sizeof(shader::Push))
-    refuse("it has " + std::to_string(core.limits.maxPushConstantsSize) + " bytes of push constants; " +
-           std::to_string(sizeof(shader::Push)) + " are needed");
+  device.info.why_not = refusal(core, family.has_value());
+  device.info.usable = device.info.why_not.empty();
   return device;
 }
 

@@ -90,6 +90,8 @@ std::vector<std::string> lint(Module module) {
                                             : std::string("operation not on the list of harmless ones"));
       continue;
     }
+    // An undefined value is whatever a driver likes, and need not be the same at each use.
+    if (i.opcode == Opcode::undef) fault(i, "undefined value");
     if (is_float_arithmetic(i.opcode) && !scalar_floats.contains(i.words[1]))
       fault(i, "float arithmetic on something other than a 32-bit scalar");
     if ((i.opcode == Opcode::type_float || i.opcode == Opcode::type_int) && i.words[2] != 32)

@@ -19,6 +19,7 @@ struct ModuleError : std::runtime_error {
 };
 
 enum class Opcode : std::uint16_t {
+  undef = 1,
   extension = 10,
   ext_inst_import = 11,
   ext_inst = 12,

@@ -111,6 +111,23 @@ INSTANTIATE_TEST_SUITE_P(Shaders, Planted,
                                          "double_precision", "subgroup_sum", "conversion"),
                          [](const auto& of) { return std::string(of.param); });
 
+TEST(Lint, AnUndefinedValueIsRefused) {
+  const Module exact = shader::goal_module();
+  const auto instructions = spirv_exact::instructions_of(exact);
+  const auto type_float = std::find_if(instructions.begin(), instructions.end(), [](const Instruction& i) {
+    return i.opcode == Opcode::type_float;
+  });
+  ASSERT_NE(type_float, instructions.end());
+  Words with_undefined(exact.begin(), exact.end());
+  const std::uint32_t new_id = with_undefined[3]++;  // the bound on ids, in the header
+  const auto after = type_float->words.data() + type_float->words.size() - exact.data();
+  const Words undefined{spirv_exact::first_word(Opcode::undef, 3), type_float->words[1], new_id};
+  with_undefined.insert(with_undefined.begin() + after, undefined.begin(), undefined.end());
+  const std::vector<std::string> faults = spirv_exact::lint(with_undefined);
+  ASSERT_EQ(faults.size(), 1u) << all_of(faults);
+  EXPECT_NE(faults[0].find("undefined value"), std::string::npos) << faults[0];
+}
+
 TEST(Module, BrokenWordsAreRefused) {
   const Module whole = shader::goal_module();
   EXPECT_THROW(spirv_exact::instructions_of({}), spirv_exact::ModuleError);

@@ -1,0 +1,8 @@
+// CpuSolver compiled once more with FASCICLE_NO_SNAP. The kernels are templates in headers and the stages
+// have one name each: under their own names this second version would be merged with the first at link time.
+#define FASCICLE_NO_SNAP
+#define kernel kernel_without_snap
+#define cpu_reference cpu_reference_without_snap
+#include "cpu_reference/cpu_solver.cpp"
+#include "cpu_reference/stages.cpp"
+#include "cpu_reference/thread_pool.cpp"
