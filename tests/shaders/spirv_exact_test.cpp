@@ -114,9 +114,8 @@ INSTANTIATE_TEST_SUITE_P(Shaders, Planted,
 TEST(Lint, AnUndefinedValueIsRefused) {
   const Module exact = shader::goal_module();
   const auto instructions = spirv_exact::instructions_of(exact);
-  const auto type_float = std::find_if(instructions.begin(), instructions.end(), [](const Instruction& i) {
-    return i.opcode == Opcode::type_float;
-  });
+  const auto type_float = std::find_if(instructions.begin(), instructions.end(),
+                                       [](const Instruction& i) { return i.opcode == Opcode::type_float; });
   ASSERT_NE(type_float, instructions.end());
   Words with_undefined(exact.begin(), exact.end());
   const std::uint32_t new_id = with_undefined[3]++;  // the bound on ids, in the header
@@ -131,7 +130,8 @@ TEST(Lint, AnUndefinedValueIsRefused) {
 TEST(Module, BrokenWordsAreRefused) {
   const Module whole = shader::goal_module();
   EXPECT_THROW(spirv_exact::instructions_of({}), spirv_exact::ModuleError);
-  EXPECT_THROW(spirv_exact::instructions_of(whole.first(spirv_exact::header_words + 1)), spirv_exact::ModuleError);
+  EXPECT_THROW(spirv_exact::instructions_of(whole.first(spirv_exact::header_words + 1)),
+               spirv_exact::ModuleError);
   Words zero_length(whole.begin(), whole.end());
   zero_length[spirv_exact::header_words] &= 0xffff;
   EXPECT_THROW(spirv_exact::instructions_of(zero_length), spirv_exact::ModuleError);
