@@ -102,10 +102,12 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     std::cout << "  for Blender and ParaView: the same command with --overwrite --format pc2,vtu\n";
 }
 
-void print_result(const BakeArguments& arguments, const scene::Scene& scene, const bake::BakeResult& result) {
+void print_result(const BakeArguments& arguments, const scene::Scene& scene,
+                  const bake::DeviceDescription& device, const bake::BakeResult& result) {
   std::cout << "baked " << scene.name << ": " << count_text(result.frames_done) << " frames in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
             << ", writing " << duration_text(result.seconds_writing) << ")\n"
+            << "device: " << device.solver << ", " << device.name << "\n"
             << "position hash of the last frame: " << result.last_position_hash << "\n"
             << "wrote\n";
   for (const fs::path& file : result.files) std::cout << "  " << file.string() << "\n";
@@ -153,7 +155,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
                 "; the same command with --resume (and without --overwrite) goes on");
     return ExitCode::interrupted;
   }
-  print_result(arguments, scene, result);
+  print_result(arguments, scene, options.device, result);
   return ExitCode::done;
 }
 

@@ -60,8 +60,7 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
           },
           ""))
       ->option_text("KEY=VALUE");
-  subcommand.add_option("--fps", overrides.fps, "Frames a second")
-      ->check(CLI::PositiveNumber.description(""));
+  subcommand.add_option("--fps", overrides.fps, "Frames a second");
   subcommand.add_option("--start", overrides.start, "Time of frame 0, s");
   subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
   subcommand.add_option("--clip", overrides.clip, "The character's clip, by name or number");

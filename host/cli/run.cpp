@@ -1,6 +1,7 @@
 // The command line as a whole: parsing, and what each kind of error becomes.
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <string>
@@ -63,6 +64,9 @@ ExitCode run_command(const Command& command, Log& log) {
     return report(log, error.what(), ExitCode::no_such_device);
   } catch (const bake::NotFinite& error) {
     return report(log, error.what(), ExitCode::not_finite);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return report(log, error.path1().string() + ": " + error.code().message() + "; choose another folder",
+                  ExitCode::bad_input);
   } catch (const std::bad_alloc&) {
     return report(log, "out of memory; try a coarser mesh, or inspect the scene to see its size",
                   ExitCode::unforeseen);
