@@ -1,5 +1,6 @@
-// Oracle: the method in double precision, written to be read beside the paper. It shares no arithmetic with the kernels,
-// and computes weights, centres and T from the rest data itself, so that a Model is tested against it too.
+// Oracle: the method in double precision, written to be read beside the paper. It shares no arithmetic with
+// the kernels, and computes weights, centres and T from the rest data itself, so that a Model is tested
+// against it too.
 #pragma once
 
 #include <memory>
@@ -23,7 +24,8 @@ class Oracle : public model::Solver {
   // Double-precision state, working units, model order.
   const std::vector<Eigen::Vector3d>& positions() const;
   const std::vector<Eigen::Vector3d>& velocities() const;
-  // Weight w_ir of vertex i in region r (0 if i is not in it), after momentum scaling, without the Model's common factor.
+  // Weight w_ir of vertex i in region r (0 if i is not in it), after momentum scaling, without the Model's
+  // common factor.
   double weight(std::uint32_t i, std::uint32_t r) const;
 
  private:

@@ -1,6 +1,6 @@
-// Every struct and constant that C++ and GLSL both see, but for those that only the GPU's layout needs: these are in
-// buffers.h. Compiles as C++ (namespace fascicle::shader) and as GLSL
-// (std430). A test holds the offsets here against the offsets in the compiled SPIR-V.
+// Every struct and constant that C++ and GLSL both see, but for those that only the GPU's layout needs: these
+// are in buffers.h. Compiles as C++ (namespace fascicle::shader) and as GLSL (std430). A test holds the
+// offsets here against the offsets in the compiled SPIR-V.
 #ifndef FASCICLE_SHADERS_SHARED_H
 #define FASCICLE_SHADERS_SHARED_H
 
@@ -21,15 +21,15 @@ struct Bone {
   float zx, zy, zz, zt;
 };
 
-// One muscle's values in one substep, equation (17): the direction tau, carried back to the rest frame, and the
-// activation that the joint angle gives (sines and cosines are taken on the host).
+// One muscle's values in one substep, equation (17): the direction tau, carried back to the rest frame, and
+// the activation that the joint angle gives (sines and cosines are taken on the host).
 struct Muscle {
   float tau_x, tau_y, tau_z;
   float activation;
 };
 
-// One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex takes its
-// share of it through Model::force_coefficient (1/kg, for wind m^2/kg).
+// One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex
+// takes its share of it through Model::force_coefficient (1/kg, for wind m^2/kg).
 struct Force {
   float x, y, z;
   float unused;
@@ -49,7 +49,8 @@ struct Substep {
   uint first_force;   // index of this substep's first Force
 };
 
-// Vertices per slice of the sliced one-ring lists on the GPU, and invocations per workgroup. No result depends on it.
+// Vertices per slice of the sliced one-ring lists on the GPU, and invocations per workgroup. No result
+// depends on it.
 SHARED_CONSTANT uint slice_width = 32u;
 
 // A vertex's tag: the layer in the low byte, and whether it is kinematic (moved by skinning or pinned).

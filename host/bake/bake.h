@@ -15,7 +15,8 @@
 
 namespace fascicle::bake {
 
-// A folder that cannot be baked into, or a cache that does not fit: bad input or usage. what() says what to do.
+// A folder that cannot be baked into, or a cache that does not fit: bad input or usage. what() says what to
+// do.
 struct BakeError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -30,28 +31,28 @@ struct NotFinite : std::runtime_error {
 
 // What the manifest says about where the bake ran.
 struct DeviceDescription {
-  std::string solver;         // "cpu" or "vulkan"
+  std::string solver;  // "cpu" or "vulkan"
   std::string name, driver;
   std::string float_controls;
-  bool exact = true;          // self-test passed
+  bool exact = true;  // self-test passed
   unsigned threads = 0;
 };
 
 struct BakeOptions {
   std::filesystem::path folder;
-  std::vector<std::string> formats;      // "pc2", "vtu"
-  bool overwrite = false;                // removes what a bake made in the folder, and nothing else
-  bool resume = false;                   // goes on from the last checkpoint; starts afresh where there is none
-  std::uint64_t checkpoint_frames = 100; // at least 1: a checkpoint after this many frames,
-  double checkpoint_seconds = 10.0;      // or after this time, whichever comes first
+  std::vector<std::string> formats;  // "pc2", "vtu"
+  bool overwrite = false;            // removes what a bake made in the folder, and nothing else
+  bool resume = false;               // goes on from the last checkpoint; starts afresh where there is none
+  std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
+  double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
   DeviceDescription device;
-  std::vector<std::string> warnings;     // of the build, for the manifest
+  std::vector<std::string> warnings;               // of the build, for the manifest
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
 };
 
 struct BakeResult {
-  std::uint64_t frames_done = 0;         // of frame_count(scene)
+  std::uint64_t frames_done = 0;  // of frame_count(scene)
   bool interrupted = false;
   std::vector<std::filesystem::path> files;
   std::string last_position_hash;
@@ -61,11 +62,13 @@ struct BakeResult {
 // Names accepted in BakeOptions::formats.
 const std::vector<std::string>& format_names();
 
-// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk). On NotFinite and interruption the frame cache
-// keeps every whole frame and a checkpoint, and the manifest says how far it came.
-BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver, const BakeOptions& options);
+// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk). On NotFinite and interruption the
+// frame cache keeps every whole frame and a checkpoint, and the manifest says how far it came.
+BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
+                const BakeOptions& options);
 
 // Bytes a bake will write.
-std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model, const std::vector<std::string>& formats);
+std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
+                           const std::vector<std::string>& formats);
 
 }  // namespace fascicle::bake

@@ -9,9 +9,10 @@
 
 namespace fascicle::bake {
 
-// The scene and model must outlive it. Frame k covers the time from start + (k-1)/fps to start + k/fps; substep s of it ends at
-// start + (k - 1 + s/substeps)/fps, s = 1..substeps, and the clip is sampled there. Each frame's origin is the root
-// joint's position at the frame's end rounded to whole working units (constant without a skeleton).
+// The scene and model must outlive it. Frame k covers the time from start + (k-1)/fps to start + k/fps;
+// substep s of it ends at start + (k - 1 + s/substeps)/fps, s = 1..substeps, and the clip is sampled there.
+// Each frame's origin is the root joint's position at the frame's end rounded to whole working units
+// (constant without a skeleton).
 class DriveSource {
  public:
   DriveSource(const scene::Scene& scene, const model::Model& model);
@@ -19,7 +20,8 @@ class DriveSource {
 
   // State before frame 1.
   model::State initial_state() const;
-  // The drive of frame k >= 1. Its spans stay valid until the next call. Frames may be asked for in any order.
+  // The drive of frame k >= 1. Its spans stay valid until the next call. Frames may be asked for in any
+  // order.
   model::Drive drive(std::uint64_t frame);
 
  private:

@@ -108,7 +108,8 @@ void refuse_foreign(const fs::path& folder, const std::vector<std::string>& file
   for (const std::string& entry : files)
     for (const fs::path& path : existing(folder, entry))
       if (path != first_temporary)
-        throw BakeError(path.string() + ": would be overwritten, and no bake made it; move it or choose another -o");
+        throw BakeError(path.string() +
+                        ": would be overwritten, and no bake made it; move it or choose another -o");
 }
 
 }  // namespace fascicle::bake

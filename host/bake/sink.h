@@ -16,16 +16,17 @@ struct BakeInfo {
   std::filesystem::path folder;
   std::string scene_name;
   double fps = 60.0;
-  double start = 0.0;               // s, time of frame 0
-  std::uint64_t frames = 0;         // after frame 0; frame 0 is written too, so frames + 1 in all
-  std::uint64_t first = 0;          // first frame to write: 0, or where a resumed bake goes on
+  double start = 0.0;                     // s, time of frame 0
+  std::uint64_t frames = 0;               // after frame 0; frame 0 is written too, so frames + 1 in all
+  std::uint64_t first = 0;                // first frame to write: 0, or where a resumed bake goes on
   const model::Frame* initial = nullptr;  // frame 0 with positions, for displacements; outlives the sink
 };
 
-// Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside their place
-// (NAME.part), synced and renamed in finish, or one whole file a frame. Only the frame cache grows under its own name, in records
-// that carry a checksum. A resumed bake calls begin with first > 0: the sink drops what it has of that frame and
-// later ones and goes on; it throws BakeError if frames before are missing.
+// Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside
+// their place (NAME.part), synced and renamed in finish, or one whole file a frame. Only the frame cache
+// grows under its own name, in records that carry a checksum. A resumed bake calls begin with first > 0: the
+// sink drops what it has of that frame and later ones and goes on; it throws BakeError if frames before are
+// missing.
 struct FrameSink {
   virtual ~FrameSink() = default;
   virtual std::string name() const = 0;

@@ -13,35 +13,35 @@ namespace fascicle::build {
 
 struct Warning {
   std::string text;
-  std::vector<std::uint32_t> vertices;     // of the tetrahedral mesh; the first few where there are many
+  std::vector<std::uint32_t> vertices;  // of the tetrahedral mesh; the first few where there are many
 };
 
 struct LayerShare {
   std::string name;
   std::uint32_t vertices = 0;
-  double volume = 0.0;                     // m^3, lumped like the mass
-  double mass = 0.0;                       // kg
+  double volume = 0.0;  // m^3, lumped like the mass
+  double mass = 0.0;    // kg
 };
 
 // What was found and repaired on the way.
 struct Report {
   std::uint32_t vertices = 0, tetrahedra = 0, surface_vertices = 0, surface_triangles = 0;
-  double volume = 0.0;                     // m^3
-  double mass = 0.0;                       // kg
+  double volume = 0.0;                                              // m^3
+  double mass = 0.0;                                                // kg
   double mean_edge = 0.0, shortest_edge = 0.0, longest_edge = 0.0;  // m
-  std::uint32_t flipped_tetrahedra = 0;    // given with negative volume and turned round
-  std::uint32_t region_fallbacks = 0;      // regions whose weights summed to nothing: w = m
-  std::uint32_t vertex_fallbacks = 0;      // vertices whose weights summed to nothing: w = m
-  std::uint32_t skipped_regions = 0;       // all weights zero
-  std::uint32_t pinned_vertices = 0;        // kinematic ones: pinned, or of a kinematic layer
+  std::uint32_t flipped_tetrahedra = 0;  // given with negative volume and turned round
+  std::uint32_t region_fallbacks = 0;    // regions whose weights summed to nothing: w = m
+  std::uint32_t vertex_fallbacks = 0;    // vertices whose weights summed to nothing: w = m
+  std::uint32_t skipped_regions = 0;     // all weights zero
+  std::uint32_t pinned_vertices = 0;     // kinematic ones: pinned, or of a kinematic layer
   std::vector<LayerShare> layers;
   std::vector<Warning> warnings;
   double seconds = 0.0;
 };
 
 struct BuildOptions {
-  std::filesystem::path mesher;            // fascicle-mesher; empty: beside the executable
-  double mesher_seconds = 120.0;           // limits of the helper process
+  std::filesystem::path mesher;   // fascicle-mesher; empty: beside the executable
+  double mesher_seconds = 120.0;  // limits of the helper process
   std::uint64_t mesher_bytes = std::uint64_t{4} << 30;
 };
 

@@ -1,13 +1,14 @@
 // Model: everything a solver needs, as flat arrays. Built once, immutable, uploaded once.
 //
-// Units. Lengths are in working units: `unit` metres, a power of two near the body's size. Rest positions are relative
-// to `rest_origin`; positions of a frame are relative to that frame's origin (Drive::origin).
+// Units. Lengths are in working units: `unit` metres, a power of two near the body's size. Rest positions are
+// relative to `rest_origin`; positions of a frame are relative to that frame's origin (Drive::origin).
 //
-// Numbering. Vertices are numbered in the locality order chosen at build; `source_vertex` leads back to the tetrahedral
-// mesh. All sums over one-rings run in ascending vertex number, so this numbering is part of the result's bits.
+// Numbering. Vertices are numbered in the locality order chosen at build; `source_vertex` leads back to the
+// tetrahedral mesh. All sums over one-rings run in ascending vertex number, so this numbering is part of the
+// result's bits.
 //
-// Regions. Region r is vertex r and its one-ring; there is one for each vertex. The one-ring lists leave the vertex
-// itself out: its part of each sum is constant or zero.
+// Regions. Region r is vertex r and its one-ring; there is one for each vertex. The one-ring lists leave the
+// vertex itself out: its part of each sum is constant or zero.
 #pragma once
 
 #include <array>
@@ -40,65 +41,66 @@ const char* name_of(WeightForm form);
 const char* name_of(Integrator integrator);
 const char* name_of(Rotation rotation);
 
-// The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which devices treat
-// differently, into products that no snap sees.
+// The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which
+// devices treat differently, into products that no snap sees.
 inline constexpr float least_factor = 0x1p-40f;
 
 struct Model {
-  double unit = 1.0;                             // metres per working unit
-  std::array<double, 3> rest_origin{0, 0, 0};    // metres
+  double unit = 1.0;                           // metres per working unit
+  std::array<double, 3> rest_origin{0, 0, 0};  // metres
   WeightForm weight_form = WeightForm::symmetric;
-  bool momentum_scaled = true;                   // see method "Momentum"; false is the paper as printed
+  bool momentum_scaled = true;  // see method "Momentum"; false is the paper as printed
 
   std::uint32_t vertex_count = 0;
-  std::vector<std::uint32_t> source_vertex;      // n: number in the tetrahedral mesh the model was built from
-  std::vector<float> rest;                       // 3n: q0_i
-  std::vector<double> mass;                      // n: m_i, kg
-  std::vector<float> alpha;                      // n: stiffness, the paper's in [0,1], stable below 4; 0 or at least
-                                                 // least_factor, 0 for kinematic vertices
-  std::vector<float> beta;                       // n: fibre weight of region i; 0 where there is no fibre
-  std::vector<float> fibre;                      // 3n: unit direction d_r, or 0 0 0
-  std::vector<std::uint32_t> tag;                // n: shader::tag_* bits
+  std::vector<std::uint32_t> source_vertex;  // n: number in the tetrahedral mesh the model was built from
+  std::vector<float> rest;                   // 3n: q0_i
+  std::vector<double> mass;                  // n: m_i, kg
+  std::vector<float> alpha;        // n: stiffness, the paper's in [0,1], stable below 4; 0 or at least
+                                   // least_factor, 0 for kinematic vertices
+  std::vector<float> beta;         // n: fibre weight of region i; 0 where there is no fibre
+  std::vector<float> fibre;        // 3n: unit direction d_r, or 0 0 0
+  std::vector<std::uint32_t> tag;  // n: shader::tag_* bits
   std::vector<Layer> layers;
 
   // One-rings, CSR, ascending, without the vertex itself. The relation is symmetric.
-  std::vector<std::uint32_t> ring_offset;        // n + 1
-  std::vector<std::uint32_t> ring;               // e
+  std::vector<std::uint32_t> ring_offset;  // n + 1
+  std::vector<std::uint32_t> ring;         // e
 
-  // Weights (12)(13)(14), written w_ir = pull_i f_ir. f_ir is region r's share in vertex i, sum over r of f_ir = 1
-  // (the share of i in its own region is what remains), a multiple of 2^-16; pull_i is alpha_i m_i (m_i if kinematic)
-  // when momentum_scaled, else sum_r w_ir. All pulls carry one common factor, the power of two that
-  // brings the mean over regions of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is exact).
-  std::vector<float> pull;                       // n: 0 or at least least_factor
-  std::vector<float> share_taken;                // e: entry (r, i) holds f_ir: what region r takes of vertex i
-  std::vector<float> share_given;                // e: entry (i, r) holds f_ir: what vertex i gives to region r
-  std::vector<float> region_rest;                // 4n: c0_r - q0_r, then 1/W_r (0 where W_r = 0: the region is skipped)
+  // Weights (12)(13)(14), written w_ir = pull_i f_ir. f_ir is region r's share in vertex i, sum over r of
+  // f_ir = 1 (the share of i in its own region is what remains), a multiple of 2^-16; pull_i is alpha_i m_i
+  // (m_i if kinematic) when momentum_scaled, else sum_r w_ir. All pulls carry one common factor, the power of
+  // two that brings the mean over regions of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is
+  // exact).
+  std::vector<float> pull;         // n: 0 or at least least_factor
+  std::vector<float> share_taken;  // e: entry (r, i) holds f_ir: what region r takes of vertex i
+  std::vector<float> share_given;  // e: entry (i, r) holds f_ir: what vertex i gives to region r
+  std::vector<float> region_rest;  // 4n: c0_r - q0_r, then 1/W_r (0 where W_r = 0: the region is skipped)
 
   // Muscles (15)-(17): empty, or one entry a region.
   std::uint32_t muscle_count = 0;
-  std::vector<std::uint32_t> region_muscle;      // n or 0: muscle, or shader::no_muscle
-  std::vector<float> region_normal;              // 4n or 0: n_r, then gain (muscle's gain x profile x beta_r)
+  std::vector<std::uint32_t> region_muscle;  // n or 0: muscle, or shader::no_muscle
+  std::vector<float> region_normal;          // 4n or 0: n_r, then gain (muscle's gain x profile x beta_r)
 
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
-  std::vector<std::uint32_t> skin_offset;        // n + 1 or 0
+  std::vector<std::uint32_t> skin_offset;  // n + 1 or 0
   std::vector<std::uint32_t> skin_joint;
-  std::vector<float> skin_weight;                // sums to 1 for each vertex
+  std::vector<float> skin_weight;  // sums to 1 for each vertex
 
-  // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in newtons
-  // for a point force and in N/m^2 for wind, both divided by the working unit.
+  // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in
+  // newtons for a point force and in N/m^2 for wind, both divided by the working unit.
   std::uint32_t force_count = 0;
-  std::vector<std::uint32_t> force_offset;       // n + 1 or 0
+  std::vector<std::uint32_t> force_offset;  // n + 1 or 0
   std::vector<std::uint32_t> force_index;
-  std::vector<float> force_coefficient;          // 1/kg; for wind m^2/kg, the vertex's rest area over its mass
+  std::vector<float> force_coefficient;  // 1/kg; for wind m^2/kg, the vertex's rest area over its mass
 
   // The render mesh, in its own vertex order: each vertex rides on four vertices of the model.
-  std::vector<std::uint32_t> surface_vertex;     // 4m
-  std::vector<float> surface_weight;             // 4m, barycentric
-  std::vector<std::uint32_t> surface_triangle;   // 3k, numbers of render vertices
+  std::vector<std::uint32_t> surface_vertex;    // 4m
+  std::vector<float> surface_weight;            // 4m, barycentric
+  std::vector<std::uint32_t> surface_triangle;  // 3k, numbers of render vertices
 
   // For metrics and export; no solver reads them.
-  std::vector<std::uint32_t> tetrahedron;        // 4t, numbers of model vertices, positive volume
+  std::vector<std::uint32_t> tetrahedron;  // 4t, numbers of model vertices, positive volume
   std::vector<ProbeSet> probes;
 
   std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface_vertex.size() / 4); }
@@ -108,8 +110,8 @@ struct Model {
   std::uint32_t layer_of(std::uint32_t i) const { return tag[i] & shader::tag_layer_mask; }
 };
 
-// Checks every size, index, range and symmetry that the comments above promise. Throws std::invalid_argument with the
-// first array and index that breaks a promise. Solvers may rely on it.
+// Checks every size, index, range and symmetry that the comments above promise. Throws std::invalid_argument
+// with the first array and index that breaks a promise. Solvers may rely on it.
 void check_model(const Model& model);
 
 // Bytes of the arrays a solver keeps for this model and its state.

@@ -1,4 +1,5 @@
-// The seam between the frame loop and the implementations: Oracle (double), CpuSolver and VulkanSolver (float, same bits).
+// The seam between the frame loop and the implementations: Oracle (double), CpuSolver and VulkanSolver
+// (float, same bits).
 #pragma once
 
 #include <array>
@@ -12,19 +13,20 @@
 
 namespace fascicle::model {
 
-// The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the shader
-// (region.comp), the kernel (kernel/region.inc), and the test.
+// The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
+// shader (region.comp), the kernel (kernel/region.inc), and the test.
 enum class Stage { skin, predict, region, goal, integrate, embed };
-inline constexpr std::array<Stage, 6> all_stages{Stage::skin,    Stage::predict,   Stage::region,
-                                                 Stage::goal,    Stage::integrate, Stage::embed};
+inline constexpr std::array<Stage, 6> all_stages{Stage::skin, Stage::predict,   Stage::region,
+                                                 Stage::goal, Stage::integrate, Stage::embed};
 const char* name_of(Stage stage);
 
-// Floats an item of the stage's output holds. skin: skinned position; predict: velocity with the external forces in;
-// region: linear map (row by row, 9), translation (3), quaternion w x y z (4); goal: position; integrate: position (3),
-// velocity (3); embed: position. One item a vertex, for embed one a render vertex.
+// Floats an item of the stage's output holds. skin: skinned position; predict: velocity with the external
+// forces in; region: linear map (row by row, 9), translation (3), quaternion w x y z (4); goal: position;
+// integrate: position (3), velocity (3); embed: position. One item a vertex, for embed one a render vertex.
 std::uint32_t stage_width(Stage stage);
 
-// Items of a_width and b_width floats side by side, as stage_width wants them of region (12 and 4) and integrate (3, 3).
+// Items of a_width and b_width floats side by side, as stage_width wants them of region (12 and 4) and
+// integrate (3, 3).
 std::vector<float> side_by_side(std::span<const float> a, std::size_t a_width, std::span<const float> b,
                                 std::size_t b_width);
 
@@ -33,7 +35,8 @@ struct SolverOptions {
   Rotation rotation = Rotation::qcp;
 };
 
-// What moves the body through one frame. Every span holds substeps x count items and may die after submit() returns.
+// What moves the body through one frame. Every span holds substeps x count items and may die after submit()
+// returns.
 struct Drive {
   std::uint32_t substeps = 1;
   double h = 0.0;                              // s; solvers use float(h) and float(1/h)
@@ -63,7 +66,7 @@ inline Read operator|(Read a, Read b) {
 }
 
 struct Frame {
-  std::uint64_t index = 0;                // submissions since the solver was made or loaded, counted from State::frame
+  std::uint64_t index = 0;  // submissions since the solver was made or loaded, counted from State::frame
   std::array<double, 3> origin{0, 0, 0};  // metres
   std::vector<float> positions;           // 3n, working units relative to origin, or empty
   std::vector<float> velocities;          // 3n, working units / s, or empty
@@ -72,18 +75,20 @@ struct Frame {
 
 // All history of a solver: save() then load() goes on with the same bits.
 struct State {
-  std::uint64_t frame = 0;                // frames done
+  std::uint64_t frame = 0;  // frames done
   std::array<double, 3> origin{0, 0, 0};
-  std::vector<float> positions;           // 3n
-  std::vector<float> velocities;          // 3n
-  std::vector<float> rotations;           // 4n: quaternion w x y z of each region, the next extraction's start
-  std::vector<float> skinned;             // 3n: skinned positions of the last substep; empty without a skeleton
+  std::vector<float> positions;   // 3n
+  std::vector<float> velocities;  // 3n
+  std::vector<float> rotations;   // 4n: quaternion w x y z of each region, the next extraction's start
+  std::vector<float> skinned;     // 3n: skinned positions of the last substep; empty without a skeleton
   bool operator==(const State&) const = default;
 };
 
-// The state before the first frame: every vertex skinned to `pose` (joint_count bones; none: the rest positions), at rest,
-// rotations those of the blended bones' nearest quaternions. Computed in double, rounded once.
-State initial_state(const Model& model, std::span<const shader::Bone> pose, const std::array<double, 3>& origin);
+// The state before the first frame: every vertex skinned to `pose` (joint_count bones; none: the rest
+// positions), at rest, rotations those of the blended bones' nearest quaternions. Computed in double, rounded
+// once.
+State initial_state(const Model& model, std::span<const shader::Bone> pose,
+                    const std::array<double, 3>& origin);
 
 // The state of the body at rest, before any state is loaded: every bone leaves its vertices where they are.
 State rest_state(const Model& model);
@@ -105,8 +110,8 @@ struct Probe {
 
 struct Solver {
   virtual ~Solver() = default;
-  // Queues a frame; several may be in flight. With a probe the stages run one by one and are shown in order before
-  // submit returns; without, an implementation may fuse them. Both give the same bits.
+  // Queues a frame; several may be in flight. With a probe the stages run one by one and are shown in order
+  // before submit returns; without, an implementation may fuse them. Both give the same bits.
   virtual void submit(const Drive& drive, Read what, Probe* probe = nullptr) = 0;
   // The oldest frame not yet collected, with the buffers its submit asked for.
   virtual Frame collect() = 0;

@@ -1,5 +1,5 @@
-// Mesh files. Readers check what they read: counts against the file's size before memory is taken, indices, finite
-// coordinates. Throw SceneError with file and line (or byte).
+// Mesh files. Readers check what they read: counts against the file's size before memory is taken, indices,
+// finite coordinates. Throw SceneError with file and line (or byte).
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Scene: what the artist said, read and checked, with the meshes it names loaded. Metres, kilograms, seconds, Y up.
+// Scene: what the artist said, read and checked, with the meshes it names loaded. Metres, kilograms, seconds,
+// Y up.
 #pragma once
 
 #include <array>
@@ -31,8 +32,8 @@ struct SurfaceMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// A box of Kuhn tetrahedra, six a cell, from the origin to `size`; `vertices` along each axis (at least 2). Interior
-// vertices are moved by up to jitter x spacing along each axis.
+// A box of Kuhn tetrahedra, six a cell, from the origin to `size`; `vertices` along each axis (at least 2).
+// Interior vertices are moved by up to jitter x spacing along each axis.
 struct Bar {
   Vector3d size{0.4, 0.08, 0.08};
   std::array<std::uint32_t, 3> vertices{21, 5, 5};
@@ -42,13 +43,15 @@ struct Bar {
 
 struct Joint {
   std::string name;
-  std::int32_t parent = -1;                                       // index into Skeleton::joints, before the child
-  Eigen::Matrix4d rest_local = Eigen::Matrix4d::Identity();       // node's local transform where no channel moves it
-  Eigen::Matrix4d inverse_bind = Eigen::Matrix4d::Identity();     // mesh space (metres, bind pose) to joint space
-  Vector3d rest_translation = Vector3d::Zero();                   // rest_local, split, for channels that move one part
-  Eigen::Vector4d rest_rotation{0, 0, 0, 1};                      // x y z w
+  std::int32_t parent = -1;  // index into Skeleton::joints, before the child
+  Eigen::Matrix4d rest_local =
+      Eigen::Matrix4d::Identity();  // node's local transform where no channel moves it
+  Eigen::Matrix4d inverse_bind =
+      Eigen::Matrix4d::Identity();               // mesh space (metres, bind pose) to joint space
+  Vector3d rest_translation = Vector3d::Zero();  // rest_local, split, for channels that move one part
+  Eigen::Vector4d rest_rotation{0, 0, 0, 1};     // x y z w
   Vector3d rest_scale = Vector3d::Ones();
-  bool skins = false;                                             // false: a node in between that no vertex follows
+  bool skins = false;  // false: a node in between that no vertex follows
 };
 
 enum class Interpolation { step, linear, cubic_spline };
@@ -70,12 +73,12 @@ struct Clip {
 
 // A rigged character: the render mesh in its bind pose, its weights, its joints and its clips.
 struct Character {
-  SurfaceMesh surface;                                     // metres, file's vertex order, seams not welded
-  std::vector<std::array<std::uint32_t, 8>> joints;        // a vertex: indices into skeleton
-  std::vector<std::array<double, 8>> weights;              // a vertex: sums to 1
-  std::vector<Joint> skeleton;                             // parents before children
+  SurfaceMesh surface;                               // metres, file's vertex order, seams not welded
+  std::vector<std::array<std::uint32_t, 8>> joints;  // a vertex: indices into skeleton
+  std::vector<std::array<double, 8>> weights;        // a vertex: sums to 1
+  std::vector<Joint> skeleton;                       // parents before children
   std::vector<Clip> clips;
-  Eigen::Matrix4d root = Eigen::Matrix4d::Identity();      // what stands above the skeleton's roots
+  Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // what stands above the skeleton's roots
 };
 
 using Geometry = std::variant<Bar, TetMesh, SurfaceMesh, Character>;
@@ -83,32 +86,57 @@ using Geometry = std::variant<Bar, TetMesh, SurfaceMesh, Character>;
 enum class Axis { x = 0, y = 1, z = 2 };
 
 // Parts of space. A point is in a Where if it is in any of its shapes. All bounds are inclusive.
-struct Box { Vector3d minimum, maximum; };
-struct Sphere { Vector3d center; double radius; };
-struct Capsule { Vector3d from, to; double radius; };
+struct Box {
+  Vector3d minimum, maximum;
+};
+struct Sphere {
+  Vector3d center;
+  double radius;
+};
+struct Capsule {
+  Vector3d from, to;
+  double radius;
+};
 // Below or above a plane across an axis, at a coordinate in metres, or at a fraction of the bounding box.
-struct HalfSpace { Axis axis = Axis::y; bool below = true; bool is_fraction = false; double value = 0.0; };
+struct HalfSpace {
+  Axis axis = Axis::y;
+  bool below = true;
+  bool is_fraction = false;
+  double value = 0.0;
+};
 // Distance to the nearest bone (Scene::bones, or the character's) within [minimum, maximum] metres.
-struct BoneDistance { double minimum = 0.0; double maximum = 0.0; };
+struct BoneDistance {
+  double minimum = 0.0;
+  double maximum = 0.0;
+};
 struct Everywhere {};
 using Shape = std::variant<Box, Sphere, Capsule, HalfSpace, BoneDistance, Everywhere>;
 using Where = std::vector<Shape>;
 
-struct BoneSegment { std::string name; Vector3d from, to; };
+struct BoneSegment {
+  std::string name;
+  Vector3d from, to;
+};
 
 struct Layer {
   std::string name;
-  double alpha = 1.0;                  // [0, 1] per substep
-  double beta = 0.0;                   // [0, 1]
-  double damping = 0.0;                // 1/s, >= 0
-  double density = 1000.0;             // kg/m^3, > 0
-  std::optional<Vector3d> fibre;       // constant direction, normalised when read
-  bool kinematic = false;              // a bone layer: moved by skinning, pinned without a skeleton
-  Where where;                         // empty: everything no other layer claims; else the last layer that matches wins
+  double alpha = 1.0;             // [0, 1] per substep
+  double beta = 0.0;              // [0, 1]
+  double damping = 0.0;           // 1/s, >= 0
+  double density = 1000.0;        // kg/m^3, > 0
+  std::optional<Vector3d> fibre;  // constant direction, normalised when read
+  bool kinematic = false;         // a bone layer: moved by skinning, pinned without a skeleton
+  Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
-struct Pin { std::string name; Where where; };
-struct ProbeSet { std::string name; Where where; };
+struct Pin {
+  std::string name;
+  Where where;
+};
+struct ProbeSet {
+  std::string name;
+  Where where;
+};
 
 // wind: a pressure (Pa) along a direction, on every vertex of the surface by its share of the rest area.
 // point: a force (N) on a vertex set, spread by mass.
@@ -124,31 +152,32 @@ struct Force {
 
 struct SolverSettings {
   std::string integrator = "explicit";
-  std::string rotation = "qcp";            // or "mueller2016"
-  std::string weights = "symmetric";       // or "kaneda2017", which also leaves momentum unscaled
-  std::uint32_t substeps = 1;              // a frame, [1, 1000]
+  std::string rotation = "qcp";       // or "mueller2016"
+  std::string weights = "symmetric";  // or "kaneda2017", which also leaves momentum unscaled
+  std::uint32_t substeps = 1;         // a frame, [1, 1000]
 };
 
 struct Scene {
-  std::string name;                        // file stem or built-in name
-  std::string source;                      // path as given, or "builtin:NAME"
-  std::string text;                        // scene file's text as parsed (after --set), for the manifest; a bare mesh has one too
-  std::vector<std::pair<std::string, std::string>> input_hashes;  // file, xxh3-64 hex: everything that was read
+  std::string name;    // file stem or built-in name
+  std::string source;  // path as given, or "builtin:NAME"
+  std::string text;    // scene file's text as parsed (after --set), for the manifest; a bare mesh has one too
+  std::vector<std::pair<std::string, std::string>>
+      input_hashes;  // file, xxh3-64 hex: everything that was read
 
   Geometry geometry = Bar{};
-  double scale = 1.0;                      // metres per unit of the mesh file
-  std::optional<double> resolution;        // surfaces: wanted edge length of tetrahedra, metres
+  double scale = 1.0;                // metres per unit of the mesh file
+  std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
   std::vector<BoneSegment> bones;
-  std::vector<Layer> layers;               // at least one
+  std::vector<Layer> layers;  // at least one
   std::vector<Pin> pins;
   std::vector<ProbeSet> probes;
   std::vector<Force> forces;
   Vector3d gravity{0, -9.81, 0};
   SolverSettings solver;
   double fps = 60.0;
-  double start = 0.0;                      // s of the clip where frame 0 stands
-  double end = 2.0;                        // s; frames = round((end - start) fps)
-  std::string clip;                        // name or index; empty: the first
+  double start = 0.0;  // s of the clip where frame 0 stands
+  double end = 2.0;    // s; frames = round((end - start) fps)
+  std::string clip;    // name or index; empty: the first
 };
 
 // Frames after frame 0.
@@ -156,20 +185,20 @@ std::uint64_t frame_count(const Scene& scene);
 
 // Changes to a scene before it is checked.
 struct SceneOverrides {
-  std::vector<std::string> set = {};       // "layers.fat.alpha=0.2"
+  std::vector<std::string> set = {};  // "layers.fat.alpha=0.2"
   std::optional<double> fps = {}, start = {}, end = {};
   std::optional<std::string> clip = {};
 };
 
-// `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb .gltf) or a
-// built-in scene. Throws SceneError.
+// `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
+// .gltf) or a built-in scene. Throws SceneError.
 Scene load_scene(const std::string& name, const SceneOverrides& overrides = {});
 
 // The built-in scenes, in the order `fascicle scenes` lists them.
 struct BuiltinScene {
   std::string name;
   std::string description;
-  std::string text;                        // TOML, what `fascicle scenes NAME` prints
+  std::string text;  // TOML, what `fascicle scenes NAME` prints
 };
 const std::vector<BuiltinScene>& builtin_scenes();
 inline constexpr const char* default_scene = "bar-layers-iii";
