@@ -57,7 +57,7 @@ class Runs {
     expect_same("2 threads", "", "frame_hashes", "cpu:2");
     expect_same("8 threads", "", "frame_hashes", "cpu:8");
     expect_same("-O0", "", "frame_hashes_O0", "cpu:2");
-    expect_same("-O2", "", "frame_hashes_O2", "cpu:2");
+    // The release build, the reference here, is -O2.
     expect_same("-O3 -march=native", "", "frame_hashes_O3_native", "cpu:2");
     expect_same("C library without FMA and AVX2", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA",
                 "frame_hashes", "cpu:2");
