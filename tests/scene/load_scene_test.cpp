@@ -95,7 +95,9 @@ TEST(BuiltinScenes, HaveTheSizeTheyPromise) {
     ASSERT_FALSE(scene.pins.empty()) << builtin.name;
     const auto is_tip = [](const ProbeSet& probe) { return probe.name == "tip"; };
     EXPECT_EQ(std::count_if(scene.probes.begin(), scene.probes.end(), is_tip), 1) << builtin.name;
-    for (const Layer& each : scene.layers) EXPECT_EQ(each.damping, 13.4) << builtin.name;
+    // 13.4 1/s is a velocity times 0.8 each 1/60 s; figure 8 is about swinging, and is damped less.
+    const double damping = builtin.name.starts_with("bar-layers") ? 1.5 : 13.4;
+    for (const Layer& each : scene.layers) EXPECT_EQ(each.damping, damping) << builtin.name;
     if (builtin.name.starts_with("bar-layers")) {
       EXPECT_GE(std::uint64_t{bar.vertices[0]} * bar.vertices[1] * bar.vertices[2], 5000u) << builtin.name;
       EXPECT_EQ(bar.vertices, std::get<Bar>(load_scene(default_scene).geometry).vertices) << builtin.name;
