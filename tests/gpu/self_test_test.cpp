@@ -33,7 +33,8 @@ TEST_F(SelfTest, ADifferenceIsNamed) {
 // may come out the same by luck, so this holds for software devices only.
 TEST_F(SelfTest, WithoutNoContractionTheBitsDiffer) {
   gpu::Device device(*index);
-  if (!device.info().software) GTEST_SKIP() << device.info().name << " need not reorder anything";
+  if (!device.info().software)
+    GTEST_SKIP() << "SKIPPED, CONTROL NOT RUN: " << device.info().name << " need not reorder anything";
   const std::vector<float> exact = gpu::run_self_test(device.impl(), shader::self_test_module(), {});
   EXPECT_EQ(gpu::first_self_test_difference(exact), "") << "NoContraction alone should keep the bits here";
   const std::vector<float> loose = gpu::run_self_test(device.impl(), read_raw_module("self_test"), {});
