@@ -4,11 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "host/build/message.h"
-#include "host/build/where.h"
+#include "host/build/surface_search.h"
 
 namespace fascicle::build {
 
@@ -32,27 +31,6 @@ std::int32_t skinning_parent(const std::vector<scene::Joint>& skeleton, std::int
   while (parent >= 0 && !skeleton[static_cast<std::size_t>(parent)].skins)
     parent = skeleton[static_cast<std::size_t>(parent)].parent;
   return parent;
-}
-
-// Whether the ray from `origin` along `direction` meets the triangle (Moeller and Trumbore, 1997).
-bool ray_meets(const Vector3d& origin, const Vector3d& direction, const Vector3d& a, const Vector3d& b,
-               const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a;
-  const Vector3d across = direction.cross(ac);
-  const double determinant = ab.dot(across);
-  if (determinant == 0.0) return false;
-  const Vector3d from_a = origin - a;
-  const double u = from_a.dot(across) / determinant;
-  const Vector3d q = from_a.cross(ab);
-  const double v = direction.dot(q) / determinant;
-  return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(q) / determinant > 0.0;
-}
-
-bool is_clear_of_surface(const scene::SurfaceMesh& surface, const Vector3d& point, double distance) {
-  return std::all_of(surface.triangles.begin(), surface.triangles.end(), [&](const auto& t) {
-    return triangle_distance(point, surface.vertices[t[0]], surface.vertices[t[1]], surface.vertices[t[2]]) >=
-           distance;
-  });
 }
 
 }  // namespace
@@ -94,6 +72,7 @@ std::vector<Bone> skeleton_bones(const std::vector<scene::Joint>& skeleton, doub
 
 std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const scene::SurfaceMesh& surface,
                                          double spacing) {
+  const SurfaceSearch search(surface);
   std::vector<Vector3d> points;
   for (const Bone& bone : bones) {
     const double length = (bone.to - bone.from).norm();
@@ -104,38 +83,11 @@ std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const s
       const bool crowded = std::any_of(points.begin(), points.end(), [&](const Vector3d& other) {
         return (other - point).norm() < clearance * spacing;
       });
-      if (!crowded && is_clear_of_surface(surface, point, clearance * spacing) && is_inside(surface, point))
+      if (!crowded && !search.is_nearer_than(point, clearance * spacing) && search.is_inside(point))
         points.push_back(point);
     }
   }
   return points;
-}
-
-bool is_inside(const scene::SurfaceMesh& surface, const Vector3d& point) {
-  // No plane or edge that an artist would draw lies along these.
-  const std::array<Vector3d, 3> directions{
-      Vector3d(0.8147, 0.4271, 0.3923), Vector3d(-0.3719, 0.6343, 0.6778), Vector3d(0.2137, -0.5839, 0.7832)};
-  int inside = 0;
-  for (const Vector3d& direction : directions) {
-    const auto crossings =
-        std::count_if(surface.triangles.begin(), surface.triangles.end(), [&](const auto& t) {
-          return ray_meets(point, direction, surface.vertices[t[0]], surface.vertices[t[1]],
-                           surface.vertices[t[2]]);
-        });
-    inside += crossings % 2 == 1 ? 1 : 0;
-  }
-  return inside >= 2;
-}
-
-double triangle_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const double to_sides =
-      std::min({segment_distance(p, a, b), segment_distance(p, b, c), segment_distance(p, c, a)});
-  const Vector3d normal = (b - a).cross(c - a);
-  const bool above = (b - a).cross(p - a).dot(normal) >= 0.0 && (c - b).cross(p - b).dot(normal) >= 0.0 &&
-                     (a - c).cross(p - c).dot(normal) >= 0.0;
-  const double area = normal.norm();
-  if (!above || !(area > 0.0)) return to_sides;
-  return std::min(to_sides, std::abs((p - a).dot(normal)) / area);
 }
 
 }  // namespace fascicle::build

@@ -20,11 +20,4 @@ std::vector<Bone> skeleton_bones(const std::vector<scene::Joint>& skeleton, doub
 std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const scene::SurfaceMesh& surface,
                                          double spacing);
 
-// Whether a point lies inside a closed surface, by the majority of three rays. The facing of the triangles
-// does not matter.
-bool is_inside(const scene::SurfaceMesh& surface, const Vector3d& point);
-
-// Distance from a point to a triangle, m.
-double triangle_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c);
-
 }  // namespace fascicle::build

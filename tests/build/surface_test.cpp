@@ -85,26 +85,6 @@ TEST(Weld, RefusesMalformedSurfacesWithIds) {
           "in one place");
 }
 
-TEST(Surface, TriangleDistanceIsTheSmallestOverThePlaneAndTheSides) {
-  const Vector3d a(0, 0, 0), b(4, 0, 0), c(0, 4, 0);
-  EXPECT_DOUBLE_EQ(build::triangle_distance({1, 1, 3}, a, b, c), 3.0);
-  EXPECT_DOUBLE_EQ(build::triangle_distance({1, 1, -3}, a, b, c), 3.0);
-  EXPECT_DOUBLE_EQ(build::triangle_distance({2, -3, 4}, a, b, c), 5.0);
-  EXPECT_DOUBLE_EQ(build::triangle_distance({-3, 0, 4}, a, b, c), 5.0);
-  EXPECT_DOUBLE_EQ(build::triangle_distance({3, 3, 0}, a, b, c), std::sqrt(2.0));
-}
-
-TEST(Surface, InsideIsToldWhateverWayTheTrianglesFace) {
-  SurfaceMesh cube = cube_surface(2.0);
-  for (int turned = 0; turned < 2; ++turned) {
-    for (double x = -1.75; x < 2.0; x += 0.5)
-      for (double y = -1.75; y < 2.0; y += 0.5)
-        for (double z = -1.75; z < 2.0; z += 0.5)
-          EXPECT_EQ(build::is_inside(cube, {x, y, z}), std::abs(x) < 1 && std::abs(y) < 1 && std::abs(z) < 1);
-    for (auto& t : cube.triangles) std::swap(t[0], t[1]);
-  }
-}
-
 TEST(Bones, LeadFromJointToJointThroughNodesThatDoNotSkin) {
   // hip -> (helper) -> knee -> foot, and a tail in the hip's own place.
   std::vector<scene::Joint> skeleton = {joint_at("hip", -1, {0, 2, 0}), joint_at("helper", 0, {9, 9, 9}),
