@@ -1,13 +1,12 @@
 #include "host/build/body.h"
 
 #include "host/build/bar.h"
+#include "host/build/body_mesh.h"
 #include "host/build/bones.h"
 #include "host/build/boundary.h"
 #include "host/build/check_mesh.h"
 #include "host/build/embedding.h"
-#include "host/build/message.h"
 #include "host/build/skin_weights.h"
-#include "host/build/tetrahedralize.h"
 #include "host/build/weld.h"
 
 namespace fascicle::build {
@@ -43,26 +42,11 @@ WeldedSurface prepare_surface(scene::SurfaceMesh surface, const scene::Scene& sc
   return weld(surface, scene.source, report);
 }
 
-// Fills the welded surface; messages begin with the scene's source, and say which vertices their numbers
-// mean.
-scene::TetMesh fill(const WeldedSurface& welded, const scene::Scene& scene,
-                    const std::vector<Vector3d>& inside, const BuildOptions& options) {
-  try {
-    return tetrahedralize(welded.surface, scene.resolution.value_or(mean_edge(welded.surface)), inside,
-                          options);
-  } catch (const scene::SceneError& error) {
-    const bool renumbered = welded.surface.vertices.size() != welded.of_vertex.size();
-    fail(scene.source, "mesh: " + std::string(error.what()) +
-                           (renumbered ? " (vertices are counted after welding equal ones)" : ""));
-  }
-}
-
 Body body_of(const scene::SurfaceMesh& surface, const scene::Scene& scene, Report& report,
              const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(surface, scene, report);
   Body body;
-  body.mesh = fill(welded, scene, {}, options);
-  check_and_orient(body.mesh, scene.source, report);
+  body.mesh = make_body_mesh(welded, {}, scene, report, options).mesh;
   body.render = surface_render_mesh(surface, welded.of_vertex);
   add_scene_bones(scene, body);
   return body;
@@ -74,9 +58,7 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   Body body;
   body.bones = skeleton_bones(character.skeleton, scene.scale, scene.source);
   add_scene_bones(scene, body);
-  const double spacing = scene.resolution.value_or(mean_edge(welded.surface));
-  body.mesh = fill(welded, scene, points_along_bones(body.bones, welded.surface, spacing), options);
-  check_and_orient(body.mesh, scene.source, report);
+  body.mesh = make_body_mesh(welded, body.bones, scene, report, options).mesh;
   body.render = surface_render_mesh(character.surface, welded.of_vertex);
   body.skin =
       skin_weights(body.mesh, welded.surface.vertices.size(), character, welded.of_vertex, scene.source);

@@ -1,0 +1,44 @@
+// The tetrahedral mesh of a surface or a character, and how it lies to the skin that it was made from: either
+// it keeps the welded skin as its boundary, or it is a cage around it, whose vertices lie anywhere near.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/build/body.h"
+#include "host/build/build.h"
+#include "host/build/weld.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// A point of the welded skin: the weighted mean of a triangle's corners.
+struct SkinPoint {
+  std::uint32_t triangle = 0;
+  std::array<double, 3> weights{1.0, 0.0, 0.0};  // none negative, they sum to 1
+};
+
+struct BodyMesh {
+  scene::TetMesh mesh;  // all tetrahedra of positive volume, every vertex used
+
+  // True: the mesh's first vertices are the welded skin's, in its order, and its boundary is the skin; what
+  // follows lies inside, and `anchor` and `home` are empty. False: a cage; no vertex need lie on the skin.
+  bool keeps_skin = true;
+
+  // Of a cage. For each vertex of the mesh, the nearest point of the skin on the vertex's own side: where
+  // limbs touch or cross, tetrahedra exist once for each, at the same place in space, and a vertex's side is
+  // the limb whose tetrahedra it belongs to. What is looked up by place alone (weights, bones) may be the
+  // other limb's; looked up through the anchor it is not.
+  std::vector<SkinPoint> anchor;
+  // Of a cage. For each vertex of the welded skin, the tetrahedron of its own side that holds it, or comes
+  // nearest to: its least barycentric coordinate there is negative by as much as the skin sticks out.
+  std::vector<std::uint32_t> home;
+};
+
+// Fills the welded skin of a scene's surface or character with tetrahedra, with points along `bones`. Throws
+// scene::SceneError.
+BodyMesh make_body_mesh(const WeldedSurface& welded, const std::vector<Bone>& bones,
+                        const scene::Scene& scene, Report& report, const BuildOptions& options);
+
+}  // namespace fascicle::build
