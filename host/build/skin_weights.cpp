@@ -3,27 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Geometry>
-#include <Eigen/IterativeLinearSolvers>
-#include <Eigen/SparseCore>
-
-#include "host/build/mass.h"
+#include "host/build/harmonic.h"
 #include "host/build/message.h"
 
 namespace fascicle::build {
 
 namespace {
 
-using Eigen::VectorXd;
-using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
 constexpr std::size_t most_joints = 8;
 constexpr double least_share = 1e-4;
 constexpr double weight_steps = 8388608.0;  // 2^23: sums of these up to 1 are exact in floats
-constexpr double solve_tolerance = 1e-8;
 
 struct Influence {
   std::uint32_t joint;
@@ -77,43 +70,6 @@ std::vector<Influences> surface_influences(const scene::Character& character,
   return rows;
 }
 
-// Stiffness of Laplace's equation, sum over tetrahedra of volume grad_a . grad_b, rows of inner vertices
-// only.
-struct Laplace {
-  SparseMatrix inner;    // inner x inner
-  SparseMatrix surface;  // inner x surface
-};
-
-Laplace laplace(const scene::TetMesh& mesh, std::size_t surface_count) {
-  const std::size_t inner_count = mesh.vertices.size() - surface_count;
-  std::vector<Eigen::Triplet<double>> inner, surface;
-  for (const auto& t : mesh.tetrahedra) {
-    std::array<Vector3d, 4> gradient;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Vector3d& a = mesh.vertices[t[(k + 1) % 4]];
-      const Vector3d normal = (mesh.vertices[t[(k + 2) % 4]] - a).cross(mesh.vertices[t[(k + 3) % 4]] - a);
-      gradient[k] = normal / normal.dot(mesh.vertices[t[k]] - a);
-    }
-    const double volume = signed_volume(mesh, t);
-    for (std::size_t a = 0; a < 4; ++a) {
-      if (t[a] < surface_count) continue;
-      const int row = static_cast<int>(t[a] - surface_count);
-      for (std::size_t b = 0; b < 4; ++b) {
-        const double entry = volume * gradient[a].dot(gradient[b]);
-        if (t[b] < surface_count)
-          surface.emplace_back(row, static_cast<int>(t[b]), entry);
-        else
-          inner.emplace_back(row, static_cast<int>(t[b] - surface_count), entry);
-      }
-    }
-  }
-  const auto rows = static_cast<Eigen::Index>(inner_count);
-  Laplace result{SparseMatrix(rows, rows), SparseMatrix(rows, static_cast<Eigen::Index>(surface_count))};
-  result.inner.setFromTriplets(inner.begin(), inner.end());
-  result.surface.setFromTriplets(surface.begin(), surface.end());
-  return result;
-}
-
 // Keeps the most_joints largest.
 void offer(Influences& row, const Influence& influence) {
   row.push_back(influence);
@@ -122,33 +78,32 @@ void offer(Influences& row, const Influence& influence) {
                              [](const Influence& a, const Influence& b) { return a.weight < b.weight; }));
 }
 
-void solve_inside(const scene::TetMesh& mesh, std::size_t joint_count, const std::string& source,
-                  std::vector<Influences>& rows) {
-  const std::size_t surface_count = rows.size();
-  rows.resize(mesh.vertices.size());
-  if (surface_count == rows.size()) return;
-  const Laplace equation = laplace(mesh, surface_count);
-  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper> solver;
-  solver.setTolerance(solve_tolerance);
-  solver.compute(equation.inner);
+// The part of each joint at the vertices that have no weights yet, by ascending vertex.
+std::vector<std::vector<VertexValue>> carried_inside(const scene::TetMesh& mesh,
+                                                     const std::vector<Influences>& rows,
+                                                     std::size_t joint_count, const std::string& source,
+                                                     std::size_t threads) {
+  std::vector<char> is_given(rows.size(), 0);
+  std::vector<std::vector<VertexValue>> given(joint_count), found(joint_count);
+  for (std::uint32_t v = 0; v < rows.size(); ++v) {
+    is_given[v] = !rows[v].empty();
+    for (const Influence& i : rows[v]) given[i.joint].push_back({v, i.weight});
+  }
+  if (std::find(is_given.begin(), is_given.end(), 0) == is_given.end()) return found;
 
-  std::vector<std::vector<Influence>> of_joint(joint_count);  // here `joint` is the surface vertex
-  for (std::uint32_t v = 0; v < surface_count; ++v)
-    for (const Influence& i : rows[v]) of_joint[i.joint].push_back({v, i.weight});
-  for (std::uint32_t joint = 0; joint < joint_count; ++joint) {
-    if (of_joint[joint].empty()) continue;
-    VectorXd boundary = VectorXd::Zero(static_cast<Eigen::Index>(surface_count));
-    for (const Influence& i : of_joint[joint]) boundary[i.joint] = i.weight;
-    const VectorXd right = -(equation.surface * boundary);
-    const VectorXd weight = solver.solve(right);
-    if (solver.info() != Eigen::Success)
+  const LaplaceMatrix matrix = laplace_matrix(mesh);
+  std::vector<HarmonicExtension> extension(std::min(threads, joint_count),
+                                           HarmonicExtension(matrix, is_given));
+  for_each_in_parallel(joint_count, threads, [&](std::size_t joint, std::size_t worker) {
+    if (given[joint].empty()) return;
+    std::optional<std::vector<VertexValue>> values = extension[worker].extend(given[joint]);
+    if (!values)
       fail(source, "mesh: skin weights could not be carried inside for joint " + std::to_string(joint) +
                        "; the tetrahedra are too flat, ask for another resolution");
-    for (std::size_t i = surface_count; i < rows.size(); ++i) {
-      const double w = weight[static_cast<Eigen::Index>(i - surface_count)];
-      if (w >= least_share) offer(rows[i], {joint, w});
-    }
-  }
+    std::erase_if(*values, [](const VertexValue& v) { return !(v.value >= least_share); });
+    found[joint] = std::move(*values);
+  });
+  return found;
 }
 
 // Largest first, cut, normalised and rounded; the largest takes what rounding left.
@@ -167,29 +122,56 @@ void finish(Influences& row) {
   row[0].weight = 1.0 - others;
 }
 
-}  // namespace
+std::vector<Influences> rows_of(const SkinWeights& skin, std::size_t count) {
+  std::vector<Influences> rows(count);
+  for (std::size_t i = 0; i + 1 < skin.offset.size(); ++i)
+    for (std::uint32_t k = skin.offset[i]; k < skin.offset[i + 1]; ++k)
+      rows[i].push_back({skin.joint[k], skin.weight[k]});
+  return rows;
+}
 
-SkinWeights skin_weights(const scene::TetMesh& mesh, std::size_t surface_count,
-                         const scene::Character& character, std::span<const std::uint32_t> welded,
-                         const std::string& source) {
-  check_weights(character, welded, source);
-  std::vector<Influences> rows = surface_influences(character, welded, surface_count);
-  solve_inside(mesh, character.skeleton.size(), source, rows);
-
+SkinWeights flattened(const std::vector<Influences>& rows) {
   SkinWeights skin;
   skin.offset.push_back(0);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].empty())
-      fail(source, "mesh: no joint reaches vertex " + std::to_string(i) +
-                       " of the tetrahedral mesh; ask for another resolution");
-    finish(rows[i]);
-    for (const Influence& influence : rows[i]) {
+  for (const Influences& row : rows) {
+    for (const Influence& influence : row) {
       skin.joint.push_back(influence.joint);
       skin.weight.push_back(influence.weight);
     }
     skin.offset.push_back(static_cast<std::uint32_t>(skin.joint.size()));
   }
   return skin;
+}
+
+}  // namespace
+
+SkinWeights welded_skin_weights(const scene::Character& character, std::span<const std::uint32_t> welded,
+                                std::size_t count, const std::string& source) {
+  check_weights(character, welded, source);
+  return flattened(surface_influences(character, welded, count));
+}
+
+SkinWeights harmonic_skin_weights(const scene::TetMesh& mesh, const SkinWeights& given,
+                                  std::size_t joint_count, const std::string& source, std::size_t threads) {
+  std::vector<Influences> rows = rows_of(given, mesh.vertices.size());
+  const std::vector<std::vector<VertexValue>> inside =
+      carried_inside(mesh, rows, joint_count, source, threads);
+  for (std::uint32_t joint = 0; joint < joint_count; ++joint)
+    for (const VertexValue& v : inside[joint]) offer(rows[v.vertex], {joint, v.value});
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].empty())
+      fail(source, "mesh: no joint reaches vertex " + std::to_string(i) +
+                       " of the tetrahedral mesh; ask for another resolution");
+    finish(rows[i]);
+  }
+  return flattened(rows);
+}
+
+SkinWeights skin_weights(const scene::TetMesh& mesh, std::size_t surface_count,
+                         const scene::Character& character, std::span<const std::uint32_t> welded,
+                         const std::string& source) {
+  return harmonic_skin_weights(mesh, welded_skin_weights(character, welded, surface_count, source),
+                               character.skeleton.size(), source);
 }
 
 }  // namespace fascicle::build

@@ -112,6 +112,23 @@ TEST(SkinWeights, SumToOneInFloatsInAnyOrder) {
   }
 }
 
+TEST(SkinWeights, DoNotDependOnTheNumberOfThreads) {
+  const SurfaceFirst bar = bar_surface_first({.vertices = {20, 6, 6}, .jitter = 0.2});
+  const scene::Character character = character_on(bar, 8, [](const Vector3d& p, std::uint32_t j) {
+    const double x = 20.0 * p[0] - j;
+    return 1.0 / (1.0 + x * x);
+  });
+  const build::SkinWeights given =
+      build::welded_skin_weights(character, identity(bar.surface_count), bar.surface_count, "test");
+  const build::SkinWeights one = build::harmonic_skin_weights(bar.mesh, given, 8, "test", 1);
+  for (const std::size_t threads : {2u, 3u, 8u}) {
+    const build::SkinWeights more = build::harmonic_skin_weights(bar.mesh, given, 8, "test", threads);
+    EXPECT_EQ(one.offset, more.offset);
+    EXPECT_EQ(one.joint, more.joint);
+    EXPECT_EQ(one.weight, more.weight);
+  }
+}
+
 TEST(SkinWeights, InsideIsBoundedByTheSurface) {
   // Two joints, sharp border: undershoot below 0 and overshoot above 1 are cut.
   const SurfaceFirst bar = bar_surface_first({.vertices = {12, 6, 6}, .jitter = 0.3});

@@ -1,0 +1,45 @@
+// Independent pieces of work on all cores.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace fascicle::build {
+
+// Calls work(piece, worker) once for every piece below `count`, on up to `most` threads; `worker` is below
+// their number and a worker does one piece at a time, so each may own memory to work in. What a piece writes
+// must depend on nothing but its number: then results do not depend on the number of threads. The first
+// exception ends the work and comes out of this call.
+template <class Work>
+void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex failing;
+  const auto run = [&](std::size_t worker) {
+    try {
+      for (std::size_t piece = next++; piece < count; piece = next++) work(piece, worker);
+    } catch (...) {
+      next = count;
+      const std::lock_guard<std::mutex> lock(failing);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t worker = 1; worker < std::min(count, most); ++worker) threads.emplace_back(run, worker);
+    run(0);
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+// One for each core, at least one.
+inline std::size_t thread_count() {
+  return std::max<std::size_t>(1, std::thread::hardware_concurrency());
+}
+
+}  // namespace fascicle::build
