@@ -46,8 +46,9 @@ Body body_of(const scene::SurfaceMesh& surface, const scene::Scene& scene, Repor
              const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(surface, scene, report);
   Body body;
-  body.mesh = make_body_mesh(welded, {}, scene, report, options).mesh;
-  body.render = surface_render_mesh(surface, welded.of_vertex);
+  BodyMesh filled = make_body_mesh(welded, {}, scene, report, options);
+  body.render = embed_surface(surface, welded, filled, {}, {}, report);
+  body.mesh = std::move(filled.mesh);
   add_scene_bones(scene, body);
   return body;
 }
@@ -58,10 +59,12 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   Body body;
   body.bones = skeleton_bones(character.skeleton, scene.scale, scene.source);
   add_scene_bones(scene, body);
-  body.mesh = make_body_mesh(welded, body.bones, scene, report, options).mesh;
-  body.render = surface_render_mesh(character.surface, welded.of_vertex);
-  body.skin =
-      skin_weights(body.mesh, welded.surface.vertices.size(), character, welded.of_vertex, scene.source);
+  BodyMesh filled = make_body_mesh(welded, body.bones, scene, report, options);
+  const SkinWeights skin =
+      welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
+  body.skin = body_skin_weights(filled, welded, skin, character.skeleton.size(), scene.source);
+  body.render = embed_surface(character.surface, welded, filled, body.skin, skin, report);
+  body.mesh = std::move(filled.mesh);
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
   return body;
 }

@@ -34,6 +34,8 @@ struct Report {
   std::uint32_t vertex_fallbacks = 0;    // vertices whose weights summed to nothing: w = m
   std::uint32_t skipped_regions = 0;     // all weights zero
   std::uint32_t pinned_vertices = 0;     // kinematic ones: pinned, or of a kinematic layer
+  std::uint32_t riders_outside = 0;      // render vertices outside the tetrahedra that they ride on
+  double least_barycentric = 0.0;        // how far: the least barycentric coordinate, 0 where none is outside
   std::vector<LayerShare> layers;
   std::vector<Warning> warnings;
   double seconds = 0.0;

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "host/build/body.h"
+#include "host/build/body_mesh.h"
 
 namespace fascicle::build {
 
@@ -14,8 +15,29 @@ inline void ride_on_vertex(RenderMesh& render, std::uint32_t vertex) {
   render.weights.push_back({1.0, 0.0, 0.0, 0.0});
 }
 
-// The render mesh of a surface whose welded vertices are the body's first ones. `welded` leads from each
-// vertex of the surface to the body's vertex.
-RenderMesh surface_render_mesh(const scene::SurfaceMesh& surface, std::span<const std::uint32_t> welded);
+// How far a skin vertex may stick out of its tetrahedron, as its least barycentric coordinate.
+inline constexpr double least_barycentric = -0.05;
+
+// The render mesh of a surface on the body that was made from it.
+//
+// A vertex of a kept skin is a vertex of the body. One in a cage rides on a tetrahedron by barycentric
+// coordinates, which are rounded to multiples of 2^-23 that sum to 1: in floats too the rest pose comes back
+// to rounding, and a rigid motion stays one. The tetrahedron is the vertex's `home` if that holds it to
+// `least_barycentric` and is moved by the same joints; else the best one near, where sticking out weighs
+// against joints that differ: a thigh's vertex does not ride on the other thigh, though it may lie in it.
+//
+// `body_weights` and `skin_weights` are those of the body and of the welded skin, or empty. How far vertices
+// stick out goes to the report, with a warning where it is more than allowed.
+RenderMesh embed_surface(const scene::SurfaceMesh& surface, const WeldedSurface& welded, const BodyMesh& body,
+                         const SkinWeights& body_weights, const SkinWeights& skin_weights, Report& report);
+
+// The common part of two vertices' weights, or of a vertex's and a tetrahedron's mean at `weights`: 1 where
+// they are the same, 0 where they share no joint. `skin_a` and `skin_b` may be the same.
+double weight_agreement(const SkinWeights& skin_a, std::uint32_t a, const SkinWeights& skin_b,
+                        const std::array<std::uint32_t, 4>& corners, const std::array<double, 4>& weights);
+
+// Barycentric coordinates of a point in a tetrahedron of positive volume; they sum to 1.
+std::array<double, 4> barycentric(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron,
+                                  const Vector3d& point);
 
 }  // namespace fascicle::build

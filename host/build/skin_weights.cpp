@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/build/boundary.h"
 #include "host/build/harmonic.h"
 #include "host/build/message.h"
 
@@ -46,6 +47,15 @@ void check_weights(const scene::Character& character, std::span<const std::uint3
                      list_of(bad) + " (counted from 0)");
 }
 
+void add(Influences& row, const Influence& influence) {
+  const auto same =
+      std::find_if(row.begin(), row.end(), [&](const Influence& i) { return i.joint == influence.joint; });
+  if (same == row.end())
+    row.push_back(influence);
+  else
+    same->weight += influence.weight;
+}
+
 // Sums of the joints' weights over the vertices that were welded into each; the scale does not matter.
 std::vector<Influences> surface_influences(const scene::Character& character,
                                            std::span<const std::uint32_t> welded, std::size_t surface_count) {
@@ -54,13 +64,7 @@ std::vector<Influences> surface_influences(const scene::Character& character,
     for (std::size_t k = 0; k < most_joints; ++k) {
       const Influence influence{character.joints[v][k], character.weights[v][k]};
       if (influence.weight == 0.0) continue;
-      Influences& row = rows[welded[v]];
-      const auto same = std::find_if(row.begin(), row.end(),
-                                     [&](const Influence& i) { return i.joint == influence.joint; });
-      if (same == row.end())
-        row.push_back(influence);
-      else
-        same->weight += influence.weight;
+      add(rows[welded[v]], influence);
     }
   for (Influences& row : rows) {
     double sum = 0.0;
@@ -130,6 +134,18 @@ std::vector<Influences> rows_of(const SkinWeights& skin, std::size_t count) {
   return rows;
 }
 
+// The mean of a triangle's corners.
+Influences at_place(const std::vector<Influences>& rows, const scene::SurfaceMesh& surface,
+                    const SkinPoint& place) {
+  Influences mean;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(place.weights[k] > 0.0)) continue;
+    for (const Influence& i : rows[surface.triangles[place.triangle][k]])
+      add(mean, {i.joint, place.weights[k] * i.weight});
+  }
+  return mean;
+}
+
 SkinWeights flattened(const std::vector<Influences>& rows) {
   SkinWeights skin;
   skin.offset.push_back(0);
@@ -167,11 +183,15 @@ SkinWeights harmonic_skin_weights(const scene::TetMesh& mesh, const SkinWeights&
   return flattened(rows);
 }
 
-SkinWeights skin_weights(const scene::TetMesh& mesh, std::size_t surface_count,
-                         const scene::Character& character, std::span<const std::uint32_t> welded,
-                         const std::string& source) {
-  return harmonic_skin_weights(mesh, welded_skin_weights(character, welded, surface_count, source),
-                               character.skeleton.size(), source);
+SkinWeights body_skin_weights(const BodyMesh& body, const WeldedSurface& welded, const SkinWeights& skin,
+                              std::size_t joint_count, const std::string& source) {
+  if (body.keeps_skin) return harmonic_skin_weights(body.mesh, skin, joint_count, source);
+  const std::vector<Influences> of_skin = rows_of(skin, welded.surface.vertices.size());
+  std::vector<Influences> given(body.mesh.vertices.size());
+  for (const auto& face : boundary_triangles(body.mesh, source))
+    for (const std::uint32_t vertex : face)
+      if (given[vertex].empty()) given[vertex] = at_place(of_skin, welded.surface, body.anchor[vertex]);
+  return harmonic_skin_weights(body.mesh, flattened(given), joint_count, source);
 }
 
 }  // namespace fascicle::build

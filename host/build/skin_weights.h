@@ -1,4 +1,4 @@
-// Skin weights of the tetrahedral mesh: the artist's on the surface, harmonic inside.
+// Skin weights of the body: the artist's on the skin, harmonic inside.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/build/body.h"
+#include "host/build/body_mesh.h"
 #include "host/build/parallel.h"
 
 namespace fascicle::build {
@@ -25,9 +26,9 @@ SkinWeights harmonic_skin_weights(const scene::TetMesh& mesh, const SkinWeights&
                                   std::size_t joint_count, const std::string& source,
                                   std::size_t threads = thread_count());
 
-// The weights of a mesh whose first `surface_count` vertices are the character's welded ones.
-SkinWeights skin_weights(const scene::TetMesh& mesh, std::size_t surface_count,
-                         const scene::Character& character, std::span<const std::uint32_t> welded,
-                         const std::string& source);
+// The weights of a body from those of the welded skin that it was made from: a kept skin's as they are, the
+// boundary of a cage's from its anchors on the skin, and inside as above.
+SkinWeights body_skin_weights(const BodyMesh& body, const WeldedSurface& welded, const SkinWeights& skin,
+                              std::size_t joint_count, const std::string& source);
 
 }  // namespace fascicle::build

@@ -45,6 +45,13 @@ SurfaceFirst bar_surface_first(const scene::Bar& bar) {
   return result;
 }
 
+build::SkinWeights weights_on(const SurfaceFirst& bar, const scene::Character& character,
+                              std::span<const std::uint32_t> welded) {
+  return build::harmonic_skin_weights(
+      bar.mesh, build::welded_skin_weights(character, welded, bar.surface_count, "test"),
+      character.skeleton.size(), "test");
+}
+
 // A character on the bar's surface with `count` joints; weight_of(point, joint).
 template <class WeightOf>
 scene::Character character_on(const SurfaceFirst& bar, std::uint32_t count, WeightOf weight_of) {
@@ -82,8 +89,7 @@ TEST(SkinWeights, ALinearFieldGoesOnInsideUnchanged) {
   const SurfaceFirst bar = bar_surface_first({.size = {1, 0.5, 0.5}, .vertices = {11, 6, 6}, .jitter = 0.2});
   const scene::Character character =
       character_on(bar, 2, [](const Vector3d& p, std::uint32_t j) { return j == 0 ? 1.0 - p[0] : p[0]; });
-  const build::SkinWeights skin =
-      build::skin_weights(bar.mesh, bar.surface_count, character, identity(bar.surface_count), "test");
+  const build::SkinWeights skin = weights_on(bar, character, identity(bar.surface_count));
   ASSERT_EQ(skin.offset.size(), bar.mesh.vertices.size() + 1);
   for (std::size_t i = 0; i < bar.mesh.vertices.size(); ++i)
     // The solve stops at 1e-8 of the right side, which the condition (about 1e2) may raise; shares below 1e-4
@@ -97,8 +103,7 @@ TEST(SkinWeights, SumToOneInFloatsInAnyOrder) {
     const double x = 10.0 * p[0] + 20.0 * p[1] - j;
     return 1.0 / (1.0 + x * x) / 7.0;
   });
-  const build::SkinWeights skin =
-      build::skin_weights(bar.mesh, bar.surface_count, character, identity(bar.surface_count), "test");
+  const build::SkinWeights skin = weights_on(bar, character, identity(bar.surface_count));
   for (std::size_t i = 0; i + 1 < skin.offset.size(); ++i) {
     float up = 0.0f, down = 0.0f;
     for (std::uint32_t k = skin.offset[i]; k < skin.offset[i + 1]; ++k)
@@ -134,8 +139,7 @@ TEST(SkinWeights, InsideIsBoundedByTheSurface) {
   const SurfaceFirst bar = bar_surface_first({.vertices = {12, 6, 6}, .jitter = 0.3});
   const scene::Character character = character_on(
       bar, 2, [](const Vector3d& p, std::uint32_t j) { return (p[0] < 0.2) == (j == 0) ? 1.0 : 0.0; });
-  const build::SkinWeights skin =
-      build::skin_weights(bar.mesh, bar.surface_count, character, identity(bar.surface_count), "test");
+  const build::SkinWeights skin = weights_on(bar, character, identity(bar.surface_count));
   for (std::size_t i = bar.surface_count; i < bar.mesh.vertices.size(); ++i) {
     const double second = weight_of(skin, i, 1);
     EXPECT_GE(second, 0.0);
@@ -160,7 +164,7 @@ TEST(SkinWeights, AWeldedVertexTakesTheMean) {
   character.weights.push_back({1.0});
   std::vector<std::uint32_t> welded = identity(bar.surface_count);
   welded.push_back(0);
-  const build::SkinWeights skin = build::skin_weights(bar.mesh, bar.surface_count, character, welded, "test");
+  const build::SkinWeights skin = weights_on(bar, character, welded);
   EXPECT_EQ(weight_of(skin, 0, 0), 0.5);
   EXPECT_EQ(weight_of(skin, 0, 1), 0.5);
   EXPECT_EQ(weight_of(skin, 1, 0), 1.0);
@@ -172,11 +176,7 @@ TEST(SkinWeights, RefuseVerticesThatNoJointMoves) {
   const auto refusal = [&](const std::function<void(scene::Character&)>& spoil, const std::string& part) {
     scene::Character character = whole;
     spoil(character);
-    expect_refusal(
-        [&] {
-          build::skin_weights(bar.mesh, bar.surface_count, character, identity(bar.surface_count), "test");
-        },
-        part);
+    expect_refusal([&] { weights_on(bar, character, identity(bar.surface_count)); }, part);
   };
   refusal([](scene::Character& c) { c.weights[5] = {}; }, "vertex 5 ");
   refusal([](scene::Character& c) { c.weights[6][0] = -0.5; }, "vertex 6 ");
