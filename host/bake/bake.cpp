@@ -21,6 +21,7 @@
 #include "host/bake/formats.h"
 #include "host/bake/identity.h"
 #include "host/bake/manifest.h"
+#include "host/bake/model_file.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/bake/surface.h"
 #include "host/bake/text.h"
@@ -211,6 +212,7 @@ void Run::begin_sinks(std::uint64_t first) {
     needs_ = needs_ | sinks_.back()->needs();
     sinks_.back()->begin(info);
   }
+  write_whole(path_of(model_file_name), encode_model(model_));
   if (model_.surface_count() > 0) write_whole(path_of("rest.obj"), rest_obj(model_));
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
@@ -311,7 +313,7 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
 std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
                            const std::vector<std::string>& formats) {
   const std::uint64_t samples = scene::frame_count(scene) + 1;
-  std::uint64_t bytes = checkpoint_bytes(model);
+  std::uint64_t bytes = checkpoint_bytes(model) + encoded_bytes(model);
   for (const Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
       bytes += format.bytes(model, samples);

@@ -9,6 +9,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "host/bake/model_fields.h"
 #include "host/bake/scene_json.h"
 #include "host/bake/text.h"
 #include "host/bake/version.h"
@@ -46,6 +47,21 @@ class Hash {
   std::unique_ptr<XXH3_state_t, Free> state_;
 };
 
+struct FieldHash {
+  template <class T>
+  void operator()(const char*, const T& field) {
+    hash.add(field);
+  }
+  void operator()(const char*, const std::array<double, 3>& field) {
+    hash.add_array(std::span<const double>(field));
+  }
+  template <class T>
+  void count(const char*, const std::vector<T>& list) {
+    hash.add(std::uint64_t{list.size()});
+  }
+  Hash& hash;
+};
+
 std::string text_hash(const std::string& text) {
   return hash_text(XXH3_64bits(text.data(), text.size()));
 }
@@ -54,51 +70,8 @@ std::string text_hash(const std::string& text) {
 
 std::uint64_t model_hash(const model::Model& model) {
   Hash hash;
-  hash.add(model.unit);
-  hash.add_array(std::span<const double>(model.rest_origin));
-  hash.add(model.weight_form);
-  hash.add(model.momentum_scaled);
-  hash.add(model.vertex_count);
-  hash.add(model.source_vertex);
-  hash.add(model.rest);
-  hash.add(model.mass);
-  hash.add(model.alpha);
-  hash.add(model.beta);
-  hash.add(model.fibre);
-  hash.add(model.tag);
-  hash.add(std::uint64_t{model.layers.size()});
-  for (const model::Layer& layer : model.layers) {
-    hash.add(layer.name);
-    hash.add(layer.damping);
-    hash.add(layer.density);
-    hash.add(layer.kinematic);
-  }
-  hash.add(model.ring_offset);
-  hash.add(model.ring);
-  hash.add(model.pull);
-  hash.add(model.share_taken);
-  hash.add(model.share_given);
-  hash.add(model.region_rest);
-  hash.add(model.muscle_count);
-  hash.add(model.region_muscle);
-  hash.add(model.region_normal);
-  hash.add(model.joint_count);
-  hash.add(model.skin_offset);
-  hash.add(model.skin_joint);
-  hash.add(model.skin_weight);
-  hash.add(model.force_count);
-  hash.add(model.force_offset);
-  hash.add(model.force_index);
-  hash.add(model.force_coefficient);
-  hash.add(model.surface_vertex);
-  hash.add(model.surface_weight);
-  hash.add(model.surface_triangle);
-  hash.add(model.tetrahedron);
-  hash.add(std::uint64_t{model.probes.size()});
-  for (const model::ProbeSet& probe : model.probes) {
-    hash.add(probe.name);
-    hash.add(probe.vertices);
-  }
+  FieldHash visitor{hash};
+  visit_fields(model, visitor);
   return hash.value();
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/bake/checkpoint.h"
 #include "host/bake/formats.h"
+#include "host/bake/model_file.h"
 #include "host/bake/scene_json.h"
 #include "host/bake/text.h"
 #include "host/bake/version.h"
@@ -69,7 +70,7 @@ const char* name_of(Status status) {
 }
 
 std::vector<std::string> file_names(const model::Model& model, const std::vector<std::string>& formats) {
-  std::vector<std::string> names{manifest_name, checkpoint_name};
+  std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name};
   if (model.surface_count() > 0) names.push_back(rest_name);
   for (const Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
@@ -78,7 +79,7 @@ std::vector<std::string> file_names(const model::Model& model, const std::vector
 }
 
 std::vector<std::string> all_file_names() {
-  std::vector<std::string> names{manifest_name, checkpoint_name, rest_name};
+  std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name, rest_name};
   for (const Format& format : all_formats()) names.push_back(format.file);
   return names;
 }
@@ -124,6 +125,19 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   if (const auto files = manifest.find("files"); files != manifest.end() && files->is_array())
     for (const Json& name : *files)
       if (name.is_string()) summary.files.push_back(name.get<std::string>());
+  const auto text_at = [](const Json& object, const char* key) {
+    const auto entry = object.find(key);
+    return entry != object.end() && entry->is_string() ? entry->get<std::string>() : std::string();
+  };
+  if (const auto scene = manifest.find("scene"); scene != manifest.end() && scene->is_object()) {
+    summary.scene_name = text_at(*scene, "name");
+    summary.scene_source = text_at(*scene, "source");
+    summary.scene_text = text_at(*scene, "text");
+  }
+  if (const auto inputs = manifest.find("inputs"); inputs != manifest.end() && inputs->is_array())
+    for (const Json& input : *inputs)
+      if (input.is_object())
+        summary.input_hashes.emplace_back(text_at(input, "file"), text_at(input, "xxh3_64"));
   const auto timings = manifest.find("timings");
   const auto seconds = [&](const char* key) {
     if (timings == manifest.end() || !timings->is_object()) return 0.0;

@@ -42,6 +42,9 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
 // What a later bake reads of it.
 struct ManifestSummary {
   std::vector<std::string> files;
+  // Of the scene, as scene::Scene has them: enough to read it again while its inputs are where they were.
+  std::string scene_name, scene_source, scene_text;
+  std::vector<std::pair<std::string, std::string>> input_hashes;
   Timings timings;
 };
 // Nothing if there is no manifest in the folder or it is not one of fascicle.

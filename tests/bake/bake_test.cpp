@@ -78,7 +78,7 @@ TEST(Bake, WritesEveryFileAndDescribesIt) {
   EXPECT_EQ(shown, (std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(result.frames_done, 7u);
   EXPECT_FALSE(result.interrupted);
-  EXPECT_EQ(result.files.size(), 7u);
+  EXPECT_EQ(result.files.size(), 8u);
   for (const fs::path& file : result.files) EXPECT_TRUE(fs::exists(file)) << file;
 
   const nlohmann::json manifest = manifest_in(folder / "out");

@@ -40,6 +40,8 @@ TEST(CommandLine, HelpListsEveryFlag) {
   std::map<std::string, std::vector<std::string>> flags{
       {"bake", {"--output", "--format", "--device", "--threads", "--overwrite", "--resume", "--dry-run"}},
       {"validate", {"--devices", "--frames", "--threads", "--json", "--oracle", "--no-oracle"}},
+      {"render",
+       {"--output", "--frame", "--mode", "--tets", "--clip", "--view", "--turn", "--zoom", "--size"}},
       {"inspect", {"--model", "--json"}},
       {"devices", {"--json"}},
       {"scenes", {}},

@@ -21,10 +21,11 @@ struct Room {
   std::vector<std::string> libraries;  // names of `libraries` below
 };
 
-const std::vector<std::string> every_room{"shaders/",   "host/scene/",    "host/build/", "host/model/",
-                                          "host/bake/", "cpu_reference/", "gpu/",        "host/cli/"};
-const std::vector<std::string> every_library{"Eigen",      "JSON",       "xxHash", "Vulkan",
-                                             "GoogleTest", "RapidCheck", "CLI11",  "SIMD"};
+const std::vector<std::string> every_room{"shaders/",       "host/scene/", "host/build/",
+                                          "host/model/",    "host/bake/",  "host/render/",
+                                          "cpu_reference/", "gpu/",        "host/cli/"};
+const std::vector<std::string> every_library{"Eigen",      "JSON",  "xxHash", "Vulkan", "GoogleTest",
+                                             "RapidCheck", "CLI11", "SIMD",   "PNG"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
@@ -36,7 +37,8 @@ const std::vector<Room>& rooms() {
       {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
       {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
       {"host/bake/", {"host/scene/", "host/model/"}, {"JSON", "xxHash"}},
-      {"host/cli/", every_room, {"CLI11", "JSON"}},
+      {"host/render/", {"host/model/"}, {"Eigen", "PNG"}},
+      {"host/cli/", every_room, {"CLI11", "JSON", "Eigen"}},
       {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
       {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
       {"tests/", every_room, every_library},
@@ -47,14 +49,23 @@ const std::vector<Room>& rooms() {
 
 // Third-party headers, by how their names start.
 const std::vector<std::pair<std::string, std::string>>& libraries() {
-  static const std::vector<std::pair<std::string, std::string>> table{
-      {"Eigen/", "Eigen"},          {"tetgen.h", "TetGen"},      {"CGAL/", "CGAL"},
-      {"volk.h", "Vulkan"},         {"vulkan/", "Vulkan"},       {"CLI/", "CLI11"},
-      {"toml++/", "toml++"},        {"tiny_gltf.h", "tinygltf"}, {"nlohmann/", "JSON"},
-      {"xxhash.h", "xxHash"},       {"gtest/", "GoogleTest"},    {"gmock/", "GoogleTest"},
-      {"rapidcheck", "RapidCheck"}, {"pugixml.hpp", "pugixml"},  {"immintrin.h", "SIMD"},
-      {"xmmintrin.h", "SIMD"},
-  };
+  static const std::vector<std::pair<std::string, std::string>> table{{"Eigen/", "Eigen"},
+                                                                      {"tetgen.h", "TetGen"},
+                                                                      {"CGAL/", "CGAL"},
+                                                                      {"volk.h", "Vulkan"},
+                                                                      {"vulkan/", "Vulkan"},
+                                                                      {"CLI/", "CLI11"},
+                                                                      {"toml++/", "toml++"},
+                                                                      {"tiny_gltf.h", "tinygltf"},
+                                                                      {"nlohmann/", "JSON"},
+                                                                      {"xxhash.h", "xxHash"},
+                                                                      {"gtest/", "GoogleTest"},
+                                                                      {"gmock/", "GoogleTest"},
+                                                                      {"rapidcheck", "RapidCheck"},
+                                                                      {"pugixml.hpp", "pugixml"},
+                                                                      {"immintrin.h", "SIMD"},
+                                                                      {"xmmintrin.h", "SIMD"},
+                                                                      {"png.h", "PNG"}};
   return table;
 }
 

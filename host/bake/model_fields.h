@@ -1,0 +1,60 @@
+// Every field of a Model, in one list: the model's hash and the model's file both go through it, so a field
+// that is added here is in both.
+#pragma once
+
+#include "host/model/model.h"
+
+namespace fascicle::bake {
+
+// Calls visit(name, field) for each field, in a fixed order. Lists of structs are shown as their length
+// (visit.count, which may change the list's size when the model is being read) and then element by element.
+template <class ModelType, class Visitor>
+void visit_fields(ModelType& model, Visitor& visit) {
+  visit("unit", model.unit);
+  visit("rest_origin", model.rest_origin);
+  visit("weight_form", model.weight_form);
+  visit("momentum_scaled", model.momentum_scaled);
+  visit("vertex_count", model.vertex_count);
+  visit("source_vertex", model.source_vertex);
+  visit("rest", model.rest);
+  visit("mass", model.mass);
+  visit("alpha", model.alpha);
+  visit("beta", model.beta);
+  visit("fibre", model.fibre);
+  visit("tag", model.tag);
+  visit.count("layers", model.layers);
+  for (auto& layer : model.layers) {
+    visit("layer.name", layer.name);
+    visit("layer.damping", layer.damping);
+    visit("layer.density", layer.density);
+    visit("layer.kinematic", layer.kinematic);
+  }
+  visit("ring_offset", model.ring_offset);
+  visit("ring", model.ring);
+  visit("pull", model.pull);
+  visit("share_taken", model.share_taken);
+  visit("share_given", model.share_given);
+  visit("region_rest", model.region_rest);
+  visit("muscle_count", model.muscle_count);
+  visit("region_muscle", model.region_muscle);
+  visit("region_normal", model.region_normal);
+  visit("joint_count", model.joint_count);
+  visit("skin_offset", model.skin_offset);
+  visit("skin_joint", model.skin_joint);
+  visit("skin_weight", model.skin_weight);
+  visit("force_count", model.force_count);
+  visit("force_offset", model.force_offset);
+  visit("force_index", model.force_index);
+  visit("force_coefficient", model.force_coefficient);
+  visit("surface_vertex", model.surface_vertex);
+  visit("surface_weight", model.surface_weight);
+  visit("surface_triangle", model.surface_triangle);
+  visit("tetrahedron", model.tetrahedron);
+  visit.count("probes", model.probes);
+  for (auto& probe : model.probes) {
+    visit("probe.name", probe.name);
+    visit("probe.vertices", probe.vertices);
+  }
+}
+
+}  // namespace fascicle::bake

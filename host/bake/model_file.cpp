@@ -1,0 +1,206 @@
+#include "host/bake/model_file.h"
+
+#include <array>
+#include <cstring>
+#include <stdexcept>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "host/bake/bake.h"
+#include "host/bake/file.h"
+#include "host/bake/identity.h"
+#include "host/bake/model_fields.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+constexpr std::string_view magic = "FASCMODL";
+
+// Lists and strings as they lie in memory; a single value is a list of one.
+template <class T>
+struct Elements {
+  static std::span<const char> bytes(const T& value) {
+    return {reinterpret_cast<const char*>(&value), sizeof value};
+  }
+  static constexpr std::size_t size = sizeof(T);
+};
+template <class T>
+struct Elements<std::vector<T>> {
+  static_assert(std::is_trivially_copyable_v<T>);
+  static std::span<const char> bytes(const std::vector<T>& values) {
+    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+  }
+  static constexpr std::size_t size = sizeof(T);
+};
+template <>
+struct Elements<std::string> {
+  static std::span<const char> bytes(const std::string& text) { return {text.data(), text.size()}; }
+  static constexpr std::size_t size = 1;
+};
+
+class Writer {
+ public:
+  explicit Writer(std::string& out) : out_(out) {}
+  template <class T>
+  void operator()(std::string_view name, const T& field) {
+    const std::span<const char> bytes = Elements<T>::bytes(field);
+    head(name, Elements<T>::size, bytes.size() / Elements<T>::size);
+    out_.append(bytes.data(), bytes.size());
+  }
+  template <class T>
+  void count(std::string_view name, const std::vector<T>& list) {
+    head(name, 0, list.size());
+  }
+
+ private:
+  void head(std::string_view name, std::size_t element, std::size_t count) {
+    append_bytes(out_, static_cast<std::uint32_t>(name.size()));
+    out_.append(name);
+    append_bytes(out_, static_cast<std::uint32_t>(element));
+    append_bytes(out_, std::uint64_t{count});
+  }
+  std::string& out_;
+};
+
+constexpr std::size_t head_bytes = 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);  // beside the name
+
+class Sizer {
+ public:
+  template <class T>
+  void operator()(std::string_view name, const T& field) {
+    bytes_ += head_bytes + name.size() + Elements<T>::bytes(field).size();
+  }
+  template <class T>
+  void count(std::string_view name, const std::vector<T>&) {
+    bytes_ += head_bytes + name.size();
+  }
+  std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  std::uint64_t bytes_ = 0;
+};
+
+// What a file that is not one of ours, or not whole, is told by.
+struct Mismatch : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : rest_(bytes) {}
+  template <class T>
+  void operator()(std::string_view name, T& field) {
+    const std::string_view bytes = elements(name, Elements<T>::size);
+    resize(field, bytes.size() / Elements<T>::size);
+    if (!bytes.empty()) std::memcpy(data_of(field), bytes.data(), bytes.size());
+  }
+  template <class T>
+  void count(std::string_view name, std::vector<T>& list) {
+    const std::uint64_t count = head(name, 0);
+    // Each has at least a head of its own.
+    if (count > rest_.size()) throw Mismatch("it ends too soon");
+    list.resize(count);
+  }
+  bool is_done() const { return rest_.empty(); }
+
+ private:
+  std::string_view take(std::uint64_t bytes) {
+    if (bytes > rest_.size()) throw Mismatch("it ends too soon");
+    const std::string_view taken = rest_.substr(0, bytes);
+    rest_.remove_prefix(bytes);
+    return taken;
+  }
+  template <class T>
+  T number() {
+    T value;
+    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    return value;
+  }
+  std::uint64_t head(std::string_view name, std::size_t element) {
+    const std::string_view found = take(number<std::uint32_t>());
+    if (found != name || number<std::uint32_t>() != element)
+      throw Mismatch("it is of another version of fascicle (at " + std::string(name) + ")");
+    return number<std::uint64_t>();
+  }
+  std::string_view elements(std::string_view name, std::size_t element) {
+    const std::uint64_t count = head(name, element);
+    if (count > rest_.size() / element) throw Mismatch("it ends too soon");
+    return take(count * element);
+  }
+  template <class T>
+  static void resize(std::vector<T>& list, std::size_t count) {
+    list.resize(count);
+  }
+  static void resize(std::string& text, std::size_t count) { text.resize(count); }
+  template <class T>
+  static void resize(T&, std::size_t count) {
+    if (count != 1) throw Mismatch("a single value has " + std::to_string(count));
+  }
+  template <class T>
+  static void* data_of(std::vector<T>& list) {
+    return list.data();
+  }
+  static void* data_of(std::string& text) { return text.data(); }
+  template <class T>
+  static void* data_of(T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    return &value;
+  }
+
+  std::string_view rest_;
+};
+
+std::string read_all(const File& file) {
+  std::string bytes(file.size(), '\0');
+  if (!file.read_at(0, bytes)) bytes.clear();
+  return bytes;
+}
+
+}  // namespace
+
+std::string encode_model(const model::Model& model) {
+  std::string bytes(magic);
+  Writer writer(bytes);
+  visit_fields(model, writer);
+  append_bytes(bytes, XXH3_64bits(bytes.data(), bytes.size()));
+  return bytes;
+}
+
+std::uint64_t encoded_bytes(const model::Model& model) {
+  Sizer sizer;
+  visit_fields(model, sizer);
+  return magic.size() + sizer.bytes() + sizeof(std::uint64_t);
+}
+
+model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wanted_hash) {
+  const std::string file = read_all(File(path, FileMode::read));
+  const auto fail = [&path](const std::string& what) -> BakeError {
+    return BakeError(path.string() + ": " + what + "; bake again");
+  };
+  if (!file.starts_with(magic)) throw fail("not a model of fascicle");
+  std::uint64_t checksum = 0;
+  if (file.size() < magic.size() + sizeof checksum) throw fail("the model is damaged");
+  const std::string_view body = std::string_view(file).substr(0, file.size() - sizeof checksum);
+  std::memcpy(&checksum, file.data() + body.size(), sizeof checksum);
+  if (XXH3_64bits(body.data(), body.size()) != checksum) throw fail("the model is damaged");
+  model::Model model;
+  try {
+    Reader reader(body.substr(magic.size()));
+    visit_fields(model, reader);
+    if (!reader.is_done()) throw Mismatch("it is of another version of fascicle (fields at its end)");
+    model::check_model(model);
+  } catch (const Mismatch& mismatch) {
+    throw fail(std::string("the model cannot be read: ") + mismatch.what());
+  } catch (const std::invalid_argument& error) {
+    throw fail(std::string("the model is wrong: ") + error.what());
+  }
+  if (model_hash(model) != wanted_hash) throw fail("this is not the model of the frames beside it");
+  return model;
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,28 @@
+// model.fascicle: the model that a bake moved, so that pictures and exports need nothing but the bake's
+// folder.
+//
+// Little-endian. char[8] "FASCMODL", then the fields in the order of model_fields.h, then the XXH3-64 of
+// everything before. A field is the length of its name (uint32), its name, the bytes of an element (uint32),
+// the number of elements (uint64) and the elements. A file whose names or element sizes are not those of this
+// program belongs to another version.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "host/model/model.h"
+
+namespace fascicle::bake {
+
+inline constexpr const char* model_file_name = "model.fascicle";
+
+std::string encode_model(const model::Model& model);
+std::uint64_t encoded_bytes(const model::Model& model);
+
+// The model of a bake's folder; its hash must be `model_hash` (of the frame cache), and it passes
+// model::check_model. Throws BakeError with what is wrong and what to do, std::system_error if it cannot be
+// read.
+model::Model read_model_file(const std::filesystem::path& path, std::uint64_t model_hash);
+
+}  // namespace fascicle::bake

@@ -1,0 +1,104 @@
+#include "host/cli/open_bake.h"
+
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "host/bake/bake.h"
+#include "host/bake/model_file.h"
+#include "host/model/solver.h"
+#include "host/scene/scene_file.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bake::ManifestSummary manifest_of(const fs::path& folder) {
+  if (!fs::exists(folder)) throw bake::BakeError(folder.string() + ": no such folder");
+  std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
+  if (!manifest)
+    throw bake::BakeError(folder.string() + ": holds no bake (" + bake::manifest_name +
+                          " of fascicle is not there)");
+  return std::move(*manifest);
+}
+
+bake::FrameCacheReader cache_of(const fs::path& folder) {
+  const fs::path path = folder / bake::cache_name;
+  if (!fs::exists(path))
+    throw bake::BakeError(path.string() + ": is not there; the bake has no frames yet, or lost them");
+  bake::FrameCacheReader cache(path);
+  if (cache.frame_count() == 0) throw bake::BakeError(path.string() + ": holds no whole frame yet");
+  return cache;
+}
+
+model::Model model_of(const fs::path& folder, const bake::CacheHeader& header) {
+  const fs::path path = folder / bake::model_file_name;
+  if (!fs::exists(path))
+    throw bake::BakeError(path.string() + ": is not there; an older fascicle baked this; bake again");
+  model::Model model = bake::read_model_file(path, header.model_hash);
+  if (model.vertex_count != header.vertex_count)
+    throw bake::BakeError(path.string() + ": is not the model of the frames beside it; bake again");
+  return model;
+}
+
+}  // namespace
+
+OpenBake::OpenBake(const fs::path& folder)
+    : folder_(folder),
+      manifest_(manifest_of(folder)),
+      cache_(cache_of(folder)),
+      model_(model_of(folder, cache_.header())) {}
+
+const scene::Scene& OpenBake::scene() {
+  if (scene_) return *scene_;
+  const fs::path source(manifest_.scene_source);
+  // File names in a scene file are relative to it; a bare mesh or character is named from where the bake was
+  // started.
+  const fs::path near = source.extension() == ".toml" ? source.parent_path() : fs::path();
+  try {
+    scene_ = std::make_unique<scene::Scene>(
+        scene::parse_scene({manifest_.scene_name, manifest_.scene_source, manifest_.scene_text, near}, {}));
+  } catch (const scene::SceneError& error) {
+    throw scene::SceneError(folder_.string() + ": the bake's scene is needed again, and: " + error.what() +
+                            "; start fascicle from the folder where the bake was started");
+  }
+  // The scene's own text is in the manifest; what it names may have changed.
+  const std::map<std::string, std::string> before(manifest_.input_hashes.begin(),
+                                                  manifest_.input_hashes.end());
+  for (const auto& [file, hash] : scene_->input_hashes)
+    if (const auto was = before.find(file); was == before.end() || was->second != hash)
+      throw bake::BakeError(file + ": has changed since the bake in " + folder_.string() +
+                            "; bake again, or put the old file back");
+  return *scene_;
+}
+
+std::vector<float> OpenBake::lag(const model::Frame& frame) {
+  std::vector<float> skinned = model_.rest;
+  std::array<double, 3> origin = model_.rest_origin;
+  if (model_.has_skeleton()) {
+    if (!drives_) drives_.emplace(scene(), model_);
+    model::State state;
+    if (frame.index == 0) {
+      state = drives_->initial_state();
+    } else {
+      const model::Drive drive = drives_->drive(frame.index);
+      state = model::initial_state(model_, drive.bones.last(model_.joint_count), drive.origin);
+    }
+    skinned = std::move(state.positions);
+    origin = state.origin;
+  }
+  std::vector<float> lag(model_.vertex_count);
+  for (std::size_t i = 0; i < lag.size(); ++i) {
+    double square = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double d = (frame.origin[c] - origin[c]) +
+                       model_.unit * (double{frame.positions[3 * i + c]} - double{skinned[3 * i + c]});
+      square += d * d;
+    }
+    lag[i] = static_cast<float>(std::sqrt(square));
+  }
+  return lag;
+}
+
+}  // namespace fascicle::cli

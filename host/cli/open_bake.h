@@ -1,0 +1,47 @@
+// A bake's folder, finished or still running, opened for looking at it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "host/bake/drive_source.h"
+#include "host/bake/manifest.h"
+#include "host/bake/read_frame_cache.h"
+#include "host/model/model.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::cli {
+
+// The model and the frames lie in the folder; the scene is read again only where its clip is asked for.
+class OpenBake {
+ public:
+  // Throws bake::BakeError with what is missing and what to do.
+  explicit OpenBake(const std::filesystem::path& folder);
+
+  const model::Model& model() const { return model_; }
+  const bake::ManifestSummary& manifest() const { return manifest_; }
+  double fps() const { return cache_.header().fps; }
+  double start() const { return cache_.header().start; }
+  // Whole frames from frame 0 on; of a running bake those there were when it was opened.
+  std::uint64_t frame_count() const { return cache_.frame_count(); }
+  model::Frame frame(std::uint64_t k) const { return cache_.read(k); }
+
+  // The scene as it was baked. Throws bake::BakeError where an input has changed since, scene::SceneError
+  // where one is gone.
+  const scene::Scene& scene();
+  // Metres between each vertex and where skinning alone (without a skeleton: the rest pose) would have it.
+  std::vector<float> lag(const model::Frame& frame);
+
+ private:
+  std::filesystem::path folder_;
+  bake::ManifestSummary manifest_;
+  bake::FrameCacheReader cache_;
+  model::Model model_;
+  std::unique_ptr<scene::Scene> scene_;
+  std::optional<bake::DriveSource> drives_;
+};
+
+}  // namespace fascicle::cli

@@ -1,0 +1,71 @@
+// From a model and where its vertices are to what is drawn.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/model/model.h"
+#include "host/render/shape.h"
+
+namespace fascicle::render {
+
+// shaded: skin; layers: a colour for each layer; fibres: short lines along d_r; lag: distance to the skinned
+// pose.
+enum class Mode { shaded, layers, fibres, lag };
+
+// Takes away the tetrahedra that lie wholly on one side of a plane in the rest pose, so that it cuts the same
+// tetrahedra in every frame.
+struct Clip {
+  int axis = 0;        // 0 x, 1 y, 2 z
+  double place = 0.0;  // m
+  bool keeps_below = true;
+};
+
+struct DrawingOptions {
+  Mode mode = Mode::shaded;
+  bool tetrahedra = false;  // instead of the render mesh; fibres and a clip draw them in any case
+  std::optional<Clip> clip;
+  double lag_scale = 0.0;  // m that take the scale's last colour
+};
+
+// Everything about a drawing that stays from frame to frame. The model must outlive it.
+class BodyDrawing {
+ public:
+  // Throws std::invalid_argument, for people to read, where nothing is left to draw.
+  BodyDrawing(const model::Model& model, const DrawingOptions& options);
+
+  // `positions`: of the model's vertices, 3 a vertex, m. `lag`: m, one a vertex, for Mode::lag only. `eye`:
+  // the camera's place; fibres are laid out to face it.
+  std::vector<Shape> shapes(std::span<const float> positions, std::span<const float> lag,
+                            const Vector3f& eye) const;
+
+  // Whether a fibre runs through any vertex that is drawn.
+  bool shows_fibres() const;
+
+ private:
+  struct Face {
+    std::array<std::uint32_t, 3> corners;  // outward
+    std::uint32_t tetrahedron;
+  };
+
+  Shape surface(std::span<const float> positions, std::span<const float> lag) const;
+  Shape faces(std::span<const float> positions, std::span<const float> lag) const;
+  Shape fibre_lines(std::span<const float> positions, const Vector3f& eye) const;
+  Vector3f vertex_colour(std::uint32_t vertex, std::span<const float> lag) const;
+  Vector3f lag_colour(float lag) const;
+
+  const model::Model& model_;
+  DrawingOptions options_;
+  bool draws_tetrahedra_ = false;
+  std::vector<Face> faces_;                // of the tetrahedra that are kept, without those inside
+  std::vector<std::uint32_t> same_place_;  // of a render vertex: the first one at its rest position
+  std::vector<std::uint32_t> surface_layer_;
+  std::vector<std::uint32_t> fibre_vertices_;                 // on the faces, with a fibre
+  std::vector<std::vector<std::uint32_t>> fibre_tetrahedra_;  // around each of them
+  double edge_ = 0.0;                                         // mean length of the faces' sides at rest, m
+};
+
+}  // namespace fascicle::render

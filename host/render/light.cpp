@@ -1,0 +1,168 @@
+#include "host/render/light.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "host/render/parallel.h"
+#include "host/render/scan.h"
+
+namespace fascicle::render {
+
+namespace {
+
+constexpr float nothing = -std::numeric_limits<float>::infinity();
+
+struct LampPlan {
+  Vector3f towards, colour;
+  bool shines;
+  unsigned map_size;
+};
+
+Vector3f any_perpendicular(const Vector3f& v) {
+  return v.cross(std::fabs(v.y()) < 0.9f ? Vector3f::UnitY() : Vector3f::UnitX()).normalized();
+}
+
+// `count` directions evenly over the cap of `angle` degrees round `axis`, by area, on a sunflower's spiral.
+std::vector<Vector3f> cap_directions(const Vector3f& axis, double angle, unsigned count) {
+  const Vector3f u = any_perpendicular(axis), v = axis.cross(u);
+  const double lowest = std::cos(angle * std::numbers::pi / 180.0);
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  std::vector<Vector3f> directions;
+  for (unsigned k = 0; k < count; ++k) {
+    const double z = 1.0 - (1.0 - lowest) * (k + 0.5) / count;
+    const double r = std::sqrt(1.0 - z * z);
+    directions.push_back(axis * static_cast<float>(z) + u * static_cast<float>(r * std::cos(turn * k)) +
+                         v * static_cast<float>(r * std::sin(turn * k)));
+  }
+  return directions;
+}
+
+// right, up, towards the camera; only the camera's turn counts, not its elevation.
+std::vector<LampPlan> plan_lamps(const Camera& camera) {
+  Vector3f front = camera.axes.row(2).cast<float>();
+  front.y() = 0.0f;
+  front = front.norm() > 1e-3f ? Vector3f(front.normalized()) : Vector3f(Vector3f::UnitZ());
+  const Vector3f up = Vector3f::UnitY(), right = up.cross(front);
+  std::vector<LampPlan> plan;
+  const auto add = [&](const Vector3f& axis, double angle, unsigned count, const Vector3f& colour,
+                       bool shines, unsigned map_size) {
+    for (const Vector3f& towards : cap_directions(axis.normalized(), angle, count))
+      plan.push_back({towards, colour / static_cast<float>(count), shines, map_size});
+  };
+  add(-0.75f * right + 0.95f * up + 0.75f * front, 9.0, 16, Vector3f::Constant(0.66f), true, 1024);
+  add(0.95f * right + 0.25f * up + 0.55f * front, 16.0, 6, Vector3f::Constant(0.15f), false, 512);
+  add(0.55f * right + 0.55f * up - 0.85f * front, 8.0, 6, Vector3f::Constant(0.30f), true, 512);
+  for (const Vector3f& towards : cap_directions(up, 90.0, 40))
+    plan.push_back({towards, Vector3f::Constant(0.42f * 2.0f / 40.0f), false, 384});
+  return plan;
+}
+
+}  // namespace
+
+ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, const Vector3f& center,
+                     float radius, unsigned size)
+    : right_(any_perpendicular(towards)),
+      up_(towards.cross(right_)),
+      towards_(towards),
+      center_(center),
+      size_(static_cast<int>(size)),
+      height_(std::size_t{size} * size, nothing) {
+  radius = std::max(radius, 1e-6f);
+  scale_ = static_cast<float>(size) / (2.0f * radius);
+  texel_ = 1.0f / scale_;
+  const float half = 0.5f * static_cast<float>(size);
+  std::vector<std::optional<GridPoint>> place;
+  std::vector<float> height;
+  for (const Shape& shape : shapes) {
+    if (!shape.casts_shadow) continue;
+    place.clear();
+    height.clear();
+    for (const Vector3f& p : shape.positions) {
+      const Vector3f d = p - center_;
+      place.push_back(to_grid(half + scale_ * d.dot(right_), half + scale_ * d.dot(up_)));
+      height.push_back(d.dot(towards_));
+    }
+    for (const auto& t : shape.triangles) {
+      if (!place[t[0]] || !place[t[1]] || !place[t[2]]) continue;
+      const std::array<GridPoint, 3> corners{*place[t[0]], *place[t[1]], *place[t[2]]};
+      const auto edges = edges_of(corners);
+      if (!edges) continue;
+      // Texel k's centre is at k + 1/2; the first and last whose centre may lie within.
+      const auto [x0, x1] = std::minmax({corners[0].x, corners[1].x, corners[2].x});
+      const auto [y0, y1] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
+      const std::int64_t last = size_ - 1;
+      const std::int64_t first_x = std::max<std::int64_t>(0, (x0 - grid / 2) / grid);
+      const std::int64_t first_y = std::max<std::int64_t>(0, (y0 - grid / 2) / grid);
+      const std::int64_t last_x = std::min(last, x1 / grid), last_y = std::min(last, y1 / grid);
+      const float scale = 1.0f / static_cast<float>(edges->area);
+      for (std::int64_t y = first_y; y <= last_y; ++y)
+        for (std::int64_t x = first_x; x <= last_x; ++x) {
+          std::array<std::int64_t, 3> e;
+          for (std::size_t k = 0; k < 3; ++k)
+            e[k] = edges->value(k, x * grid + grid / 2, y * grid + grid / 2);
+          if (!edges->covers(e[0], e[1], e[2])) continue;
+          const float h = (static_cast<float>(e[0]) * height[t[0]] + static_cast<float>(e[1]) * height[t[1]] +
+                           static_cast<float>(e[2]) * height[t[2]]) *
+                          scale;
+          float& nearest = height_[static_cast<std::size_t>(y * size_ + x)];
+          nearest = std::max(nearest, h);
+        }
+    }
+  }
+}
+
+float ShadowMap::visibility(const Vector3f& point, const Vector3f& normal) const {
+  // Lifted by a texel and a half, plus what a texel's width rises on a slope: else a surface shades itself.
+  const Vector3f d = point + normal * (1.5f * texel_) - center_;
+  const float height = d.dot(towards_) + 1.0f * texel_;
+  const float half = 0.5f * static_cast<float>(size_);
+  const float x = half + scale_ * d.dot(right_) - 0.5f, y = half + scale_ * d.dot(up_) - 0.5f;
+  const float limit = static_cast<float>(size_ - 2);
+  if (!(x >= 0.0f && y >= 0.0f && x <= limit && y <= limit)) return 1.0f;
+  const int column = static_cast<int>(x), row = static_cast<int>(y);
+  const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
+  const auto lit = [&](int dx, int dy) { return is_lit(column + dx, row + dy, height) ? 1.0f : 0.0f; };
+  return (1.0f - v) * ((1.0f - u) * lit(0, 0) + u * lit(1, 0)) + v * ((1.0f - u) * lit(0, 1) + u * lit(1, 1));
+}
+
+std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& camera, unsigned threads) {
+  Eigen::AlignedBox3f box;
+  for (const Shape& shape : shapes)
+    if (shape.casts_shadow)
+      for (const Vector3f& p : shape.positions) box.extend(p);
+  const Vector3f center = box.isEmpty() ? Vector3f(Vector3f::Zero()) : Vector3f(box.center());
+  // The farthest point counts, not the box's corner: texels are for what is there.
+  float radius = 0.0f;
+  for (const Shape& shape : shapes)
+    if (shape.casts_shadow)
+      for (const Vector3f& p : shape.positions) radius = std::max(radius, (p - center).norm());
+  const std::vector<LampPlan> plan = plan_lamps(camera);
+  std::vector<std::optional<ShadowMap>> maps(plan.size());
+  for_each_index(plan.size(), threads, [&](std::size_t k) {
+    maps[k].emplace(shapes, plan[k].towards, center, 1.02f * radius, plan[k].map_size);
+  });
+  std::vector<Lamp> lamps;
+  for (std::size_t k = 0; k < plan.size(); ++k)
+    lamps.push_back({plan[k].towards, plan[k].colour, plan[k].shines, std::move(*maps[k])});
+  return lamps;
+}
+
+Vector3f irradiance(std::span<const Lamp> lamps, const Vector3f& point, const Vector3f& normal) {
+  Vector3f sum = Vector3f::Zero();
+  for (const Lamp& lamp : lamps)
+    if (const float cosine = normal.dot(lamp.towards); cosine > 0.0f)
+      sum += lamp.colour * (cosine * lamp.shadow.visibility(point, normal));
+  return sum;
+}
+
+Vector3f free_irradiance(std::span<const Lamp> lamps, const Vector3f& normal) {
+  Vector3f sum = Vector3f::Zero();
+  for (const Lamp& lamp : lamps) sum += lamp.colour * std::max(0.0f, normal.dot(lamp.towards));
+  return sum;
+}
+
+}  // namespace fascicle::render

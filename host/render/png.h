@@ -1,0 +1,13 @@
+// PNG by libpng.
+#pragma once
+
+#include <string>
+
+#include "host/render/image.h"
+
+namespace fascicle::render {
+
+// The image as a PNG file's bytes: 8 bits a channel, marked as sRGB. Throws std::runtime_error.
+std::string encode_png(const Image& image);
+
+}  // namespace fascicle::render

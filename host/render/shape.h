@@ -1,0 +1,27 @@
+// What is drawn: triangles in metres, Y up, already posed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/render/image.h"
+
+namespace fascicle::render {
+
+// How a shape answers to light. skin: softened towards red and with a sheen; plain: its colour times the
+// light's strength, so that a legend's colour is recognised; ink: its colour, unlit.
+enum class Finish { skin, plain, ink };
+
+struct Shape {
+  std::vector<Vector3f> positions;  // m
+  std::vector<Vector3f> normals;    // unit, one a position; ink needs none
+  std::vector<Vector3f> colours;    // linear light, one a position
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  Finish finish = Finish::plain;
+  bool blend_colours = true;  // false: each point takes its nearest corner's colour, nothing in between
+  bool draw_edges = false;    // thin dark lines along the triangles' sides
+  bool casts_shadow = true;
+};
+
+}  // namespace fascicle::render
