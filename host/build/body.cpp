@@ -1,12 +1,10 @@
 #include "host/build/body.h"
 
 #include "host/build/bar.h"
-#include "host/build/body_mesh.h"
 #include "host/build/bones.h"
 #include "host/build/boundary.h"
 #include "host/build/check_mesh.h"
-#include "host/build/embedding.h"
-#include "host/build/skin_weights.h"
+#include "host/build/filled_body.h"
 #include "host/build/weld.h"
 
 namespace fascicle::build {
@@ -42,13 +40,18 @@ WeldedSurface prepare_surface(scene::SurfaceMesh surface, const scene::Scene& sc
   return weld(surface, scene.source, report);
 }
 
+void take(FilledBody filled, Body& body) {
+  body.mesh = std::move(filled.mesh);
+  body.skin = std::move(filled.skin);
+  body.render = std::move(filled.render);
+}
+
 Body body_of(const scene::SurfaceMesh& surface, const scene::Scene& scene, Report& report,
              const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(surface, scene, report);
   Body body;
-  BodyMesh filled = make_body_mesh(welded, {}, scene, report, options);
-  body.render = embed_surface(surface, welded, filled, {}, {}, report);
-  body.mesh = std::move(filled.mesh);
+  const std::vector<Bone> no_points_inside;
+  take(fill_body({scene, surface, welded, no_points_inside}, report, options), body);
   add_scene_bones(scene, body);
   return body;
 }
@@ -59,12 +62,7 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   Body body;
   body.bones = skeleton_bones(character.skeleton, scene.scale, scene.source);
   add_scene_bones(scene, body);
-  BodyMesh filled = make_body_mesh(welded, body.bones, scene, report, options);
-  const SkinWeights skin =
-      welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
-  body.skin = body_skin_weights(filled, welded, skin, character.skeleton.size(), scene.source);
-  body.render = embed_surface(character.surface, welded, filled, body.skin, skin, report);
-  body.mesh = std::move(filled.mesh);
+  take(fill_body({scene, character.surface, welded, body.bones, &character}, report, options), body);
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
   return body;
 }

@@ -25,4 +25,9 @@ BodyMesh make_body_mesh(const WeldedSurface& welded, const std::vector<Bone>& bo
   return body;
 }
 
+void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene) {
+  hash.add(scene.resolution.has_value());
+  hash.add(scene.resolution.value_or(0.0));
+}
+
 }  // namespace fascicle::build

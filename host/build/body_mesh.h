@@ -9,6 +9,7 @@
 #include "host/build/body.h"
 #include "host/build/build.h"
 #include "host/build/weld.h"
+#include "host/scene/content_hash.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::build {
@@ -40,5 +41,8 @@ struct BodyMesh {
 // scene::SceneError.
 BodyMesh make_body_mesh(const WeldedSurface& welded, const std::vector<Bone>& bones,
                         const scene::Scene& scene, Report& report, const BuildOptions& options);
+
+// Adds to the key of the cache every setting of the scene that make_body_mesh reads.
+void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene);
 
 }  // namespace fascicle::build

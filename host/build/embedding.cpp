@@ -175,14 +175,14 @@ RenderMesh embed_surface(const scene::SurfaceMesh& surface, const WeldedSurface&
     const Seat& seat = seats[welded.of_vertex[v]];
     render.corners.push_back(body.mesh.tetrahedra[seat.tetrahedron]);
     render.weights.push_back(rounded(seat.weights));
-    report.least_barycentric = std::min(report.least_barycentric, least(seat.weights));
-    report.riders_outside += least(seat.weights) < 0.0 ? 1u : 0u;
+    report.fill.least_barycentric = std::min(report.fill.least_barycentric, least(seat.weights));
+    report.fill.riders_outside += least(seat.weights) < 0.0 ? 1u : 0u;
     if (least(seat.weights) < least_barycentric) outside.push_back(v);
     if (seat.agreement < little_agreement) astray.push_back(v);
   }
   if (!outside.empty())
     warn(report, counted(outside.size(), "vertex of the skin sticks", "vertices of the skin stick") +
-                     " out of the cage, by up to " + std::to_string(-report.least_barycentric) +
+                     " out of the cage, by up to " + std::to_string(-report.fill.least_barycentric) +
                      " of a tetrahedron's height (vertex " + list_of(outside) +
                      " of the file); ask for a smaller resolution (edge length)");
   if (!astray.empty())

@@ -72,27 +72,6 @@ bool is_program(const fs::path& path) {
   return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
 }
 
-fs::path find_mesher(const BuildOptions& options) {
-  if (!options.mesher.empty()) {
-    if (is_program(options.mesher)) return fs::absolute(options.mesher);
-    throw SceneError(options.mesher.string() + ": no such program; give the path of " + mesher_name);
-  }
-  std::error_code error;
-  const fs::path own_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  if (!error && is_program(own_folder / mesher_name)) return own_folder / mesher_name;
-  const char* search_path = std::getenv("PATH");
-  const std::string folders = search_path == nullptr ? "" : search_path;
-  for (std::size_t start = 0; start < folders.size();) {
-    const std::size_t end = std::min(folders.find(':', start), folders.size());
-    const fs::path candidate = fs::path(folders.substr(start, end - start)) / mesher_name;
-    if (end > start && is_program(candidate)) return fs::absolute(candidate);
-    start = end + 1;
-  }
-  throw SceneError(
-      std::string(mesher_name) + ": not found in " + own_folder.string() +
-      " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
-}
-
 // The largest volume of a tetrahedron for which the mean edge comes out as `edge`. A regular tetrahedron has
 // edge^3/(6 sqrt 2). TetGen stays below its bound, so it gets 1.2 times that: measured on the Stanford bunny
 // at its own mean edge, factors of 1, 1.2 and 1.5 give 0.95, 1.00 and 1.06 of the wanted edge.
@@ -269,7 +248,7 @@ void check_result(TetMesh& mesh, const SurfaceMesh& surface) {
 
 TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
                    const BuildOptions& options) {
-  const fs::path mesher = find_mesher(options);
+  const fs::path mesher = mesher_path(options);
   const ProcessLimits limits{options.mesher_seconds, options.mesher_bytes};
   const TemporaryFolder folder;
   const fs::path surface_file = folder.path() / "surface.off";
@@ -318,6 +297,27 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vecto
     throw SceneError(std::string("cannot run ") + mesher_name + ": " + error.what() +
                      "; check the free space and permissions of the folder for temporary files (TMPDIR)");
   }
+}
+
+fs::path mesher_path(const BuildOptions& options) {
+  if (!options.mesher.empty()) {
+    if (is_program(options.mesher)) return fs::absolute(options.mesher);
+    throw SceneError(options.mesher.string() + ": no such program; give the path of " + mesher_name);
+  }
+  std::error_code error;
+  const fs::path own_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  if (!error && is_program(own_folder / mesher_name)) return own_folder / mesher_name;
+  const char* search_path = std::getenv("PATH");
+  const std::string folders = search_path == nullptr ? "" : search_path;
+  for (std::size_t start = 0; start < folders.size();) {
+    const std::size_t end = std::min(folders.find(':', start), folders.size());
+    const fs::path candidate = fs::path(folders.substr(start, end - start)) / mesher_name;
+    if (end > start && is_program(candidate)) return fs::absolute(candidate);
+    start = end + 1;
+  }
+  throw SceneError(
+      std::string(mesher_name) + ": not found in " + own_folder.string() +
+      " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
 }
 
 }  // namespace fascicle::build

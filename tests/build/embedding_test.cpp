@@ -214,13 +214,13 @@ TEST(Embedding, ALittleOutOfTheRightLimbIsBetterThanInsideTheWrongOne) {
   const RenderMesh render =
       build::embed_surface(welded.surface, welded, body, limbs.weights, all_on(1, 3), report);
   for (const std::uint32_t corner : render.corners[0]) EXPECT_EQ(limbs.weights.joint[corner], 1u);
-  EXPECT_LT(report.least_barycentric, 0.0);
-  EXPECT_EQ(report.riders_outside, 1u);
+  EXPECT_LT(report.fill.least_barycentric, 0.0);
+  EXPECT_EQ(report.fill.riders_outside, 1u);
   // The control: without weights the home stands.
   build::Report blind_report;
   const RenderMesh blind = build::embed_surface(welded.surface, welded, body, {}, {}, blind_report);
   for (const std::uint32_t corner : blind.corners[0]) EXPECT_EQ(limbs.weights.joint[corner], 0u);
-  EXPECT_EQ(blind_report.riders_outside, 0u);
+  EXPECT_EQ(blind_report.fill.riders_outside, 0u);
 }
 
 TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
@@ -236,8 +236,8 @@ TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
   skin.joint[2] = 7;  // a joint that moves nothing of the body: vertex 3 of the file
   build::Report report;
   build::embed_surface(surface, welded, body, limbs.weights, skin, report);
-  EXPECT_EQ(report.riders_outside, 1u);
-  EXPECT_LT(report.least_barycentric, build::least_barycentric);
+  EXPECT_EQ(report.fill.riders_outside, 1u);
+  EXPECT_LT(report.fill.least_barycentric, build::least_barycentric);
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_NE(report.warnings[0].text.find("vertex 4 of the file"), std::string::npos)
       << report.warnings[0].text;

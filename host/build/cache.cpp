@@ -1,0 +1,127 @@
+#include "host/build/cache.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <span>
+#include <system_error>
+#include <vector>
+
+#include "host/scene/content_hash.h"
+#include "host/scene/file.h"
+
+namespace fascicle::build {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view magic = "fascicle cache 1\n";
+constexpr const char* suffix = ".entry";
+// A temporary file older than this was left by a process that is gone.
+constexpr auto forgotten = std::chrono::hours(1);
+
+std::string checksum_of(std::string_view bytes) {
+  scene::ContentHash hash;
+  hash.add(bytes);
+  return hash.text();
+}
+
+// Magic, key, checksum of the bytes, bytes.
+std::string header_of(const std::string& key, std::string_view bytes) {
+  return std::string(magic) + key + "\n" + checksum_of(bytes) + "\n";
+}
+
+std::string environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+}  // namespace
+
+fs::path default_cache_folder() {
+  if (const std::string own = environment("FASCICLE_CACHE_DIR"); !own.empty()) return own;
+  // The XDG base directory specification has relative paths ignored.
+  if (const fs::path caches = environment("XDG_CACHE_HOME"); caches.is_absolute()) return caches / "fascicle";
+  if (const fs::path home = environment("HOME"); home.is_absolute()) return home / ".cache" / "fascicle";
+  return {};
+}
+
+Cache::Cache(fs::path folder, std::uint64_t limit) : folder_(std::move(folder)), limit_(limit) {}
+
+fs::path Cache::path_of(const std::string& key) const {
+  return folder_ / (key + suffix);
+}
+
+std::optional<std::string> Cache::find(const std::string& key) const {
+  if (folder_.empty()) return std::nullopt;
+  try {
+    const fs::path path = path_of(key);
+    // A pipe of that name would be waited for.
+    if (!fs::is_regular_file(path)) return std::nullopt;
+    const scene::File file(path, scene::FileMode::read);
+    const std::uint64_t size = file.size();
+    if (size > limit_) return std::nullopt;
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    if (!file.read_at(0, std::span(bytes.data(), bytes.size()))) return std::nullopt;
+    const std::size_t header = header_of(key, {}).size();
+    if (bytes.size() < header) return std::nullopt;
+    if (std::string_view(bytes).substr(0, header) != header_of(key, std::string_view(bytes).substr(header)))
+      return std::nullopt;
+    std::error_code ignored;
+    fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
+    bytes.erase(0, header);
+    return bytes;
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  }
+}
+
+void Cache::put(const std::string& key, std::string_view bytes) const {
+  if (folder_.empty()) return;
+  std::string whole = header_of(key, bytes);
+  if (whole.size() + bytes.size() > limit_) return;
+  whole += bytes;
+  try {
+    fs::create_directories(folder_);
+    scene::write_whole_beside_others(path_of(key), whole);
+    make_room(path_of(key));
+  } catch (const std::system_error&) {
+    // Full, read-only or not a folder: the next bake makes it again.
+  }
+}
+
+// Others may add and remove entries meanwhile: what is gone already is no error.
+void Cache::make_room(const fs::path& newest) const {
+  struct Entry {
+    fs::file_time_type used;
+    fs::path path;
+    std::uint64_t size;
+  };
+  std::vector<Entry> entries;
+  std::uint64_t total = 0;
+  std::error_code ignored;
+  for (const fs::directory_entry& file : fs::directory_iterator(folder_, ignored)) {
+    std::error_code gone;
+    if (!file.is_regular_file(gone)) continue;
+    const fs::file_time_type used = file.last_write_time(gone);
+    const std::uint64_t size = file.file_size(gone);
+    if (gone) continue;
+    if (file.path().extension() == scene::temporary_suffix &&
+        used < fs::file_time_type::clock::now() - forgotten)
+      fs::remove(file.path(), ignored);
+    if (file.path().extension() != suffix) continue;
+    total += size;
+    if (file.path() != newest) entries.push_back({used, file.path(), size});
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.used != b.used ? a.used < b.used : a.path < b.path;
+  });
+  for (const Entry& entry : entries) {
+    if (total <= limit_) break;
+    fs::remove(entry.path, ignored);
+    total -= entry.size;
+  }
+}
+
+}  // namespace fascicle::build

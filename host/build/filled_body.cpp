@@ -1,0 +1,210 @@
+#include "host/build/filled_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <system_error>
+
+#include "host/build/byte_archive.h"
+#include "host/build/cache.h"
+#include "host/build/check_mesh.h"
+#include "host/build/embedding.h"
+#include "host/build/skin_weights.h"
+#include "host/build/tetrahedralize.h"
+#include "host/scene/content_hash.h"
+#include "host/scene/file.h"
+
+namespace fascicle::build {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void add_points(scene::ContentHash& hash, const std::vector<Vector3d>& points) {
+  hash.add(std::uint64_t{points.size()});
+  for (const Vector3d& p : points)
+    for (int a = 0; a < 3; ++a) hash.add(p[a]);
+}
+
+template <class T>
+void add_rows(scene::ContentHash& hash, const std::vector<T>& rows) {
+  hash.add(std::uint64_t{rows.size()});
+  for (const T& row : rows) hash.add_array(std::span(row.data(), row.size()));
+}
+
+// Nothing where a program cannot be read.
+std::optional<std::string> hash_of_programs(const BuildOptions& options) {
+  try {
+    scene::ContentHash hash;
+    for (const fs::path& path : {fs::path("/proc/self/exe"), mesher_path(options)}) {
+      const scene::File file(path, scene::FileMode::read);
+      std::vector<char> bytes(static_cast<std::size_t>(file.size()));
+      if (!file.read_at(0, bytes)) return std::nullopt;
+      hash.add_array(std::span<const char>(bytes));
+    }
+    return hash.text();
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  } catch (const scene::SceneError&) {
+    // There is no mesher; whoever asks for it says so.
+    return std::nullopt;
+  }
+}
+
+FilledBody make_filled_body(const FillInput& input, Report& report, const BuildOptions& options) {
+  BodyMesh mesh = make_body_mesh(input.welded, input.bones, input.scene, report, options);
+  FilledBody body;
+  SkinWeights skin;
+  if (input.character != nullptr) {
+    skin = welded_skin_weights(*input.character, input.welded.of_vertex, input.welded.surface.vertices.size(),
+                               input.scene.source);
+    body.skin =
+        body_skin_weights(mesh, input.welded, skin, input.character->skeleton.size(), input.scene.source);
+  }
+  body.render = embed_surface(input.surface, input.welded, mesh, body.skin, skin, report);
+  body.mesh = std::move(mesh.mesh);
+  return body;
+}
+
+// The same fields in the same order for writing and reading. Triangles of the render mesh are the input's.
+template <class Archive, class Body>
+void visit_arrays(Archive& archive, Body& body) {
+  archive(body.mesh.tetrahedra);
+  archive(body.skin.offset);
+  archive(body.skin.joint);
+  archive(body.skin.weight);
+  archive(body.render.corners);
+  archive(body.render.weights);
+}
+
+std::vector<std::array<double, 3>> plain(const std::vector<Vector3d>& points) {
+  std::vector<std::array<double, 3>> result;
+  result.reserve(points.size());
+  for (const Vector3d& p : points) result.push_back({p[0], p[1], p[2]});
+  return result;
+}
+
+bool is_usable_mesh(const scene::TetMesh& mesh) {
+  try {
+    scene::TetMesh oriented = mesh;
+    Report turned;
+    check_and_orient(oriented, "", turned);
+    return turned.flipped_tetrahedra == 0;
+  } catch (const scene::SceneError&) {
+    return false;
+  }
+}
+
+bool is_usable_skin(const SkinWeights& skin, std::size_t vertices, const scene::Character* character) {
+  if (character == nullptr) return skin.offset.empty() && skin.joint.empty() && skin.weight.empty();
+  if (skin.offset.size() != vertices + 1 || skin.offset.front() != 0 ||
+      skin.offset.back() != skin.joint.size() || skin.joint.size() != skin.weight.size())
+    return false;
+  for (std::size_t i = 0; i < vertices; ++i) {
+    if (skin.offset[i + 1] <= skin.offset[i] || skin.offset[i + 1] > skin.joint.size() ||
+        skin.offset[i + 1] - skin.offset[i] > 8)
+      return false;
+    double sum = 0.0;
+    for (std::uint32_t k = skin.offset[i]; k < skin.offset[i + 1]; ++k) {
+      if (skin.joint[k] >= character->skeleton.size() || !(skin.weight[k] >= 0.0)) return false;
+      sum += skin.weight[k];
+    }
+    if (sum != 1.0) return false;
+  }
+  return true;
+}
+
+bool is_usable_render(const RenderMesh& render, std::size_t vertices, std::size_t count) {
+  if (render.corners.size() != count || render.weights.size() != count) return false;
+  for (const auto& corners : render.corners)
+    if (*std::max_element(corners.begin(), corners.end()) >= vertices) return false;
+  for (const auto& weights : render.weights)
+    for (const double w : weights)
+      if (!std::isfinite(w)) return false;
+  return true;
+}
+
+}  // namespace
+
+std::string fill_key(const FillInput& input, const std::string& programs) {
+  scene::ContentHash hash;
+  hash.add(programs);
+  add_mesh_settings(hash, input.scene);
+  add_points(hash, input.welded.surface.vertices);
+  add_rows(hash, input.welded.surface.triangles);
+  hash.add_array(std::span<const std::uint32_t>(input.welded.of_vertex));
+  add_rows(hash, input.surface.triangles);
+  hash.add(std::uint64_t{input.bones.size()});
+  for (const Bone& bone : input.bones) {
+    add_points(hash, {bone.from, bone.to});
+    hash.add_array(std::span<const std::int32_t>(bone.owners));
+  }
+  hash.add(input.character != nullptr);
+  if (input.character != nullptr) {
+    hash.add(std::uint64_t{input.character->skeleton.size()});
+    add_rows(hash, input.character->joints);
+    add_rows(hash, input.character->weights);
+  }
+  return hash.text();
+}
+
+std::string filled_body_bytes(const FilledBody& body, const Report& found) {
+  std::string bytes;
+  ByteWriter write(bytes);
+  write(plain(body.mesh.vertices));
+  visit_arrays(write, body);
+  for_each_field(found.fill, write);
+  write(std::uint64_t{found.warnings.size()});
+  for (const Warning& warning : found.warnings) {
+    write(warning.text);
+    write(warning.vertices);
+  }
+  return bytes;
+}
+
+bool read_filled_body(std::string_view bytes, const FillInput& input, FilledBody& body, Report& found) {
+  try {
+    ByteReader read(bytes);
+    std::vector<std::array<double, 3>> vertices;
+    read(vertices);
+    visit_arrays(read, body);
+    for_each_field(found.fill, read);
+    std::uint64_t warnings = 0;
+    read(warnings);
+    for (std::uint64_t k = 0; k < warnings; ++k) {
+      Warning& warning = found.warnings.emplace_back();
+      read(warning.text);
+      read(warning.vertices);
+    }
+    if (!read.at_end()) return false;
+    for (const auto& p : vertices) body.mesh.vertices.push_back({p[0], p[1], p[2]});
+  } catch (const ByteReader::Damaged&) {
+    return false;
+  }
+  body.render.triangles = input.surface.triangles;
+  const std::size_t count = body.mesh.vertices.size();
+  return is_usable_mesh(body.mesh) && is_usable_skin(body.skin, count, input.character) &&
+         is_usable_render(body.render, count, input.surface.vertices.size());
+}
+
+FilledBody fill_body(const FillInput& input, Report& report, const BuildOptions& options) {
+  const Cache cache(options.cache);
+  const std::optional<std::string> programs =
+      options.cache.empty() ? std::nullopt : hash_of_programs(options);
+  const std::string key = programs ? fill_key(input, *programs) : "";
+  FilledBody body;
+  Report found;
+  if (programs)
+    if (const std::optional<std::string> bytes = cache.find(key))
+      report.body_from_cache = read_filled_body(*bytes, input, body, found);
+  if (!report.body_from_cache) {
+    found = {};
+    body = make_filled_body(input, found, options);
+    if (programs) cache.put(key, filled_body_bytes(body, found));
+  }
+  report.fill = found.fill;
+  report.warnings.insert(report.warnings.end(), found.warnings.begin(), found.warnings.end());
+  return body;
+}
+
+}  // namespace fascicle::build

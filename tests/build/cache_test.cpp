@@ -1,0 +1,334 @@
+// The cache of filled bodies: the same bits with and without it, whatever happened to its files.
+#include "host/build/cache.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "host/bake/identity.h"
+#include "host/build/filled_body.h"
+#include "tests/build/scenes.h"
+#include "tests/build/surfaces.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using build::Cache;
+using scene::Vector3d;
+
+const std::string key_a(32, 'a'), key_b(32, 'b'), key_c(32, 'c');
+
+class CacheTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() / ("fascicle-cache-" + std::string(info->name()));
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path only_entry() const {
+    std::vector<fs::path> files;
+    for (const auto& file : fs::directory_iterator(folder_)) files.push_back(file.path());
+    EXPECT_EQ(files.size(), 1u);
+    return files.empty() ? fs::path() : files[0];
+  }
+
+  fs::path folder_;
+};
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void overwrite(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+TEST_F(CacheTest, GivesBackWhatWasPut) {
+  const Cache cache(folder_);
+  EXPECT_FALSE(cache.find(key_a));
+  cache.put(key_a, "first");
+  cache.put(key_b, std::string("a\0b\n", 4));
+  cache.put(key_a, "second");
+  EXPECT_EQ(cache.find(key_a), "second");
+  EXPECT_EQ(cache.find(key_b), std::string("a\0b\n", 4));
+  EXPECT_FALSE(cache.find(key_c));
+  // Nothing but the entries is left behind.
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);
+}
+
+TEST_F(CacheTest, WithoutAFolderKeepsNothing) {
+  const Cache cache({});
+  cache.put(key_a, "x");
+  EXPECT_FALSE(cache.find(key_a));
+}
+
+TEST_F(CacheTest, IgnoresEveryDamage) {
+  const Cache cache(folder_);
+  cache.put(key_a, "some bytes");
+  const fs::path entry = only_entry();
+  const std::string good = content(entry);
+  for (std::size_t k = 0; k < good.size(); ++k) {
+    std::string bad = good;
+    bad[k] = static_cast<char>(bad[k] ^ 0x10);
+    overwrite(entry, bad);
+    EXPECT_FALSE(cache.find(key_a)) << "byte " << k;
+    overwrite(entry, good.substr(0, k));
+    EXPECT_FALSE(cache.find(key_a)) << "cut at " << k;
+  }
+  overwrite(entry, good + "x");
+  EXPECT_FALSE(cache.find(key_a));
+  // The control: what damaged it was the damage.
+  overwrite(entry, good);
+  EXPECT_EQ(cache.find(key_a), "some bytes");
+  // An entry under another's name.
+  fs::copy_file(entry, folder_ / (key_b + ".entry"));
+  EXPECT_FALSE(cache.find(key_b));
+  // And it is replaced.
+  cache.put(key_b, "b");
+  EXPECT_EQ(cache.find(key_b), "b");
+}
+
+TEST_F(CacheTest, PassesByWhatIsNoFile) {
+  const Cache cache(folder_);
+  fs::create_directories(folder_ / (key_a + ".entry"));
+  EXPECT_FALSE(cache.find(key_a));
+  cache.put(key_a, "x");
+  EXPECT_FALSE(cache.find(key_a));
+  // A pipe nobody writes to must not be waited for.
+  ASSERT_EQ(::mkfifo((folder_ / (key_b + ".entry")).c_str(), 0600), 0);
+  EXPECT_FALSE(cache.find(key_b));
+  cache.put(key_b, "b");
+  EXPECT_EQ(cache.find(key_b), "b");
+  // A folder that is a file.
+  overwrite(folder_ / "file", "");
+  const Cache nowhere(folder_ / "file" / "cache");
+  nowhere.put(key_a, "x");
+  EXPECT_FALSE(nowhere.find(key_a));
+}
+
+TEST_F(CacheTest, WhatWasNotUsedForLongestMakesRoom) {
+  const std::string bytes(1000, 'x');
+  // Room for two entries and their heads, not for three.
+  const Cache cache(folder_, 2500);
+  const auto set_age = [&](const std::string& key, int hours) {
+    fs::last_write_time(folder_ / (key + ".entry"),
+                        fs::file_time_type::clock::now() - std::chrono::hours(hours));
+  };
+  cache.put(key_a, bytes);
+  cache.put(key_b, bytes);
+  set_age(key_a, 3);
+  set_age(key_b, 2);
+  ASSERT_TRUE(cache.find(key_a));  // a use: now b is the older one
+  overwrite(folder_ / "mine.txt", bytes);
+  overwrite(folder_ / "old.1-1.tmp", bytes);
+  fs::last_write_time(folder_ / "old.1-1.tmp", fs::file_time_type::clock::now() - std::chrono::hours(5));
+  cache.put(key_c, bytes);
+  EXPECT_TRUE(cache.find(key_a));
+  EXPECT_FALSE(cache.find(key_b));
+  EXPECT_TRUE(cache.find(key_c));
+  // Files that are not ours stay; a dead process' temporary file goes.
+  EXPECT_TRUE(fs::exists(folder_ / "mine.txt"));
+  EXPECT_FALSE(fs::exists(folder_ / "old.1-1.tmp"));
+  // What is larger than the whole cache is not kept and drives nothing out.
+  cache.put(key_b, std::string(5000, 'y'));
+  EXPECT_FALSE(cache.find(key_b));
+  EXPECT_TRUE(cache.find(key_a));
+}
+
+TEST_F(CacheTest, ManyMayWriteAndReadAtATime) {
+  const Cache cache(folder_);
+  const std::string bytes(200000, 'z');
+  std::vector<std::jthread> threads;
+  std::atomic<int> wrong{0};
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      for (int k = 0; k < 10; ++k) {
+        cache.put(key_a, bytes);
+        // Whatever was written last is whole.
+        if (cache.find(key_a) != bytes) ++wrong;
+      }
+    });
+  threads.clear();
+  EXPECT_EQ(wrong, 0);
+  only_entry();
+}
+
+TEST(CacheFolder, ComesFromTheEnvironment) {
+  const auto restore = [](const char* name) {
+    const char* value = std::getenv(name);
+    return std::pair<std::string, std::string>(name, value == nullptr ? "" : value);
+  };
+  const std::vector<std::pair<std::string, std::string>> before{restore("FASCICLE_CACHE_DIR"),
+                                                                restore("XDG_CACHE_HOME"), restore("HOME")};
+  ::setenv("FASCICLE_CACHE_DIR", "/own", 1);
+  ::setenv("XDG_CACHE_HOME", "/xdg", 1);
+  ::setenv("HOME", "/home/me", 1);
+  EXPECT_EQ(build::default_cache_folder(), "/own");
+  ::unsetenv("FASCICLE_CACHE_DIR");
+  EXPECT_EQ(build::default_cache_folder(), "/xdg/fascicle");
+  ::setenv("XDG_CACHE_HOME", "relative", 1);
+  EXPECT_EQ(build::default_cache_folder(), "/home/me/.cache/fascicle");
+  ::unsetenv("XDG_CACHE_HOME");
+  ::unsetenv("HOME");
+  EXPECT_TRUE(build::default_cache_folder().empty());
+  for (const auto& [name, value] : before)
+    if (!value.empty()) ::setenv(name.c_str(), value.c_str(), 1);
+}
+
+// A cube of two joints, split at an edge as by a seam.
+scene::Scene cube_character() {
+  scene::Character character;
+  character.surface = cube_surface(2.0);
+  character.surface.vertices.push_back(character.surface.vertices[0]);
+  character.surface.triangles[0][0] = 8;
+  for (const Vector3d& p : character.surface.vertices) {
+    character.joints.push_back({0, 1});
+    character.weights.push_back(p[0] < 0 ? std::array<double, 8>{0.75, 0.25}
+                                         : std::array<double, 8>{0.1, 0.9});
+  }
+  character.skeleton = {joint_at("hip", -1, {-0.5, 0, 0}), joint_at("head", 0, {0.5, 0, 0})};
+  scene::Scene scene = bar_scene();
+  scene.geometry = character;
+  scene.resolution = 0.4;
+  return scene;
+}
+
+TEST_F(CacheTest, AModelHasTheSameBitsWithAndWithoutIt) {
+  const scene::Scene scene = cube_character();
+  build::BuildOptions options;
+  build::Report without, first, second;
+  const model::Model plain = build::build_model(scene, without, options);
+  options.cache = folder_;
+  const model::Model filling = build::build_model(scene, first, options);
+  const model::Model cached = build::build_model(scene, second, options);
+  EXPECT_FALSE(without.body_from_cache);
+  EXPECT_FALSE(first.body_from_cache);
+  EXPECT_TRUE(second.body_from_cache);
+  EXPECT_EQ(bake::model_hash(plain), bake::model_hash(filling));
+  EXPECT_EQ(bake::model_hash(plain), bake::model_hash(cached));
+  EXPECT_EQ(without.warnings.size(), second.warnings.size());
+  EXPECT_EQ(without.fill.least_barycentric, second.fill.least_barycentric);
+
+  // Another input is another entry.
+  scene::Scene finer = scene;
+  finer.resolution = 0.3;
+  build::Report third;
+  build::build_model(finer, third, options);
+  EXPECT_FALSE(third.body_from_cache);
+  // A damaged entry is made again.
+  for (const auto& file : fs::directory_iterator(folder_)) {
+    std::string bytes = content(file.path());
+    bytes.back() = static_cast<char>(bytes.back() ^ 1);
+    overwrite(file.path(), bytes);
+  }
+  build::Report fourth, fifth;
+  EXPECT_EQ(bake::model_hash(plain), bake::model_hash(build::build_model(scene, fourth, options)));
+  EXPECT_FALSE(fourth.body_from_cache);
+  EXPECT_EQ(bake::model_hash(plain), bake::model_hash(build::build_model(scene, fifth, options)));
+  EXPECT_TRUE(fifth.body_from_cache);
+}
+
+// Bytes with a right checksum may still be foreign, or made to harm.
+class FilledBodyTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    body_.mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+    body_.mesh.tetrahedra = {{0, 1, 2, 3}, {1, 2, 3, 4}};
+    body_.skin.offset = {0, 1, 2, 3, 4, 6};
+    body_.skin.joint = {0, 0, 1, 1, 0, 1};
+    body_.skin.weight = {1, 1, 1, 1, 0.5, 0.5};
+    body_.render.corners = {{0, 1, 2, 3}, {4, 4, 4, 4}, {1, 1, 1, 1}};
+    body_.render.weights = {{0.25, 0.25, 0.25, 0.25}, {1, 0, 0, 0}, {1, 0, 0, 0}};
+    found_.warnings = {{"a warning", {3, 4}}};
+    found_.fill.least_barycentric = -0.03;
+    character_.skeleton.resize(2);
+    surface_.vertices.resize(3);
+    surface_.triangles = {{0, 1, 2}};
+  }
+
+  bool reads(const std::string& bytes) {
+    read_ = {};
+    found_again_ = {};
+    return build::read_filled_body(bytes, {scene_, surface_, welded_, bones_, &character_}, read_,
+                                   found_again_);
+  }
+  void expect_refused(const std::function<void(build::FilledBody&)>& spoil, const char* what) {
+    build::FilledBody spoilt = body_;
+    spoil(spoilt);
+    EXPECT_FALSE(reads(build::filled_body_bytes(spoilt, found_))) << what;
+  }
+
+  build::FilledBody body_, read_;
+  build::Report found_, found_again_;
+  scene::Scene scene_;
+  scene::Character character_;
+  scene::SurfaceMesh surface_;
+  build::WeldedSurface welded_;
+  std::vector<build::Bone> bones_;
+};
+
+TEST_F(FilledBodyTest, ComesBackWhole) {
+  ASSERT_TRUE(reads(build::filled_body_bytes(body_, found_)));
+  EXPECT_EQ(read_.mesh.vertices, body_.mesh.vertices);
+  EXPECT_EQ(read_.mesh.tetrahedra, body_.mesh.tetrahedra);
+  EXPECT_EQ(read_.skin.offset, body_.skin.offset);
+  EXPECT_EQ(read_.skin.joint, body_.skin.joint);
+  EXPECT_EQ(read_.skin.weight, body_.skin.weight);
+  EXPECT_EQ(read_.render.corners, body_.render.corners);
+  EXPECT_EQ(read_.render.weights, body_.render.weights);
+  EXPECT_EQ(read_.render.triangles, surface_.triangles);
+  ASSERT_EQ(found_again_.warnings.size(), 1u);
+  EXPECT_EQ(found_again_.warnings[0].text, "a warning");
+  EXPECT_EQ(found_again_.warnings[0].vertices, (std::vector<std::uint32_t>{3, 4}));
+  EXPECT_EQ(found_again_.fill.least_barycentric, -0.03);
+}
+
+TEST_F(FilledBodyTest, RefusesEveryShorterAndLongerText) {
+  const std::string good = build::filled_body_bytes(body_, found_);
+  for (std::size_t k = 0; k < good.size(); ++k) EXPECT_FALSE(reads(good.substr(0, k))) << k;
+  EXPECT_FALSE(reads(good + '\0'));
+}
+
+TEST_F(FilledBodyTest, NoByteCanMakeItCrash) {
+  const std::string good = build::filled_body_bytes(body_, found_);
+  // Every byte at its extremes: among them the lengths of all arrays, up to 2^64 - 1.
+  for (std::size_t k = 0; k < good.size(); ++k)
+    for (const char value : {'\x00', '\x7f', '\x80', '\xff'}) {
+      std::string bad = good;
+      bad[k] = value;
+      if (!reads(bad)) continue;
+      // What is accepted can be used.
+      for (const auto& t : read_.mesh.tetrahedra)
+        for (const std::uint32_t corner : t) ASSERT_LT(corner, read_.mesh.vertices.size());
+      for (const std::uint32_t joint : read_.skin.joint) ASSERT_LT(joint, 2u);
+    }
+}
+
+TEST_F(FilledBodyTest, RefusesWhatTheBuildCouldNotRelyOn) {
+  expect_refused([](auto& b) { b.mesh.tetrahedra[1][3] = 5; }, "corner out of range");
+  expect_refused([](auto& b) { std::swap(b.mesh.tetrahedra[0][0], b.mesh.tetrahedra[0][1]); }, "inside out");
+  expect_refused([](auto& b) { b.mesh.vertices[4][0] = NAN; }, "not finite");
+  expect_refused([](auto& b) { b.mesh.vertices.push_back({9, 9, 9}); }, "an unused vertex");
+  expect_refused([](auto& b) { b.skin.joint[3] = 2; }, "joint out of range");
+  expect_refused([](auto& b) { b.skin.weight[4] = 0.75; }, "weights that sum to more than 1");
+  expect_refused([](auto& b) { b.skin.weight[0] = NAN; }, "a weight that is not a number");
+  expect_refused([](auto& b) { b.skin.offset[2] = 1; }, "a vertex without joints");
+  expect_refused([](auto& b) { b.skin.offset[2] = 0xffffffffu; }, "an offset beyond the end");
+  expect_refused([](auto& b) { b.skin = {}; }, "no weights for a character");
+  expect_refused([](auto& b) { b.render.corners[0][2] = 5; }, "a rider on nothing");
+  expect_refused([](auto& b) { b.render.weights[1][0] = INFINITY; }, "a rider at infinity");
+  expect_refused([](auto& b) { b.render.corners.pop_back(); }, "a rider too few");
+}
+
+}  // namespace
+}  // namespace fascicle::tests
