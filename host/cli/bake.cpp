@@ -128,7 +128,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     throw bake::FolderInUse(
         arguments.folder +
         ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
-  const Built built = build(scene, log);
+  const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   const Simulation simulation =
       choose_simulation(request, arguments.threads, built.model, solver_options(scene), log);

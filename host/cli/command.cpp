@@ -3,6 +3,7 @@
 #include <map>
 #include <vector>
 
+#include "host/build/cache.h"
 #include "host/cli/text.h"
 #include "host/scene/scene_table.h"
 
@@ -64,6 +65,9 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_option("--start", overrides.start, "Time of frame 0, s");
   subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
   subcommand.add_option("--clip", overrides.clip, "The character's clip, by name or number");
+  subcommand.add_flag("--no-cache", arguments.no_cache,
+                      "Fill the surface anew: neither use nor keep filled bodies "
+                      "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
 }
 
 scene::Scene load(const SceneArguments& arguments) {
@@ -78,9 +82,12 @@ scene::Scene load(const SceneArguments& arguments) {
   }
 }
 
-Built build(const scene::Scene& scene, Log& log) {
+Built build(const scene::Scene& scene, Log& log, bool no_cache) {
   Built built;
-  built.model = build::build_model(scene, built.report);
+  build::BuildOptions options;
+  if (!no_cache) options.cache = build::default_cache_folder();
+  built.model = build::build_model(scene, built.report, options);
+  if (built.report.body_from_cache) log.detail("the filled body came from " + options.cache.string());
   log.detail("model: " + count_text(built.report.vertices) + " vertices, " +
              count_text(built.report.tetrahedra) + " tetrahedra, built in " +
              duration_text(built.report.seconds));

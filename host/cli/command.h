@@ -38,9 +38,10 @@ void add_log_options(CLI::App& subcommand, LogOptions& log);
 struct SceneArguments {
   std::string name;
   scene::SceneOverrides overrides;
+  bool no_cache = false;
 };
 
-// SCENE, --set, --fps, --start, --end, --clip
+// SCENE, --set, --fps, --start, --end, --clip, --no-cache
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
                        bool required);
 
@@ -52,7 +53,7 @@ struct Built {
   model::Model model;
   build::Report report;
 };
-Built build(const scene::Scene& scene, Log& log);
+Built build(const scene::Scene& scene, Log& log, bool no_cache = false);
 
 // The build's warnings, for commands whose result does not hold them.
 void log_warnings(const build::Report& report, Log& log);

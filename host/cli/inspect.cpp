@@ -64,6 +64,9 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"working_unit_m", model.unit},
           {"weights", model::name_of(model.weight_form)},
           {"flipped_tetrahedra", report.flipped_tetrahedra},
+          {"riders_outside", report.fill.riders_outside},
+          {"least_barycentric", report.fill.least_barycentric},
+          {"body_from_cache", report.body_from_cache},
           {"region_fallbacks", report.region_fallbacks},
           {"vertex_fallbacks", report.vertex_fallbacks},
           {"skipped_regions", report.skipped_regions},
@@ -126,6 +129,10 @@ void print_text(const scene::Scene& scene, const Built& built) {
   count("regions whose weights summed to nothing (weights fall back to masses)", report.region_fallbacks);
   count("vertices whose weights summed to nothing (weights fall back to masses)", report.vertex_fallbacks);
   count("regions without any weight (skipped)", report.skipped_regions);
+  if (report.fill.riders_outside > 0)
+    rows.emplace_back("render vertices outside the body's tetrahedra",
+                      count_text(report.fill.riders_outside) + ", least barycentric coordinate " +
+                          number_text(report.fill.least_barycentric, 3));
   if (!rows.empty()) std::cout << "repaired\n" << columns_text(rows);
 
   if (!report.warnings.empty()) std::cout << "warnings\n";
@@ -134,7 +141,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
 
 ExitCode inspect(const InspectArguments& arguments, Log& log) {
   const scene::Scene scene = load(arguments.scene);
-  const Built built = build(scene, log);
+  const Built built = build(scene, log, arguments.scene.no_cache);
   if (!arguments.model_file.empty()) write_model_vtu(arguments.model_file, built.model);
   if (arguments.json) {
     Json object = json_of(scene, built);

@@ -178,7 +178,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
     throw UsageError("--devices " + arguments.devices +
                      " with --no-oracle leaves nothing to compare; name two devices");
   const scene::Scene scene = load(arguments.scene);
-  const Built built = build(scene, log);
+  const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   std::vector<ChosenDevice> devices;
   for (const DeviceRequest& request : requests) {
