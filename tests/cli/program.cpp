@@ -39,7 +39,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::vector<st
   // What is added comes first: getenv takes the first of equals.
   std::vector<std::string> added = environment;
   // Nothing of a test stays in the user's cache, or comes from it.
-  added.push_back("FASCICLE_CACHE_DIR=" + (folder_ / "cache").string());
+  added.push_back("FASCICLE_CACHE_DIR=" + (folder_ / "cache"));
   std::vector<char*> envp;
   for (std::string& entry : added) envp.push_back(entry.data());
   for (char** entry = environ; *entry != nullptr; ++entry) envp.push_back(*entry);
