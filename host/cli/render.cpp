@@ -2,9 +2,12 @@
 #include "host/render/render.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <memory>
 
@@ -18,7 +21,9 @@
 #include "host/cli/open_bake.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
+#include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
+#include "host/render/colour.h"
 #include "host/render/png.h"
 
 namespace fascicle::cli {
@@ -32,7 +37,7 @@ struct RenderArguments {
   std::optional<std::uint64_t> frame;
   render::Mode mode = render::Mode::shaded;
   bool tetrahedra = false;
-  std::string clip, size, view = "three-quarter";
+  std::string clip, size, sheet, view = "three-quarter";
   double turn = 0.0, zoom = 1.0;
   std::optional<double> tilt, lag_scale;
   bool follow = false, overwrite = false;
@@ -46,7 +51,7 @@ class Frames {
     if (fs::is_directory(arguments.input.name)) {
       bake_.emplace(arguments.input.name);
     } else {
-      const scene::Scene scene = load(arguments.input);
+      const scene::Scene scene = load_named(arguments.input);
       Built built = build(scene, log);
       log_warnings(built.report, log);
       built_ = std::move(built.model);
@@ -68,6 +73,19 @@ class Frames {
   }
 
  private:
+  static scene::Scene load_named(const SceneArguments& input) {
+    const auto& builtin = scene::builtin_scenes();
+    const bool is_builtin =
+        std::any_of(builtin.begin(), builtin.end(), [&](const auto& s) { return s.name == input.name; });
+    if (!is_builtin && !fs::exists(input.name))
+      throw scene::SceneError(
+          input.name +
+          ": there is no such bake, scene, mesh or character; give a bake's folder, a file, "
+          "or a built-in scene" +
+          nearest_scene_hint(input.name));
+    return load(input);
+  }
+
   std::optional<OpenBake> bake_;
   model::Model built_;
 };
@@ -95,7 +113,7 @@ Size size_of(const std::string& text, const std::string& option, unsigned most) 
                        std::to_string(most));
     return value;
   };
-  if (cross == std::string::npos) return {whole(""), 0};
+  if (cross == std::string::npos) whole("");
   return {whole(text.substr(0, cross)), whole(text.substr(cross + 1))};
 }
 
@@ -183,8 +201,7 @@ Extent extent_of(const Frames& frames, bool follow, const render::View& view) {
 }
 
 // As wide as what it shows, between a door and a film; whole macroblocks, for the sake of video.
-Size natural_size(double aspect) {
-  constexpr unsigned height = 960;
+Size natural_size(double aspect, unsigned height) {
   const double width = std::clamp(aspect, 0.6, 1.78) * height;
   return {static_cast<unsigned>(std::lround(width / 16.0)) * 16, height};
 }
@@ -215,75 +232,163 @@ std::string frame_name(std::uint64_t frame) {
   return std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".png";
 }
 
-ExitCode render_frames(const RenderArguments& arguments, Log& log) {
-  const fs::path output(arguments.output);
-  const bool still = output.extension() == ".png";
-  if (!still && arguments.frame)
+// What is to be drawn and where it goes.
+struct Plan {
+  std::vector<std::uint64_t> frames;
+  enum class Form { still, sheet, folder } form = Form::folder;
+  Size sheet;  // columns and rows
+
+  bool is_file() const { return form != Form::folder; }
+};
+
+Plan plan_of(const RenderArguments& arguments) {
+  Plan plan;
+  const bool is_file = fs::path(arguments.output).extension() == ".png";
+  if (!is_file && arguments.frame)
     throw UsageError("--frame is for one picture; give -o a name that ends in .png");
-  if (still) refuse_existing(output, arguments.overwrite);
-  Frames frames(arguments, log);
-  const model::Model& model = frames.model();
-  std::vector<std::uint64_t> wanted;
-  if (still) {
-    wanted.push_back(arguments.frame.value_or(frames.count() - 1));
-    if (wanted[0] >= frames.count())
-      throw UsageError("--frame " + std::to_string(wanted[0]) + ": there are frames 0 to " +
-                       std::to_string(frames.count() - 1));
-  } else {
-    for (std::uint64_t k = 0; k < frames.count(); ++k) wanted.push_back(k);
-  }
+  if (!is_file && !arguments.sheet.empty())
+    throw UsageError("--sheet is one picture; give -o a name that ends in .png");
+  if (is_file) plan.form = arguments.sheet.empty() ? Plan::Form::still : Plan::Form::sheet;
+  if (plan.form == Plan::Form::sheet) plan.sheet = size_of(arguments.sheet, "--sheet", 100);
+  if (is_file) refuse_existing(arguments.output, arguments.overwrite);
+  return plan;
+}
 
-  const render::View view = view_of(arguments);
-  render::DrawingOptions options;
-  options.mode = arguments.mode;
-  options.tetrahedra = arguments.tetrahedra;
-  if (!arguments.clip.empty()) options.clip = clip_of(arguments.clip, model, view);
-  if (arguments.mode == render::Mode::lag)
-    options.lag_scale = arguments.lag_scale ? *arguments.lag_scale * 1e-3 : natural_lag_scale(frames);
-  std::optional<render::BodyDrawing> drawing;
-  try {
-    drawing.emplace(model, options);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-  const Extent extent = extent_of(frames, arguments.follow, view);
-  const Size size =
-      arguments.size.empty() ? natural_size(extent.aspect) : size_of(arguments.size, "--size", 8192);
-  render::CameraFit fit(view, size.width, size.height);
-  survey(frames, arguments.follow, [&](const Eigen::Vector3d& p) { fit.include(p); });
-  const render::Camera fitted = fit.camera(arguments.zoom);
-  render::Backdrop backdrop;
-  backdrop.ground = extent.lowest;
-
-  if (!still) {
-    fs::create_directories(output);
-    for (const std::uint64_t k : wanted) refuse_existing(output / frame_name(k), arguments.overwrite);
-  }
-  const std::atomic<bool>& interrupted = catch_interrupts();
-  Progress progress(log, "rendering", wanted.size());
-  std::uint64_t done = 0;
-  for (const std::uint64_t k : wanted) {
-    if (interrupted) {
-      log.clear_bar();
-      log.warning("interrupted after " + std::to_string(done) + " of " + std::to_string(wanted.size()) +
-                  " pictures");
-      return ExitCode::interrupted;
+void choose_frames(const RenderArguments& arguments, std::uint64_t count, Plan& plan) {
+  switch (plan.form) {
+    case Plan::Form::still:
+      plan.frames.push_back(arguments.frame.value_or(count - 1));
+      if (plan.frames[0] >= count)
+        throw UsageError("--frame " + std::to_string(plan.frames[0]) + ": there are frames 0 to " +
+                         std::to_string(count - 1));
+      break;
+    case Plan::Form::sheet: {
+      // From the first to the last, evenly.
+      const std::uint64_t cells = std::min<std::uint64_t>(count, plan.sheet.width * plan.sheet.height);
+      for (std::uint64_t k = 0; k < cells; ++k)
+        plan.frames.push_back(cells == 1 ? count - 1 : k * (count - 1) / (cells - 1));
+      break;
     }
-    const std::vector<float> positions = frames.positions(k);
-    render::Camera camera = fitted;
-    if (arguments.follow) camera.eye += center_of(positions);
-    const std::vector<float> lag = arguments.mode == render::Mode::lag ? frames.lag(k) : std::vector<float>();
-    const std::vector<render::Shape> shapes = drawing->shapes(positions, lag, camera.eye.cast<float>());
-    const render::Image image = render::render(shapes, camera, backdrop, arguments.threads);
-    const fs::path path = still ? output : output / frame_name(k);
-    bake::write_whole(fs::absolute(path), render::encode_png(image));
-    if (!still) progress.update(++done);
+    case Plan::Form::folder:
+      for (std::uint64_t k = 0; k < count; ++k) plan.frames.push_back(k);
+      fs::create_directories(arguments.output);
+      for (const std::uint64_t k : plan.frames)
+        refuse_existing(fs::path(arguments.output) / frame_name(k), arguments.overwrite);
+      break;
   }
-  log.clear_bar();
-  if (still)
-    std::cout << "wrote " << output.string() << "\n";
-  else
-    std::cout << "wrote " << count_text(wanted.size()) << " pictures in " << output.string() << "\n";
+}
+
+// One camera and one drawing for all frames.
+class Artist {
+ public:
+  Artist(const RenderArguments& arguments, Frames& frames, const Plan& plan)
+      : arguments_(arguments), frames_(frames) {
+    const render::View view = view_of(arguments);
+    render::DrawingOptions options;
+    options.mode = arguments.mode;
+    options.tetrahedra = arguments.tetrahedra;
+    if (!arguments.clip.empty()) options.clip = clip_of(arguments.clip, frames.model(), view);
+    if (arguments.mode == render::Mode::lag)
+      options.lag_scale = arguments.lag_scale ? *arguments.lag_scale * 1e-3 : natural_lag_scale(frames);
+    try {
+      drawing_.emplace(frames.model(), options);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+    legend_ = drawing_->legend();
+    const Extent extent = extent_of(frames, arguments.follow, view);
+    const unsigned height = plan.form == Plan::Form::sheet ? 384 : 960;
+    const Size size = arguments.size.empty() ? natural_size(extent.aspect, height)
+                                             : size_of(arguments.size, "--size", 8192);
+    render::CameraFit fit(view, size.width, size.height);
+    survey(frames, arguments.follow, [&](const Eigen::Vector3d& p) { fit.include(p); });
+    camera_ = fit.camera(arguments.zoom);
+    backdrop_.ground = extent.lowest;
+  }
+
+  const render::BodyDrawing& drawing() const { return *drawing_; }
+  const render::Legend& legend() const { return legend_; }
+
+  render::Image picture(std::uint64_t k) const {
+    const std::vector<float> positions = frames_.positions(k);
+    render::Camera camera = camera_;
+    if (arguments_.follow) camera.eye += center_of(positions);
+    const std::vector<float> lag =
+        arguments_.mode == render::Mode::lag ? frames_.lag(k) : std::vector<float>();
+    const std::vector<render::Shape> shapes = drawing_->shapes(positions, lag, camera.eye.cast<float>());
+    return render::render(shapes, camera, backdrop_, arguments_.threads);
+  }
+
+ private:
+  const RenderArguments& arguments_;
+  Frames& frames_;
+  std::optional<render::BodyDrawing> drawing_;
+  render::Legend legend_;
+  render::Camera camera_;
+  render::Backdrop backdrop_;
+};
+
+void write_png(const fs::path& path, const render::Image& image) {
+  bake::write_whole(fs::absolute(path), render::encode_png(image));
+}
+
+// "bone #ede4cf"
+void print_legend(const render::Legend& legend) {
+  const auto hex = [](const Eigen::Vector3f& colour) {
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), "#%02x%02x%02x", render::byte_of_linear(colour[0]),
+                  render::byte_of_linear(colour[1]), render::byte_of_linear(colour[2]));
+    return std::string(text.data());
+  };
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const render::Legend::Entry& entry : legend.entries)
+    if (!entry.name.empty()) rows.emplace_back(entry.name, hex(entry.colour));
+  if (!rows.empty()) std::cout << "colours\n" << columns_text(rows);
+}
+
+ExitCode render_frames(const RenderArguments& arguments, Log& log) {
+  Plan plan = plan_of(arguments);
+  Frames frames(arguments, log);
+  choose_frames(arguments, frames.count(), plan);
+  const Artist artist(arguments, frames, plan);
+  if (arguments.mode == render::Mode::fibres && !artist.drawing().shows_fibres())
+    log.warning("no fibre runs through what is drawn; try --clip, or a scene whose layers have fibres");
+
+  const fs::path output(arguments.output);
+  const std::atomic<bool>& interrupted = catch_interrupts();
+  std::vector<render::Image> cells;
+  {
+    Progress progress(log, "rendering", plan.frames.size());
+    std::uint64_t done = 0;
+    for (const std::uint64_t k : plan.frames) {
+      if (interrupted) {
+        log.clear_bar();
+        log.warning("interrupted after " + std::to_string(done) + " of " +
+                    std::to_string(plan.frames.size()) + " pictures");
+        return ExitCode::interrupted;
+      }
+      render::Image image = artist.picture(k);
+      if (plan.form == Plan::Form::sheet) {
+        const unsigned text = std::max(9u, image.height / 40);
+        render::draw_text(image, text, text, text, std::to_string(k), {0.05f, 0.05f, 0.06f});
+        cells.push_back(std::move(image));
+      } else {
+        render::draw_legend(image, artist.legend());
+        write_png(plan.is_file() ? output : output / frame_name(k), image);
+      }
+      if (++done < plan.frames.size() || plan.frames.size() > 1) progress.update(done);
+    }
+  }
+  if (plan.form == Plan::Form::sheet) {
+    render::Image sheet = render::sheet_of(cells, plan.sheet.width);
+    render::draw_legend(sheet, artist.legend());
+    write_png(output, sheet);
+  }
+  std::cout << "wrote " << output.string();
+  if (plan.frames.size() > 1 || !plan.is_file())
+    std::cout << ": " << count_text(plan.frames.size()) << " frames";
+  std::cout << "\n";
+  print_legend(artist.legend());
   return ExitCode::done;
 }
 
@@ -340,6 +445,10 @@ void add_render(CLI::App& app, Command& command) {
   subcommand->add_flag("--follow", arguments->follow, "The camera goes along with the body");
   subcommand->add_option("--size", arguments->size, "Pixels; without it as the motion needs")
       ->option_text("WxH");
+  subcommand
+      ->add_option("--sheet", arguments->sheet,
+                   "One picture of evenly spaced frames with their numbers; --size is that of each")
+      ->option_text("COLUMNSxROWS");
   subcommand->add_option("--threads", arguments->threads, "0 takes one for each core; no pixel depends on it")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");

@@ -1,10 +1,11 @@
 #include "host/render/body_shapes.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Dense>
 
@@ -51,21 +52,33 @@ std::uint32_t most_frequent(std::array<std::uint32_t, 4> layers) {
   return best;
 }
 
-std::vector<Vector3f> smooth_normals(const Shape& shape, std::span<const std::uint32_t> same_place) {
+Vector3f skin_tone() {
+  return colour(0xe3ab8c);
+}
+
+std::vector<Vector3f> smooth_normals(const Shape& shape, std::span<const std::uint32_t> normal_of) {
   std::vector<Vector3f> sum(shape.positions.size(), Vector3f::Zero());
   for (const auto& t : shape.triangles) {
     // The cross product's length is twice the area: large triangles count more.
     const Vector3f normal =
         (shape.positions[t[1]] - shape.positions[t[0]]).cross(shape.positions[t[2]] - shape.positions[t[0]]);
-    for (const std::uint32_t corner : t) sum[same_place[corner]] += normal;
+    for (const std::uint32_t corner : t) sum[normal_of[corner]] += normal;
   }
   std::vector<Vector3f> normals;
-  for (std::size_t k = 0; k < sum.size(); ++k) {
-    const Vector3f& normal = sum[same_place[k]];
+  for (std::size_t k = 0; k < shape.positions.size(); ++k) {
+    const Vector3f& normal = sum[normal_of[k]];
     const float length = normal.norm();
     normals.push_back(length > 0.0f ? Vector3f(normal / length) : Vector3f(Vector3f::UnitY()));
   }
   return normals;
+}
+
+Vector3f surface_rest(const Model& model, std::uint32_t s) {
+  Vector3f place = Vector3f::Zero();
+  for (std::size_t c = 0; c < 4; ++c)
+    place += model.surface_weight[std::size_t{4} * s + c] *
+             at(model.rest, model.surface_vertex[std::size_t{4} * s + c]);
+  return place;
 }
 
 // Vertices of a seam have one place and several numbers; their normals must agree, or the seam shows.
@@ -73,10 +86,7 @@ std::vector<std::uint32_t> first_at_same_place(const Model& model) {
   std::map<std::array<float, 3>, std::uint32_t> first;
   std::vector<std::uint32_t> result;
   for (std::uint32_t s = 0; s < model.surface_count(); ++s) {
-    Vector3f place = Vector3f::Zero();
-    for (std::size_t c = 0; c < 4; ++c)
-      place += model.surface_weight[std::size_t{4} * s + c] *
-               at(model.rest, model.surface_vertex[std::size_t{4} * s + c]);
+    const Vector3f place = surface_rest(model, s);
     result.push_back(first.try_emplace({place.x(), place.y(), place.z()}, s).first->second);
   }
   return result;
@@ -103,7 +113,7 @@ BodyDrawing::BodyDrawing(const Model& model, const DrawingOptions& options)
   draws_tetrahedra_ =
       options.tetrahedra || options.clip || options.mode == Mode::fibres || model.surface_triangle.empty();
   if (!draws_tetrahedra_) {
-    same_place_ = first_at_same_place(model);
+    split_at_creases();
     for (std::uint32_t s = 0; s < model.surface_count(); ++s)
       surface_layer_.push_back(heaviest_layer(model, s));
     return;
@@ -158,6 +168,90 @@ BodyDrawing::BodyDrawing(const Model& model, const DrawingOptions& options)
         fibre_tetrahedra_[k - 1].push_back(t);
 }
 
+// A side where the rest shape bends by more than this is an edge of the shape, as a box's are.
+constexpr float crease_cosine = 0.64f;  // 50 degrees
+
+void BodyDrawing::split_at_creases() {
+  const std::vector<std::uint32_t> place = first_at_same_place(model_);
+  const std::vector<std::uint32_t>& corners = model_.surface_triangle;
+  std::vector<Vector3f> normals;
+  for (std::size_t t = 0; t < corners.size(); t += 3) {
+    const Vector3f a = surface_rest(model_, corners[t]);
+    normals.push_back((surface_rest(model_, corners[t + 1]) - a)
+                          .cross(surface_rest(model_, corners[t + 2]) - a)
+                          .normalized());
+  }
+  // Corners of triangles are joined across every side that is not a crease; what is joined has one normal.
+  std::vector<std::uint32_t> parent(corners.size());
+  for (std::uint32_t k = 0; k < parent.size(); ++k) parent[k] = k;
+  const auto root = [&parent](std::uint32_t k) {
+    while (parent[k] != k) k = parent[k] = parent[parent[k]];
+    return k;
+  };
+  struct Side {
+    std::array<std::uint32_t, 2> places;
+    std::array<std::uint32_t, 2> corners;  // at the lower place, at the higher
+  };
+  std::vector<Side> all;
+  for (std::uint32_t k = 0; k < corners.size(); ++k) {
+    const std::uint32_t next = k % 3 == 2 ? k - 2 : k + 1;
+    const std::uint32_t a = place[corners[k]], b = place[corners[next]];
+    all.push_back(a < b ? Side{{a, b}, {k, next}} : Side{{b, a}, {next, k}});
+  }
+  std::sort(all.begin(), all.end(), [](const Side& a, const Side& b) {
+    return a.places != b.places ? a.places < b.places : a.corners < b.corners;
+  });
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    const Side &a = all[k - 1], &b = all[k];
+    if (a.places != b.places) continue;
+    if (normals[a.corners[0] / 3].dot(normals[b.corners[0] / 3]) < crease_cosine) continue;
+    for (std::size_t end = 0; end < 2; ++end) parent[root(b.corners[end])] = root(a.corners[end]);
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> drawn;  // render vertex, root
+  std::map<std::uint32_t, std::uint32_t> normal;                           // root
+  for (std::uint32_t k = 0; k < corners.size(); ++k) {
+    const std::uint32_t group = root(k);
+    const auto [entry, is_new] =
+        drawn.try_emplace({corners[k], group}, static_cast<std::uint32_t>(drawn_vertex_.size()));
+    if (is_new) {
+      drawn_vertex_.push_back(corners[k]);
+      normal_of_.push_back(
+          normal.try_emplace(group, static_cast<std::uint32_t>(normal.size())).first->second);
+    }
+    if (k % 3 == 0) drawn_triangles_.push_back({});
+    drawn_triangles_.back()[k % 3] = entry->second;
+  }
+}
+
+Legend BodyDrawing::legend() const {
+  Legend legend;
+  switch (options_.mode) {
+    case Mode::shaded:
+      break;
+    case Mode::layers:
+      for (std::size_t k = 0; k < model_.layers.size(); ++k)
+        legend.entries.push_back({model_.layers[k].name, layer_colour(model_.layers[k].name, k)});
+      break;
+    case Mode::fibres:
+      legend.entries = {{"x", direction_colour(Vector3f::UnitX())},
+                        {"y", direction_colour(Vector3f::UnitY())},
+                        {"z", direction_colour(Vector3f::UnitZ())}};
+      break;
+    case Mode::lag: {
+      constexpr int stops = 17;
+      legend.is_scale = true;
+      for (int k = 0; k < stops; ++k)
+        legend.entries.push_back({"", scale_colour(static_cast<float>(k) / (stops - 1))});
+      std::array<char, 32> text{};
+      std::snprintf(text.data(), text.size(), "%.3g mm", options_.lag_scale * 1e3);
+      legend.entries.front().name = "0";
+      legend.entries.back().name = text.data();
+      break;
+    }
+  }
+  return legend;
+}
+
 bool BodyDrawing::shows_fibres() const {
   return !fibre_vertices_.empty();
 }
@@ -179,14 +273,14 @@ Vector3f BodyDrawing::vertex_colour(std::uint32_t vertex, std::span<const float>
     case Mode::shaded:
       break;
   }
-  return colour(0xe3ab8c);
+  return skin_tone();
 }
 
 Shape BodyDrawing::surface(std::span<const float> positions, std::span<const float> lag) const {
   Shape shape;
   shape.finish = options_.mode == Mode::shaded ? Finish::skin : Finish::plain;
   shape.blend_colours = options_.mode != Mode::layers;
-  for (std::uint32_t s = 0; s < model_.surface_count(); ++s) {
+  for (const std::uint32_t s : drawn_vertex_) {
     Vector3f place = Vector3f::Zero();
     float distance = 0.0f;
     for (std::size_t c = 0; c < 4; ++c) {
@@ -196,15 +290,13 @@ Shape BodyDrawing::surface(std::span<const float> positions, std::span<const flo
       if (!lag.empty()) distance += weight * lag[vertex];
     }
     shape.positions.push_back(place);
-    if (options_.mode == Mode::layers)
-      shape.colours.push_back(layer_colour(model_.layers[surface_layer_[s]].name, surface_layer_[s]));
-    else
-      shape.colours.push_back(options_.mode == Mode::lag ? lag_colour(distance) : vertex_colour(0, lag));
+    shape.colours.push_back(options_.mode == Mode::layers
+                                ? layer_colour(model_.layers[surface_layer_[s]].name, surface_layer_[s])
+                            : options_.mode == Mode::lag ? lag_colour(distance)
+                                                         : skin_tone());
   }
-  for (std::size_t k = 0; k < model_.surface_triangle.size(); k += 3)
-    shape.triangles.push_back(
-        {model_.surface_triangle[k], model_.surface_triangle[k + 1], model_.surface_triangle[k + 2]});
-  shape.normals = smooth_normals(shape, same_place_);
+  shape.triangles = drawn_triangles_;
+  shape.normals = smooth_normals(shape, normal_of_);
   return shape;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/model/model.h"
+#include "host/render/annotate.h"
 #include "host/render/shape.h"
 
 namespace fascicle::render {
@@ -42,6 +43,8 @@ class BodyDrawing {
   std::vector<Shape> shapes(std::span<const float> positions, std::span<const float> lag,
                             const Vector3f& eye) const;
 
+  // What the colours mean; empty for Mode::shaded.
+  Legend legend() const;
   // Whether a fibre runs through any vertex that is drawn.
   bool shows_fibres() const;
 
@@ -54,14 +57,19 @@ class BodyDrawing {
   Shape surface(std::span<const float> positions, std::span<const float> lag) const;
   Shape faces(std::span<const float> positions, std::span<const float> lag) const;
   Shape fibre_lines(std::span<const float> positions, const Vector3f& eye) const;
+  void split_at_creases();
   Vector3f vertex_colour(std::uint32_t vertex, std::span<const float> lag) const;
   Vector3f lag_colour(float lag) const;
 
   const model::Model& model_;
   DrawingOptions options_;
   bool draws_tetrahedra_ = false;
-  std::vector<Face> faces_;                // of the tetrahedra that are kept, without those inside
-  std::vector<std::uint32_t> same_place_;  // of a render vertex: the first one at its rest position
+  std::vector<Face> faces_;  // of the tetrahedra that are kept, without those inside
+  // The render mesh with a vertex more for each crease that runs through it, so that one vertex has one
+  // normal.
+  std::vector<std::uint32_t> drawn_vertex_;                    // the render vertex
+  std::vector<std::uint32_t> normal_of_;                       // its normal, shared across seams
+  std::vector<std::array<std::uint32_t, 3>> drawn_triangles_;  // numbers of drawn vertices
   std::vector<std::uint32_t> surface_layer_;
   std::vector<std::uint32_t> fibre_vertices_;                 // on the faces, with a fibre
   std::vector<std::vector<std::uint32_t>> fibre_tetrahedra_;  // around each of them

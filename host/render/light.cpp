@@ -56,8 +56,8 @@ std::vector<LampPlan> plan_lamps(const Camera& camera) {
   add(-0.75f * right + 0.95f * up + 0.75f * front, 9.0, 16, Vector3f::Constant(0.66f), true, 1024);
   add(0.95f * right + 0.25f * up + 0.55f * front, 16.0, 6, Vector3f::Constant(0.15f), false, 512);
   add(0.55f * right + 0.55f * up - 0.85f * front, 8.0, 6, Vector3f::Constant(0.30f), true, 512);
-  for (const Vector3f& towards : cap_directions(up, 90.0, 40))
-    plan.push_back({towards, Vector3f::Constant(0.42f * 2.0f / 40.0f), false, 384});
+  for (const Vector3f& towards : cap_directions(up, 72.0, 64))  // lower lamps throw long streaks
+    plan.push_back({towards, Vector3f::Constant(0.42f / (64.0f * 0.65f)), false, 384});
   return plan;
 }
 
@@ -89,15 +89,17 @@ ShadowMap::ShadowMap(std::span<const Shape> shapes, const Vector3f& towards, con
     for (const auto& t : shape.triangles) {
       if (!place[t[0]] || !place[t[1]] || !place[t[2]]) continue;
       const std::array<GridPoint, 3> corners{*place[t[0]], *place[t[1]], *place[t[2]]};
-      const auto edges = edges_of(corners);
-      if (!edges) continue;
-      // Texel k's centre is at k + 1/2; the first and last whose centre may lie within.
+      // Texel k's centre is at k + 1/2. Most triangles are smaller than a texel and hold no centre.
       const auto [x0, x1] = std::minmax({corners[0].x, corners[1].x, corners[2].x});
       const auto [y0, y1] = std::minmax({corners[0].y, corners[1].y, corners[2].y});
       const std::int64_t last = size_ - 1;
-      const std::int64_t first_x = std::max<std::int64_t>(0, (x0 - grid / 2) / grid);
-      const std::int64_t first_y = std::max<std::int64_t>(0, (y0 - grid / 2) / grid);
-      const std::int64_t last_x = std::min(last, x1 / grid), last_y = std::min(last, y1 / grid);
+      const std::int64_t first_x = std::max<std::int64_t>(0, (x0 + grid / 2 - 1) >> grid_bits);
+      const std::int64_t first_y = std::max<std::int64_t>(0, (y0 + grid / 2 - 1) >> grid_bits);
+      const std::int64_t last_x = std::min(last, (x1 - grid / 2) >> grid_bits);
+      const std::int64_t last_y = std::min(last, (y1 - grid / 2) >> grid_bits);
+      if (first_x > last_x || first_y > last_y) continue;
+      const auto edges = edges_of(corners);
+      if (!edges) continue;
       const float scale = 1.0f / static_cast<float>(edges->area);
       for (std::int64_t y = first_y; y <= last_y; ++y)
         for (std::int64_t x = first_x; x <= last_x; ++x) {
@@ -141,9 +143,12 @@ std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& came
     if (shape.casts_shadow)
       for (const Vector3f& p : shape.positions) radius = std::max(radius, (p - center).norm());
   const std::vector<LampPlan> plan = plan_lamps(camera);
+  // A small picture shows no more of a shadow than it has pixels.
+  const double share = std::clamp(camera.height / 960.0, 0.25, 1.5);
   std::vector<std::optional<ShadowMap>> maps(plan.size());
   for_each_index(plan.size(), threads, [&](std::size_t k) {
-    maps[k].emplace(shapes, plan[k].towards, center, 1.02f * radius, plan[k].map_size);
+    maps[k].emplace(shapes, plan[k].towards, center, 1.02f * radius,
+                    static_cast<unsigned>(share * plan[k].map_size));
   });
   std::vector<Lamp> lamps;
   for (std::size_t k = 0; k < plan.size(); ++k)

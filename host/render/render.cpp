@@ -215,8 +215,11 @@ class Painter {
     const double distance = (*backdrop_.ground - camera_.eye.y()) / ray.y();
     if (!(distance > 0.0) || !std::isfinite(distance)) return paper;
     const Vector3f place = (camera_.eye + distance * ray).cast<float>();
-    // The floor is the backdrop's paper: only shadow tells it.
-    return paper.cwiseProduct(irradiance(lamps_, place, Vector3f::UnitY()).cwiseQuotient(free_ground_));
+    // The floor is the backdrop's paper: only shadow tells it, and what walls and body throw back keeps that
+    // from black.
+    constexpr float thrown_back = 0.12f;
+    const Vector3f share = irradiance(lamps_, place, Vector3f::UnitY()).cwiseQuotient(free_ground_);
+    return paper.cwiseProduct(Vector3f::Constant(thrown_back) + (1.0f - thrown_back) * share);
   }
 
   // Barycentric coordinates in space, not on the picture.

@@ -10,7 +10,8 @@
 
 namespace fascicle::render {
 
-inline constexpr std::int64_t grid = 256;
+inline constexpr int grid_bits = 8;
+inline constexpr std::int64_t grid = std::int64_t{1} << grid_bits;
 
 struct GridPoint {
   std::int64_t x = 0, y = 0;  // 1/256 pixel

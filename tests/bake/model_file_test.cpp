@@ -1,0 +1,90 @@
+// The model beside the frames: what comes back is what went in, and nothing else is taken for it.
+#include "host/bake/model_file.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#define XXH_INLINE_ALL
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "host/bake/bake.h"
+#include "host/bake/identity.h"
+#include "tests/bake/fake_solver.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ModelFile : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove(path_); }
+  void write(const std::string& bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
+  // The message of the refusal; empty if it was read.
+  std::string refusal(const std::string& bytes) {
+    write(bytes);
+    try {
+      bake::read_model_file(path_, hash_);
+    } catch (const bake::BakeError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  // With the checksum that belongs to the bytes before it.
+  static std::string sealed(std::string bytes) {
+    const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size() - 8);
+    std::memcpy(bytes.data() + bytes.size() - 8, &checksum, 8);
+    return bytes;
+  }
+
+  fs::path path_ = fs::temp_directory_path() / ("fascicle-model-" + std::to_string(getpid()));
+  model::Model model_ = two_tetrahedra();
+  std::uint64_t hash_ = bake::model_hash(model_);
+  std::string bytes_ = bake::encode_model(model_);
+};
+
+TEST_F(ModelFile, ComesBackAsItWas) {
+  write(bytes_);
+  const model::Model read = bake::read_model_file(path_, hash_);
+  EXPECT_EQ(bake::encode_model(read), bytes_);
+  EXPECT_EQ(bake::model_hash(read), hash_);
+  EXPECT_EQ(read.rest, model_.rest);
+  EXPECT_EQ(read.layers.size(), model_.layers.size());
+  EXPECT_EQ(read.layers[0].name, model_.layers[0].name);
+  EXPECT_EQ(bake::encoded_bytes(model_), bytes_.size());
+}
+
+TEST_F(ModelFile, WhatIsCutShortOrChangedIsRefused) {
+  for (std::size_t length = 0; length < bytes_.size(); length += 1 + length / 7)
+    EXPECT_NE(refusal(bytes_.substr(0, length)), "") << length;
+  for (std::size_t k = 0; k < bytes_.size(); k += 1 + k / 7) {
+    std::string changed = bytes_;
+    changed[k] = static_cast<char>(changed[k] ^ 0x10);
+    EXPECT_NE(refusal(changed), "") << k;
+  }
+  EXPECT_EQ(refusal(bytes_), "");
+}
+
+// A file that lies with a right checksum: other fields, counts beyond its end, indices out of range.
+TEST_F(ModelFile, WhatLiesIsRefused) {
+  std::string renamed = bytes_;
+  renamed.replace(renamed.find("source_vertex"), 6, "sauces");
+  EXPECT_NE(refusal(sealed(renamed)).find("another version"), std::string::npos) << refusal(sealed(renamed));
+  std::string endless = bytes_;
+  const std::size_t count = endless.find("tetrahedron") + std::strlen("tetrahedron") + 4;
+  endless[count + 6] = 0x7f;
+  EXPECT_NE(refusal(sealed(endless)).find("ends too soon"), std::string::npos) << refusal(sealed(endless));
+  std::string astray = bytes_;
+  astray[count + 8 + 3] = 0x7f;  // the first corner's highest byte
+  EXPECT_NE(refusal(sealed(astray)).find("the model is wrong"), std::string::npos) << refusal(sealed(astray));
+  model::Model other = model_;
+  other.alpha[0] += 0.25f;
+  EXPECT_NE(refusal(bake::encode_model(other)).find("not the model of the frames"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

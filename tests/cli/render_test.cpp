@@ -1,0 +1,114 @@
+// fascicle render as a user runs it.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Render : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Outcome outcome =
+        fascicle({"bake", "bar-beta-1", "-o", bake_, "--end", "0.1", "--device", "cpu", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  Outcome render(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"render", bake_});
+    arguments.insert(arguments.end(), {"--size", "160x120"});
+    return fascicle(arguments);
+  }
+  // One clear line, nothing on stdout.
+  static void expect_refused(const Outcome& outcome, int status, const std::string& part) {
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  static bool is_png(const fs::path& path) { return read_text(path).starts_with("\x89PNG\r\n\x1a\n"); }
+
+  TemporaryFolder folder_;
+  std::string bake_ = folder_ / "bake";
+};
+
+TEST_F(Render, EveryModeGivesItsOwnPicture) {
+  std::vector<std::string> pictures;
+  for (const char* mode : {"shaded", "layers", "fibres", "lag"}) {
+    const std::string path = folder_ / (std::string(mode) + ".png");
+    const Outcome outcome = render({"-o", path, "--mode", mode});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("wrote " + path), std::string::npos);
+    EXPECT_EQ(outcome.out.find("colours") != std::string::npos, std::string(mode) != "shaded") << outcome.out;
+    EXPECT_TRUE(is_png(path));
+    const std::string bytes = read_text(path);
+    EXPECT_EQ(std::count(pictures.begin(), pictures.end(), bytes), 0) << mode;
+    pictures.push_back(bytes);
+  }
+}
+
+TEST_F(Render, ThreadsChangeNoByteAndFramesDiffer) {
+  const auto bytes = [&](const std::string& name, const std::string& frame, const std::string& threads) {
+    const Outcome outcome = render({"-o", folder_ / name, "--frame", frame, "--threads", threads});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return read_text(folder_ / name);
+  };
+  const std::string one = bytes("one.png", "6", "1");
+  EXPECT_EQ(bytes("eight.png", "6", "8"), one);
+  EXPECT_NE(bytes("first.png", "0", "1"), one);
+}
+
+TEST_F(Render, FolderHoldsAPictureAFrameAndASheetAllOfThem) {
+  ASSERT_EQ(render({"-o", folder_ / "frames"}).status, 0);
+  for (const char* name : {"0000.png", "0003.png", "0006.png"})
+    EXPECT_TRUE(is_png(folder_.path() / "frames" / name));
+  EXPECT_FALSE(fs::exists(folder_.path() / "frames/0007.png"));
+  expect_refused(render({"-o", folder_ / "frames"}), 2, "--overwrite");
+  EXPECT_EQ(render({"-o", folder_ / "frames", "--overwrite"}).status, 0);
+  ASSERT_EQ(render({"-o", folder_ / "sheet.png", "--sheet", "3x2"}).status, 0);
+  EXPECT_TRUE(is_png(folder_ / "sheet.png"));
+}
+
+TEST_F(Render, WrongUseIsOneClearMessageAndWritesNothing) {
+  const std::string still = folder_ / "still.png";
+  expect_refused(render({"-o", still, "--frame", "7"}), 2, "there are frames 0 to 6");
+  expect_refused(render({"-o", still, "--clip", "w=1"}), 2, "x=0.1");
+  expect_refused(render({"-o", still, "--clip", "x=nan"}), 2, "not a number");
+  expect_refused(render({"-o", still, "--clip", "x=-100"}), 2, "leaves no tetrahedron");
+  expect_refused(render({"-o", still, "--sheet", "3"}), 2, "--sheet");
+  expect_refused(render({"-o", folder_ / "frames", "--frame", "1"}), 2, ".png");
+  expect_refused(fascicle({"render", bake_, "-o", still, "--size", "0x9"}), 2, "--size");
+  expect_refused(fascicle({"render", bake_, "-o", still, "--size", "10"}), 2, "--size");
+  expect_refused(fascicle({"render", folder_ / "missing", "-o", still}), 3, "missing");
+  fs::create_directories(folder_ / "empty");
+  expect_refused(fascicle({"render", folder_ / "empty", "-o", still}), 3, "holds no bake");
+  EXPECT_FALSE(fs::exists(still));
+  EXPECT_FALSE(fs::exists(folder_ / "frames"));
+  write_text(still, "mine");
+  expect_refused(render({"-o", still}), 2, "--overwrite");
+  EXPECT_EQ(read_text(still), "mine");
+}
+
+TEST_F(Render, BakeWithoutItsModelOrFramesSaysSo) {
+  fs::rename(fs::path(bake_) / "model.fascicle", folder_ / "model");
+  expect_refused(render({"-o", folder_ / "a.png"}), 3, "model.fascicle");
+  fs::rename(folder_ / "model", fs::path(bake_) / "model.fascicle");
+  fs::remove(fs::path(bake_) / "frames.fascicle");
+  expect_refused(render({"-o", folder_ / "a.png"}), 3, "frames.fascicle");
+}
+
+TEST_F(Render, SceneGivesItsRestPose) {
+  const Outcome outcome = fascicle(
+      {"render", "bar-layers-iii", "-o", folder_ / "rest.png", "--mode", "layers", "--size", "160x120"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(is_png(folder_ / "rest.png"));
+}
+
+}  // namespace
+}  // namespace fascicle::tests

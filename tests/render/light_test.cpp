@@ -1,0 +1,132 @@
+// Light and shadow where both are known.
+#include "host/render/light.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/render/render.h"
+#include "tests/render/shapes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3f;
+
+const Vector3f white(1, 1, 1);
+
+// Lit from straight above, a square shades what is below it and nothing beside it; itself it does not shade.
+TEST(ShadowMap, SquareShadesWhatLiesBelowIt) {
+  const std::vector<render::Shape> shapes{square({0, 1, 0}, {0.5f, 0, 0}, {0, 0, -0.5f}, white)};
+  const unsigned size = 512;
+  const float radius = 1.5f, texel = 2.0f * radius / size;
+  const render::ShadowMap map(shapes, Vector3f::UnitY(), {0, 0.5f, 0}, radius, size);
+  for (float x = -1.2f; x <= 1.2f; x += 0.05f)
+    for (float z = -1.2f; z <= 1.2f; z += 0.05f) {
+      const float outside = std::max(std::fabs(x), std::fabs(z)) - 0.5f;
+      if (std::fabs(outside) < 2.0f * texel) continue;  // the smoothed border
+      EXPECT_EQ(map.visibility({x, 0, z}, Vector3f::UnitY()), outside > 0.0f ? 1.0f : 0.0f) << x << " " << z;
+      if (outside < 0.0f) {
+        EXPECT_EQ(map.visibility({x, 1, z}, Vector3f::UnitY()), 1.0f) << x << " " << z;
+      }
+    }
+}
+
+// A convex body never shades a place that faces the lamp.
+TEST(ShadowMap, SphereDoesNotShadeItsLitSide) {
+  const render::Shape ball = sphere({0, 0, 0}, 1.0f, white);
+  const std::vector<render::Shape> shapes{ball};
+  const Vector3f towards = Vector3f(0.3f, 0.8f, 0.5f).normalized();
+  const render::ShadowMap map(shapes, towards, Vector3f::Zero(), 1.02f, 1024);
+  for (std::size_t k = 0; k < ball.positions.size(); k += 7) {
+    const float cosine = ball.normals[k].dot(towards);
+    // Near the terminator the map's texels and the lift off the surface tell.
+    if (cosine > 0.1f) {
+      EXPECT_EQ(map.visibility(ball.positions[k], ball.normals[k]), 1.0f) << k;
+    }
+    if (cosine < -0.2f) {
+      EXPECT_EQ(map.visibility(ball.positions[k], ball.normals[k]), 0.0f) << k;
+    }
+  }
+}
+
+TEST(StudioLamps, KeyComesFromTheUpperLeftOfTheCamera) {
+  const std::vector<render::Shape> shapes{sphere({0, 0, 0}, 1.0f, white, 24)};
+  for (const double azimuth : {0.0, 90.0, 215.0}) {
+    render::Camera camera = camera_on_z(5.0, 100.0, 10, 10);
+    camera.axes = render::camera_axes({azimuth, 10.0});
+    const auto lamps = render::studio_lamps(shapes, camera, 1);
+    const Vector3f right = camera.axes.row(0).cast<float>(), front = camera.axes.row(2).cast<float>();
+    const auto light = [&](const Vector3f& normal) {
+      return render::irradiance(lamps, normal.normalized(), normal.normalized()).x();
+    };
+    EXPECT_GT(light(front - right + Vector3f::UnitY()), 1.2f * light(front + right + Vector3f::UnitY()));
+    EXPECT_GT(light(front + Vector3f::UnitY()), 1.5f * light(front - Vector3f::UnitY()));
+    for (const render::Lamp& lamp : lamps) EXPECT_NEAR(lamp.towards.norm(), 1.0f, 1e-5f);  // float rounding
+  }
+}
+
+// The picture follows the normals given, not only the triangles: turned away from the key, a plate is darker.
+TEST(Render, BrightnessFollowsTheNormal) {
+  const auto brightness = [](const Vector3f& normal) {
+    render::Shape plate = square({0, 0, 0}, {0.5f, 0, 0}, {0, 0.5f, 0}, {0.5f, 0.5f, 0.5f});
+    plate.normals.assign(4, normal.normalized());
+    const std::vector<render::Shape> shapes{plate};
+    return int{render::render(shapes, camera_on_z(3.0, 40.0, 20, 20)).at(10, 10)[0]};
+  };
+  const int towards = brightness({-0.7f, 0.7f, 1}), straight = brightness({0, 0, 1}),
+            away = brightness({0.7f, -0.7f, 1});
+  EXPECT_GT(towards, straight + 5);
+  EXPECT_GT(straight, away + 20);
+}
+
+// On a plain finish white light scales a colour and does not tint it: a legend's colour is recognised.
+TEST(Render, PlainFinishKeepsTheHue) {
+  const Vector3f paint(0.6f, 0.3f, 0.15f);
+  const std::vector<render::Shape> shapes{sphere({0, 0, 0}, 0.5f, paint, 32)};
+  const render::Image image = render::render(shapes, camera_on_z(3.0, 150.0, 80, 80));
+  const render::DepthImage depth = render::render_depth(shapes, camera_on_z(3.0, 150.0, 80, 80));
+  const auto linear = [](std::uint8_t byte) {
+    const double x = byte / 255.0;
+    return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+  };
+  std::size_t seen = 0;
+  for (unsigned y = 20; y < 60; ++y)
+    for (unsigned x = 20; x < 60; ++x) {
+      if (depth.triangle[y * 80 + x] == render::no_triangle || std::hypot(x - 39.5, y - 39.5) > 20.0)
+        continue;
+      const std::uint8_t* pixel = image.at(x, y);
+      const double light = linear(pixel[0]) / 0.6;
+      EXPECT_LE(light, 1.0);
+      // Half a step of a byte is at most 1 % of these values.
+      EXPECT_NEAR(linear(pixel[1]) / 0.3, light, 0.04 * light + 0.002);
+      EXPECT_NEAR(linear(pixel[2]) / 0.15, light, 0.04 * light + 0.004);
+      ++seen;
+    }
+  EXPECT_GT(seen, 1000u);
+}
+
+// The floor is paper but for shadow: dark under a ball that touches it, untouched far away, and no floor, no
+// shadow.
+TEST(Render, FloorTakesShadowOnlyNearTheBody) {
+  const std::vector<render::Shape> shapes{sphere({0, 0, 0}, 0.5f, white, 32)};
+  render::Camera camera = camera_on_z(0.0, 120.0, 160, 120);
+  camera.axes = render::camera_axes({0.0, 25.0});
+  camera.eye = 6.0 * camera.axes.row(2).transpose();
+  render::Backdrop floor, none;
+  floor.ground = -0.5;
+  const render::Image with = render::render(shapes, camera, floor),
+                      without = render::render(shapes, camera, none);
+  const Eigen::Vector3d under = camera.project({0.12, -0.5, 0.3});
+  const auto x = static_cast<unsigned>(under.x()), y = static_cast<unsigned>(under.y());
+  const render::DepthImage depth = render::render_depth(shapes, camera);
+  unsigned below = y;
+  while (depth.triangle[below * 160 + x] != render::no_triangle) ++below;
+  EXPECT_LT(with.at(x, below + 1)[0] + 30, without.at(x, below + 1)[0]);
+  EXPECT_NEAR(with.at(2, 110)[0], without.at(2, 110)[0],
+              3);  // far from the ball; the dome still loses a little
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,271 @@
+// Pixels against closed forms: silhouettes, depths, cameras, colours, and the PNG as libpng reads it back.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <png.h>
+
+#include "host/render/annotate.h"
+#include "host/render/colour.h"
+#include "host/render/png.h"
+#include "host/render/render.h"
+#include "tests/render/shapes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using render::Camera;
+using render::Image;
+
+const Vector3f red = render::colour(0xb8433f);
+
+std::size_t covered(const render::DepthImage& image) {
+  return static_cast<std::size_t>(std::count_if(image.triangle.begin(), image.triangle.end(),
+                                                [](std::uint32_t t) { return t != render::no_triangle; }));
+}
+
+// A sphere's outline from distance d is a circle of radius f R / sqrt(d^2 - R^2).
+TEST(Picture, SpheresSilhouetteHasTheAreaOfItsCircle) {
+  const double radius = 0.5, distance = 3.0, focal = 400.0;
+  const std::vector<render::Shape> shapes{sphere(Vector3f::Zero(), 0.5f, red)};
+  const render::DepthImage image = render::render_depth(shapes, camera_on_z(distance, focal, 321, 241));
+  const double circle = focal * radius / std::sqrt(distance * distance - radius * radius);
+  // Pixel centres inside a convex outline: off by no more than the pixels that the outline touches, for which
+  // its length is a bound that is seldom half reached.
+  EXPECT_NEAR(static_cast<double>(covered(image)), std::numbers::pi * circle * circle,
+              2.0 * std::numbers::pi * circle);
+  for (unsigned y = 0; y < image.height; ++y)
+    for (unsigned x = 0; x < image.width; ++x) {
+      const double from_center = std::hypot(x + 0.5 - 160.5, y + 0.5 - 120.5);
+      if (std::fabs(from_center - circle) < 1.0) continue;  // one pixel's border
+      EXPECT_EQ(image.triangle[y * image.width + x] != render::no_triangle, from_center < circle)
+          << x << " " << y;
+    }
+}
+
+TEST(Picture, SpheresDepthIsWhereTheRayMeetsIt) {
+  const double radius = 0.5, distance = 3.0, focal = 400.0;
+  const std::vector<render::Shape> shapes{sphere(Vector3f::Zero(), 0.5f, red)};
+  const Camera camera = camera_on_z(distance, focal, 321, 241);
+  const render::DepthImage image = render::render_depth(shapes, camera);
+  std::size_t seen = 0;
+  for (unsigned y = 0; y < image.height; ++y)
+    for (unsigned x = 0; x < image.width; ++x) {
+      const Vector3d ray = camera.ray(x + 0.5, y + 0.5);  // its third component is -1
+      const double a = ray.squaredNorm(), b = distance * ray.z(), c = distance * distance - radius * radius;
+      const double root = b * b - a * c;
+      // Flat patches are up to 1.5e-4 radius inside; at half the outline's radius that is twice as much along
+      // the ray, at the rim without bound: judge where the surface is not steep.
+      if (root < 0.3 * radius * radius) continue;
+      EXPECT_NEAR(image.depth[y * image.width + x], (-b - std::sqrt(root)) / a, 4e-4 * radius)
+          << x << " " << y;
+      ++seen;
+    }
+  EXPECT_GT(seen, 5000u);
+}
+
+// Two triangles that share a side leave no hole along it and the nearer square hides the farther one.
+TEST(Picture, SquaresCoverEachPixelCentreWithinOnceAndTheNearerWins) {
+  const Camera camera = camera_on_z(2.0, 100.0, 120, 100);
+  const std::vector<render::Shape> shapes{
+      square({0, 0, 0}, {0.5f, 0, 0}, {0, 0.4f, 0}, red),
+      square({0, 0, 0.4f}, {0.2f, 0, 0}, {0, 0.2f, 0}, red),
+      square({0, 0, -1.0f}, {0.2f, 0, 0}, {0, 0.2f, 0}, red),  // hidden
+  };
+  const render::DepthImage image = render::render_depth(shapes, camera);
+  // 100 / 2 x 1 m by 0.8 m: 50 x 40 pixels, sides on pixel borders.
+  EXPECT_EQ(covered(image), 2000u);
+  // 100 / 1.6 x 0.4 m: 25 x 25, from 47.5 to 72.5 across and from 37.5 to 62.5 down. A centre on a side
+  // belongs to one of the two sides' pixels.
+  std::size_t front = 0;
+  for (std::size_t k = 0; k < image.depth.size(); ++k) {
+    if (image.triangle[k] == 2 || image.triangle[k] == 3) {
+      ++front;
+      EXPECT_NEAR(image.depth[k], 1.6f, 1e-6f);  // a float's rounding
+    } else if (image.triangle[k] != render::no_triangle) {
+      EXPECT_LT(image.triangle[k], 2u);
+      EXPECT_NEAR(image.depth[k], 2.0f, 1e-6f);
+    }
+  }
+  EXPECT_EQ(front, 625u);
+}
+
+// An upright edge k/16 into a pixel leaves 1 - k/16 of it covered: the samples stand in sixteen columns and
+// rows.
+TEST(Picture, EdgesAreMixedByArea) {
+  for (int k = 0; k <= 16; ++k) {
+    const float shift = static_cast<float>(k) / 16.0f;
+    // In pixels of 1 cm; sides 22 + shift to 42 + shift across, and as far up.
+    render::Shape white = square({0.01f * shift, 0.01f * shift, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {1, 1, 1});
+    white.finish = render::Finish::ink;
+    const std::vector<render::Shape> shapes{white};
+    render::Backdrop black;
+    black.top = black.bottom = Vector3f::Zero();
+    const Image image = render::render(shapes, camera_on_z(1.0, 100.0, 64, 64), black, 1);
+    const auto light = [&](unsigned x, unsigned y) {
+      return render::linear_of_srgb(image.at(x, y)[1] / 255.0f);
+    };
+    // Half a byte's step is at most 0.0045 in linear light.
+    EXPECT_NEAR(light(22, 32), 1.0f - shift, 0.005f) << k;
+    EXPECT_NEAR(light(42, 32), shift, 0.005f) << k;
+    EXPECT_NEAR(light(32, 41), 1.0f - shift, 0.005f) << k;
+    EXPECT_NEAR(light(32, 21), shift, 0.005f) << k;
+    EXPECT_EQ(light(32, 32), 1.0f);
+    EXPECT_EQ(light(20, 32), 0.0f);
+  }
+}
+
+TEST(Picture, ThreadsAndRepetitionChangeNoByte) {
+  const std::vector<render::Shape> shapes{sphere({0, 0, 0}, 0.5f, red, 32),
+                                          square({0, -0.6f, 0}, {0.8f, 0, 0}, {0, 0, -0.8f}, red)};
+  const Camera camera = camera_on_z(4.0, 150.0, 120, 90);
+  render::Backdrop backdrop;
+  backdrop.ground = -0.6;
+  const Image one = render::render(shapes, camera, backdrop, 1);
+  EXPECT_EQ(render::render(shapes, camera, backdrop, 8).pixels, one.pixels);
+  EXPECT_EQ(render::render(shapes, camera, backdrop, 3).pixels, one.pixels);
+  EXPECT_EQ(render::encode_png(one), render::encode_png(one));
+}
+
+// What reaches behind the camera, is not a number or lies in one line is left out; the rest is drawn.
+TEST(Picture, TrianglesThatCannotBeDrawnAreLeftOut) {
+  render::Shape shape = square({0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, red);
+  shape.positions.insert(shape.positions.end(), {{0, 0, 5}, {1e30f, 0, 0}, {std::nanf(""), 0, 0}, {0, 0, 0}});
+  shape.normals.resize(8, Vector3f::UnitZ());
+  shape.colours.resize(8, red);
+  shape.triangles.insert(shape.triangles.end(), {{0, 1, 4}, {0, 1, 5}, {0, 1, 6}, {0, 2, 7}});
+  const std::vector<render::Shape> shapes{shape};
+  const render::DepthImage image = render::render_depth(shapes, camera_on_z(2.0, 100.0, 40, 40));
+  EXPECT_EQ(covered(image), 100u);
+  EXPECT_NO_THROW(render::render(shapes, camera_on_z(2.0, 100.0, 40, 40)));
+}
+
+TEST(CameraFit, HoldsEveryPointAndTouchesTheMargin) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  for (const render::View view : {render::View{0, 0}, {35, 10}, {90, 6}, {200, -40}, {-75, 80}}) {
+    render::CameraFit fit(view, 300, 200);
+    std::vector<Vector3d> points;
+    for (int k = 0; k < 50; ++k) {
+      points.emplace_back(3.0 * place(random) + 10.0, place(random), 2.0 * place(random));
+      fit.include(points.back());
+    }
+    const Camera camera = fit.camera();
+    double most = 0.0;
+    for (const Vector3d& p : points) {
+      const Vector3d q = camera.project(p);
+      EXPECT_GT(q.z(), 0.0);
+      most = std::max({most, std::fabs(q.x() - 150.0) / 150.0, std::fabs(q.y() - 100.0) / 100.0});
+    }
+    EXPECT_NEAR(most, 0.9, 1e-9);  // a tenth stays free; double rounding
+    // The ray through where a point is seen leads to the point.
+    const Vector3d q = camera.project(points[0]);
+    EXPECT_NEAR((camera.eye + q.z() * camera.ray(q.x(), q.y()) - points[0]).norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(CameraFit, ViewsLookFromWhereTheySay) {
+  const auto from = [](const render::View& view) { return Vector3d(render::camera_axes(view).row(2)); };
+  EXPECT_NEAR((from({0, 0}) - Vector3d::UnitZ()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((from({90, 0}) - Vector3d::UnitX()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((from({180, 0}) + Vector3d::UnitZ()).norm(), 0.0, 1e-12);
+  EXPECT_GT(from({0, 30}).y(), 0.0);
+  const Eigen::Matrix3d axes = render::camera_axes({35, 10});
+  EXPECT_NEAR((axes * axes.transpose() - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(axes.determinant(), 1.0, 1e-12);  // not mirrored
+}
+
+TEST(Colour, BytesGoThereAndBack) {
+  for (unsigned byte = 0; byte < 256; ++byte)
+    EXPECT_EQ(render::byte_of_linear(render::linear_of_srgb(static_cast<float>(byte) / 255.0f)), byte);
+  EXPECT_EQ(render::byte_of_linear(-1.0f), 0);
+  EXPECT_EQ(render::byte_of_linear(2.0f), 255);
+}
+
+TEST(Colour, ScaleGrowsBrighterAllTheWay) {
+  const auto brightness = [](float value) {
+    return render::scale_colour(value).dot(Vector3f(0.2126f, 0.7152f, 0.0722f));
+  };
+  for (int k = 1; k <= 200; ++k)
+    EXPECT_GT(brightness(static_cast<float>(k) / 200.0f), brightness(static_cast<float>(k - 1) / 200.0f))
+        << k;
+  EXPECT_EQ(render::scale_colour(7.0f), render::scale_colour(1.0f));
+  EXPECT_EQ(render::scale_colour(-1.0f), render::scale_colour(0.0f));
+}
+
+TEST(Colour, LinesHaveNoSign) {
+  const Vector3f d = Vector3f(0.3f, -0.5f, 0.8f);
+  EXPECT_EQ(render::direction_colour(d), render::direction_colour(-d));
+  EXPECT_EQ(render::direction_colour(2.0f * Vector3f::UnitY()), render::direction_colour(Vector3f::UnitY()));
+}
+
+TEST(Png, ReadsBackAsItWas) {
+  Image image(37, 21);
+  std::mt19937 random(3);
+  for (std::uint8_t& value : image.pixels) value = static_cast<std::uint8_t>(random() & 255u);
+  const std::string bytes = render::encode_png(image);
+  png_image read{};
+  read.version = PNG_IMAGE_VERSION;
+  ASSERT_NE(png_image_begin_read_from_memory(&read, bytes.data(), bytes.size()), 0) << read.message;
+  EXPECT_EQ(read.width, 37u);
+  EXPECT_EQ(read.height, 21u);
+  read.format = PNG_FORMAT_RGB;
+  std::vector<std::uint8_t> pixels(PNG_IMAGE_SIZE(read));
+  ASSERT_NE(png_image_finish_read(&read, nullptr, pixels.data(), 0, nullptr), 0) << read.message;
+  EXPECT_EQ(pixels, image.pixels);
+}
+
+TEST(Annotate, TextStaysInItsBoxAndUnknownLettersAreBlank) {
+  Image image(200, 60);
+  const std::string text = "Frame 12.5%";
+  render::draw_text(image, 10, 20, 14, text, Vector3f::Ones());
+  std::size_t inked = 0;
+  for (unsigned y = 0; y < 60; ++y)
+    for (unsigned x = 0; x < 200; ++x) {
+      if (image.at(x, y)[0] == 0) continue;
+      ++inked;
+      EXPECT_TRUE(x >= 10 && x < 10 + render::text_width(14, text) && y >= 20 && y <= 34) << x << " " << y;
+    }
+  EXPECT_GT(inked, 200u);
+  Image blank(200, 60);
+  render::draw_text(blank, 10, 20, 14, " ~\xc3\xa9\n", Vector3f::Ones());
+  EXPECT_EQ(blank.pixels, Image(200, 60).pixels);
+  render::draw_text(blank, 190, 55, 14, "CUT OFF", Vector3f::Ones());  // runs over the edge, harmlessly
+}
+
+TEST(Annotate, LegendShowsEachColourUnchanged) {
+  Image image(400, 300);
+  std::fill(image.pixels.begin(), image.pixels.end(), std::uint8_t{200});
+  const render::Legend legend{{{"bone", render::colour(0xede4cf)}, {"muscle", render::colour(0xb8433f)}},
+                              false};
+  render::draw_legend(image, legend);
+  for (const std::array<int, 3> wanted : {std::array{0xed, 0xe4, 0xcf}, std::array{0xb8, 0x43, 0x3f}}) {
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < image.pixels.size(); k += 3)
+      found += std::equal(wanted.begin(), wanted.end(), &image.pixels[k]) ? 1u : 0u;
+    EXPECT_GT(found, 100u);
+  }
+}
+
+TEST(Annotate, SheetKeepsEveryPixelInItsCell) {
+  std::vector<Image> images(3, Image(4, 5));
+  for (std::size_t k = 0; k < 3; ++k)
+    std::fill(images[k].pixels.begin(), images[k].pixels.end(), static_cast<std::uint8_t>(50 * (k + 1)));
+  const Image sheet = render::sheet_of(images, 2);
+  ASSERT_EQ(sheet.width, 8u);
+  ASSERT_EQ(sheet.height, 10u);
+  for (unsigned y = 0; y < 10; ++y)
+    for (unsigned x = 0; x < 8; ++x) {
+      const unsigned cell = y / 5 * 2 + x / 4;
+      EXPECT_EQ(sheet.at(x, y)[1], cell < 3 ? 50 * (cell + 1) : 235u);
+    }
+}
+
+}  // namespace
+}  // namespace fascicle::tests
