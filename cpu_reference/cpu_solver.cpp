@@ -27,6 +27,7 @@ class CpuSolver : public model::Solver {
     fields_.predicted.resize(3 * n);
     fields_.transforms.resize(12 * n);
     fields_.goals.resize(3 * n);
+    if (model.has_skeleton()) fields_.gravity.resize(3 * n);
     fields_.surface.resize(3 * std::size_t{model.surface_count()});
     CpuSolver::load(model::rest_state(model));
   }
@@ -44,6 +45,7 @@ class CpuSolver : public model::Solver {
     if (what.positions) frame.positions = fields_.positions;
     if (what.velocities) frame.velocities = fields_.velocities;
     if (what.surface) frame.surface = fields_.surface;
+    if (what.skinned) frame.skinned = fields_.skinned;
     done_.push_back(std::move(frame));
   }
 
@@ -60,22 +62,28 @@ class CpuSolver : public model::Solver {
             .positions = fields_.positions,
             .velocities = fields_.velocities,
             .rotations = fields_.rotations,
-            .skinned = fields_.skinned};
+            .skinned = fields_.skinned,
+            .skinned_velocities = fields_.skinned_velocities};
   }
 
   void load(const State& state) override {
     check_state(model_, state);
     frame_ = state.frame;
+    set_history(state);
+    done_.clear();
+  }
+
+ private:
+  void set_history(const State& state) {
     origin_ = state.origin;
     fields_.positions = state.positions;
     fields_.velocities = state.velocities;
     fields_.rotations = state.rotations;
     fields_.skinned = state.skinned;
     fields_.skinned_before = state.skinned;
-    done_.clear();
+    fields_.skinned_velocities = state.skinned_velocities;
   }
 
- private:
   using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
   void run(std::uint32_t count, ModelStage stage, const SubstepInput& in) {
     pool_.run(count, [&](std::uint32_t first, std::uint32_t last) {
@@ -95,6 +103,8 @@ class CpuSolver : public model::Solver {
   }
 
   void substep(const Drive& drive, std::uint32_t s, Probe* probe) {
+    for (const model::Cut& cut : drive.cuts)
+      if (cut.substep == s) set_history(model::carried(model_, save(), drive.h, cut));
     const SubstepInput in = input_of(drive, s);
     const std::uint32_t n = model_.vertex_count;
     const model::Where where{frame_ + 1, s, Stage::skin};
@@ -106,7 +116,7 @@ class CpuSolver : public model::Solver {
     if (model_.has_skeleton()) {
       std::swap(fields_.skinned, fields_.skinned_before);
       run(n, &skin, in);
-      show(Stage::skin, fields_.skinned);
+      show(Stage::skin, model::side_by_side(fields_.skinned, 3, fields_.gravity, 3));
     }
     if (!probe) {
       run(n, &region, in);

@@ -44,10 +44,17 @@ std::vector<float> floats_of(const Points& points) {
   return floats;
 }
 
-Vector3d apply(const shader::Bone& B, const Vector3d& p) {
-  Matrix3d linear;
-  linear << B.xx, B.xy, B.xz, B.yx, B.yy, B.yz, B.zx, B.zy, B.zz;
-  return linear * p + Vector3d(B.xt, B.yt, B.zt);
+Eigen::Affine3d map_of(const shader::Bone& B) {
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  map.matrix().topRows<3>() << B.xx, B.xy, B.xz, B.xt, B.yx, B.yy, B.yz, B.yt, B.zx, B.zy, B.zz, B.zt;
+  return map;
+}
+
+// The rotation in a map; none (the identity) if it mirrors or flattens.
+Quaterniond rotation_in(const Eigen::Affine3d& map) {
+  const Matrix3d linear = map.linear();
+  if (linear.determinant() <= 0.0) return Quaterniond::Identity();
+  return best_rotation(linear, Quaterniond::Identity());
 }
 
 }  // namespace
@@ -72,10 +79,12 @@ struct Oracle::Impl {
   std::array<double, 3> origin{0, 0, 0};
   Points q, v;
   Points skinned;                   // of the last substep; empty without a skeleton
+  Points skinned_velocities;        // u of the last substep; empty where the model carries nothing
   std::vector<RegionPose> regions;  // of these only R is history
 
   // Between the stages of a substep.
   Points skinned_before;
+  Points turned_gravity;  // the bones' change of gravity
   Points goals;
   Points surface;
 
@@ -90,24 +99,58 @@ struct Oracle::Impl {
 
   Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
   Vector3d skinned_velocity(std::uint32_t i, double h) const;
+  void carry(const model::Cut& cut, double h);
   std::vector<float> output(Stage stage) const;
 };
 
-// Linear blend skinning: sum_k w_k B_k q0_i.
+// Linear blend skinning: sum_k w_k B_k q0_i, and the same blend of the bones' change of gravity, g - R_k g.
 void Oracle::Impl::skin(std::span<const shader::Bone> bones) {
   skinned_before = skinned;
+  turned_gravity.assign(skinned.size(), Vector3d::Zero());
   for (std::uint32_t i = 0; i < skinned.size(); ++i) {
     skinned[i].setZero();
-    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k)
-      skinned[i] += double(model.skin_weight[k]) * apply(bones[model.skin_joint[k]], rest[i]);
+    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k) {
+      const shader::Bone& bone = bones[model.skin_joint[k]];
+      skinned[i] += double(model.skin_weight[k]) * (map_of(bone) * rest[i]);
+      turned_gravity[i] +=
+          double(model.skin_weight[k]) * Vector3d(bone.gravity_x, bone.gravity_y, bone.gravity_z);
+    }
   }
 }
 
-// The forces' half of (4), with f_i/m_i = gravity + the scene's forces by their coefficients.
+// A cut: relative to the skeleton nothing happens. With R the turn from the blended map of the motion that
+// ends to that of the one that begins, q' = s' + R (q - s) and v' = u' + R (v - u).
+void Oracle::Impl::carry(const model::Cut& cut, double h) {
+  const auto blended = [&](std::span<const shader::Bone> pose, std::uint32_t i) {
+    Eigen::Affine3d map;
+    map.matrix().setZero();
+    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k)
+      map.matrix() += double(model.skin_weight[k]) * map_of(pose[model.skin_joint[k]]).matrix();
+    return map;
+  };
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Eigen::Affine3d from = blended(cut.at, i), to = blended(cut.to, i);
+    const Vector3d s = from * rest[i], s_next = to * rest[i];
+    const Vector3d u = (s - blended(cut.before, i) * rest[i]) / h;
+    const Vector3d u_next = (blended(cut.after, i) * rest[i] - s_next) / h;
+    const Quaterniond R = rotation_in(to) * rotation_in(from).conjugate();
+    q[i] = s_next + R * (q[i] - s);
+    v[i] = u_next + R * (v[i] - u);
+    skinned[i] = s_next;
+    if (!model.carried.empty()) skinned_velocities[i] = u_next;
+    regions[i].R = (R * regions[i].R).normalized();
+  }
+}
+
+// The forces' half of (4), with f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's
+// forces by their coefficients. What of the skeleton's acceleration the vertex does not feel moves it along.
 void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Force> forces, double h) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) continue;
     Vector3d acceleration = gravity;
+    if (model.has_skeleton()) acceleration += turned_gravity[i];
+    if (!model.carried.empty())
+      v[i] += double(model.carried[i]) * (skinned_velocity(i, h) - skinned_velocities[i]);
     if (model.force_count > 0) {
       for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
         const shader::Force& f = forces[model.force_index[k]];
@@ -155,6 +198,7 @@ Vector3d Oracle::Impl::skinned_velocity(std::uint32_t i, double h) const {
 void Oracle::Impl::integrate(std::span<const float> decay, double h) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     const Vector3d u = skinned_velocity(i, h);
+    if (!model.carried.empty()) skinned_velocities[i] = u;
     if (model.is_kinematic(i)) {
       if (model.has_skeleton()) q[i] = skinned[i];
       v[i] = u;
@@ -177,7 +221,11 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
   std::vector<float> values;
   switch (stage) {
     case Stage::skin:
-      return floats_of(skinned);
+      for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+        append(values, skinned[i]);
+        append(values, turned_gravity[i]);
+      }
+      return values;
     case Stage::predict:
       return floats_of(v);
     case Stage::region:
@@ -207,9 +255,7 @@ Oracle::Oracle(const model::Model& model, const model::SolverOptions& options) {
   if (options.integrator != model::Integrator::explicit_step)
     throw std::invalid_argument("oracle: integrator is not the explicit one");
   impl_ = std::make_unique<Impl>(model);
-  const std::vector<shader::Bone> bind_pose(model.joint_count,
-                                            shader::Bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
-  load(model::initial_state(model, bind_pose, model.rest_origin));
+  load(model::rest_state(model));
 }
 
 Oracle::~Oracle() = default;
@@ -228,6 +274,8 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
   ++s.frame;
 
   for (std::uint32_t substep = 0; substep < drive.substeps; ++substep) {
+    for (const model::Cut& cut : drive.cuts)
+      if (cut.substep == substep) s.carry(cut, h);
     const auto show = [&](Stage stage) {
       if (probe != nullptr) probe->on_stage({s.frame, substep, stage}, s.output(stage));
     };
@@ -253,6 +301,7 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
   if (what.positions) frame.positions = floats_of(s.q);
   if (what.velocities) frame.velocities = floats_of(s.v);
   if (what.surface) frame.surface = floats_of(s.surface);
+  if (what.skinned) frame.skinned = floats_of(s.skinned);
   s.frames.push_back(std::move(frame));
 }
 
@@ -273,6 +322,7 @@ model::State Oracle::save() const {
   state.velocities = floats_of(impl_->v);
   for (const RegionPose& pose : impl_->regions) append(state.rotations, pose.R);
   state.skinned = floats_of(impl_->skinned);
+  state.skinned_velocities = floats_of(impl_->skinned_velocities);
   return state;
 }
 
@@ -283,6 +333,7 @@ void Oracle::load(const model::State& state) {
   impl_->q = points_of(state.positions);
   impl_->v = points_of(state.velocities);
   impl_->skinned = points_of(state.skinned);
+  impl_->skinned_velocities = points_of(state.skinned_velocities);
   impl_->goals = impl_->q;
   for (std::uint32_t r = 0; r < impl_->model.vertex_count; ++r) {
     const float* c = &state.rotations[4 * std::size_t{r}];

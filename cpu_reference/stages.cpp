@@ -45,16 +45,33 @@ Transform transform_of(const shader::Bone& b) {
   return {{b.xx, b.xy, b.xz, b.yx, b.yy, b.yz, b.zx, b.zy, b.zz}, {b.xt, b.yt, b.zt}};
 }
 
+Vector gravity_of(const shader::Bone& b) {
+  return {b.gravity_x, b.gravity_y, b.gravity_z};
+}
+
+// The velocity that skinning alone would give vertex i.
+Vector velocity_of_skin(const Model& model, const SubstepInput& in, const Fields& fields, std::uint32_t i) {
+  if (!model.has_skeleton()) return {0.0f, 0.0f, 0.0f};
+  return kernel::skinned_velocity<float>(load_vector(fields.skinned, i),
+                                         load_vector(fields.skinned_before, i), in.step.inverse_h);
+}
+
 Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fields& fields, std::uint32_t i) {
-  const Vector velocity = load_vector(fields.velocities, i);
+  Vector velocity = load_vector(fields.velocities, i);
   if (model.is_kinematic(i)) return velocity;
   Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
+  if (model.has_skeleton())
+    acceleration = kernel::add_gravity<float>(acceleration, load_vector(fields.gravity, i));
   if (model.force_count > 0) {
     for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
       const shader::Force& f = in.forces[model.force_index[k]];
       acceleration = kernel::add_force<float>(acceleration, model.force_coefficient[k], {f.x, f.y, f.z});
     }
   }
+  if (!model.carried.empty())
+    velocity =
+        kernel::carry_velocity<float>(velocity, model.carried[i], velocity_of_skin(model, in, fields, i),
+                                      load_vector(fields.skinned_velocities, i));
   return kernel::predict_velocity<float>(velocity, acceleration, in.step.h);
 }
 
@@ -69,10 +86,8 @@ Vector blended_goal(const Model& model, const Fields& fields, std::uint32_t i) {
 
 void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& velocity,
           const Vector& goal) {
-  Vector u{0.0f, 0.0f, 0.0f};
-  if (model.has_skeleton())
-    u = kernel::skinned_velocity<float>(load_vector(fields.skinned, i), load_vector(fields.skinned_before, i),
-                                        in.step.inverse_h);
+  const Vector u = velocity_of_skin(model, in, fields, i);
+  if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
   if (model.is_kinematic(i)) {
     if (model.has_skeleton()) store_vector(fields.positions, i, load_vector(fields.skinned, i));
     store_vector(fields.velocities, i, u);
@@ -99,12 +114,21 @@ void rebase(const SubstepInput& in, Fields& fields, Range range) {
 void skin(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     std::uint32_t k = model.skin_offset[i];
-    Transform blend =
-        kernel::skin_term<float>(model.skin_weight[k], transform_of(in.bones[model.skin_joint[k]]));
-    for (++k; k < model.skin_offset[i + 1]; ++k)
-      blend = kernel::skin_add<float>(
-          blend, kernel::skin_term<float>(model.skin_weight[k], transform_of(in.bones[model.skin_joint[k]])));
+    const auto map_term = [&] {
+      return kernel::skin_term<float>(model.skin_weight[k], transform_of(in.bones[model.skin_joint[k]]));
+    };
+    const auto gravity_term = [&] {
+      return kernel::skin_gravity_term<float>(model.skin_weight[k],
+                                              gravity_of(in.bones[model.skin_joint[k]]));
+    };
+    Transform blend = map_term();
+    Vector gravity = gravity_term();
+    for (++k; k < model.skin_offset[i + 1]; ++k) {
+      blend = kernel::skin_add<float>(blend, map_term());
+      gravity = kernel::skin_gravity_add<float>(gravity, gravity_term());
+    }
     store_vector(fields.skinned, i, kernel::skin_position<float>(blend, load_vector(model.rest, i)));
+    store_vector(fields.gravity, i, kernel::snap_vector<float>(gravity));
   }
 }
 

@@ -54,8 +54,8 @@ void FrameRecorder::upload_drive() {
   commands().barrier();
 }
 
-void FrameRecorder::read_results() {
-  slot_.record_readback(commands());
+void FrameRecorder::read_results(bool swapped) {
+  slot_.record_readback(commands(), swapped);
 }
 
 void FrameRecorder::finish() {

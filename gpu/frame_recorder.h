@@ -33,7 +33,8 @@ class FrameRecorder {
   void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items);
 
   void upload_drive();
-  void read_results();
+  // `swapped`: of the frame's last dispatch.
+  void read_results(bool swapped);
 
   // Submits what was recorded; the slot's fence is signalled when all of the frame is done.
   void finish();

@@ -23,7 +23,8 @@ std::span<const float> floats(std::span<const std::byte> bytes) {
 
 std::uint64_t readback_bytes(const Device::Impl& device, const model::Model& model) {
   if (!takes_device_memory(device, BufferUse::readback)) return 0;
-  return std::uint64_t{2 * 16} * model.vertex_count + std::uint64_t{12} * model.surface_count();
+  const std::uint64_t vertex_buffers = model.has_skeleton() ? 3 : 2;
+  return vertex_buffers * 16 * model.vertex_count + std::uint64_t{12} * model.surface_count();
 }
 
 FrameSlot::FrameSlot(Device::Impl& device, const StageKernels& kernels, const ModelBuffers& buffers)
@@ -72,9 +73,9 @@ void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32
   what_ = what;
   vertex_bytes_ = VkDeviceSize{16} * vertices;
   surface_bytes_ = VkDeviceSize{12} * surface_vertices;
-  const VkDeviceSize readback_bytes = (what.positions ? vertex_bytes_ : 0) +
-                                      (what.velocities ? vertex_bytes_ : 0) +
-                                      (what.surface ? surface_bytes_ : 0);
+  const VkDeviceSize readback_bytes =
+      (what.positions ? vertex_bytes_ : 0) + (what.velocities ? vertex_bytes_ : 0) +
+      (what.surface ? surface_bytes_ : 0) + (what.skinned ? vertex_bytes_ : 0);
   if (readback_.size() < readback_bytes) readback_ = Buffer(*device_, readback_bytes, BufferUse::readback);
   pool.reset();
   slices_of_submission.clear();
@@ -98,7 +99,7 @@ void FrameSlot::record_upload(CommandBuffer& commands) const {
   commands.copy(upload_, 0, drive_, 0, drive_bytes_);
 }
 
-void FrameSlot::record_readback(CommandBuffer& commands) const {
+void FrameSlot::record_readback(CommandBuffer& commands, bool swapped) const {
   VkDeviceSize at = 0;
   const auto copy = [&](bool wanted, std::uint32_t number, VkDeviceSize bytes) {
     if (!wanted || bytes == 0) return;
@@ -108,6 +109,7 @@ void FrameSlot::record_readback(CommandBuffer& commands) const {
   copy(what_.positions, shader::buffer_position, vertex_bytes_);
   copy(what_.velocities, shader::buffer_velocity, vertex_bytes_);
   copy(what_.surface, shader::buffer_surface, surface_bytes_);
+  copy(what_.skinned, swapped ? shader::buffer_skinned_before : shader::buffer_skinned, vertex_bytes_);
   if (at > 0) commands.barrier_to_host();
 }
 
@@ -133,6 +135,7 @@ model::Frame FrameSlot::finish(SubmissionPace& pace) {
     const std::span<const float> surface = take(surface_bytes_);
     frame.surface.assign(surface.begin(), surface.end());
   }
+  if (what_.skinned) narrow(take(vertex_bytes_), frame.skinned);
   return frame;
 }
 

@@ -35,7 +35,7 @@ class FrameSlot {
 
   // Records the copy of the drive to the device, and of results to the host.
   void record_upload(CommandBuffer& commands) const;
-  void record_readback(CommandBuffer& commands) const;
+  void record_readback(CommandBuffer& commands, bool swapped) const;
 
   // Waits for the frame and brings its buffers.
   model::Frame finish(SubmissionPace& pace);

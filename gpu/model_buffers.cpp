@@ -22,7 +22,8 @@ std::vector<float> records(const std::vector<float>& triples, const std::vector<
 std::vector<shader::VertexRecord> vertex_records(const Model& model) {
   std::vector<shader::VertexRecord> out(model.vertex_count);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
-    out[i] = {model.tag[i], model.ring_offset[i + 1] - model.ring_offset[i], model.alpha[i], 0};
+    out[i] = {model.tag[i], model.ring_offset[i + 1] - model.ring_offset[i], model.alpha[i],
+              model.carried.empty() ? 0.0f : model.carried[i]};
   return out;
 }
 
@@ -41,6 +42,8 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_goal, "goal", 16 * n},
       {shader::buffer_skinned, "skinned", 16 * skinned},
       {shader::buffer_skinned_before, "skinned before", 16 * skinned},
+      {shader::buffer_skinned_velocity, "skinned velocity", 16 * model.carried.size()},
+      {shader::buffer_gravity, "gravity", 16 * skinned},
       {shader::buffer_surface, "surface", 12 * m},
       {shader::buffer_rest, "rest", 16 * n},
       {shader::buffer_vertex, "vertex", sizeof(shader::VertexRecord) * n},

@@ -41,11 +41,12 @@ const char* name_of(StageKernel kernel) {
 StageKernels::StageKernels(const Device::Impl& device, const model::Model& model,
                            const model::SolverOptions& options, spirv_exact::FloatControls controls,
                            const AlterModule& alter) {
-  std::array<std::uint32_t, 3> constants{};
+  std::array<std::uint32_t, shader::constant_count> constants{};
   constants[shader::constant_rotation] =
       options.rotation == model::Rotation::qcp ? shader::rotation_qcp : shader::rotation_mueller2016;
   constants[shader::constant_muscles] = model.muscle_count > 0 ? 1 : 0;
   constants[shader::constant_forces] = model.force_count > 0 ? 1 : 0;
+  constants[shader::constant_carried] = model.carried.empty() ? 0 : 1;
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
     if (alter)

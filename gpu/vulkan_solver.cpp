@@ -64,7 +64,10 @@ class VulkanSolver : public model::Solver {
   void submit(const Drive& drive, Read what, Probe* probe) override {
     check_drive(model_, drive);
     if (pending_.size() == most_frames_in_flight) finish_oldest();
+    // Cuts are carried on the host.
+    while (!drive.cuts.empty() && !pending_.empty()) finish_oldest();
     FrameSlot& slot = free_slot();
+    what.skinned = what.skinned && model_.has_skeleton();
     slot.prepare(drive, what, model_.vertex_count, model_.surface_count());
     slot.index = frame_ + 1;
     slot.origin = drive.origin;
@@ -74,6 +77,11 @@ class VulkanSolver : public model::Solver {
     if (drive.origin_shift != std::array<float, 3>{0, 0, 0})
       recorder.dispatch(StageKernel::rebase, swapped_, substep, model_.vertex_count);
     for (std::uint32_t s = 0; s < drive.substeps; ++s) {
+      for (const model::Cut& cut : drive.cuts)
+        if (cut.substep == s) {
+          recorder.wait();
+          set_history(model::carried(model_, save(), drive.h, cut));
+        }
       record_substep(recorder, substep, {slot.index, s, Stage::skin}, probe);
       substep.first_bone += model_.joint_count;
       substep.first_muscle += model_.muscle_count;
@@ -87,7 +95,7 @@ class VulkanSolver : public model::Solver {
                         read(shader::buffer_surface, 3 * std::size_t{model_.surface_count()}));
       }
     }
-    recorder.read_results();
+    recorder.read_results(swapped_);
     recorder.finish();
     pending_.push_back(&slot);
     free_.pop_back();
@@ -113,6 +121,7 @@ class VulkanSolver : public model::Solver {
     state.velocities = read_triples(shader::buffer_velocity);
     state.rotations = read(shader::buffer_rotation, 4 * std::size_t{model_.vertex_count});
     if (model_.has_skeleton()) state.skinned = read_triples(skinned_buffer());
+    if (!model_.carried.empty()) state.skinned_velocities = read_triples(shader::buffer_skinned_velocity);
     return state;
   }
 
@@ -121,15 +130,21 @@ class VulkanSolver : public model::Solver {
     while (!pending_.empty()) finish_oldest();
     done_.clear();
     frame_ = state.frame;
-    origin_ = state.origin;
     swapped_ = false;
+    set_history(state);
+  }
+
+ private:
+  // Nothing may be under way on the device.
+  void set_history(const State& state) {
+    origin_ = state.origin;
     write(shader::buffer_position, widened(state.positions));
     write(shader::buffer_velocity, widened(state.velocities));
     write(shader::buffer_rotation, state.rotations);
     if (model_.has_skeleton()) write(skinned_buffer(), widened(state.skinned));
+    if (!model_.carried.empty()) write(shader::buffer_skinned_velocity, widened(state.skinned_velocities));
   }
 
- private:
   // Waits for the frame longest under way and keeps it for collect().
   void finish_oldest() {
     FrameSlot* slot = pending_.front();
@@ -202,9 +217,9 @@ class VulkanSolver : public model::Solver {
     if (stage == Stage::integrate)
       return model::side_by_side(read_triples(shader::buffer_position), 3,
                                  read_triples(shader::buffer_velocity), 3);
-    return read_triples(stage == Stage::skin      ? skinned_buffer()
-                        : stage == Stage::predict ? shader::buffer_velocity
-                                                  : shader::buffer_goal);
+    if (stage == Stage::skin)
+      return model::side_by_side(read_triples(skinned_buffer()), 3, read_triples(shader::buffer_gravity), 3);
+    return read_triples(stage == Stage::predict ? shader::buffer_velocity : shader::buffer_goal);
   }
 
   std::uint32_t skinned_buffer() const {

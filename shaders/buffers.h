@@ -19,45 +19,49 @@ BUFFERS_CONSTANT uint buffer_velocity = 1u;
 BUFFERS_CONSTANT uint buffer_rotation = 2u;   // w x y z
 BUFFERS_CONSTANT uint buffer_transform = 3u;  // three vec4, the rows of linear map and translation
 BUFFERS_CONSTANT uint buffer_goal = 4u;
-BUFFERS_CONSTANT uint buffer_skinned = 5u;         // this substep's
-BUFFERS_CONSTANT uint buffer_skinned_before = 6u;  // the last substep's
-BUFFERS_CONSTANT uint buffer_surface = 7u;         // three floats a render vertex
+BUFFERS_CONSTANT uint buffer_skinned = 5u;           // this substep's
+BUFFERS_CONSTANT uint buffer_skinned_before = 6u;    // the last substep's
+BUFFERS_CONSTANT uint buffer_skinned_velocity = 7u;  // the last substep's
+BUFFERS_CONSTANT uint buffer_gravity = 8u;           // the bones' share of it
+BUFFERS_CONSTANT uint buffer_surface = 9u;           // three floats a render vertex
 
 // Static.
-BUFFERS_CONSTANT uint buffer_rest = 8u;            // rest position, pull
-BUFFERS_CONSTANT uint buffer_vertex = 9u;          // VertexRecord
-BUFFERS_CONSTANT uint buffer_slice = 10u;          // first entry of each slice of one-rings
-BUFFERS_CONSTANT uint buffer_ring = 11u;           // entries, sliced
-BUFFERS_CONSTANT uint buffer_share_taken = 12u;    // entries, sliced
-BUFFERS_CONSTANT uint buffer_share_given = 13u;    // entries, sliced
-BUFFERS_CONSTANT uint buffer_region_rest = 14u;    // c0_r - q0_r, 1/W_r
-BUFFERS_CONSTANT uint buffer_region_muscle = 15u;  // one uint a region
-BUFFERS_CONSTANT uint buffer_region_normal = 16u;  // n_r, gain
-BUFFERS_CONSTANT uint buffer_skin_offset = 17u;
-BUFFERS_CONSTANT uint buffer_skin_joint = 18u;
-BUFFERS_CONSTANT uint buffer_skin_weight = 19u;
-BUFFERS_CONSTANT uint buffer_force_offset = 20u;
-BUFFERS_CONSTANT uint buffer_force_index = 21u;
-BUFFERS_CONSTANT uint buffer_force_coefficient = 22u;
-BUFFERS_CONSTANT uint buffer_surface_vertex = 23u;  // uvec4 a render vertex
-BUFFERS_CONSTANT uint buffer_surface_weight = 24u;
+BUFFERS_CONSTANT uint buffer_rest = 10u;           // rest position, pull
+BUFFERS_CONSTANT uint buffer_vertex = 11u;         // VertexRecord
+BUFFERS_CONSTANT uint buffer_slice = 12u;          // first entry of each slice of one-rings
+BUFFERS_CONSTANT uint buffer_ring = 13u;           // entries, sliced
+BUFFERS_CONSTANT uint buffer_share_taken = 14u;    // entries, sliced
+BUFFERS_CONSTANT uint buffer_share_given = 15u;    // entries, sliced
+BUFFERS_CONSTANT uint buffer_region_rest = 16u;    // c0_r - q0_r, 1/W_r
+BUFFERS_CONSTANT uint buffer_region_muscle = 17u;  // one uint a region
+BUFFERS_CONSTANT uint buffer_region_normal = 18u;  // n_r, gain
+BUFFERS_CONSTANT uint buffer_skin_offset = 19u;
+BUFFERS_CONSTANT uint buffer_skin_joint = 20u;
+BUFFERS_CONSTANT uint buffer_skin_weight = 21u;
+BUFFERS_CONSTANT uint buffer_force_offset = 22u;
+BUFFERS_CONSTANT uint buffer_force_index = 23u;
+BUFFERS_CONSTANT uint buffer_force_coefficient = 24u;
+BUFFERS_CONSTANT uint buffer_surface_vertex = 25u;  // uvec4 a render vertex
+BUFFERS_CONSTANT uint buffer_surface_weight = 26u;
 
 // A frame's drive.
-BUFFERS_CONSTANT uint buffer_bone = 25u;
-BUFFERS_CONSTANT uint buffer_muscle = 26u;
-BUFFERS_CONSTANT uint buffer_force = 27u;
-BUFFERS_CONSTANT uint buffer_decay = 28u;
+BUFFERS_CONSTANT uint buffer_bone = 27u;
+BUFFERS_CONSTANT uint buffer_muscle = 28u;
+BUFFERS_CONSTANT uint buffer_force = 29u;
+BUFFERS_CONSTANT uint buffer_decay = 30u;
 
 // The self-test's table: inputs, results.
-BUFFERS_CONSTANT uint buffer_self_test_input = 29u;
-BUFFERS_CONSTANT uint buffer_self_test_result = 30u;
+BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
+BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
-BUFFERS_CONSTANT uint buffer_count = 31u;
+BUFFERS_CONSTANT uint buffer_count = 33u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
 BUFFERS_CONSTANT uint constant_muscles = 1u;   // the model has muscles
 BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces beside gravity
+BUFFERS_CONSTANT uint constant_carried = 3u;   // some vertices do not feel all of the skeleton's acceleration
+BUFFERS_CONSTANT uint constant_count = 4u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;
@@ -69,7 +73,7 @@ struct VertexRecord {
   uint tag;
   uint degree;  // neighbours in the one-ring
   float alpha;
-  uint unused;
+  float carried;  // share of the skeleton's acceleration that it does not feel
 };
 
 // A dispatch's push constants. Invocation k of workgroup g works on item (first_slice + g) slice_width + k,

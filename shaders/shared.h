@@ -14,11 +14,14 @@ using uint = std::uint32_t;
 #endif
 
 // A joint's affine map from the rest pose to the posed character, three rows of four. Working units; the
-// translation is relative to the frame's origin.
+// translation is relative to the frame's origin. Beside it the acceleration that flesh following the joint
+// takes because the joint has turned: g - R g where the sculpted shape hangs under gravity already, else 0.
 struct Bone {
   float xx, xy, xz, xt;
   float yx, yy, yz, yt;
   float zx, zy, zz, zt;
+  float gravity_x, gravity_y, gravity_z;
+  float unused;
 };
 
 // One muscle's values in one substep, equation (17): the direction tau, carried back to the rest frame, and

@@ -4,8 +4,7 @@
 #include "shaders/indexing/buffers.glsl"
 #include "shaders/kernel/skin.inc"
 
-Transform influence(uint k) {
-  Bone b = bone[push.substep.first_bone + skin_joint[k]];
+Transform map_term(uint k, Bone b) {
   Transform t;
   t.linear.xx = b.xx;
   t.linear.xy = b.xy;
@@ -22,12 +21,29 @@ Transform influence(uint k) {
   return skin_term(skin_weight[k], t);
 }
 
+Vector gravity_term(uint k, Bone b) {
+  Vector g;
+  g.x = b.gravity_x;
+  g.y = b.gravity_y;
+  g.z = b.gravity_z;
+  return skin_gravity_term(skin_weight[k], g);
+}
+
+Bone bone_of(uint k) { return bone[push.substep.first_bone + skin_joint[k]]; }
+
 void main() {
   uint i = item_index();
   if (i >= push.substep.vertex_count) return;
   uint first = skin_offset[i];
   uint end = skin_offset[i + 1u];
-  Transform blend = influence(first);
-  for (uint k = first + 1u; k < end; ++k) blend = skin_add(blend, influence(k));
+  Bone b = bone_of(first);
+  Transform blend = map_term(first, b);
+  Vector turned = gravity_term(first, b);
+  for (uint k = first + 1u; k < end; ++k) {
+    b = bone_of(k);
+    blend = skin_add(blend, map_term(k, b));
+    turned = skin_gravity_add(turned, gravity_term(k, b));
+  }
   skinned[i] = record_of(skin_position(blend, vector_of(rest[i])));
+  gravity[i] = record_of(snap_vector(turned));
 }

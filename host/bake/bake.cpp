@@ -20,6 +20,7 @@
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
 #include "host/bake/identity.h"
+#include "host/bake/lead_in.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
 #include "host/bake/read_frame_cache.h"
@@ -90,6 +91,7 @@ class Run {
  private:
   void open_folder();
   std::optional<Checkpoint> checkpoint_to_resume();
+  model::State lead_to_start();
   void begin_sinks(std::uint64_t first);
   void step_frames(std::uint64_t first);
   bool checkpoint_due(std::uint64_t frame) const;
@@ -145,6 +147,7 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
                     text + "; set it back, start again with --overwrite, or choose another -o");
   if (const auto manifest = read_manifest(options_.folder)) {
     before_ = manifest->timings;
+    progress_.lead_in = manifest->lead_in;
     ++before_.runs;
   }
   return found;
@@ -158,22 +161,33 @@ BakeResult Run::go() {
     refuse_foreign(options_.folder, files);
     save_manifest(Status::running);
   }
-  model::State state = drives_.initial_state();
-  initial_ = {.index = 0,
-              .origin = state.origin,
-              .positions = state.positions,
-              .velocities = state.velocities,
-              .surface = embed(model_, state.positions)};
-  if (resumed) state = resumed->state;
-  const std::uint64_t first = resumed ? state.frame + 1 : 0;
-  begin_sinks(first);
-  solver_.load(state);
-  if (!resumed) {
-    check_finite(initial_);
-    write(initial_);
-    checkpoint(state);
+  model::State state;
+  if (resumed) {
+    state = resumed->state;
+    initial_ = FrameCacheReader(path_of(cache_name)).read(0);
+  } else {
+    state = lead_to_start();
+    initial_ = {.index = 0,
+                .origin = state.origin,
+                .positions = state.positions,
+                .velocities = state.velocities,
+                .surface = embed(model_, state.positions),
+                .skinned = state.skinned};
   }
-  step_frames(state.frame + 1);
+  if (!interrupted_) {
+    begin_sinks(resumed ? state.frame + 1 : 0);
+    solver_.load(state);
+    if (!resumed) {
+      check_finite(initial_);
+      write(initial_);
+      checkpoint(state);
+    }
+    step_frames(state.frame + 1);
+  }
+  if (!interrupted_ && scene_.motion.seamless) {
+    const model::State next = drives_.begun_again(solver_.save());
+    progress_.loop_jump = largest_distance(model_, initial_.positions, initial_.origin, next);
+  }
   if (!interrupted_)
     for (const auto& sink : sinks_) {
       const Stopwatch time(seconds_writing_);
@@ -182,15 +196,28 @@ BakeResult Run::go() {
   save_manifest(interrupted_ ? Status::interrupted : Status::complete);
 
   BakeResult result;
-  result.frames_done = progress_.position_hashes.size() - 1;
+  result.frames_done = progress_.position_hashes.empty() ? 0 : progress_.position_hashes.size() - 1;
+  result.lead_in = progress_.lead_in;
+  result.loop_jump = progress_.loop_jump;
   result.interrupted = interrupted_;
   for (const std::string& name : files)
     if (fs::exists(options_.folder / name)) result.files.push_back(options_.folder / name);
-  result.last_position_hash = hash_text(progress_.position_hashes.back());
+  if (!progress_.position_hashes.empty())
+    result.last_position_hash = hash_text(progress_.position_hashes.back());
   result.seconds_solver = seconds_solver_;
   result.seconds_writing = seconds_writing_;
   result.seconds_total = seconds_since(start_);
   return result;
+}
+
+// The state of frame 0.
+model::State Run::lead_to_start() {
+  const Stopwatch time(seconds_solver_);
+  LeadIn led = lead_in(scene_, model_, drives_, solver_,
+                       [&] { return options_.interrupted != nullptr && options_.interrupted->load(); });
+  interrupted_ = led.stopped;
+  progress_.lead_in = led.summary;
+  return std::move(led.state);
 }
 
 void Run::begin_sinks(std::uint64_t first) {

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/bake/lead_in.h"
 #include "host/bake/sink.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
@@ -56,6 +58,9 @@ struct BakeResult {
   bool interrupted = false;
   std::vector<std::filesystem::path> files;
   std::string last_position_hash;
+  LeadInSummary lead_in;
+  std::optional<double>
+      loop_jump;  // m: of a seamless loop, the furthest that a vertex ends from its beginning
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 

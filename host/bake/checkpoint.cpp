@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view magic = "FASCCKPT";
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t version = 2;
 
 void append_floats(std::string& out, const std::vector<float>& values) {
   append_bytes(out, std::uint64_t{values.size()});
@@ -72,6 +72,7 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   append_floats(bytes, state.velocities);
   append_floats(bytes, state.rotations);
   append_floats(bytes, state.skinned);
+  append_floats(bytes, state.skinned_velocities);
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
   append_bytes(bytes, checksum);
   write_whole(path, bytes);
@@ -103,6 +104,7 @@ std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
   state.velocities = parser.floats();
   state.rotations = parser.floats();
   state.skinned = parser.floats();
+  state.skinned_velocities = parser.floats();
   return checkpoint;
 }
 
@@ -117,10 +119,10 @@ bool is_checkpoint(const fs::path& path) {
 }
 
 std::uint64_t checkpoint_bytes(const model::Model& model) {
-  // Positions, velocities, rotations, and the skinned positions that only a skeleton has; the rest is the
-  // identity.
+  // Positions, velocities, rotations, the skinned positions that only a skeleton has, and the skinned
+  // velocities where some vertex is carried; the rest is the identity.
   const std::uint64_t floats = model.has_skeleton() ? 13 : 10;
-  return floats * sizeof(float) * model.vertex_count + 1024;
+  return (floats * model.vertex_count + 3 * model.carried.size()) * sizeof(float) + 1024;
 }
 
 }  // namespace fascicle::bake

@@ -1,8 +1,9 @@
 // The file `checkpoint`: what a solver needs to go on, and what the bake was.
 //
-// Little-endian: char[8] "FASCCKPT", uint32 version 1, uint32 bytes of the identity, the identity (a JSON
+// Little-endian: char[8] "FASCCKPT", uint32 version 2, uint32 bytes of the identity, the identity (a JSON
 // array of name and value pairs), uint64 frame, float64[3] origin (m), then positions, velocities, rotations
-// and skinned, each a uint64 count and float32 values, and the XXH3-64 of all bytes before.
+// skinned and skinned velocities, each a uint64 count and float32 values, and the XXH3-64 of all bytes
+// before.
 #pragma once
 
 #include <filesystem>

@@ -1,11 +1,14 @@
 #include "host/bake/drive_source.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "host/scene/pose.h"
+#include "host/bake/timeline.h"
+#include "host/model/rotation.h"
 #include "host/scene/trigonometry.h"
 
 namespace fascicle::bake {
@@ -15,69 +18,99 @@ using scene::Vector3d;
 struct DriveSource::Impl {
   Impl(const scene::Scene& scene, const model::Model& model);
 
-  std::uint64_t substeps() const { return scene.solver.substeps; }
-  // When substep number `count`, counted from `start` on, begins. One rounding, so that times that are whole
-  // frames or tenths of a second come out as written.
-  double time(std::uint64_t count) const {
-    return scene.start + static_cast<double>(count) / (static_cast<double>(substeps()) * scene.fps);
-  }
-  Vector3d origin(double time) const;
-  void append_bones(double time, const Vector3d& origin, std::vector<shader::Bone>& to) const;
+  double h() const { return 1.0 / (static_cast<double>(substeps) * scene.fps); }
+  Vector3d rest_origin() const { return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]}; }
+  Vector3d origin(std::uint64_t count);  // of the pose at the end of substep `count`
+  void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const;
   void append_forces(double time);
+  void append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before, const Vector3d& after);
+  std::vector<shader::Bone> start_after(const Vector3d& origin);
+  model::Drive drive_to(const Vector3d& end);
 
   const scene::Scene& scene;
   const model::Model& model;
-  const scene::Character* character = nullptr;  // null without a skeleton
-  const scene::Clip* clip = nullptr;
-  std::size_t root = 0;  // the joint that the origin follows
+  std::uint64_t substeps;
+  std::optional<Timeline> timeline;  // nothing without a skeleton
   std::vector<shader::Bone> bones;
   std::vector<shader::Force> forces;
   std::vector<float> decay;
+  std::vector<std::vector<shader::Bone>> cut_poses;  // four a cut
+  std::vector<model::Cut> cuts;
 };
 
-DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m) : scene(s), model(m) {
+namespace {
+
+double extent_of(const model::Model& model) {
+  float largest = 0.0f;
+  for (std::size_t axis = 0; axis < 3 && !model.rest.empty(); ++axis) {
+    float low = model.rest[axis], high = low;
+    for (std::size_t k = axis; k < model.rest.size(); k += 3) {
+      low = std::min(low, model.rest[k]);
+      high = std::max(high, model.rest[k]);
+    }
+    largest = std::max(largest, high - low);
+  }
+  return double{largest} * model.unit;
+}
+
+std::array<double, 3> array_of(const Vector3d& v) {
+  return {v[0], v[1], v[2]};
+}
+
+// g - R g with R the rotation of a joint's map: what has become of gravity in the joint's frame.
+Vector3d change_of_gravity(const Eigen::Matrix3d& linear, const Vector3d& gravity) {
+  model::Matrix3 rows{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = linear(r, c);
+  const auto turned = model::multiply(model::nearest_rotation(rows), array_of(gravity));
+  return gravity - Vector3d(turned[0], turned[1], turned[2]);
+}
+
+}  // namespace
+
+DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
+    : scene(s), model(m), substeps(s.solver.substeps) {
   const auto must_fit = [](const char* what, std::size_t of_scene, std::size_t of_model) {
     if (of_scene != of_model) {
       throw std::invalid_argument("DriveSource: the scene has " + std::to_string(of_scene) + " " + what +
                                   ", the model " + std::to_string(of_model));
     }
   };
+  const scene::Character* character = nullptr;
   if (model.has_skeleton()) character = std::get_if<scene::Character>(&scene.geometry);
   must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("muscles", 0, model.muscle_count);
-  if (character != nullptr) {
-    clip = scene::find_clip(*character, scene.clip);
-    while (root + 1 < character->skeleton.size() && !character->skeleton[root].skins) ++root;
-  }
-  const double h = 1.0 / (static_cast<double>(substeps()) * scene.fps);
-  for (const model::Layer& layer : model.layers) {
-    decay.push_back(static_cast<float>(scene::exact_exp(-layer.damping * h)));
-  }
+  if (character != nullptr) timeline.emplace(scene, *character, extent_of(model));
+  for (const model::Layer& layer : model.layers)
+    decay.push_back(static_cast<float>(scene::exact_exp(-layer.damping * h())));
 }
 
-Vector3d DriveSource::Impl::origin(double time) const {
-  if (character == nullptr) return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]};
-  const Vector3d place =
-      scene::joint_transforms_at(*character, clip, time)[root].topRightCorner<3, 1>() * scene.scale;
+Vector3d DriveSource::Impl::origin(std::uint64_t count) {
+  if (!timeline) return rest_origin();
   // The unit is a power of two: rounding to it is exact, and so are differences of origins.
-  return (place / model.unit + Vector3d::Constant(0.5)).array().floor().matrix() * model.unit;
+  const Vector3d units = timeline->root(timeline->pose(count)) / model.unit;
+  return (units + Vector3d::Constant(0.5)).array().floor().matrix() * model.unit;
 }
 
-// pose_at's maps are in the file's metres; scale makes them the scene's, unit and origin the solver's. With
-// rest positions x = (p - rest_origin) / unit a map p -> L p + t becomes x -> L x + (L rest_origin + t -
-// origin) / unit.
-void DriveSource::Impl::append_bones(double time, const Vector3d& origin,
+// A pose is in the file's metres; scale makes it the scene's, unit and origin the solver's. With rest
+// positions x = (p - rest_origin) / unit a map p -> L p + t becomes x -> L x + (L rest_origin + t - origin) /
+// unit.
+void DriveSource::Impl::append_bones(const Pose& pose, const Vector3d& origin,
                                      std::vector<shader::Bone>& to) const {
-  if (character == nullptr) return;
-  const Vector3d rest_origin(model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]);
-  for (const Eigen::Matrix4d& map : scene::pose_at(*character, clip, time)) {
+  if (!timeline) return;
+  const auto& character = std::get<scene::Character>(scene.geometry);
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    const Eigen::Matrix4d map = pose[j] * character.skeleton[j].inverse_bind;
     const Eigen::Matrix3d l = map.topLeftCorner<3, 3>();
-    const Vector3d t = (l * rest_origin + map.topRightCorner<3, 1>() * scene.scale - origin) / model.unit;
+    const Vector3d t = (l * rest_origin() + map.topRightCorner<3, 1>() * scene.scale - origin) / model.unit;
+    Vector3d g = Vector3d::Zero();
+    if (scene.motion.rest == scene::Rest::sculpted) g = change_of_gravity(l, scene.gravity) / model.unit;
     const auto f = [](double x) { return static_cast<float>(x); };
     to.push_back({f(l(0, 0)), f(l(0, 1)), f(l(0, 2)), f(t[0]),  //
                   f(l(1, 0)), f(l(1, 1)), f(l(1, 2)), f(t[1]),  //
-                  f(l(2, 0)), f(l(2, 1)), f(l(2, 2)), f(t[2])});
+                  f(l(2, 0)), f(l(2, 1)), f(l(2, 2)), f(t[2]),  //
+                  f(g[0]), f(g[1]), f(g[2]), 0.0f});
   }
 }
 
@@ -89,46 +122,180 @@ void DriveSource::Impl::append_forces(double time) {
   }
 }
 
+// The cut between the ends of substeps count - 1 and count, substep number `substep` of its frame. The motion
+// that begins is followed back by a substep, along the way that it goes on. After a cut in the substep
+// before, the motion that ends is the one that began there.
+void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+                                   const Vector3d& after) {
+  const std::size_t first = cut_poses.size();
+  cut_poses.resize(first + 4);
+  const auto begins = [&](std::uint64_t at) {
+    Pose pose = timeline->pose(at);
+    const Pose& next = timeline->pose(at + 1);
+    for (std::size_t j = 0; j < pose.size(); ++j) pose[j] = (2.0 * pose[j] - next[j]).eval();
+    return pose;
+  };
+  if (count == 1)
+    append_bones(timeline->pose(0), before, cut_poses[first]);
+  else if (timeline->is_cut(count - 1))
+    append_bones(begins(count - 1), before, cut_poses[first]);
+  else
+    append_bones(timeline->pose(count - 2), before, cut_poses[first]);
+  append_bones(timeline->pose(count - 1), before, cut_poses[first + 1]);
+  append_bones(begins(count), after, cut_poses[first + 2]);
+  append_bones(timeline->pose(count), after, cut_poses[first + 3]);
+  cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
+}
+
+// The pose after the clip's first substep, by which the start is seen to move; the first one where the motion
+// breaks there.
+std::vector<shader::Bone> DriveSource::Impl::start_after(const Vector3d& origin) {
+  std::vector<shader::Bone> after;
+  append_bones(timeline->pose(timeline->is_cut(1) ? 0 : 1), origin, after);
+  return after;
+}
+
+// A drive of what stands in bones, forces and cuts, towards the origin `end`.
+model::Drive DriveSource::Impl::drive_to(const Vector3d& end) {
+  model::Drive drive;
+  drive.substeps = static_cast<std::uint32_t>(substeps);
+  drive.h = h();
+  drive.origin = array_of(end);
+  // Where the rest shape hangs by gravity already, only the bones' change of it acts.
+  const bool hangs = timeline && scene.motion.rest == scene::Rest::sculpted;
+  for (int a = 0; a < 3; ++a)
+    drive.gravity[static_cast<std::size_t>(a)] =
+        hangs ? 0.0f : static_cast<float>(scene.gravity[a] / model.unit);
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    cuts[k].before = cut_poses[4 * k];
+    cuts[k].at = cut_poses[4 * k + 1];
+    cuts[k].to = cut_poses[4 * k + 2];
+    cuts[k].after = cut_poses[4 * k + 3];
+  }
+  drive.bones = bones;
+  drive.forces = forces;
+  drive.decay = decay;
+  drive.cuts = cuts;
+  return drive;
+}
+
 DriveSource::DriveSource(const scene::Scene& scene, const model::Model& model)
     : impl_(std::make_unique<Impl>(scene, model)) {}
 
 DriveSource::~DriveSource() = default;
 
-model::State DriveSource::initial_state() const {
-  const Impl& impl = *impl_;
-  const Vector3d origin = impl.origin(impl.scene.start);
-  std::vector<shader::Bone> bones;
-  impl.append_bones(impl.scene.start, origin, bones);
-  return model::initial_state(impl.model, bones, {origin[0], origin[1], origin[2]});
-}
-
 model::Drive DriveSource::drive(std::uint64_t frame) {
   if (frame == 0)
     throw std::invalid_argument("DriveSource: frame 0 is the initial state; drives begin with frame 1");
   Impl& impl = *impl_;
-  const std::uint64_t substeps = impl.substeps(), first = (frame - 1) * substeps;
-  const Vector3d origin = impl.origin(impl.time(first + substeps));
-  const Vector3d shift = (origin - impl.origin(impl.time(first))) / impl.model.unit;
   impl.bones.clear();
   impl.forces.clear();
+  impl.cut_poses.clear();
+  impl.cuts.clear();
+  const std::uint64_t substeps = impl.substeps, first = (frame - 1) * substeps;
+  const Vector3d before = impl.origin(first), end = impl.origin(first + substeps);
+  // Without a cut the frame is seen from its end's origin; the first cut takes the body there.
+  bool cut_ahead = false;
+  for (std::uint64_t s = 1; impl.timeline && s <= substeps; ++s)
+    cut_ahead = cut_ahead || impl.timeline->is_cut(first + s);
+  const Vector3d shift = cut_ahead ? Vector3d(Vector3d::Zero()) : Vector3d((end - before) / impl.model.unit);
+  Vector3d origin = cut_ahead ? before : end;
   for (std::uint64_t s = 0; s < substeps; ++s) {
-    impl.append_bones(impl.time(first + s + 1), origin, impl.bones);
+    const std::uint64_t count = first + s + 1;
+    if (impl.timeline && impl.timeline->is_cut(count)) {
+      impl.append_cut(static_cast<std::uint32_t>(s), count, origin, end);
+      origin = end;
+    }
+    if (impl.timeline) impl.append_bones(impl.timeline->pose(count), origin, impl.bones);
     // A force acts through a substep or not at all: whether it does is settled where the substep begins.
-    impl.append_forces(impl.time(first + s));
+    impl.append_forces(impl.scene.start +
+                       static_cast<double>(count - 1) / (static_cast<double>(substeps) * impl.scene.fps));
   }
-  model::Drive drive;
-  drive.substeps = static_cast<std::uint32_t>(substeps);
-  drive.h = 1.0 / (static_cast<double>(substeps) * impl.scene.fps);
-  for (int a = 0; a < 3; ++a) {
-    const auto i = static_cast<std::size_t>(a);
-    drive.origin[i] = origin[a];
-    drive.origin_shift[i] = static_cast<float>(shift[a]);
-    drive.gravity[i] = static_cast<float>(impl.scene.gravity[a] / impl.model.unit);
-  }
-  drive.bones = impl.bones;
-  drive.forces = impl.forces;
-  drive.decay = impl.decay;
+  model::Drive drive = impl.drive_to(end);
+  for (int a = 0; a < 3; ++a) drive.origin_shift[static_cast<std::size_t>(a)] = static_cast<float>(shift[a]);
   return drive;
+}
+
+model::State DriveSource::initial_state() const {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return model::initial_state(impl.model, {}, impl.model.rest_origin);
+  const Vector3d origin = impl.origin(0);
+  std::vector<shader::Bone> bones;
+  impl.append_bones(impl.timeline->pose(0), origin, bones);
+  return started(model::initial_state(impl.model, bones, array_of(origin)));
+}
+
+std::uint64_t DriveSource::preroll_frames() const {
+  if (!impl_->timeline) return 0;
+  return static_cast<std::uint64_t>(std::llround(impl_->scene.motion.preroll * impl_->scene.fps));
+}
+
+model::State DriveSource::preroll_state() const {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return initial_state();
+  const Pose pose = preroll_frames() > 0 ? impl.timeline->preroll_pose(0.0) : impl.timeline->pose(0);
+  const Vector3d origin = impl.origin(0);
+  std::vector<shader::Bone> bones;
+  impl.append_bones(pose, origin, bones);
+  return model::initial_state(impl.model, bones, array_of(origin));
+}
+
+model::Drive DriveSource::preroll_drive(std::uint64_t frame) {
+  Impl& impl = *impl_;
+  impl.bones.clear();
+  impl.forces.clear();
+  impl.cuts.clear();
+  const Vector3d origin = impl.origin(0);
+  const double last = static_cast<double>(preroll_frames() * impl.substeps);
+  for (std::uint64_t s = 1; s <= impl.substeps; ++s) {
+    const double x = static_cast<double>((frame - 1) * impl.substeps + s) / last;
+    // Begins and ends without speed.
+    if (impl.timeline)
+      impl.append_bones(impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)), origin, impl.bones);
+    impl.append_forces(impl.scene.start);
+  }
+  return impl.drive_to(origin);
+}
+
+model::Drive DriveSource::settle_drive() {
+  Impl& impl = *impl_;
+  impl.bones.clear();
+  impl.forces.clear();
+  impl.cuts.clear();
+  const Vector3d origin = impl.origin(0);
+  for (std::uint64_t s = 0; s < impl.substeps; ++s) {
+    if (impl.timeline) impl.append_bones(impl.timeline->pose(0), origin, impl.bones);
+    impl.append_forces(impl.scene.start);
+  }
+  return impl.drive_to(origin);
+}
+
+model::State DriveSource::started(const model::State& resting) const {
+  Impl& impl = *impl_;
+  model::State state = resting;
+  state.frame = 0;
+  if (!impl.timeline) return state;
+  const Vector3d origin(resting.origin[0], resting.origin[1], resting.origin[2]);
+  std::vector<shader::Bone> first;
+  impl.append_bones(impl.timeline->pose(0), origin, first);
+  const std::vector<shader::Bone> after = impl.start_after(origin);
+  return model::carried(impl.model, state, impl.h(), {0, resting.origin, first, first, first, after});
+}
+
+model::State DriveSource::begun_again(const model::State& cycled) const {
+  Impl& impl = *impl_;
+  model::State state = cycled;
+  state.frame = 0;
+  if (!impl.timeline || impl.timeline->returns()) return state;
+  const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
+  const Vector3d ended(cycled.origin[0], cycled.origin[1], cycled.origin[2]);
+  const Vector3d origin = impl.origin(0);
+  std::vector<shader::Bone> before, at, to;
+  impl.append_bones(impl.timeline->pose(last - 1), ended, before);
+  impl.append_bones(impl.timeline->pose(last), ended, at);
+  impl.append_bones(impl.timeline->pose(0), origin, to);
+  const std::vector<shader::Bone> after = impl.start_after(origin);
+  return model::carried(impl.model, state, impl.h(), {0, array_of(origin), before, at, to, after});
 }
 
 }  // namespace fascicle::bake

@@ -10,19 +10,34 @@
 namespace fascicle::bake {
 
 // The scene and model must outlive it. Frame k covers the time from start + (k-1)/fps to start + k/fps;
-// substep s of it ends at start + (k - 1 + s/substeps)/fps, s = 1..substeps, and the clip is sampled there.
-// Each frame's origin is the root joint's position at the frame's end rounded to whole working units
-// (constant without a skeleton).
+// substep s of it ends at start + (k - 1 + s/substeps)/fps, s = 1..substeps, and the clip is sampled there
+// (timeline.h says how time runs through several cycles). Each frame's origin is the root joint's position at
+// the frame's end rounded to whole working units (constant without a skeleton).
+//
+// The spans of a drive stay valid until the next call that returns one.
 class DriveSource {
  public:
   DriveSource(const scene::Scene& scene, const model::Model& model);
   ~DriveSource();
 
-  // State before frame 1.
+  // The state before frame 1 if the flesh follows the skeleton from the first pose on: skinned, and moving as
+  // the clip begins to move.
   model::State initial_state() const;
-  // The drive of frame k >= 1. Its spans stay valid until the next call. Frames may be asked for in any
-  // order.
+  // The drive of frame k >= 1. Frames may be asked for in any order.
   model::Drive drive(std::uint64_t frame);
+
+  // Before frame 0. The preroll begins in preroll_state(), at rest, and lasts preroll_frames(); frame k of it
+  // is k = 1.. of them, which begins and ends at rest. Without a preroll its state is that of the first pose.
+  std::uint64_t preroll_frames() const;
+  model::State preroll_state() const;
+  model::Drive preroll_drive(std::uint64_t frame);
+  // A frame that holds the first pose.
+  model::Drive settle_drive();
+  // The state before frame 1, from one that rests in the first pose: set moving as the clip begins to move.
+  model::State started(const model::State& resting) const;
+  // The state before frame 1, from that at the end of the clip's cycle: carried to the first pose where the
+  // clip does not lead there itself. Frame 0 again.
+  model::State begun_again(const model::State& cycled) const;
 
  private:
   struct Impl;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,11 +31,25 @@ std::uint64_t cache_bytes(const model::Model& model, std::uint64_t frames);
 //   frame, time               s of the clip
 //   kinetic_energy            J, of all vertices
 //   volume, volume_ratio      m^3 of all tetrahedra (an inverted one counts negative), and over that of the
-//   rest shape largest_displacement      m: of the vertex furthest from its place in frame 0 (which is the
-//   rest shape without a
-//                             skeleton, the pose at the start with one)
+//                             rest shape
+//   largest_displacement      m: of the vertex furthest from its place in frame 0
+//   inverted                  tetrahedra that are flat or turned inside out
+//   inverted_skinned          those that skinning alone leaves so; with a skeleton only, and so are
+//   lag_NAME                  m: the root mean square distance of a layer's free vertices to their skinned
+//                             places; 0 where it has none
 //   NAME_x, NAME_y, NAME_z    m: mean position of each probe's vertices
 std::unique_ptr<FrameSink> make_metrics_sink();
+inline constexpr const char* metrics_name = "metrics.csv";
+inline constexpr const char* lag_column = "lag_";
+
+// The largest lag of each layer that ever lags, from a bake's metrics.csv; nothing without a skeleton.
+struct PeakLag {
+  std::string layer;
+  double lag = 0.0;  // m
+  std::uint64_t frame = 0;
+};
+std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model::Model& model);
+
 std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames);
 
 // surface.pc2: Point Cache 2 of the render mesh in its vertex order, metres, Y up; rest.obj is the mesh it

@@ -88,6 +88,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"solver.weights", scene.solver.weights},
                     {"solver.substeps", number_text(scene.solver.substeps)},
                     {"clip", scene.clip},
+                    {"motion", dump(json_of(scene.motion))},
                     {"forces", dump(json_of(scene.forces))}};
   for (const auto& [file, file_hash] : scene.input_hashes)
     identity.emplace_back("the content of " + std::filesystem::path(file).filename().string(), file_hash);

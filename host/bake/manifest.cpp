@@ -53,6 +53,37 @@ Json json_of(const DeviceDescription& device) {
           {"exact", device.exact},   {"threads", device.threads}};
 }
 
+Json json_of(const LeadInSummary& led) {
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  return {{"preroll_frames", led.preroll_frames},
+          {"settle_frames", led.settle_frames},
+          {"settled_speed", or_null(led.settled_speed)},
+          {"cycles", led.cycles},
+          {"cycle_jump", or_null(led.jump)}};
+}
+
+// What json_of wrote; what is not there, or of another type, stays as it is.
+LeadInSummary lead_in_of(const Json& json) {
+  LeadInSummary led;
+  if (!json.is_object()) return led;
+  const auto read = [&](const char* key, auto& out) {
+    if (const auto entry = json.find(key); entry != json.end() && entry->is_number())
+      out = entry->get<double>();
+  };
+  const auto read_count = [&](const char* key, std::uint64_t& out) {
+    if (const auto entry = json.find(key); entry != json.end() && entry->is_number_unsigned())
+      out = entry->get<std::uint64_t>();
+  };
+  read_count("preroll_frames", led.preroll_frames);
+  read_count("settle_frames", led.settle_frames);
+  read("settled_speed", led.settled_speed);
+  read_count("cycles", led.cycles);
+  read("cycle_jump", led.jump);
+  return led;
+}
+
 }  // namespace
 
 const char* name_of(Status status) {
@@ -104,6 +135,8 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
                       {"formats", options.formats},
                       {"device", json_of(options.device)},
                       {"scene", json_of(scene)},
+                      {"lead_in", json_of(progress.lead_in)},
+                      {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},
                       {"inputs", std::move(inputs)},
                       {"model", json_of(model, hash)},
                       {"warnings", options.warnings},
@@ -148,6 +181,7 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
                      .writing = seconds("writing_seconds"),
                      .total = seconds("total_seconds"),
                      .runs = static_cast<std::uint64_t>(std::clamp(seconds("runs"), 1.0, 1e9))};
+  if (const auto led = manifest.find("lead_in"); led != manifest.end()) summary.lead_in = lead_in_of(*led);
   return summary;
 }
 

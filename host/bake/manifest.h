@@ -29,6 +29,8 @@ struct Progress {
   std::string message;                         // of Status::not_finite
   std::vector<std::uint64_t> position_hashes;  // of frames 0, 1, ... written so far (model::position_hash)
   Timings timings;
+  LeadInSummary lead_in;
+  std::optional<double> loop_jump;  // m, of a seamless loop that is complete
 };
 
 // The files of a bake with these formats, the manifest first; a name that ends in / is a folder of frames.
@@ -46,6 +48,7 @@ struct ManifestSummary {
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;
   Timings timings;
+  LeadInSummary lead_in;
 };
 // Nothing if there is no manifest in the folder or it is not one of fascicle.
 std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);

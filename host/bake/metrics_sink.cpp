@@ -1,8 +1,11 @@
 // metrics.csv: a bake in numbers, from positions and velocities, in double precision.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
@@ -31,16 +34,19 @@ double determinant(const Point& a, const Point& b, const Point& c) {
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
+// Of the tetrahedron whose corners begin at entry `t`, cubic working units; below 0 if it is inside out.
+double six_volumes(const model::Model& model, const std::vector<float>& positions, std::size_t t) {
+  const Point corner = point_at(positions, model.tetrahedron[t]);
+  const auto edge = [&](std::size_t k) {
+    return difference(point_at(positions, model.tetrahedron[t + k]), corner);
+  };
+  return determinant(edge(1), edge(2), edge(3));
+}
+
 // m^3
 double volume(const model::Model& model, const std::vector<float>& positions) {
   double sum = 0.0;
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
-    const Point corner = point_at(positions, model.tetrahedron[t]);
-    const auto edge = [&](std::size_t k) {
-      return difference(point_at(positions, model.tetrahedron[t + k]), corner);
-    };
-    sum += determinant(edge(1), edge(2), edge(3));
-  }
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) sum += six_volumes(model, positions, t);
   return sum / 6.0 * (model.unit * model.unit * model.unit);
 }
 
@@ -50,6 +56,28 @@ double kinetic_energy(const model::Model& model, const std::vector<float>& veloc
   for (std::size_t i = 0; i < model.vertex_count; ++i)
     sum += model.mass[i] * squared_length(point_at(velocities, i));
   return 0.5 * sum * (model.unit * model.unit);
+}
+
+// Tetrahedra that are flat or turned inside out.
+std::uint64_t inverted(const model::Model& model, const std::vector<float>& positions) {
+  std::uint64_t count = 0;
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
+    if (!(six_volumes(model, positions, t) > 0.0)) ++count;
+  return count;
+}
+
+// m, a layer: the root mean square distance of its free vertices to their skinned places.
+std::vector<double> lags(const model::Model& model, const model::Frame& frame) {
+  std::vector<double> sum(model.layers.size(), 0.0), count(model.layers.size(), 0.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    sum[model.layer_of(i)] +=
+        squared_length(difference(point_at(frame.positions, i), point_at(frame.skinned, i)));
+    count[model.layer_of(i)] += 1.0;
+  }
+  for (std::size_t l = 0; l < sum.size(); ++l)
+    sum[l] = count[l] > 0.0 ? std::sqrt(sum[l] / count[l]) * model.unit : 0.0;
+  return sum;
 }
 
 // m, in the world: the two frames may have different origins.
@@ -90,12 +118,12 @@ std::string csv_text(const std::string& text) {
 class MetricsSink final : public FrameSink {
  public:
   std::string name() const override { return "metrics"; }
-  model::Read needs() const override { return {.positions = true, .velocities = true}; }
+  model::Read needs() const override { return {.positions = true, .velocities = true, .skinned = true}; }
   void begin(const BakeInfo& info) override {
     info_ = info;
 
     rest_volume_ = volume(*info.model, info.model->rest);
-    const std::filesystem::path path = info.folder / "metrics.csv";
+    const std::filesystem::path path = info.folder / metrics_name;
     const std::string header = header_line();
     if (info.first == 0) {
       file_.emplace(PartFile::start(path));
@@ -115,6 +143,11 @@ class MetricsSink final : public FrameSink {
     add(now);
     add(now / rest_volume_);
     add(largest_displacement(model, frame, *info_.initial));
+    line += ',' + number_text(inverted(model, frame.positions));
+    if (model.has_skeleton()) {
+      line += ',' + number_text(inverted(model, frame.skinned));
+      for (const double lag : lags(model, frame)) add(lag);
+    }
     for (const model::ProbeSet& probe : model.probes)
       for (const double coordinate : mean_position(model, frame, probe)) add(coordinate);
     file_->write(line + '\n');
@@ -124,7 +157,11 @@ class MetricsSink final : public FrameSink {
 
  private:
   std::string header_line() const {
-    std::string line = "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement";
+    std::string line = "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement,inverted";
+    if (info_.model->has_skeleton()) {
+      line += ",inverted_skinned";
+      for (const model::Layer& layer : info_.model->layers) line += ',' + csv_text(lag_column + layer.name);
+    }
     for (const model::ProbeSet& probe : info_.model->probes)
       for (const char* axis : {"_x", "_y", "_z"}) line += ',' + csv_text(probe.name + axis);
     return line + '\n';
@@ -142,9 +179,44 @@ std::unique_ptr<FrameSink> make_metrics_sink() {
   return std::make_unique<MetricsSink>();
 }
 
+std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model::Model& model) {
+  std::vector<PeakLag> peaks;
+  if (!model.has_skeleton()) return peaks;
+  std::ifstream file(folder / metrics_name);
+  const auto cells = [&file] {
+    std::vector<std::string> found;
+    std::string line;
+    if (!std::getline(file, line)) return found;
+    std::istringstream in(line);
+    for (std::string cell; std::getline(in, cell, ',');) found.push_back(cell);
+    return found;
+  };
+  const std::vector<std::string> header = cells();
+  std::vector<std::size_t> columns;
+  for (std::uint32_t l = 0; l < model.layers.size(); ++l) {
+    const auto at = std::find(header.begin(), header.end(), lag_column + model.layers[l].name);
+    if (at == header.end()) return {};
+    columns.push_back(static_cast<std::size_t>(at - header.begin()));
+    peaks.push_back({model.layers[l].name, 0.0, 0});
+  }
+  for (std::vector<std::string> row = cells(); !row.empty(); row = cells())
+    for (std::size_t l = 0; l < peaks.size() && columns[l] < row.size(); ++l) {
+      const std::string& text = row[columns[l]];
+      double lag = 0.0;
+      std::from_chars(text.data(), text.data() + text.size(), lag);
+      if (lag <= peaks[l].lag) continue;
+      peaks[l].lag = lag;
+      std::from_chars(row[0].data(), row[0].data() + row[0].size(), peaks[l].frame);
+    }
+  std::erase_if(peaks, [](const PeakLag& peak) { return peak.lag == 0.0; });
+  return peaks;
+}
+
 std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames) {
   // A number takes up to 24 characters and a comma, mostly about 19.
-  return (frames + 1) * (std::uint64_t{6} + 3 * model.probes.size()) * 20;
+  return (frames + 1) *
+         (std::uint64_t{7} + (model.has_skeleton() ? 1 + model.layers.size() : 0) + 3 * model.probes.size()) *
+         20;
 }
 
 }  // namespace fascicle::bake

@@ -42,6 +42,7 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit("skin_offset", model.skin_offset);
   visit("skin_joint", model.skin_joint);
   visit("skin_weight", model.skin_weight);
+  visit("carried", model.carried);
   visit("force_count", model.force_count);
   visit("force_offset", model.force_offset);
   visit("force_index", model.force_index);

@@ -61,7 +61,8 @@ Json json_of_layer(const scene::Layer& layer) {
   return {{"name", layer.name},           {"alpha", layer.alpha},
           {"beta", layer.beta},           {"damping", layer.damping},
           {"density", layer.density},     {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
-          {"kinematic", layer.kinematic}, {"where", json_of(layer.where)}};
+          {"kinematic", layer.kinematic}, {"inertia_scale", layer.inertia_scale},
+          {"where", json_of(layer.where)}};
 }
 
 }  // namespace
@@ -92,6 +93,19 @@ Json json_of(const std::vector<scene::Force>& forces) {
   return list;
 }
 
+Json json_of(const scene::Motion& motion) {
+  return {{"rest", motion.rest == scene::Rest::sculpted ? "sculpted" : "weightless"},
+          {"preroll", motion.preroll},
+          {"settle", motion.settle},
+          {"loop", motion.loop},
+          {"seamless", motion.seamless},
+          {"seamless_tolerance", motion.seamless_tolerance},
+          {"seamless_cycles", motion.seamless_cycles},
+          {"hold", motion.hold},
+          {"cuts", motion.cuts},
+          {"cut_distance", motion.cut_distance ? Json(*motion.cut_distance) : Json(nullptr)}};
+}
+
 Json json_of(const scene::Scene& scene) {
   Json bones = Json::array(), layers = Json::array(), pins = Json::array(), probes = Json::array();
   for (const scene::BoneSegment& bone : scene.bones)
@@ -109,6 +123,7 @@ Json json_of(const scene::Scene& scene) {
           {"frames", scene::frame_count(scene)},
           {"clip", scene.clip},
           {"gravity", json_of(scene.gravity)},
+          {"motion", json_of(scene.motion)},
           {"solver",
            {{"integrator", scene.solver.integrator},
             {"rotation", scene.solver.rotation},

@@ -18,6 +18,7 @@ std::string dump(const Json& json, int indent = -1);
 Json json_of(const scene::Vector3d& vector);
 Json json_of(const scene::Where& where);
 Json json_of(const std::vector<scene::Force>& forces);
+Json json_of(const scene::Motion& motion);
 // Every parameter; of meshes and clips, which the input hashes stand for, the counts.
 Json json_of(const scene::Scene& scene);
 

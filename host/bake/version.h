@@ -10,6 +10,6 @@ inline constexpr const char* fascicle_version = FASCICLE_VERSION;
 
 // Raised whenever the solvers' bits change for the same model and drives: two bakes compare only within one
 // number.
-inline constexpr std::uint32_t solver_version = 1;
+inline constexpr std::uint32_t solver_version = 2;
 
 }  // namespace fascicle::bake

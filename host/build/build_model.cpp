@@ -71,6 +71,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     model.layers.push_back({layer.name, layer.damping, layer.density, layer.kinematic});
     report.layers.push_back({layer.name, 0, 0.0, 0.0});
   }
+  std::vector<float> carried;
   model.fibre = fibre_directions(scene.layers, layering.layer);
   for (std::size_t i = 0; i < layering.layer.size(); ++i) {
     const std::uint32_t l = layering.layer[i];
@@ -80,6 +81,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
         model.fibre[3 * i] != 0.0f || model.fibre[3 * i + 1] != 0.0f || model.fibre[3 * i + 2] != 0.0f;
     model.mass.push_back(layer.density * volume[i]);
     model.alpha.push_back(kinematic ? 0.0f : as_factor(layer.alpha));
+    carried.push_back(kinematic ? 0.0f : as_factor(1.0 - layer.inertia_scale));
     model.beta.push_back(has_fibre ? static_cast<float>(layer.beta) : 0.0f);
     model.tag.push_back(l | (kinematic ? shader::tag_kinematic : 0u));
 
@@ -90,6 +92,8 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     report.mass += model.mass[i];
     report.pinned_vertices += kinematic ? 1u : 0u;
   }
+  const bool some = std::any_of(carried.begin(), carried.end(), [](float share) { return share != 0.0f; });
+  if (some && std::holds_alternative<scene::Character>(scene.geometry)) model.carried = std::move(carried);
 }
 
 void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& model, Report& report) {

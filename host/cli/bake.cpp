@@ -102,14 +102,29 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     std::cout << "  for Blender and ParaView: the same command with --overwrite --format pc2,vtu\n";
 }
 
-void print_result(const BakeArguments& arguments, const scene::Scene& scene,
+// What came before frame 0, how a loop closes, and how far the flesh trails.
+void print_motion(const BakeArguments& arguments, const model::Model& model, const bake::BakeResult& result) {
+  const bake::LeadInSummary& led = result.lead_in;
+  if (led.settled_speed)
+    std::cout << "settled for " << led.settle_frames << " frames, to "
+              << number_text(*led.settled_speed * 1e3, 3) << " mm/s\n";
+  if (result.loop_jump)
+    std::cout << "loop: " << led.cycles << " cycles before it; its end is at most "
+              << number_text(*result.loop_jump * 1e3, 3) << " mm from its beginning\n";
+  for (const bake::PeakLag& peak : bake::peak_lags(arguments.folder, model))
+    std::cout << "peak lag of " << peak.layer << ": " << number_text(peak.lag * 1e3, 3) << " mm in frame "
+              << peak.frame << "\n";
+}
+
+void print_result(const BakeArguments& arguments, const scene::Scene& scene, const model::Model& model,
                   const bake::DeviceDescription& device, const bake::BakeResult& result) {
   std::cout << "baked " << scene.name << ": " << count_text(result.frames_done) << " frames in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
             << ", writing " << duration_text(result.seconds_writing) << ")\n"
             << "device: " << device.solver << ", " << device.name << "\n"
-            << "position hash of the last frame: " << result.last_position_hash << "\n"
-            << "wrote\n";
+            << "position hash of the last frame: " << result.last_position_hash << "\n";
+  print_motion(arguments, model, result);
+  std::cout << "wrote\n";
   for (const fs::path& file : result.files) std::cout << "  " << file.string() << "\n";
   print_how_to_look(arguments, result.files);
 }
@@ -155,7 +170,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
                 "; the same command with --resume (and without --overwrite) goes on");
     return ExitCode::interrupted;
   }
-  print_result(arguments, scene, options.device, result);
+  print_result(arguments, scene, built.model, options.device, result);
   return ExitCode::done;
 }
 

@@ -12,10 +12,6 @@ namespace {
 
 constexpr std::size_t warning_vertices_shown = 8;
 
-bool has_overrides(const scene::SceneOverrides& overrides) {
-  return !overrides.set.empty() || overrides.fps || overrides.start || overrides.end || overrides.clip;
-}
-
 }  // namespace
 
 std::string warning_text(const build::Warning& warning) {
@@ -68,13 +64,31 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_flag("--no-cache", arguments.no_cache,
                       "Fill the surface anew: neither use nor keep filled bodies "
                       "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
+  subcommand
+      .add_option(
+          "--rest", overrides.rest,
+          "What the rest shape is: hung by gravity already (sculpted), or shaped without (weightless)")
+      ->option_text("sculpted|weightless");
+  subcommand
+      .add_option(
+          "--preroll", overrides.preroll,
+          "Frames, or seconds as in 0.5s, in which the bind pose goes over into the first pose before "
+          "frame 0")
+      ->option_text("N|Ns");
+  subcommand.add_option(
+      "--settle", overrides.settle,
+      "Seconds, at most, in which the flesh comes to rest in the first pose before frame 0");
+  subcommand.add_option("--loop", overrides.loop, "How often the clip is played")->option_text("N");
+  subcommand.add_flag("--seamless", overrides.seamless,
+                      "Play the clip before frame 0 until it ends as it began, then write one cycle");
+  subcommand.add_option("--hold", overrides.hold, "Seconds in which the clip's last pose is held");
 }
 
 scene::Scene load(const SceneArguments& arguments) {
   try {
     return scene::load_scene(arguments.name, arguments.overrides);
   } catch (const scene::SceneError& error) {
-    if (!has_overrides(arguments.overrides)) throw;
+    if (!scene::has_overrides(arguments.overrides)) throw;
     // Whose fault is it? If the scene loads as it stands, the command line's.
     const std::string message = error.what();
     scene::load_scene(arguments.name);

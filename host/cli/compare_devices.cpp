@@ -9,6 +9,7 @@
 #include "cpu_reference/oracle.h"
 #include "host/bake/bake.h"
 #include "host/bake/drive_source.h"
+#include "host/bake/lead_in.h"
 
 namespace fascicle::cli {
 namespace {
@@ -142,7 +143,7 @@ OracleComparison compare_with_oracle(Run& run, const ChosenDevice& device, doubl
 }  // namespace
 
 bool Comparison::holds() const {
-  return exact ? !difference && !hashes.first_different_frame : relative <= oracle_bound;
+  return exact ? !starts_differ && !difference && !hashes.first_different_frame : relative <= oracle_bound;
 }
 
 bool Validation::holds() const {
@@ -154,13 +155,21 @@ Validation validate(const scene::Scene& scene, const model::Model& model, const 
                     const std::vector<ChosenDevice>& devices, std::uint64_t frames,
                     std::uint64_t oracle_frames, const OnFrame& on_frame) {
   Run run{model, options, bake::DriveSource(scene, model), {}, frames, oracle_frames, on_frame};
-  run.start = run.source.initial_state();
+  const auto start_on = [&](const ChosenDevice& device) {
+    on_frame("preparing " + device.label(), 0, frames);
+    const std::unique_ptr<model::Solver> solver = device.make_solver(model, options);
+    return bake::lead_in(scene, model, run.source, *solver).state;
+  };
+  run.start = start_on(devices.front());
   Validation validation;
   validation.frames = frames;
   validation.oracle_frames = oracle_frames;
   validation.extent = body_extent(model);
-  for (std::size_t k = 1; k < devices.size(); ++k)
+  for (std::size_t k = 1; k < devices.size(); ++k) {
     validation.comparisons.push_back(compare(run, devices.front(), devices[k], validation.extent));
+    Comparison& comparison = validation.comparisons.back();
+    if (comparison.exact) comparison.starts_differ = start_on(devices[k]) != run.start;
+  }
   if (oracle_frames == 0) return validation;
   // Devices that were found identical have one distance; it is measured once.
   validation.oracle.push_back(compare_with_oracle(run, devices.front(), validation.extent));

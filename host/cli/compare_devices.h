@@ -40,8 +40,9 @@ struct Comparison {
   std::uint64_t values = 0;                     // stage outputs compared
   std::optional<model::Difference> difference;  // if exact
   HashComparison hashes;                        // if exact
-  model::Distance distance;                     // if not exact
-  double relative = 0.0;                        // distance.largest over the extent
+  bool starts_differ = false;  // if exact: the states before frame 1, after preroll and the like
+  model::Distance distance;    // if not exact
+  double relative = 0.0;       // distance.largest over the extent
   bool holds() const;
 };
 

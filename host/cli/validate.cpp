@@ -68,6 +68,7 @@ Json json_of(const Comparison& comparison, const model::Model& model) {
   }
   const HashComparison& hashes = comparison.hashes;
   object["identical"] = comparison.holds();
+  object["starts_identical"] = !comparison.starts_differ;
   object["values_compared"] = comparison.values;
   object["first_difference"] = comparison.difference ? json_of(*comparison.difference, model) : Json();
   object["unprobed"] = {
@@ -145,6 +146,10 @@ void print_comparison(const Comparison& comparison, const model::Model& model) {
     return;
   }
   std::cout << pair << "DIFFERENT\n";
+  if (comparison.starts_differ) {
+    std::cout << "the states before frame 1 differ: preroll, settling or the cycles before a seamless loop\n";
+    if (!comparison.difference && !comparison.hashes.first_different_frame) return;
+  }
   if (comparison.difference)
     std::cout << difference_text(*comparison.difference, comparison, model);
   else

@@ -117,6 +117,7 @@ void check_skin(const Model& m) {
     check_size("skin_offset", m.skin_offset, 0);
     check_size("skin_joint", m.skin_joint, 0);
     check_size("skin_weight", m.skin_weight, 0);
+    check_size("carried", m.carried, 0);
     return;
   }
   check_offsets("skin_offset", m.skin_offset, m.vertex_count, m.skin_joint.size());
@@ -130,6 +131,9 @@ void check_skin(const Model& m) {
     // Each of up to 8 weights is rounded to float once: 8 half ULPs below 1.
     if (std::abs(sum - 1.0) > 8 * 0x1p-24) broken("skin_weight", m.skin_offset[i], "weights do not sum to 1");
   }
+  if (m.carried.empty()) return;
+  check_size("carried", m.carried, m.vertex_count);
+  check_factors("carried", m.carried, 1.0f);
 }
 
 void check_forces(const Model& m) {
@@ -198,9 +202,10 @@ std::uint64_t solver_bytes(const Model& m) {
                               bytes(m.ring) + bytes(m.pull) + bytes(m.share_taken) + bytes(m.share_given) +
                               bytes(m.region_rest) + bytes(m.region_muscle) + bytes(m.region_normal) +
                               bytes(m.skin_offset) + bytes(m.skin_joint) + bytes(m.skin_weight) +
-                              bytes(m.force_offset) + bytes(m.force_index) + bytes(m.force_coefficient) +
-                              bytes(m.surface_vertex) + bytes(m.surface_weight);
-  const std::uint64_t floats_of_state = 3 + 3 + 4 + 12 + (m.has_skeleton() ? 6 : 0);
+                              bytes(m.carried) + bytes(m.force_offset) + bytes(m.force_index) +
+                              bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
+  const std::uint64_t floats_of_state =
+      3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) + (m.carried.empty() ? 0 : 3);
   return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);
 }
 

@@ -87,6 +87,10 @@ struct Model {
   std::vector<std::uint32_t> skin_joint;
   std::vector<float> skin_weight;  // sums to 1 for each vertex
 
+  // The share of the skeleton's acceleration that a vertex does not feel, 0 or at least least_factor, at most
+  // 1: 1 less its layer's inertia scale. Empty where every vertex feels all of it, and without a skeleton.
+  std::vector<float> carried;  // n or 0
+
   // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in
   // newtons for a point force and in N/m^2 for wind, both divided by the working unit.
   std::uint32_t force_count = 0;

@@ -20,7 +20,8 @@ inline constexpr std::array<Stage, 6> all_stages{Stage::skin, Stage::predict,   
                                                  Stage::goal, Stage::integrate, Stage::embed};
 const char* name_of(Stage stage);
 
-// Floats an item of the stage's output holds. skin: skinned position; predict: velocity with the external
+// Floats an item of the stage's output holds. skin: skinned position (3), the bones' change of gravity (3);
+// predict: velocity with the external
 // forces in; region: linear map (row by row, 9), translation (3), quaternion w x y z (4); goal: position;
 // integrate: position (3), velocity (3); embed: position. One item a vertex, for embed one a render vertex.
 std::uint32_t stage_width(Stage stage);
@@ -35,6 +36,19 @@ struct SolverOptions {
   Rotation rotation = Rotation::qcp;
 };
 
+// A map that leaves everything where it is, if rest origin and frame's origin are the same.
+inline constexpr shader::Bone bone_at_rest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0};
+
+// A break in the skeleton's motion, such as a cut or a teleport: before the substep all history is carried
+// from the motion that ends to the one that begins, see carried(). Poses have joint_count bones and are a
+// substep apart.
+struct Cut {
+  std::uint32_t substep = 0;                 // of the frame
+  std::array<double, 3> origin{0, 0, 0};     // metres: of the motion that begins
+  std::span<const shader::Bone> before, at;  // the motion that ends: a substep before the cut, and at the cut
+  std::span<const shader::Bone> to, after;   // the one that begins: at the cut, and a substep after it
+};
+
 // What moves the body through one frame. Every span holds substeps x count items and may die after submit()
 // returns.
 struct Drive {
@@ -42,11 +56,13 @@ struct Drive {
   double h = 0.0;                              // s; solvers use float(h) and float(1/h)
   std::array<double, 3> origin{0, 0, 0};       // metres: what this frame's positions are relative to
   std::array<float, 3> origin_shift{0, 0, 0};  // origin less the last frame's origin, working units
-  std::array<float, 3> gravity{0, 0, 0};       // working units / s^2
+  std::array<float, 3> gravity{0, 0, 0};       // working units / s^2; to it comes each bone's change of it
   std::span<const shader::Bone> bones;         // joint_count a substep
   std::span<const shader::Muscle> muscles;     // muscle_count a substep
   std::span<const shader::Force> forces;       // force_count a substep
   std::span<const float> decay;                // exp(-damping h), one a layer (once a frame, not a substep)
+  std::span<const Cut> cuts = {};              // by ascending substep; up to the first one the bones are
+                                               // relative to the last frame's origin, origin_shift is 0 then
 };
 
 // Throws std::invalid_argument where a drive's spans do not fit the model.
@@ -60,9 +76,11 @@ struct Read {
   bool positions = false;
   bool velocities = false;
   bool surface = false;
+  bool skinned = false;
 };
 inline Read operator|(Read a, Read b) {
-  return {a.positions || b.positions, a.velocities || b.velocities, a.surface || b.surface};
+  return {a.positions || b.positions, a.velocities || b.velocities, a.surface || b.surface,
+          a.skinned || b.skinned};
 }
 
 struct Frame {
@@ -71,6 +89,8 @@ struct Frame {
   std::vector<float> positions;           // 3n, working units relative to origin, or empty
   std::vector<float> velocities;          // 3n, working units / s, or empty
   std::vector<float> surface;             // 3m, or empty
+  std::vector<float> skinned = {};        // 3n: where skinning alone would put the vertices; empty without a
+                                          // skeleton
 };
 
 // All history of a solver: save() then load() goes on with the same bits.
@@ -81,6 +101,8 @@ struct State {
   std::vector<float> velocities;  // 3n
   std::vector<float> rotations;   // 4n: quaternion w x y z of each region, the next extraction's start
   std::vector<float> skinned;     // 3n: skinned positions of the last substep; empty without a skeleton
+  std::vector<float> skinned_velocities = {};  // 3n: what skinning alone gave in the last substep; empty
+                                               // where Model::carried is
   bool operator==(const State&) const = default;
 };
 
@@ -89,6 +111,13 @@ struct State {
 // once.
 State initial_state(const Model& model, std::span<const shader::Bone> pose,
                     const std::array<double, 3>& origin);
+
+// The state carried over a cut, computed in double and rounded once. With s and u a vertex's skinned position
+// and velocity in the motion that ends, s' and u' in the one that begins, and R the rotation nearest to what
+// lies between the two blended bone maps,
+//   q' = s' + R (q - s),   v' = u' + R (v - u),
+// and the regions' rotations are turned by R: relative to the skeleton nothing has happened.
+State carried(const Model& model, const State& state, double h, const Cut& cut);
 
 // The state of the body at rest, before any state is loaded: every bone leaves its vertices where they are.
 State rest_state(const Model& model);

@@ -31,8 +31,13 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
 
 }  // namespace
 
-std::uint64_t frame_count(const Scene& scene) {
+std::uint64_t cycle_frames(const Scene& scene) {
   return static_cast<std::uint64_t>(std::llround((scene.end - scene.start) * scene.fps));
+}
+
+std::uint64_t frame_count(const Scene& scene) {
+  return scene.motion.loop * cycle_frames(scene) +
+         static_cast<std::uint64_t>(std::llround(scene.motion.hold * scene.fps));
 }
 
 Scene load_scene(const std::string& name, const SceneOverrides& overrides) {

@@ -1,6 +1,8 @@
 #include "host/scene/overrides.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <sstream>
 
 #include "host/scene/scene_check.h"
@@ -104,7 +106,25 @@ std::vector<std::string> split_path(std::string_view text) {
   }
 }
 
+// "30" frames or "0.5s" as seconds.
+std::string preroll_seconds(const std::string& text, const toml::table& root) {
+  const bool in_seconds = text.ends_with('s');
+  const char* last = text.data() + text.size() - (in_seconds ? 1 : 0);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), last, value);
+  if (error != std::errc() || end != last || (!in_seconds && value != std::floor(value)))
+    throw SceneError(one_line("--preroll " + text + ": takes frames, such as 30, or seconds, such as 0.5s"));
+  if (in_seconds) return shortest(value);
+  const auto fps = root["scene"]["fps"].value<double>();
+  return shortest(value / fps.value_or(Scene{}.fps));
+}
+
 }  // namespace
+
+bool has_overrides(const SceneOverrides& o) {
+  return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.preroll || o.settle || o.loop ||
+         o.seamless || o.hold;
+}
 
 void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   std::uint32_t ordinal = 0;
@@ -124,6 +144,16 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   assign_number("--fps", "scene.fps", overrides.fps);
   assign_number("--start", "scene.start", overrides.start);
   assign_number("--end", "scene.end", overrides.end);
+  if (overrides.rest) set("--rest " + *overrides.rest, "motion.rest", *overrides.rest);
+  if (overrides.preroll)
+    set("--preroll " + *overrides.preroll, "motion.preroll", preroll_seconds(*overrides.preroll, root));
+  assign_number("--settle", "motion.settle", overrides.settle);
+  assign_number("--hold", "motion.hold", overrides.hold);
+  if (overrides.loop) {
+    const std::string count = std::to_string(*overrides.loop);
+    set("--loop " + count, "motion.loop", count);
+  }
+  if (overrides.seamless) set("--seamless", "motion.seamless", "true");
   if (overrides.clip) {
     const std::string option = "--clip " + *overrides.clip;
     if (!root.contains("character"))

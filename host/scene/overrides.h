@@ -8,7 +8,7 @@
 
 namespace fascicle::scene {
 
-// Applies --set in order, then --fps, --start, --end and --clip. A path leads through tables of the table of
+// Applies --set in order, then the other options. A path leads through tables of the table of
 // keys; a name that users choose (layers.NAME) must be there already, unless the value is the whole table.
 // Setting one key of a choice drops the others. Throws SceneError that names the option.
 void apply_overrides(toml::table& root, const SceneOverrides& overrides);

@@ -126,6 +126,7 @@ struct Layer {
   double density = 1000.0;        // kg/m^3, > 0
   std::optional<Vector3d> fibre;  // constant direction, normalised when read
   bool kinematic = false;         // a bone layer: moved by skinning, pinned without a skeleton
+  double inertia_scale = 1.0;     // [0, 1]: share of the skeleton's acceleration that the flesh feels
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
@@ -157,6 +158,29 @@ struct SolverSettings {
   std::uint32_t substeps = 1;         // a frame, [1, 1000]
 };
 
+// What the rest shape is: hung by gravity already, so that only gravity's change in the bones' frames acts
+// (f_i = m_i (g - R_i g)), or shaped without gravity, which then acts in full.
+enum class Rest { sculpted, weightless };
+
+// How time runs around the clip. The frames that are written show the clip from `start` to `end`, `loop`
+// times, and then its last pose for `hold` seconds; what comes before frame 0 is stepped and not written.
+struct Motion {
+  Rest rest = Rest::weightless;        // characters: sculpted
+  double preroll = 0.0;                // s: from the bind pose, at the first pose's place, to the first pose
+  double settle = 0.0;                 // s at most: the first pose held until the flesh is still
+  std::uint32_t loop = 1;              // cycles, at least 1
+  bool seamless = false;               // cycles before frame 0, until one ends as it began; one is written
+  double seamless_tolerance = 1e-3;    // of the body's extent: how near is "as it began"
+  std::uint32_t seamless_cycles = 10;  // before frame 0, at most
+  double hold = 0.0;                   // s
+  std::vector<double> cuts;            // s of the clip: the motion jumps in the substep that holds it
+  std::optional<double> cut_distance;  // m: a root that goes further in a frame has jumped; absent: the
+                                       // body's extent
+};
+
+// Flesh slower than this (root mean square over the free vertices, m/s) is still.
+inline constexpr double still_speed = 1e-3;
+
 struct Scene {
   std::string name;    // file stem or built-in name
   std::string source;  // path as given, or "builtin:NAME"
@@ -174,13 +198,16 @@ struct Scene {
   std::vector<Force> forces;
   Vector3d gravity{0, -9.81, 0};
   SolverSettings solver;
+  Motion motion;
   double fps = 60.0;
   double start = 0.0;  // s of the clip where frame 0 stands
-  double end = 2.0;    // s; frames = round((end - start) fps)
+  double end = 2.0;    // s of the clip; a cycle has round((end - start) fps) frames
   std::string clip;    // name or index; empty: the first
 };
 
-// Frames after frame 0.
+// Frames of one cycle of the clip.
+std::uint64_t cycle_frames(const Scene& scene);
+// Frames after frame 0: all cycles and the hold.
 std::uint64_t frame_count(const Scene& scene);
 
 // Changes to a scene before it is checked.
@@ -188,7 +215,14 @@ struct SceneOverrides {
   std::vector<std::string> set = {};  // "layers.fat.alpha=0.2"
   std::optional<double> fps = {}, start = {}, end = {};
   std::optional<std::string> clip = {};
+  std::optional<std::string> rest = {};
+  std::optional<std::string> preroll = {};  // frames, or seconds as in "0.5s"
+  std::optional<double> settle = {}, hold = {};
+  std::optional<std::uint32_t> loop = {};
+  bool seamless = false;
 };
+
+bool has_overrides(const SceneOverrides& overrides);
 
 // `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
 // .gltf) or a built-in scene. Throws SceneError.

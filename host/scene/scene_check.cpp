@@ -55,6 +55,8 @@ const char* type_wanted(KeyType type) {
       return "an array of three numbers";
     case KeyType::integer_vector:
       return "an array of three whole numbers";
+    case KeyType::numbers:
+      return "an array of numbers";
     case KeyType::table:
       return "a table";
     case KeyType::tables:
@@ -94,11 +96,12 @@ void check_number(const toml::node& node, const Key& key, const std::string& pat
 void check_vector(const toml::node& node, const Key& key, const std::string& path) {
   const toml::array* array = node.as_array();
   if (array == nullptr) fail_type(node, key, path);
-  if (array->size() != 3) {
+  if (array->size() != 3 && key.type != KeyType::numbers) {
     fail(node.source(), path,
          "has " + std::to_string(array->size()) + " entries; takes " + type_wanted(key.type));
   }
-  for (std::size_t i = 0; i < 3; ++i) check_number((*array)[i], key, path + "[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < array->size(); ++i)
+    check_number((*array)[i], key, path + "[" + std::to_string(i) + "]");
 }
 
 void check_text(const toml::node& node, const Key& key, const std::string& path) {
@@ -161,6 +164,7 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
       return;
     case KeyType::vector:
     case KeyType::integer_vector:
+    case KeyType::numbers:
       return check_vector(node, key, path);
     case KeyType::table:
       if (!node.is_table()) fail_type(node, key, path);

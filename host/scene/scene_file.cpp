@@ -1,5 +1,6 @@
 #include "host/scene/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/scene/input_files.h"
@@ -156,6 +157,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    read(table, "damping", layer.damping);
                    read(table, "density", layer.density);
                    read(table, "kinematic", layer.kinematic);
+                   read(table, "inertia_scale", layer.inertia_scale);
                    if (const toml::node* node = table.get("fibre")) {
                      const Vector3d fibre = vector_of(*node);
                      // Scaled first: a square of the smallest doubles is 0.
@@ -295,6 +297,55 @@ void read_time(const toml::table& root, Scene& scene) {
     fail(blame, "scene.end", "asks for more than 10 million frames; end earlier or lower fps");
 }
 
+// A character's flesh is not crushed by the first frame if it gets this long to follow, s.
+constexpr double default_preroll = 0.5;
+
+void read_motion(const toml::table& root, Scene& scene) {
+  const toml::table& table = table_at(root, "motion");
+  const bool is_character = std::holds_alternative<Character>(scene.geometry);
+  const auto refuse = [&](const char* key, const std::string& what) {
+    fail(table.get(key)->source(), join_path("motion", key), what);
+  };
+  Motion& motion = scene.motion;
+  if (is_character) {
+    motion.rest = Rest::sculpted;
+    motion.preroll = default_preroll;
+  }
+  std::string rest = motion.rest == Rest::sculpted ? "sculpted" : "weightless";
+  read(table, "rest", rest);
+  motion.rest = rest == "sculpted" ? Rest::sculpted : Rest::weightless;
+  read(table, "preroll", motion.preroll);
+  read(table, "settle", motion.settle);
+  read(table, "loop", motion.loop);
+  read(table, "seamless", motion.seamless);
+  read(table, "seamless_tolerance", motion.seamless_tolerance);
+  read(table, "seamless_cycles", motion.seamless_cycles);
+  read(table, "hold", motion.hold);
+  read(table, "cut_distance", motion.cut_distance);
+  if (const toml::node* node = table.get("cuts"))
+    for (const toml::node& time : *node->as_array()) motion.cuts.push_back(number_of(time));
+  std::sort(motion.cuts.begin(), motion.cuts.end());
+
+  if (!is_character) {
+    if (motion.rest == Rest::sculpted)
+      refuse("rest",
+             "a body without a skeleton has no bones' frames in which gravity could change; say "
+             "weightless, or use a [character]");
+    if (motion.preroll > 0.0) refuse("preroll", "takes a [character]; leave it out");
+    if (motion.loop > 1) refuse("loop", "takes a [character], whose clip it repeats; leave it out");
+    if (motion.seamless) refuse("seamless", "takes a [character], whose clip it repeats; leave it out");
+    if (!motion.cuts.empty()) refuse("cuts", "takes a [character], whose clip it cuts; leave it out");
+  }
+  if (motion.seamless && motion.loop > 1)
+    refuse("loop", "stands beside seamless, which writes one cycle; leave one of them out");
+  if (motion.seamless && motion.hold > 0.0)
+    refuse("hold", "stands beside seamless, whose end is its beginning; leave one of them out");
+  const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
+  if (frames > most_frames)
+    fail(table.source(), "motion",
+         "loop and hold make more than 10 million frames; make them less, or lower fps");
+}
+
 toml::table parse_toml(const SceneText& input) {
   try {
     return toml::parse(input.text, input.source);
@@ -313,9 +364,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   Scene scene;
   scene.name = input.name;
   scene.source = input.source;
-  const bool changed =
-      !overrides.set.empty() || overrides.fps || overrides.start || overrides.end || overrides.clip;
-  scene.text = changed ? write_scene(root) : input.text;
+  scene.text = has_overrides(overrides) ? write_scene(root) : input.text;
 
   const toml::table& solver = table_at(root, "solver");
   read(solver, "integrator", scene.solver.integrator);
@@ -346,6 +395,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
     read_character(table_at(root, "character"), input.folder, scene);
   }
   read_time(root, scene);
+  read_motion(root, scene);
   return scene;
 }
 

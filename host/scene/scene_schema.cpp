@@ -46,6 +46,12 @@ Json schema_of(const Key& key) {
       schema = {{"type", "array"}, {"items", items}, {"minItems", 3}, {"maxItems", 3}};
       break;
     }
+    case KeyType::numbers: {
+      Json items{{"type", "number"}};
+      add_range(items, key);
+      schema = {{"type", "array"}, {"items", items}};
+      break;
+    }
     case KeyType::table:
       schema = reference(*key.table);
       break;

@@ -188,6 +188,10 @@ struct Tables {
            .type = KeyType::boolean,
            .doc = "Moved by the skeleton alone, or held still where there is none: bone.",
            .fallback = Layer{}.kinematic},
+          {.name = "inertia_scale",
+           .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",
+           .range = between(0.0, 1.0),
+           .fallback = Layer{}.inertia_scale},
           where_key(shape, false,
                     "What belongs to the layer; where absent, all that no other layer claims.")}};
 
@@ -215,6 +219,60 @@ struct Tables {
            .doc = "Steps a frame; the stiffness that alpha means grows with their square.",
            .range = between(1, 1000),
            .fallback = SolverSettings{}.substeps}}};
+
+  Table motion{
+      .name = "motion",
+      .doc = "How time runs around the clip, and what gravity does to the rest shape.",
+      .keys = {
+          {.name = "rest",
+           .type = KeyType::text,
+           .doc =
+               "sculpted: the rest shape hangs under gravity already, only its change in the bones' frames "
+               "acts; weightless: all of it acts. Where absent, sculpted for a character, else weightless.",
+           .allowed = {"sculpted", "weightless"}},
+          {.name = "preroll",
+           .doc =
+               "Time before frame 0 in which the bind pose goes over into the first pose, s; where absent, "
+               "0.5 for a character.",
+           .range = between(0.0, 1e3)},
+          {.name = "settle",
+           .doc =
+               "Time before frame 0, and after the preroll, in which the first pose is held until the flesh "
+               "is slower than 1 mm/s (root mean square); at most this long, s.",
+           .range = between(0.0, 1e3),
+           .fallback = Motion{}.settle},
+          {.name = "loop",
+           .type = KeyType::integer,
+           .doc = "How often the clip is played.",
+           .range = between(1, 100000),
+           .fallback = Motion{}.loop},
+          {.name = "seamless",
+           .type = KeyType::boolean,
+           .doc = "Play the clip before frame 0 until a cycle ends as it began, then write one cycle.",
+           .fallback = Motion{}.seamless},
+          {.name = "seamless_tolerance",
+           .doc = "Largest distance of a vertex between a cycle's end and its beginning, as a share of the "
+                  "body's extent.",
+           .range = positive(1.0),
+           .fallback = Motion{}.seamless_tolerance},
+          {.name = "seamless_cycles",
+           .type = KeyType::integer,
+           .doc = "Cycles before frame 0, at most.",
+           .range = between(1, 10000),
+           .fallback = Motion{}.seamless_cycles},
+          {.name = "hold",
+           .doc = "Time after the clip's end in which its last pose is held, s.",
+           .range = between(0.0, 1e5),
+           .fallback = Motion{}.hold},
+          {.name = "cuts",
+           .type = KeyType::numbers,
+           .doc =
+               "Times of the clip at which it jumps, s: the flesh is carried along and feels nothing of it.",
+           .range = between(-1e5, 1e5)},
+          {.name = "cut_distance",
+           .doc = "A root that goes further than this in one frame has jumped, m; where absent, the body's "
+                  "largest extent.",
+           .range = positive(farthest)}}};
 
   Table pin{.name = "pin",
             .doc = "Vertices that are held where they are.",
@@ -272,6 +330,10 @@ struct Tables {
             .required = true,
             .table = &layer},
            {.name = "solver", .type = KeyType::table, .doc = "How the motion is computed.", .table = &solver},
+           {.name = "motion",
+            .type = KeyType::table,
+            .doc = "How time runs around the clip.",
+            .table = &motion},
            {.name = "pin", .type = KeyType::named_tables, .doc = "Pinned vertices by name.", .table = &pin},
            {.name = "probe", .type = KeyType::named_tables, .doc = "Probes by name.", .table = &probe},
            {.name = "force", .type = KeyType::named_tables, .doc = "Forces by name.", .table = &force}},

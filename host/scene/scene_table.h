@@ -18,6 +18,7 @@ enum class KeyType {
   boolean,
   vector,          // three numbers
   integer_vector,  // three whole numbers
+  numbers,         // any count of numbers
   table,
   tables,        // one table, or an array of at least one
   named_tables,  // a table of tables, whose names the user chooses

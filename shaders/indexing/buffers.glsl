@@ -11,6 +11,7 @@ layout(push_constant, std430) uniform PushBlock { Push push; };
 layout(constant_id = constant_rotation) const uint rotation_method = rotation_qcp;
 layout(constant_id = constant_muscles) const bool with_muscles = false;
 layout(constant_id = constant_forces) const bool with_forces = false;
+layout(constant_id = constant_carried) const bool with_carried = false;
 
 layout(std430, binding = buffer_position) buffer PositionBuffer { vec4 position[]; };
 layout(std430, binding = buffer_velocity) buffer VelocityBuffer { vec4 velocity[]; };
@@ -19,6 +20,8 @@ layout(std430, binding = buffer_transform) buffer TransformBuffer { vec4 transfo
 layout(std430, binding = buffer_goal) buffer GoalBuffer { vec4 goal[]; };
 layout(std430, binding = buffer_skinned) buffer SkinnedBuffer { vec4 skinned[]; };
 layout(std430, binding = buffer_skinned_before) buffer SkinnedBeforeBuffer { vec4 skinned_before[]; };
+layout(std430, binding = buffer_skinned_velocity) buffer SkinnedVelocityBuffer { vec4 skinned_velocity_before[]; };
+layout(std430, binding = buffer_gravity) buffer GravityBuffer { vec4 gravity[]; };
 layout(std430, binding = buffer_surface) buffer SurfaceBuffer { float surface[]; };
 
 layout(std430, binding = buffer_rest) readonly buffer RestBuffer { vec4 rest[]; };

@@ -1,7 +1,7 @@
 // Stage predict for one vertex, shared by predict.comp and update.comp.
 #ifndef FASCICLE_INDEXING_PREDICT_GLSL
 #define FASCICLE_INDEXING_PREDICT_GLSL
-#include "shaders/indexing/buffers.glsl"
+#include "shaders/indexing/skeleton.glsl"
 #include "shaders/kernel/predict.inc"
 
 // The velocity of free vertex i with the external forces in.
@@ -10,6 +10,7 @@ Vector predicted_velocity(uint i) {
   a.x = push.substep.gravity_x;
   a.y = push.substep.gravity_y;
   a.z = push.substep.gravity_z;
+  if (has_skeleton()) a = add_gravity(a, vector_of(gravity[i]));
   if (with_forces) {
     uint end = force_offset[i + 1u];
     for (uint k = force_offset[i]; k < end; ++k) {
@@ -21,7 +22,10 @@ Vector predicted_velocity(uint i) {
       a = add_force(a, force_coefficient[k], direction);
     }
   }
-  return predict_velocity(vector_of(velocity[i]), a, push.substep.h);
+  Vector v = vector_of(velocity[i]);
+  if (with_carried)
+    v = carry_velocity(v, vertex[i].carried, velocity_of_skin(i), vector_of(skinned_velocity_before[i]));
+  return predict_velocity(v, a, push.substep.h);
 }
 
 #endif

@@ -160,11 +160,12 @@ TEST(Metrics, AgainstClosedForms) {
   std::istringstream in(read_text(folder / "metrics.csv"));
   std::string line;
   std::getline(in, line);
-  EXPECT_EQ(line, "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement,tip_x,tip_y,tip_z");
+  EXPECT_EQ(line,
+            "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement,inverted,tip_x,tip_y,tip_z");
   for (int k = 0; k < 3; ++k) {
     ASSERT_TRUE(std::getline(in, line));
     const std::vector<std::string> cells = split(line, ',');
-    ASSERT_EQ(cells.size(), 9u);
+    ASSERT_EQ(cells.size(), 10u);
     const auto cell = [&](std::size_t c) { return std::stod(cells[c]); };
     const double s = 1.0 + 0.25 * k;
     // All inputs are small multiples of powers of two; what rounds are the division by 6 and by the rest
@@ -180,9 +181,10 @@ TEST(Metrics, AgainstClosedForms) {
     // The far corner (1, 1, 1) moves by (s - 1) of it; the origin is that of frame 0.
     EXPECT_NEAR(cell(5), 0.5 * (s - 1.0) * std::sqrt(3.0), few_ulps);
     // Mean of (1, 0, 0) and (0, 0, 1).
-    EXPECT_EQ(cell(6), 12.0 + 0.25 * s);
-    EXPECT_EQ(cell(7), -1.0);
-    EXPECT_EQ(cell(8), 4.0 + 0.25 * s);
+    EXPECT_EQ(cells[6], "0");
+    EXPECT_EQ(cell(7), 12.0 + 0.25 * s);
+    EXPECT_EQ(cell(8), -1.0);
+    EXPECT_EQ(cell(9), 4.0 + 0.25 * s);
   }
   EXPECT_FALSE(std::getline(in, line));
 }
@@ -212,6 +214,67 @@ TEST(Metrics, DisplacementIsInTheWorld) {
   std::string line, last;
   while (std::getline(in, line)) last = line;
   EXPECT_EQ(split(last, ',')[5], "0");
+}
+
+// Two tetrahedra with a skeleton. Frame k's flesh stands k/4 units from its skinned place, and in frame 2 one
+// vertex of the flesh, in frame 1 one of the skin, lies on the far side of its tetrahedra's common face.
+TEST(Metrics, LagAndInversionBesideSkinningAlone) {
+  const TemporaryFolder folder;
+  model::Model model = two_tetrahedra();
+  model.joint_count = 1;
+  model.skin_offset = {0, 1, 2, 3, 4, 5};
+  model.skin_joint.assign(5, 0);
+  model.skin_weight.assign(5, 1.0f);
+  const auto frame = [&](std::uint64_t k) {
+    model::Frame f{.index = k,
+                   .origin = {},
+                   .positions = model.rest,
+                   .velocities = model.rest,
+                   .surface = {},
+                   .skinned = model.rest};
+    for (std::size_t i = 1; i < f.positions.size(); i += 3) f.positions[i] += 0.25f * static_cast<float>(k);
+    if (k == 1) std::fill_n(f.skinned.begin(), 3, 1.0f);
+    if (k == 2) std::fill_n(f.positions.begin(), 3, 2.0f);
+    return f;
+  };
+  const model::Frame initial = frame(0);
+  const auto sink = bake::make_metrics_sink();
+  EXPECT_TRUE(sink->needs().skinned);
+  sink->begin({.model = &model,
+               .folder = folder / "",
+               .scene_name = "s",
+               .fps = 8.0,
+               .start = 0.0,
+               .frames = 2,
+               .first = 0,
+               .initial = &initial});
+  for (std::uint64_t k = 0; k < 3; ++k) sink->write(frame(k));
+  sink->finish();
+  std::istringstream in(read_text(folder / "metrics.csv"));
+  std::string line;
+  std::getline(in, line);
+  EXPECT_NE(line.find(",inverted,inverted_skinned,lag_fat,lag_bone,tip_x"), std::string::npos) << line;
+  const auto cells_of_next = [&] {
+    std::getline(in, line);
+    return split(line, ',');
+  };
+  const auto zero = cells_of_next(), one = cells_of_next(), two = cells_of_next();
+  EXPECT_EQ(zero[6] + zero[7] + zero[8] + zero[9], "0000");
+  EXPECT_EQ(one[6], "0");
+  EXPECT_EQ(one[7], "1") << "the tetrahedron of vertex 0";
+  EXPECT_EQ(one[9], "0") << "kinematic vertices do not lag";
+  // Three free vertices lag by 1/4, vertex 0 is at (0, 1/4, 0) and its skin at (1, 1, 1); half a metre a
+  // unit.
+  EXPECT_NEAR(std::stod(one[8]), 0.5 * std::sqrt((3 * 0.0625 + 2 + 0.5625) / 4.0), 1e-12);
+  EXPECT_EQ(two[6], "1");
+  EXPECT_EQ(two[7], "0");
+  // Vertex 0 is at (2, 2, 2) in the flesh: 12 for it, 1/4 for each other.
+  EXPECT_NEAR(std::stod(two[8]), 0.5 * std::sqrt((3 * 0.25 + 12) / 4.0), 1e-12);
+  const auto peaks = bake::peak_lags(folder / "", model);
+  ASSERT_EQ(peaks.size(), 1u);
+  EXPECT_EQ(peaks[0].layer, "fat");
+  EXPECT_EQ(peaks[0].frame, 2u);
+  EXPECT_EQ(peaks[0].lag, std::stod(two[8]));
 }
 
 TEST(Metrics, NamesWithCommasAreQuoted) {

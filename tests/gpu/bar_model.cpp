@@ -124,6 +124,8 @@ Model make_bar(const BarOptions& o) {
   }
   add_weights(m);
   if (o.skeleton) add_skin(m, spacing * (o.x - 1));
+  if (o.carried)
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) m.carried.push_back(0.5f * static_cast<float>(i % 3));
   if (o.muscle) {
     m.muscle_count = 2;
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
@@ -151,17 +153,25 @@ Model make_bar(const BarOptions& o) {
   return m;
 }
 
+void BarMotion::append_pose(double time, float jump, std::vector<shader::Bone>& to) const {
+  const auto t = static_cast<float>(time / substeps_);
+  for (std::uint32_t j = 0; j < model_.joint_count; ++j) {
+    // A shear in place of a rotation: any affine map will do, and it needs no sine.
+    const float bend = j == 1 ? 0.02f * t + jump : 0.0f;
+    to.push_back({1.0f, 0.0f, bend, 0.01f * t + jump, bend, 1.0f, 0.0f, 0.0f, 0.0f, -bend, 1.0f, 0.005f * t,
+                  9.81f * bend, 0.1f * bend, -bend, 0.0f});
+  }
+}
+
 model::Drive BarMotion::drive(std::uint64_t frame) {
   bones_.clear();
   muscles_.clear();
   forces_.clear();
   for (std::uint32_t s = 0; s < substeps_; ++s) {
     const float t = static_cast<float>((frame - 1) * substeps_ + s + 1) / static_cast<float>(substeps_);
-    for (std::uint32_t j = 0; j < model_.joint_count; ++j) {
-      // A shear in place of a rotation: any affine map will do, and it needs no sine.
-      const float bend = j == 1 ? 0.02f * t : 0.0f;
-      bones_.push_back({1.0f, 0.0f, bend, 0.01f * t, bend, 1.0f, 0.0f, 0.0f, 0.0f, -bend, 1.0f, 0.005f * t});
-    }
+    // Frames 3 and 4 of five have jumped, frame 3 from its second substep on; frame 5 jumps back.
+    const bool jumped = cuts_ && (frame % 5 == 4 || (frame % 5 == 3 && s > 0));
+    append_pose(static_cast<double>((frame - 1) * substeps_ + s + 1), jumped ? 0.25f : 0.0f, bones_);
     for (std::uint32_t k = 0; k < model_.muscle_count; ++k)
       muscles_.push_back({0.1f, 0.8f, 0.6f, 0.1f * t * static_cast<float>(k + 1)});
     for (std::uint32_t f = 0; f < model_.force_count; ++f)
@@ -172,10 +182,28 @@ model::Drive BarMotion::drive(std::uint64_t frame) {
   drive.substeps = substeps_;
   drive.h = 1.0 / 60.0 / substeps_;
   drive.gravity = {0.0f, -9.81f, 0.0f};
-  if (model_.has_skeleton() && frame % 2 == 0) {
+  if (model_.has_skeleton() && frame % 2 == 0 && !(cuts_ && frame % 5 == 0)) {
     drive.origin_shift = {0.0078125f, 0.0f, -0.001f};
     for (std::size_t c = 0; c < 3; ++c) origin_[c] += static_cast<double>(drive.origin_shift[c]);
   }
+  poses_of_cuts_.clear();
+  cut_list_.clear();
+  if (cuts_ && (frame % 5 == 3 || frame % 5 == 0)) {
+    const bool leaves = frame % 5 == 3;
+    const std::uint32_t substep = leaves ? 1 : 0;
+    const auto at = static_cast<double>((frame - 1) * substeps_ + substep);
+    append_pose(at - 1.0, leaves ? 0.0f : 0.25f, poses_of_cuts_);
+    append_pose(at, leaves ? 0.0f : 0.25f, poses_of_cuts_);
+    append_pose(at, leaves ? 0.25f : 0.0f, poses_of_cuts_);
+    append_pose(at + 1.0, leaves ? 0.25f : 0.0f, poses_of_cuts_);
+    const auto pose = [&](std::size_t k) {
+      return std::span<const shader::Bone>(poses_of_cuts_)
+          .subspan(k * model_.joint_count, model_.joint_count);
+    };
+    cut_list_.push_back({substep, origin_, pose(0), pose(1), pose(2), pose(3)});
+    drive.origin_shift = {0.0f, 0.0f, 0.0f};
+  }
+  drive.cuts = cut_list_;
   drive.origin = origin_;
   drive.bones = bones_;
   drive.muscles = muscles_;

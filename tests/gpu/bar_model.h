@@ -12,7 +12,9 @@ namespace fascicle::tests {
 
 struct BarOptions {
   std::uint32_t x = 9, y = 4, z = 3;  // vertices along each axis
-  bool skeleton = false;              // two joints, the second bends
+  bool skeleton = false;              // two joints, the second bends and takes gravity along
+  bool carried = false;               // vertices that feel none, half or all of the skeleton's acceleration
+  bool cuts = false;                  // the motion jumps in some frames, twice in some
   bool muscle = false;
   bool forces = false;
   bool surface = true;
@@ -25,13 +27,20 @@ model::Model make_bar(const BarOptions& options);
 // origin.
 class BarMotion {
  public:
-  BarMotion(const model::Model& model, std::uint32_t substeps) : model_(model), substeps_(substeps) {}
+  BarMotion(const model::Model& model, std::uint32_t substeps, bool cuts = false)
+      : model_(model), substeps_(substeps), cuts_(cuts) {}
   // Frame k; spans live until the next call.
   model::Drive drive(std::uint64_t frame);
 
  private:
+  // The pose at `time`, in substeps; `jump`: how much further it bends and stands after a cut.
+  void append_pose(double time, float jump, std::vector<shader::Bone>& to) const;
+
   const model::Model& model_;
   std::uint32_t substeps_;
+  bool cuts_;
+  std::vector<shader::Bone> poses_of_cuts_;
+  std::vector<model::Cut> cut_list_;
   std::vector<shader::Bone> bones_;
   std::vector<shader::Muscle> muscles_;
   std::vector<shader::Force> forces_;

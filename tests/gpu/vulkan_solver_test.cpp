@@ -19,7 +19,7 @@ using model::Frame;
 using model::Model;
 using model::Read;
 
-constexpr Read everything{.positions = true, .velocities = true, .surface = true};
+constexpr Read everything{.positions = true, .velocities = true, .surface = true, .skinned = true};
 
 std::string text_of(const model::Difference& d) {
   return "frame " + std::to_string(d.where.frame) + " substep " + std::to_string(d.where.substep) + " " +
@@ -40,6 +40,9 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 const Case cases[] = {
     {"plain", {}},
     {"skeleton", {.skeleton = true}},
+    {"carried", {.skeleton = true, .carried = true}},
+    {"cuts", {.skeleton = true, .cuts = true}},
+    {"carried_cuts", {.skeleton = true, .carried = true, .cuts = true}},
     {"muscle", {.skeleton = true, .muscle = true}},
     {"forces", {.forces = true}},
     {"without_surface", {.surface = false}},
@@ -58,7 +61,7 @@ TEST_P(VulkanSolver, HasTheBitsOfTheCpuInEveryStage) {
   gpu::Device device(*index);
   const auto vulkan = gpu::make_vulkan_solver(device, m, options);
   const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);
-  BarMotion motion(m, 3);
+  BarMotion motion(m, 3, GetParam().bar.cuts);
   const auto difference = first_difference(
       *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 10);
   EXPECT_FALSE(difference) << text_of(*difference);
@@ -71,7 +74,7 @@ TEST_P(VulkanSolver, HasTheBitsOfTheCpuWithFusedStagesAndSeveralFramesInFlight) 
   gpu::Device device(*index);
   const auto vulkan = gpu::make_vulkan_solver(device, m, options);
   const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);
-  BarMotion motion(m, 4);
+  BarMotion motion(m, 4, GetParam().bar.cuts);
   for (std::uint64_t k = 1; k <= 12; ++k) {
     const model::Drive drive = motion.drive(k);
     vulkan->submit(drive, everything);
@@ -84,6 +87,7 @@ TEST_P(VulkanSolver, HasTheBitsOfTheCpuWithFusedStagesAndSeveralFramesInFlight) 
     ASSERT_EQ(ours.positions, reference.positions) << "frame " << ours.index;
     ASSERT_EQ(ours.velocities, reference.velocities) << "frame " << ours.index;
     ASSERT_EQ(ours.surface, reference.surface) << "frame " << ours.index;
+    ASSERT_EQ(ours.skinned, reference.skinned) << "frame " << ours.index;
   }
   EXPECT_EQ(vulkan->save(), cpu->save());
 }
@@ -94,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Bars, VulkanSolver, testing::ValuesIn(cases),
 class VulkanSolverOf : public VulkanTest {};
 
 TEST_F(VulkanSolverOf, SavedStateGoesOnWithTheSameBits) {
-  const Model m = make_bar({.skeleton = true, .muscle = true, .forces = true});
+  const Model m = make_bar({.skeleton = true, .carried = true, .muscle = true, .forces = true});
   gpu::Device device(*index);
   BarMotion motion(m, 3);
   const auto whole = gpu::make_vulkan_solver(device, m, {});

@@ -112,6 +112,19 @@ resolution = 0.05
 
 [layers.body]
 alpha = 0.5
+inertia_scale = 0.5
+
+[motion]
+rest = "sculpted"
+preroll = 0.25
+settle = 0.5
+loop = 1
+seamless = false
+seamless_tolerance = 0.01
+seamless_cycles = 5
+hold = 0.125
+cuts = [0.5, 0.25]
+cut_distance = 4.0
 )";
 }
 
@@ -176,7 +189,8 @@ std::string describe(const Scene& scene) {
   }
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   for (const Layer& l : scene.layers) {
-    d.line("layer", l.name, l.alpha, l.beta, l.damping, l.density, l.fibre, l.kinematic, l.where);
+    d.line("layer", l.name, l.alpha, l.beta, l.damping, l.density, l.fibre, l.kinematic, l.inertia_scale,
+           l.where);
   }
   for (const Pin& pin : scene.pins) d.line("pin", pin.name, pin.where);
   for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);
@@ -187,6 +201,10 @@ std::string describe(const Scene& scene) {
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
          scene.solver.substeps);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip);
+  const Motion& m = scene.motion;
+  d.line("motion", static_cast<int>(m.rest), m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,
+         m.seamless_cycles, m.hold, m.cut_distance);
+  for (const double cut : m.cuts) d.line("cut", cut);
   return d.text();
 }
 

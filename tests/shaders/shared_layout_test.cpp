@@ -63,7 +63,8 @@ TEST(SharedLayout, Bone) {
   EXPECT_EQ(layout.members,
             (Members{MEMBER(Bone, xx), MEMBER(Bone, xy), MEMBER(Bone, xz), MEMBER(Bone, xt), MEMBER(Bone, yx),
                      MEMBER(Bone, yy), MEMBER(Bone, yz), MEMBER(Bone, yt), MEMBER(Bone, zx), MEMBER(Bone, zy),
-                     MEMBER(Bone, zz), MEMBER(Bone, zt)}));
+                     MEMBER(Bone, zz), MEMBER(Bone, zt), MEMBER(Bone, gravity_x), MEMBER(Bone, gravity_y),
+                     MEMBER(Bone, gravity_z), MEMBER(Bone, unused)}));
   EXPECT_EQ(layout.stride, sizeof(shader::Bone));
 }
 
@@ -84,7 +85,7 @@ TEST(SharedLayout, Force) {
 TEST(SharedLayout, VertexRecord) {
   const Layout layout = layout_in(shader::update_module(), "VertexRecord");
   EXPECT_EQ(layout.members, (Members{MEMBER(VertexRecord, tag), MEMBER(VertexRecord, degree),
-                                     MEMBER(VertexRecord, alpha), MEMBER(VertexRecord, unused)}));
+                                     MEMBER(VertexRecord, alpha), MEMBER(VertexRecord, carried)}));
   EXPECT_EQ(layout.stride, sizeof(shader::VertexRecord));
 }
 

@@ -287,6 +287,9 @@ Model random_model(unsigned seed) {
       model.force_offset.push_back(std::uint32_t(model.force_index.size()));
     }
   }
+  if (model.has_skeleton() && chance(0.5))
+    for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+      model.carried.push_back(chance(0.2) ? 0.0f : chance(0.2) ? 1.0f : float(unit(random)));
   return model;
 }
 

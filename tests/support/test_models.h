@@ -68,7 +68,7 @@ struct TestDrive {
   model::Drive get();
 };
 
-inline constexpr shader::Bone identity_bone{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+inline constexpr shader::Bone identity_bone = model::bone_at_rest;
 
 // Bones at rest, muscles slack, no forces, decay by the layers' damping.
 TestDrive quiet_drive(const model::Model& model, double h, std::uint32_t substeps = 1,

@@ -1,0 +1,97 @@
+#include "host/bake/pose_blend.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/LU>
+
+#include "host/model/rotation.h"
+#include "host/scene/pose_interpolation.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+// The inverse of an affine map; nothing if it flattens.
+std::optional<Matrix4d> affine_inverse(const Matrix4d& map) {
+  const Matrix3d linear = map.topLeftCorner<3, 3>();
+  if (!(std::abs(linear.determinant()) > 1e-30)) return std::nullopt;
+  Matrix4d inverse = Matrix4d::Identity();
+  inverse.topLeftCorner<3, 3>() = linear.inverse();
+  inverse.topRightCorner<3, 1>() = -(inverse.topLeftCorner<3, 3>() * map.topRightCorner<3, 1>());
+  return inverse;
+}
+
+// A map as a rotation after a stretch, and a translation.
+struct Parts {
+  Vector4d rotation;  // x y z w
+  Matrix3d stretch;
+  Vector3d translation;
+};
+
+Parts parts_of(const Matrix4d& map) {
+  model::Matrix3 rows{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = map(r, c);
+  const model::Matrix3 rotation = model::nearest_rotation(rows);
+  const model::Matrix3 stretch = model::multiply(model::transposed(rotation), rows);
+  const model::Quaternion q = model::quaternion_of(rotation);
+  Parts parts{{q[1], q[2], q[3], q[0]}, Matrix3d::Zero(), map.topRightCorner<3, 1>()};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) parts.stretch(r, c) = stretch[static_cast<std::size_t>(3 * r + c)];
+  return parts;
+}
+
+Matrix4d blend(const Matrix4d& a, const Matrix4d& b, double share) {
+  const Parts from = parts_of(a), to = parts_of(b);
+  Matrix4d map = scene::local_transform(from.translation + (to.translation - from.translation) * share,
+                                        scene::slerp(from.rotation, to.rotation, share), Vector3d::Ones());
+  map.topLeftCorner<3, 3>() =
+      (map.topLeftCorner<3, 3>() * (from.stretch + (to.stretch - from.stretch) * share)).eval();
+  return map;
+}
+
+// Where the joints stand in the bind pose. A node that skins nothing has no place there of its own: it keeps
+// to its parent.
+std::vector<Matrix4d> bind_pose(const scene::Character& character) {
+  std::vector<Matrix4d> bind(character.skeleton.size());
+  for (std::size_t j = 0; j < bind.size(); ++j) {
+    const scene::Joint& joint = character.skeleton[j];
+    const auto inverse = joint.skins ? affine_inverse(joint.inverse_bind) : std::nullopt;
+    const Matrix4d& above = joint.parent < 0 ? character.root : bind[static_cast<std::size_t>(joint.parent)];
+    bind[j] = inverse ? *inverse : Matrix4d(above * joint.rest_local);
+  }
+  return bind;
+}
+
+}  // namespace
+
+std::vector<Matrix4d> blend_from_bind(const scene::Character& character, std::size_t root,
+                                      const std::vector<Matrix4d>& pose, double share) {
+  const std::vector<Matrix4d> bind = bind_pose(character);
+  // Both poses are seen from where the root takes the bind pose to: so the body as a whole stands still.
+  const auto back = affine_inverse(bind[root]);
+  const Matrix4d carry = back ? Matrix4d(pose[root] * *back) : Matrix4d(Matrix4d::Identity());
+  const Matrix4d away = affine_inverse(carry).value_or(Matrix4d(Matrix4d::Identity()));
+  std::vector<Matrix4d> blended(pose.size());
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    const std::int32_t parent = character.skeleton[j].parent;
+    const auto p = static_cast<std::size_t>(std::max(parent, 0));
+    const auto above_bind = parent < 0 ? std::nullopt : affine_inverse(bind[p]);
+    const auto above_pose = parent < 0 ? std::nullopt : affine_inverse(pose[p]);
+    if (above_bind && above_pose)
+      blended[j] = blended[p] * blend(*above_bind * bind[j], *above_pose * pose[j], share);
+    else
+      blended[j] = blend(bind[j], away * pose[j], share);
+  }
+  for (Matrix4d& map : blended) map = (carry * map).eval();
+  return blended;
+}
+
+}  // namespace fascicle::bake
