@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/bake/timeline.h"
@@ -23,6 +25,9 @@ struct DriveSource::Impl {
   Vector3d origin(std::uint64_t count);  // of the pose at the end of substep `count`
   void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const;
   void append_forces(double time);
+  Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
+  Pose followed_back(std::uint64_t count);
+  Pose followed_on(std::uint64_t count);
   void append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before, const Vector3d& after);
   std::vector<shader::Bone> start_after(const Vector3d& origin);
   model::Drive drive_to(const Vector3d& end);
@@ -122,27 +127,44 @@ void DriveSource::Impl::append_forces(double time) {
   }
 }
 
-// The cut between the ends of substeps count - 1 and count, substep number `substep` of its frame. The motion
-// that begins is followed back by a substep, along the way that it goes on. After a cut in the substep
-// before, the motion that ends is the one that began there.
+// Poses added up with weights that sum to 1.
+Pose DriveSource::Impl::mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts) {
+  Pose sum;
+  for (const auto& [weight, count] : parts) {
+    const Pose& pose = timeline->pose(count);
+    if (sum.empty()) sum.assign(pose.size(), Eigen::Matrix4d::Zero());
+    for (std::size_t j = 0; j < pose.size(); ++j) sum[j] += weight * pose[j];
+  }
+  return sum;
+}
+
+// The motion that begins with a cut before the end of substep `count`, followed back to the substep's
+// beginning: with constant acceleration where the clip lets one see it.
+Pose DriveSource::Impl::followed_back(std::uint64_t count) {
+  if (timeline->is_cut(count + 1) || timeline->is_cut(count + 2))
+    return mixed({{2.0, count}, {-1.0, count + 1}});
+  return mixed({{3.0, count}, {-3.0, count + 1}, {1.0, count + 2}});
+}
+
+// A pose that lies a substep before that at the end of substep count - 1, if the motion came from it with the
+// speed with which it would have gone on: so both motions are taken at the same time, the middle of substep
+// `count`, and a cut in the midst of a steady motion changes nothing. After a cut in the substep before, the
+// motion is the one that began there.
+Pose DriveSource::Impl::followed_on(std::uint64_t count) {
+  if (count == 1) return timeline->pose(0);
+  if (timeline->is_cut(count - 1)) return followed_back(count - 1);
+  if (count == 2 || timeline->is_cut(count - 2)) return timeline->pose(count - 2);
+  return mixed({{-1.0, count - 1}, {3.0, count - 2}, {-1.0, count - 3}});
+}
+
+// The cut between the ends of substeps count - 1 and count, substep number `substep` of its frame.
 void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                                    const Vector3d& after) {
   const std::size_t first = cut_poses.size();
   cut_poses.resize(first + 4);
-  const auto begins = [&](std::uint64_t at) {
-    Pose pose = timeline->pose(at);
-    const Pose& next = timeline->pose(at + 1);
-    for (std::size_t j = 0; j < pose.size(); ++j) pose[j] = (2.0 * pose[j] - next[j]).eval();
-    return pose;
-  };
-  if (count == 1)
-    append_bones(timeline->pose(0), before, cut_poses[first]);
-  else if (timeline->is_cut(count - 1))
-    append_bones(begins(count - 1), before, cut_poses[first]);
-  else
-    append_bones(timeline->pose(count - 2), before, cut_poses[first]);
+  append_bones(followed_on(count), before, cut_poses[first]);
   append_bones(timeline->pose(count - 1), before, cut_poses[first + 1]);
-  append_bones(begins(count), after, cut_poses[first + 2]);
+  append_bones(followed_back(count), after, cut_poses[first + 2]);
   append_bones(timeline->pose(count), after, cut_poses[first + 3]);
   cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
 }

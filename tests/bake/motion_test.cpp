@@ -141,15 +141,15 @@ TEST(Preroll, GoesFromTheBindPoseInThePlaceOfTheFirstPose) {
 TEST(Preroll, LeavesNoJumpAtFrameOne) {
   BendingBar bar = bending_bar(1.0);
   bar.character().clips.push_back({"bent", 1.0, {turn_channel(1, {0.0}, {1.8})}});
-  const Walked without = run(bar, 60);
+  const Walked without = run(bar, 180);
   bar.scene.motion.preroll = 0.5;
   bar.scene.motion.settle = 4.0;
-  const Walked with = run(bar, 60);
+  const Walked with = run(bar, 180);
   EXPECT_LT(furthest(with.positions[1], with.positions[0]), 1e-4 * bar_height);
   EXPECT_GT(furthest(without.positions[1], without.positions[0]),
             20 * furthest(with.positions[1], with.positions[0]));
   // Both end in the same place: the rest of the pose.
-  EXPECT_LT(furthest(with.positions[60], without.positions[60]), 5e-3 * bar_height);
+  EXPECT_LT(furthest(with.positions[180], without.positions[180]), 1e-3 * bar_height);
 }
 
 TEST(Settle, EndsWhenTheFleshIsStill) {
@@ -268,7 +268,7 @@ TEST(Cut, TheOracleCarriesAlike) {
 TEST(InertiaScale, IsTheShareOfTheSkeletonsAccelerationThatFleshFeels) {
   BendingBar bar = bending_bar(1.0);
   std::vector<RootKey> keys;
-  for (int k = 0; k <= 12; ++k) keys.push_back({k / 24.0, Vector3d(0, 0.02 * k * k / 12.0, 0)});
+  for (int k = 0; k <= 12; ++k) keys.push_back({k / 24.0, Vector3d(0, 0.1 * k * k / 12.0, 0)});
   bar.character().clips.push_back({"jerk", 0.5, {root_channel(keys)}});
   const auto lag = [&](float carried) {
     bar.model.carried.assign(bar.model.vertex_count, carried);
@@ -298,8 +298,9 @@ TEST(Loop, RepeatsWholeCyclesAndHoldsTheEnd) {
     ASSERT_LT(furthest(result.skinned[120 + k], result.skinned[k]), 1e-9);
   }
   for (std::size_t k = 181; k <= 210; ++k) ASSERT_EQ(furthest(result.skinned[k], result.skinned[180]), 0.0);
-  // The flesh of the third cycle hardly differs from the second's: damping 6 1/s forgets within a second.
-  EXPECT_LT(furthest(result.positions[170], result.positions[110]), 5e-3 * bar_height);
+  // The flesh forgets how it began: from cycle to cycle it differs less.
+  EXPECT_LT(furthest(result.positions[170], result.positions[110]),
+            0.5 * furthest(result.positions[110], result.positions[50]));
 }
 
 // A clip of 0.51 s is 30.6 frames: each cycle takes 31, and frames repeat.

@@ -12,6 +12,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
+#include "host/bake/lead_in.h"
 #include "host/build/build.h"
 #include "host/model/validate.h"
 #include "host/scene/scene.h"
@@ -56,7 +57,7 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
 #endif
   if (!solver) solver = cpu_reference::make_cpu_solver(model, solver_options, number);
   bake::DriveSource drives(scene, model);
-  solver->load(drives.initial_state());
+  solver->load(bake::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= frames; ++k) {
     solver->submit(drives.drive(k), {.positions = true, .velocities = true, .surface = true});
     const model::Frame frame = solver->collect();

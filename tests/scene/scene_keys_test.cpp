@@ -113,7 +113,9 @@ class SceneKeys : public ::testing::Test {
 };
 
 std::string mistyped(std::string name) {
-  std::swap(name[name.size() - 1], name[name.size() - 2]);
+  std::size_t last = name.size() - 1;
+  while (name[last] == name[last - 1]) --last;
+  std::swap(name[last], name[last - 1]);
   return name;
 }
 
