@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/LU>
-
 #include "host/model/rotation.h"
 #include "host/scene/pose_interpolation.h"
 
@@ -18,12 +16,18 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-// The inverse of an affine map; nothing if it flattens.
+// The inverse of an affine map, by cofactors; nothing if it flattens.
 std::optional<Matrix4d> affine_inverse(const Matrix4d& map) {
-  const Matrix3d linear = map.topLeftCorner<3, 3>();
-  if (!(std::abs(linear.determinant()) > 1e-30)) return std::nullopt;
+  const auto minor_of = [&](int r, int c) {
+    const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
+    return map(r1, c1) * map(r2, c2) - map(r1, c2) * map(r2, c1);  // cyclic: with the cofactor's sign
+  };
+  const double determinant =
+      map(0, 0) * minor_of(0, 0) + map(0, 1) * minor_of(0, 1) + map(0, 2) * minor_of(0, 2);
+  if (!(std::abs(determinant) > 1e-30)) return std::nullopt;
   Matrix4d inverse = Matrix4d::Identity();
-  inverse.topLeftCorner<3, 3>() = linear.inverse();
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) inverse(r, c) = minor_of(c, r) / determinant;
   inverse.topRightCorner<3, 1>() = -(inverse.topLeftCorner<3, 3>() * map.topRightCorner<3, 1>());
   return inverse;
 }

@@ -3,8 +3,6 @@
 
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "host/scene/scene.h"
 
 namespace fascicle::bake {

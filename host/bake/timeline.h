@@ -10,8 +10,6 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "host/scene/scene.h"
 
 namespace fascicle::bake {
