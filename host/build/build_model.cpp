@@ -220,6 +220,8 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
   model.weight_form = weight_form_of(scene);
   model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
 
+  if (const auto* character = std::get_if<scene::Character>(&scene.geometry))
+    for (const std::string& text : character->notes) warn(report, text);
   Body body = make_body(scene, report, options);
   model.source_vertex = locality_order(body.mesh, one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra));
   renumber(body, model.source_vertex);

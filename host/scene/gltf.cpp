@@ -73,7 +73,8 @@ class Reader {
     std::sort(skins.begin(), skins.end());
     skins.erase(std::unique(skins.begin(), skins.end()), skins.end());
     joint_of_ = read_skeleton(path_, model_, skins, character_);
-    rest_ = joint_transforms_at(character_, nullptr, 0.0);
+    bind_ = joint_transforms_at(character_, nullptr, 0.0);
+    is_bound_.assign(bind_.size(), false);
     for (const std::size_t n : bodies) {
       const tinygltf::Node& node = model_.nodes[n];
       const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
@@ -84,13 +85,15 @@ class Reader {
       }
     }
     if (character_.surface.triangles.empty()) fail("/meshes", "the skinned meshes have no triangles");
+    note(normalised_, "had weights that do not sum to 1; they were normalised");
+    note(cut_, "followed more than 8 joints; the 8 of largest weight were kept");
     return std::move(character_);
   }
 
  private:
   struct Skin {
     std::vector<std::uint32_t> joints;         // numbers in the skeleton
-    std::vector<Eigen::Matrix4d> raw_to_rest;  // raw position to rest pose, following one joint alone
+    std::vector<Eigen::Matrix4d> raw_to_bind;  // raw position to bind pose, following one joint alone
   };
   struct Influence {
     std::uint32_t joint;  // in the skin
@@ -101,28 +104,64 @@ class Reader {
     gltf_error(path_, pointer, what);
   }
 
-  Skin read_skin(int number) const {
+  void note(std::size_t vertices, const std::string& what) {
+    if (vertices > 0)
+      character_.notes.push_back("skin weights: " + std::to_string(vertices) + " of " +
+                                 std::to_string(character_.surface.vertices.size()) + " vertices " + what);
+  }
+
+  // The bind pose is what the inverse bind matrices say of the joints' places to each other. Where it stands
+  // and how large it is they do not say: the skin's topmost joint stands where the nodes put it, or where a
+  // skin read before put it. A skin without matrices is bound where its nodes stand.
+  Skin read_skin(int number) {
     const tinygltf::Skin& source = model_.skins[static_cast<std::size_t>(number)];
-    const int accessor = source.inverseBindMatrices;
-    std::vector<double> matrices;
-    if (accessor >= 0) matrices = accessor_numbers(path_, model_, accessor);
     Skin skin;
-    for (std::size_t k = 0; k < source.joints.size(); ++k) {
-      const auto joint = static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(source.joints[k])]);
-      Eigen::Matrix4d inverse_bind = Eigen::Matrix4d::Identity();
-      if (accessor >= 0) {
-        inverse_bind = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
-        // Exporters invert in float: the last row may be off by a few of its digits.
-        if ((inverse_bind.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-5) {
-          fail("/accessors/" + std::to_string(accessor),
-               "matrix " + std::to_string(k) + ": its last row must be 0 0 0 1");
-        }
-        inverse_bind.row(3) = Eigen::RowVector4d(0, 0, 0, 1);
+    for (const int node : source.joints)
+      skin.joints.push_back(static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(node)]));
+    if (source.inverseBindMatrices < 0) {
+      for (const std::uint32_t joint : skin.joints) {
+        is_bound_[joint] = true;
+        skin.raw_to_bind.push_back(bind_[joint]);
       }
-      skin.joints.push_back(joint);
-      skin.raw_to_rest.push_back(rest_[joint] * inverse_bind);
+      return skin;
+    }
+    const std::vector<Eigen::Matrix4d> inverse_binds =
+        read_inverse_binds(source.inverseBindMatrices, skin.joints.size());
+    const auto is_before = [&](std::size_t a, std::size_t b) {
+      const std::uint32_t ja = skin.joints[a], jb = skin.joints[b];
+      return is_bound_[ja] != is_bound_[jb] ? is_bound_[ja] : ja < jb;
+    };
+    std::size_t top = 0;
+    for (std::size_t k = 1; k < skin.joints.size(); ++k)
+      if (is_before(k, top)) top = k;
+    const Eigen::Matrix4d raw_to_bind = bind_[skin.joints[top]] * inverse_binds[top];
+    for (std::size_t k = 0; k < skin.joints.size(); ++k) {
+      const std::uint32_t joint = skin.joints[k];
+      if (!is_bound_[joint]) bind_[joint] = raw_to_bind * affine_inverse(inverse_binds[k]);
+      is_bound_[joint] = true;
+      character_.skeleton[joint].inverse_bind = affine_inverse(bind_[joint]);
+      // The same for all joints, but where two skins bind the same joints in different poses.
+      skin.raw_to_bind.push_back(bind_[joint] * inverse_binds[k]);
     }
     return skin;
+  }
+
+  std::vector<Eigen::Matrix4d> read_inverse_binds(int accessor, std::size_t count) const {
+    const std::vector<double> matrices = accessor_numbers(path_, model_, accessor);
+    const auto refuse = [&](std::size_t k, const std::string& what) {
+      fail("/accessors/" + std::to_string(accessor), "matrix " + std::to_string(k) + ": " + what);
+    };
+    std::vector<Eigen::Matrix4d> inverse_binds;
+    for (std::size_t k = 0; k < count; ++k) {
+      Eigen::Matrix4d m = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
+      // Exporters invert in float: the last row may be off by a few of its digits.
+      if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-5)
+        refuse(k, "its last row must be 0 0 0 1");
+      m.row(3) = Eigen::RowVector4d(0, 0, 0, 1);
+      if (!affine_inverse(m).allFinite()) refuse(k, "it has no inverse");
+      inverse_binds.push_back(m);
+    }
+    return inverse_binds;
   }
 
   int attribute(const tinygltf::Primitive& primitive, const std::string& name) const {
@@ -144,7 +183,7 @@ class Reader {
 
   // For each vertex every joint that has weight there, each joint once.
   std::vector<std::vector<Influence>> read_influences(const tinygltf::Primitive& primitive, const Skin& skin,
-                                                      const std::string& pointer, std::size_t count) const {
+                                                      const std::string& pointer, std::size_t count) {
     std::vector<std::vector<Influence>> influences(count);
     for (int set = 0;; ++set) {
       const std::string joints_name = "JOINTS_" + std::to_string(set),
@@ -197,9 +236,16 @@ class Reader {
       std::sort(all.begin(), all.end(), [](const Influence& a, const Influence& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
       });
-      if (all.size() > 8) all.resize(8);
       double sum = 0.0;
       for (const Influence& x : all) sum += x.weight;
+      // What 16 bits and float rounding of exporters leave is not worth a word.
+      if (std::abs(sum - 1.0) > 1e-3) ++normalised_;
+      if (all.size() > 8) {
+        ++cut_;
+        all.resize(8);
+        sum = 0.0;
+        for (const Influence& x : all) sum += x.weight;
+      }
       for (Influence& x : all) x.weight /= sum;
     }
     return influences;
@@ -257,16 +303,16 @@ class Reader {
       std::array<double, 8> weights{};
       for (std::size_t k = 0; k < influences[i].size(); ++k) {
         const Influence& x = influences[i][k];
-        blend += x.weight * skin.raw_to_rest[x.joint];
+        blend += x.weight * skin.raw_to_bind[x.joint];
         joints[k] = skin.joints[x.joint];
         weights[k] = x.weight;
       }
       const Vector3d p(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
-      const Vector3d rest = blend.topLeftCorner<3, 3>() * p + blend.topRightCorner<3, 1>();
-      if (!rest.allFinite())
+      const Vector3d bound = blend.topLeftCorner<3, 3>() * p + blend.topRightCorner<3, 1>();
+      if (!bound.allFinite())
         fail(position_pointer, "vertex " + std::to_string(i) + " is skinned to no finite position");
       is_mirrored[i] = blend.topLeftCorner<3, 3>().determinant() < 0.0;
-      surface.vertices.push_back(rest);
+      surface.vertices.push_back(bound);
       character_.joints.push_back(joints);
       character_.weights.push_back(weights);
     }
@@ -284,8 +330,10 @@ class Reader {
   const std::filesystem::path& path_;
   const tinygltf::Model& model_;
   Character character_;
-  std::vector<std::int32_t> joint_of_;  // of a node
-  std::vector<Eigen::Matrix4d> rest_;   // of a joint: its space to metres
+  std::vector<std::int32_t> joint_of_;    // of a node
+  std::vector<Eigen::Matrix4d> bind_;     // of a joint: its space to the bind pose, metres
+  std::size_t normalised_ = 0, cut_ = 0;  // vertices whose weights were not taken as they are
+  std::vector<bool> is_bound_;            // of a joint: whether a skin has said where it stands
 };
 
 }  // namespace

@@ -117,7 +117,8 @@ Channel read_channel(const std::filesystem::path& path, const tinygltf::Model& m
   return channel;
 }
 
-// Inverse of a matrix whose last row is 0 0 0 1.
+}  // namespace
+
 Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
   Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
   const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>().inverse();
@@ -125,8 +126,6 @@ Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
   result.topRightCorner<3, 1>() = -(linear * m.topRightCorner<3, 1>());
   return result;
 }
-
-}  // namespace
 
 std::vector<int> node_parents(const tinygltf::Model& model) {
   std::vector<int> parents(model.nodes.size(), -1);

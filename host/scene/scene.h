@@ -79,6 +79,7 @@ struct Character {
   std::vector<Joint> skeleton;                       // parents before children
   std::vector<Clip> clips;
   Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // what stands above the skeleton's roots
+  std::vector<std::string> notes;                      // what was not taken as the file has it
 };
 
 using Geometry = std::variant<Bar, TetMesh, SurfaceMesh, Character>;

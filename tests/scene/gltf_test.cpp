@@ -148,13 +148,39 @@ TEST(Gltf, a_joint_with_negative_scale) {
   EXPECT_LT((scene::pose_at(c, nullptr, 0)[1] - Matrix4d::Identity()).cwiseAbs().maxCoeff(), 1e-14);
 }
 
-TEST(Gltf, where_nodes_and_inverse_bind_matrices_disagree_the_rest_pose_is_the_body) {
+// The body is the bind pose, whatever pose the file's nodes rest in, and skinning it gives what the file
+// means.
+TEST(Gltf, where_the_nodes_rest_in_another_pose_the_bind_pose_is_the_body) {
   GltfBuilder b = column();
   b.document["nodes"][2]["rotation"] = {0, 0, std::sqrt(0.5), std::sqrt(0.5)};
-  const Character c = read(b);
-  EXPECT_LT((c.surface.vertices[9] - Vector3d(-1, 1.25, 0.25)).norm(), float_rounding);
+  const Character c = read(b), plain = read(column());
   const std::vector<Vector3d> p = skinned(c, nullptr, 0.0);
-  for (std::size_t i = 0; i < p.size(); ++i) EXPECT_LT((p[i] - c.surface.vertices[i]).norm(), float_rounding);
+  for (std::size_t i = 0; i < p.size(); ++i)
+    EXPECT_LT((c.surface.vertices[i] - plain.surface.vertices[i]).norm(), float_rounding);
+  EXPECT_LT((p[9] - Vector3d(-1, 1.25, 0.25)).norm(), float_rounding);
+  EXPECT_LT((p[0] - c.surface.vertices[0]).norm(), float_rounding);
+}
+
+// Without matrices joints are bound where they stand.
+TEST(Gltf, a_skin_without_matrices_is_bound_where_its_nodes_stand) {
+  GltfBuilder b = column();
+  b.document["skins"][0].erase("inverseBindMatrices");
+  const Character c = read(b);
+  const std::vector<Vector3d> p = skinned(c, nullptr, 0.0);
+  for (std::size_t i = 0; i < p.size(); ++i)
+    EXPECT_LT((p[i] - c.surface.vertices[i]).norm(), 100 * float_rounding);  // coordinates of about 100
+}
+
+TEST(Gltf, what_is_done_to_weights_is_noted) {
+  GltfBuilder b = column();
+  EXPECT_TRUE(read(b).notes.empty());
+  std::vector<float> weights(48, 0.0f);
+  for (std::size_t i = 0; i < 48; i += 4) weights[i] = i < 8 ? 0.5f : 1.0f;
+  b.document["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = b.add("VEC4", weights);
+  const Character c = read(b);
+  ASSERT_EQ(c.notes.size(), 1u);
+  EXPECT_EQ(c.notes[0],
+            "skin weights: 2 of 12 vertices had weights that do not sum to 1; they were normalised");
 }
 
 TEST(Gltf, strips_and_fans_become_triangles) {
@@ -455,7 +481,7 @@ INSTANTIATE_TEST_SUITE_P(Cesium, WalkingMan, testing::Values("CesiumMan.glb"));
 
 class SkinnedAlike : public RealGltf {};
 
-// The tolerance is the file's own: its inverse bind matrices are floats, and agree with its nodes to 5e-7 m.
+// Every product is of doubles; the raw units of the Fox are hundredths, its coordinates up to 250.
 TEST_P(SkinnedAlike, as_an_independent_evaluation) {
   const Character c = scene::read_gltf(path_);
   const RealFile file(path_);
@@ -465,19 +491,21 @@ TEST_P(SkinnedAlike, as_an_independent_evaluation) {
     ASSERT_EQ(got.size(), expected.size());
     double worst = 0.0;
     for (std::size_t i = 0; i < got.size(); ++i) worst = std::max(worst, (got[i] - expected[i]).norm());
-    EXPECT_LT(worst, 2e-6) << "at " << time;
+    EXPECT_LT(worst, 1e-9 * height(c)) << "at " << time;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Real, SkinnedAlike, testing::Values("CesiumMan.glb", "mh_fat.glb"));
+INSTANTIATE_TEST_SUITE_P(Real, SkinnedAlike,
+                         testing::Values("CesiumMan.glb", "mh_fat.glb", "animals_pack_Fox.glb"));
 
 class RestPose : public RealGltf {};
 
+// Of these files the nodes rest in the bind pose; their inverse bind matrices are floats.
 TEST_P(RestPose, is_the_identity) {
   const Character c = scene::read_gltf(path_);
   EXPECT_GT(volume(c.surface), 0.0);
   for (const Matrix4d& map : scene::pose_at(c, nullptr, 0.0)) {
-    EXPECT_LT((map - Matrix4d::Identity()).cwiseAbs().maxCoeff(), 1e-12);  // scales of 100 and their inverses
+    EXPECT_LT((map - Matrix4d::Identity()).cwiseAbs().maxCoeff(), 2e-6);
   }
   for (const scene::Clip& clip : c.clips) {
     for (const Vector3d& p : skinned(c, &clip, 0.7 * clip.duration)) ASSERT_TRUE(p.allFinite());
@@ -485,8 +513,8 @@ TEST_P(RestPose, is_the_identity) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Real, RestPose,
-                         testing::Values("CesiumMan.glb", "animals_pack_Fox.glb", "mh_fat.glb",
-                                         "mh_muscle.glb", "mh_fat_selfint.glb"));
+                         testing::Values("CesiumMan.glb", "mh_fat.glb", "mh_muscle.glb",
+                                         "mh_fat_selfint.glb"));
 
 }  // namespace
 }  // namespace fascicle::tests
