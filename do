@@ -3,7 +3,7 @@
 #   ./do bake [ARGS...]   build the program and run `fascicle bake ARGS...`
 #   ./do test [CTEST...]  build everything and run the tests
 #   ./do build [PRESET]   build a preset (release)
-#   ./do figures          bake the paper's bars and draw docs/figures/*.svg
+#   ./do figures          bake the paper's scenes and draw docs/figures/*
 #   ./do lint             clang-format and clang-tidy over the sources
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Bakes the paper's bars and draws docs/figures/figure-{6,7,8}.svg.
+"""Bakes the built-in scenes and draws docs/figures/figure-{6,7,8}.svg and figure-9.png.
 
     python3 docs/figures.py build/release/fascicle
 
-Only Python's standard library is used. Pictures are rasterised here (flat shading, depth buffer) and stand inside the SVG
-as PNG; curves and words are vectors.
+Only Python's standard library is used. Pictures of bars are rasterised here (flat shading, depth buffer) and stand inside
+the SVG as PNG; curves and words are vectors. The bear is drawn by `fascicle render`.
 """
 import base64
 import csv
@@ -229,10 +229,65 @@ def figure_8(program):
     return rms
 
 
+def read_png(path):
+    """Width, height and rows of a PNG with 8 bits a channel, RGB or RGBA, not interlaced; rows as RGB bytes."""
+    data = open(path, "rb").read()
+    at, packed = 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + size]
+        if kind == b"IHDR":
+            width, height, depth, color, _, _, interlaced = struct.unpack(">2I5B", body)
+        elif kind == b"IDAT":
+            packed += body
+        at += 12 + size
+    assert depth == 8 and color in (2, 6) and not interlaced, path
+    pixel = 3 if color == 2 else 4
+    raw, rows, above = zlib.decompress(packed), [], bytearray(pixel * width)
+    for y in range(height):
+        start = y * (pixel * width + 1)
+        row = bytearray(raw[start + 1:start + 1 + pixel * width])
+        for x in range(pixel * width) if raw[start] else ():
+            left, up = (row[x - pixel] if x >= pixel else 0), above[x]
+            corner = above[x - pixel] if x >= pixel else 0
+            guess = left + up - corner
+            nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
+            row[x] = (row[x] + {1: left, 2: up, 3: (left + up) // 2, 4: nearest}[raw[start]]) & 255
+        above = row
+        rows.append(bytes(row) if pixel == 3 else b"".join(row[i:i + 3] for i in range(0, len(row), 4)))
+    return width, height, rows
+
+
+# Seconds of the jump: stand, crouch, push, apex, landing, the belly's lowest, recovered.
+JUMP = (0.0, 0.85, 1.13, 1.38, 1.7, 1.8, 2.1)
+
+
+def figure_9(program):
+    """Stills of the jump side by side; below, the same with how far the flesh is from where skinning has it."""
+    folder = bake(program, "jump")
+    fps = json.load(open(os.path.join(folder, "manifest.json"), encoding="utf-8"))["scene"]["fps"]
+    strips = []
+    for mode in ("shaded", "lag"):
+        stills = []
+        for time in JUMP:
+            path = os.path.join(OUT, f"jump-{mode}-{time}.png")
+            subprocess.run([program, "render", folder, "-o", path, "--frame", str(round(time * fps)), "--mode", mode,
+                            "--turn", "-25", "--size", "200x300", "--overwrite", "-q"], check=True, stdout=subprocess.DEVNULL)
+            stills.append(read_png(path))
+        strips += [b"".join(still[2][y] for still in stills) for y in range(stills[0][1])]
+    canvas = Canvas(0, 0)
+    canvas.w, canvas.h, canvas.pixels = len(strips[0]) // 3, len(strips), b"".join(strips)
+    with open("docs/figures/figure-9.png", "wb") as file:
+        file.write(canvas.png())
+    print("docs/figures/figure-9.png")
+    metrics = read_bake(folder)["metrics"]
+    return {"belly, lowest and highest, m": [f([m["belly_y"] for m in metrics]) for f in (min, max)]}
+
+
 def main():
     program = sys.argv[1]
     print(json.dumps({"figure 6, stretch": figure_6(program), "figure 7, drop": figure_7(program),
-                      "figure 8, RMS distance of tips": figure_8(program)}, indent=2))
+                      "figure 8, RMS distance of tips": figure_8(program), "figure 9": figure_9(program)}, indent=2))
 
 
 if __name__ == "__main__":

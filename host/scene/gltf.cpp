@@ -328,7 +328,7 @@ class Reader {
       for (std::size_t i = 0; i < count; ++i) {
         Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
         for (const Influence& x : influences[i])
-          turn += x.weight * skin.raw_to_rest[x.joint].topLeftCorner<3, 3>();
+          turn += x.weight * skin.raw_to_bind[x.joint].topLeftCorner<3, 3>();
         double* value = attribute.values.data() + 3 * (all - count + i);
         const Vector3d raw(value[0], value[1], value[2]);
         // The direction turns with the skin; its length says how sure the painter was.

@@ -296,7 +296,7 @@ struct BuiltinScene {
   std::string text;  // TOML, what `fascicle scenes NAME` prints
 };
 const std::vector<BuiltinScene>& builtin_scenes();
-inline constexpr const char* default_scene = "bar-layers-iii";
+inline constexpr const char* default_scene = "jump";
 
 // JSON Schema (2020-12) of the scene file, made from the same table that load_scene checks against.
 std::string scene_schema();

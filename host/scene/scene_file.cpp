@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/scene/input_files.h"
+#include "host/scene/made_character.h"
 #include "host/scene/overrides.h"
 #include "host/scene/pose.h"
 #include "host/scene/scene_check.h"
@@ -351,10 +352,16 @@ void read_mesh(const toml::table& table, const std::filesystem::path& folder, Sc
 }
 
 void read_character(const toml::table& table, const std::filesystem::path& folder, Scene& scene) {
-  std::string file;
-  read(table, "file", file);
   read(table, "clip", scene.clip);
   read(table, "resolution", scene.resolution);
+  if (table.contains("made")) {
+    std::string name;
+    read(table, "made", name);
+    scene.geometry = make_character(name);
+    return;
+  }
+  std::string file;
+  read(table, "file", file);
   try {
     load_character(folder / file, scene);
   } catch (const InputFileError& error) {

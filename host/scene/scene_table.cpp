@@ -1,5 +1,6 @@
 #include "host/scene/scene_table.h"
 
+#include "host/scene/made_character.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -214,18 +215,23 @@ struct Tables {
 
   Table character{
       .name = "character",
-      .doc = "A rigged character: a glTF 2.0 file (.glb .gltf).",
+      .doc = "A rigged character: a glTF 2.0 file (.glb .gltf), or one of fascicle's own.",
       .keys = {{.name = "file",
                 .type = KeyType::text,
-                .doc = "The file, relative to the scene file's folder.",
-                .required = true},
+                .doc = "The file, relative to the scene file's folder."},
+               {.name = "made",
+                .type = KeyType::text,
+                .doc = "A character made in code: a bear that jumps, an arm that curls, straight or bent by "
+                       "46 degrees in its bind pose.",
+                .allowed = made_character_names()},
                {.name = "clip",
                 .type = KeyType::text,
                 .doc = "The animation, by name or by number from 0; empty: the first.",
                 .fallback = Scene{}.clip},
                {.name = "resolution",
                 .doc = "Wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
-                .range = positive(1e4)}}};
+                .range = positive(1e4)}},
+      .choices = {{"file", "made"}}};
 
   Table layer{
       .name = "layer",

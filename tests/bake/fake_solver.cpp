@@ -51,9 +51,14 @@ scene::Scene short_scene(std::uint64_t frames) {
   scene.source = "builtin:fake";
   scene.text = "[solver]\nsubsteps = 2\n";
   scene.input_hashes = {{"meshes/body.mesh", "0123456789abcdef"}};
-  scene.layers = {
-      {.name = "fat", .alpha = 0.5, .damping = 1.0, .density = 900.0, .fibre = {}, .where = {}},
-      {.name = "bone", .fibre = {}, .kinematic = true, .where = {scene::BoneDistance{0.0, 0.01}}}};
+  scene.layers.resize(2);
+  scene.layers[0].name = "fat";
+  scene.layers[0].alpha = 0.5;
+  scene.layers[0].damping = 1.0;
+  scene.layers[0].density = 900.0;
+  scene.layers[1].name = "bone";
+  scene.layers[1].kinematic = true;
+  scene.layers[1].where = {scene::BoneDistance{0.0, 0.01}};
   scene.solver.substeps = 2;
   scene.fps = 24.0;
   scene.start = 0.5;

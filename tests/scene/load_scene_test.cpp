@@ -46,10 +46,10 @@ const Layer& layer(const Scene& scene, const std::string& name) {
 }
 
 TEST(BuiltinScenes, AreThePapersInOrder) {
-  const std::vector<std::string> names{"bar-hang-none", "bar-hang-along",     "bar-hang-across",
-                                       "bar-beta-0",    "bar-beta-0.6",       "bar-beta-0.75",
-                                       "bar-beta-1",    "bar-layers-iwamoto", "bar-layers-i",
-                                       "bar-layers-ii", "bar-layers-iii"};
+  const std::vector<std::string> names{
+      "jump",         "arm",           "bar-hang-none", "bar-hang-along", "bar-hang-across",
+      "bar-beta-0",   "bar-beta-0.6",  "bar-beta-0.75", "bar-beta-1",     "bar-layers-iwamoto",
+      "bar-layers-i", "bar-layers-ii", "bar-layers-iii"};
   std::vector<std::string> found;
   for (const BuiltinScene& builtin : builtin_scenes()) {
     found.push_back(builtin.name);
@@ -84,8 +84,9 @@ TEST(BuiltinScenes, AreTheFilesOfTheScenesFolder) {
   }
 }
 
-TEST(BuiltinScenes, HaveTheSizeTheyPromise) {
+TEST(BuiltinScenes, BarsHaveTheSizeTheyPromise) {
   for (const BuiltinScene& builtin : builtin_scenes()) {
+    if (!builtin.name.starts_with("bar-")) continue;
     const Scene scene = load_scene(builtin.name);
     const Bar bar = std::get<Bar>(scene.geometry);
     auto counts = bar.vertices;
@@ -101,7 +102,7 @@ TEST(BuiltinScenes, HaveTheSizeTheyPromise) {
     for (const Layer& each : scene.layers) EXPECT_EQ(each.damping, damping) << builtin.name;
     if (builtin.name.starts_with("bar-layers")) {
       EXPECT_GE(std::uint64_t{bar.vertices[0]} * bar.vertices[1] * bar.vertices[2], 5000u) << builtin.name;
-      EXPECT_EQ(bar.vertices, std::get<Bar>(load_scene(default_scene).geometry).vertices) << builtin.name;
+      EXPECT_EQ(bar.vertices, std::get<Bar>(load_scene("bar-layers-iii").geometry).vertices) << builtin.name;
     }
   }
 }
@@ -120,6 +121,19 @@ TEST(BuiltinScenes, HaveTheParametersOfTableOne) {
   EXPECT_EQ(betas("bar-layers-iii"), std::pair(1.0, 1.0));
   EXPECT_NE(*layer(load_scene("bar-layers-i"), "muscle").fibre,
             *layer(load_scene("bar-layers-ii"), "muscle").fibre);
+}
+
+TEST(BuiltinScenes, TheJumpHasTheParametersOfFigureNine) {
+  const Scene scene = load_scene("jump");
+  EXPECT_EQ(default_scene, scene.name);
+  ASSERT_EQ(scene.layers.size(), 3u);
+  EXPECT_EQ(std::pair(layer(scene, "muscle").alpha, layer(scene, "muscle").beta), std::pair(1.0, 1.0));
+  EXPECT_EQ(std::pair(layer(scene, "fat").alpha, layer(scene, "fat").beta), std::pair(0.3, 0.0));
+  EXPECT_EQ(layer(scene, "muscle").damping, 6.0);
+  EXPECT_EQ(layer(scene, "fat").damping, 6.0);
+  EXPECT_TRUE(layer(scene, "bone").kinematic);
+  EXPECT_EQ(scene.solver.substeps, 8u);
+  EXPECT_EQ(scene.fps, 60.0);
 }
 
 TEST(BuiltinScenes, GoThroughTheirOwnWriterUnchanged) {
@@ -229,6 +243,11 @@ TEST(SceneText, RefusesWhatDoesNotFitTogether) {
       {"[mesh]\nfile = 'a.txt'\n[layers.body]\n", "sample.toml:2: mesh.file: a.txt is no mesh file"},
       {"[character]\nfile = 'a.off'\n[layers.body]\n",
        "sample.toml:2: character.file: a.off is no character"},
+      {"[character]\n[layers.body]\n", "sample.toml:1: character: lacks one of file, made"},
+      {"[character]\nfile = 'a.glb'\nmade = 'arm'\n[layers.body]\n",
+       "sample.toml:3: character.made: stands beside file"},
+      {"[character]\nmade = 'wolf'\n[layers.body]\n",
+       "sample.toml:2: character.made: \"wolf\" is not one of bear, arm, arm-bent"},
       {body + "[layers.other]\n", "sample.toml:3: layers.other.where: is missing"},
       {body + "[layers.'a b']\n", "sample.toml:3: layers.a b: is no name"},
       {body + "[layers]\nx = 1\n", "sample.toml:4: layers.x: takes a table"},
@@ -316,16 +335,16 @@ TEST(Overrides, NameTheOptionWhenTheyAreWrong) {
   for (const auto& [set, message] : cases) {
     std::string start = "--set " + set + ": " + message;
     std::replace(start.begin(), start.end(), '\n', '?');
-    EXPECT_EQ(refusal(default_scene, {.set = {set}}).substr(0, start.size()), start);
+    EXPECT_EQ(refusal("bar-layers-iii", {.set = {set}}).substr(0, start.size()), start);
   }
-  EXPECT_TRUE(refusal(default_scene, {.set = {"foo"}}).starts_with("--set foo: takes KEY.PATH=VALUE"));
+  EXPECT_TRUE(refusal("bar-layers-iii", {.set = {"foo"}}).starts_with("--set foo: takes KEY.PATH=VALUE"));
+  EXPECT_TRUE(refusal("bar-layers-iii", {.fps = 0.0})
+                  .starts_with("--fps 0: scene.fps: is 0; must be at least 0.001"));
   EXPECT_TRUE(
-      refusal(default_scene, {.fps = 0.0}).starts_with("--fps 0: scene.fps: is 0; must be at least 0.001"));
+      refusal("bar-layers-iii", {.end = -1.0}).starts_with("--end -1: scene.end: lies less than a frame"));
+  EXPECT_TRUE(refusal("bar-layers-iii", {.start = 20.0}).starts_with("builtin:bar-layers-iii:"));
   EXPECT_TRUE(
-      refusal(default_scene, {.end = -1.0}).starts_with("--end -1: scene.end: lies less than a frame"));
-  EXPECT_TRUE(refusal(default_scene, {.start = 20.0}).starts_with("builtin:bar-layers-iii:"));
-  EXPECT_TRUE(
-      refusal(default_scene, {.clip = "walk"}).starts_with("--clip walk: the scene has no character"));
+      refusal("bar-layers-iii", {.clip = "walk"}).starts_with("--clip walk: the scene has no character"));
 }
 
 TEST(LoadScene, HashesAreXxh3OfSixtyFourBits) {

@@ -85,6 +85,7 @@ class SceneKeys : public ::testing::Test {
     if (std::filesystem::exists(character_))
       std::filesystem::copy(character_, folder_.path() / character_.filename());
     samples_.push_back(sample_of(character_sample()));
+    samples_.push_back(sample_of(made_sample()));
   }
 
   Scene parse(const std::string& text, const scene::SceneOverrides& overrides = {}) const {
@@ -178,6 +179,7 @@ std::map<std::string, json> properties_of_schema() {
 TEST_F(SceneKeys, SamplesAreAccepted) {
   EXPECT_EQ(refusal(bar_sample()), "no error");
   EXPECT_EQ(refusal(mesh_sample()), "no error");
+  EXPECT_EQ(refusal(made_sample()), "no error");
   FASCICLE_NEEDS_ASSET(character_);
   EXPECT_EQ(refusal(character_sample()), "no error");
 }

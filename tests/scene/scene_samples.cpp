@@ -169,6 +169,16 @@ maximum = 1.5
 )";
 }
 
+std::string made_sample() {
+  return R"(# What a character made in code has instead of a file.
+[character]
+made = "arm"
+
+[layers.body]
+alpha = 0.5
+)";
+}
+
 void write_tetrahedron_off(const std::filesystem::path& path) {
   write_file(path, "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
 }

@@ -1,0 +1,31 @@
+// The bear and its clips; see made_character.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "host/scene/made_shape.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::scene {
+
+// The bear's joints by number. Of two, the first is the left, on the side of +x.
+struct BearJoints {
+  std::uint32_t hips, spine, chest, neck, head;
+  std::array<std::uint32_t, 2> shoulder, upper_arm, forearm, hand, thigh, shin, foot, toe;
+};
+
+BearJoints add_bear_skeleton(Character& character);
+Sculpture bear_sculpture(const BearJoints& joints, const Character& character);
+
+// Gravity and the jump's first and last moments in the air: from take-off to landing the centre of mass is on
+// a parabola.
+inline constexpr double jump_gravity = 9.81;                       // m/s^2
+inline constexpr double jump_take_off = 1.10, jump_flight = 0.56;  // s
+
+// `masses` are the joints'.
+Clip bear_jump(const Character& character, const BearJoints& joints, const std::vector<PartMass>& masses);
+
+Character make_bear();
+
+}  // namespace fascicle::scene

@@ -1,0 +1,33 @@
+#include "host/scene/made_character.h"
+
+#include "host/scene/made_arm.h"
+#include "host/scene/made_bear.h"
+
+namespace fascicle::scene {
+namespace {
+
+struct Maker {
+  const char* name;
+  Character (*make)();
+};
+
+constexpr double bent_by = 46.0;  // degrees
+constexpr Maker makers[] = {{"bear", make_bear},
+                            {"arm", [] { return make_arm(0.0); }},
+                            {"arm-bent", [] { return make_arm(bent_by); }}};
+
+}  // namespace
+
+std::vector<std::string> made_character_names() {
+  std::vector<std::string> names;
+  for (const Maker& maker : makers) names.emplace_back(maker.name);
+  return names;
+}
+
+Character make_character(const std::string& name) {
+  for (const Maker& maker : makers)
+    if (maker.name == name) return maker.make();
+  throw SceneError("there is no character `" + name + "` made in code");
+}
+
+}  // namespace fascicle::scene
