@@ -14,6 +14,7 @@
 #include <chrono>
 #include <optional>
 
+#include "host/bake/blender_script.h"
 #include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/drive_source.h"
@@ -254,7 +255,10 @@ void Run::begin_sinks(std::uint64_t first) {
     sinks_.back()->begin(of_sink);
   }
   write_whole(path_of(model_file_name), encode_model(model_));
-  if (model_.surface_count() > 0) write_whole(path_of(rest_name), rest_obj(model_));
+  if (model_.surface_count() > 0) {
+    write_whole(path_of(rest_name), rest_obj(model_));
+    write_whole(path_of(blender_script_name), blender_script({.fps = scene_.fps, .frames = frames_}));
+  }
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
   const FrameCacheReader cache(path_of(cache_name));

@@ -249,7 +249,7 @@ model::State DriveSource::initial_state() const {
 
 std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {
   if (!impl_->timeline) return {};
-  return impl_->timeline->pose(frame * impl_->substeps());
+  return impl_->timeline->pose(frame * impl_->substeps);
 }
 
 std::uint64_t DriveSource::preroll_frames() const {

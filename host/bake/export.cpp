@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/bake/bake.h"
+#include "host/bake/blender_script.h"
 #include "host/bake/character_file.h"
 #include "host/bake/file.h"
 #include "host/bake/folder.h"
@@ -101,7 +102,10 @@ class Export {
 std::vector<std::string> Export::names() const {
   std::vector<std::string> names;
   for (const Format* format : formats_) names.push_back(format->file);
-  if (!own_) names.push_back(rest_name);
+  if (!own_) {
+    names.push_back(rest_name);
+    names.push_back(blender_script_name);
+  }
   return names;
 }
 
@@ -146,7 +150,11 @@ ExportResult Export::go() {
     remove_files(folder_, names());
   } else {
     for (const auto& sink : sinks) sink->finish();
-    if (!own_ && model_.surface_count() > 0) write_whole(folder_ / rest_name, rest_obj(model_));
+    if (!own_) {
+      write_whole(folder_ / rest_name, rest_obj(model_));
+      write_whole(folder_ / blender_script_name,
+                  blender_script({.fps = header.fps, .frames = header.frames}));
+    }
     for (const std::string& name : names())
       if (fs::exists(folder_ / name)) result.files.push_back(folder_ / name);
   }

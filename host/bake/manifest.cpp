@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "host/bake/bake.h"
+#include "host/bake/blender_script.h"
 #include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/file.h"
@@ -113,7 +114,10 @@ const char* name_of(Status status) {
 std::vector<std::string> file_names(const model::Model& model, const std::vector<std::string>& formats) {
   std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name};
   if (model.has_skeleton()) names.push_back(character_name);
-  if (model.surface_count() > 0) names.push_back(rest_name);
+  if (model.surface_count() > 0) {
+    names.push_back(rest_name);
+    names.push_back(blender_script_name);
+  }
   for (const Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
       names.push_back(format.file);
@@ -121,7 +125,8 @@ std::vector<std::string> file_names(const model::Model& model, const std::vector
 }
 
 std::vector<std::string> all_file_names() {
-  std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name, character_name, rest_name};
+  std::vector<std::string> names{manifest_name,  checkpoint_name, model_file_name,
+                                 character_name, rest_name,       blender_script_name};
   for (const Format& format : all_formats()) names.push_back(format.file);
   return names;
 }

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "host/bake/blender_script.h"
 #include "host/bake/drive_source.h"
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
@@ -106,16 +107,20 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
   std::cout << "look at it\n";
   const fs::path series = fs::path(arguments.folder) / bake::vtu_extension / bake::vtu_series;
   if (fs::exists(series)) std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
-  const fs::path* pc2 = with_extension(".pc2");
-  const fs::path* obj = with_extension(".obj");
-  if (pc2 != nullptr && obj != nullptr)
-    std::cout << "  Blender: import " << obj->string() << ", add the modifier Mesh Cache, format PC2, file "
-              << pc2->string() << "\n";
+  const bool has_motion = with_extension(".glb") != nullptr || with_extension(".pc2") != nullptr ||
+                          with_extension(".mdd") != nullptr;
+  if (has_motion)
+    std::cout << "  Blender: blender --python "
+              << (fs::path(arguments.folder) / bake::blender_script_name).string() << "\n";
+  if (const fs::path* pc2 = with_extension(".pc2"))
+    std::cout << "    or by hand: import rest.obj, add the modifier Mesh Cache, format PC2, file "
+              << pc2->string() << ", forward Y, up Z\n";
   if (const fs::path* csv = with_extension(".csv"))
     std::cout << "  any plotter: " << csv->string()
               << "  (energy, volume, largest displacement, probes; a row a frame)\n";
   if (arguments.formats.empty())
-    std::cout << "  for Blender and ParaView: the same command with --overwrite --format pc2,vtu\n";
+    std::cout << "  for Blender: fascicle export " << arguments.folder
+              << " --to glb,pc2; for ParaView: the same command with --overwrite --format vtu\n";
 }
 
 // What came before frame 0, how a loop closes, and how far the flesh trails.
@@ -210,7 +215,7 @@ void add_bake(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--format", arguments->formats,
                    "What to write beside frame cache, manifest and metrics: any of " + formats +
-                       "; the default scene writes all")
+                       "; the default scene writes pc2,vtu")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->take_all()

@@ -78,8 +78,8 @@ TEST(Bake, WritesEveryFileAndDescribesIt) {
   EXPECT_EQ(shown, (std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(result.frames_done, 7u);
   EXPECT_FALSE(result.interrupted);
-  // Manifest, checkpoint, model, rest mesh, frame cache, metrics, and one for each format.
-  EXPECT_EQ(result.files.size(), 6 + bake::format_names().size());
+  // Manifest, checkpoint, model, rest mesh, script, frame cache, metrics, and one for each format.
+  EXPECT_EQ(result.files.size(), 7 + bake::format_names().size());
   for (const fs::path& file : result.files) EXPECT_TRUE(fs::exists(file)) << file;
 
   const nlohmann::json manifest = manifest_in(folder / "out");
@@ -155,7 +155,7 @@ TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
     EXPECT_FALSE(fs::exists(out / "surface.pc2"));
     EXPECT_FALSE(fs::exists(out / "metrics.csv"));
     EXPECT_FALSE(fs::exists(out / "vtu/series.pvd"));
-    for (const char* name : {"surface.mdd", "surface.abc", "surface.usda"})
+    for (const char* name : {"surface.mdd", "surface.abc", "surface.usda", "surface.glb"})
       EXPECT_FALSE(fs::exists(out / name)) << name;
     BakeOptions options = options_for(out);
     options.resume = true;
@@ -218,7 +218,8 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   EXPECT_TRUE(contains(refusal(scene, options), "the content of body.mesh was 0123456789abcdef"));
   BakeOptions changed = options;
   changed.formats = {"pc2"};
-  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--format was abc,mdd,obj,pc2,usda,vtu and is pc2"));
+  EXPECT_TRUE(
+      contains(refusal(short_scene(6), changed), "--format was abc,glb,mdd,obj,pc2,usda,vtu and is pc2"));
   changed = options;
   changed.device.exact = false;
   EXPECT_TRUE(contains(refusal(short_scene(6), changed), "device was exact and is fake, none"));
@@ -413,9 +414,9 @@ TEST(BakeFolder, ForeignFilesStayAndAreNotOverwritten) {
   write_text(folder / "out/notes.txt", "precious");
   EXPECT_EQ(bake_into(options_for(folder / "out"), short_scene(2)).frames_done, 2u);
   EXPECT_EQ(read_text(folder / "out/notes.txt"), "precious");
-  for (const char* name :
-       {"manifest.json", "metrics.csv", "surface.pc2", "rest.obj", "frames.fascicle", "checkpoint",
-        "model.fascicle", "surface.mdd", "surface.abc", "surface.usda", "surface.usda.normals.part"}) {
+  for (const char* name : {"manifest.json", "metrics.csv", "surface.pc2", "rest.obj", "frames.fascicle",
+                           "checkpoint", "model.fascicle", "surface.mdd", "surface.abc", "surface.usda",
+                           "surface.usda.normals.part", "surface.glb", "import_blender.py"}) {
     const fs::path other = folder / (std::string("other_") + name);
     fs::create_directories(other);
     write_text(other / name, "{\"precious\": true}");

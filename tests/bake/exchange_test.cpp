@@ -9,6 +9,9 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "host/bake/bake.h"
 #include "host/bake/formats.h"
@@ -286,6 +289,59 @@ TEST(SurfaceFormats, RefuseABodyWithoutSurface) {
     if (format.name.empty() || format.name == "vtu") continue;
     const TemporaryFolder folder;
     EXPECT_THROW(write_frames(format.make(), model, folder / ""), bake::BakeError) << format.name;
+  }
+}
+
+// The most memory (bytes) of a process that writes so many frames of a large surface.
+std::uint64_t peak_memory(const bake::Format& format, const model::Model& model, std::uint64_t frames) {
+  const TemporaryFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const model::Frame frame = stretched(model, 1);
+    const auto sink = format.make();
+    sink->begin({.model = &model,
+                 .folder = folder / "",
+                 .scene_name = "s",
+                 .fps = 24.0,
+                 .start = 0.0,
+                 .frames = frames,
+                 .first = 0,
+                 .initial = &frame});
+    for (std::uint64_t k = 0; k <= frames; ++k) {
+      model::Frame current = frame;
+      current.index = k;
+      sink->write(current);
+    }
+    sink->finish();
+    ::_exit(0);
+  }
+  int status = -1;
+  struct rusage usage {};
+  EXPECT_EQ(::wait4(child, &status, 0, &usage), child);
+  EXPECT_EQ(status, 0) << format.name;
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+TEST(SurfaceFormats, KeepNoFrameInMemory) {
+  constexpr std::uint32_t vertices = 12000;
+  model::Model model = two_tetrahedra();
+  model.surface_vertex.clear();
+  model.surface_weight.clear();
+  model.surface_triangle.clear();
+  for (std::uint32_t i = 0; i < vertices; ++i) {
+    const float x = static_cast<float>(i) / vertices;
+    for (const std::uint32_t vertex : {0u, 1u, 2u, 3u}) model.surface_vertex.push_back(vertex);
+    for (const float weight : {1.0f - x, x * x, x - x * x, 0.0f}) model.surface_weight.push_back(weight);
+    if (i >= 2)
+      for (const std::uint32_t corner : {i - 2, i - 1, i}) model.surface_triangle.push_back(corner);
+  }
+  constexpr std::uint64_t few = 4, many = 64;
+  for (const bake::Format& format : bake::all_formats()) {
+    if (format.name.empty() || format.name == "vtu") continue;
+    const std::uint64_t low = peak_memory(format, model, few), high = peak_memory(format, model, many);
+    // Whoever kept the positions alone would need 12 bytes a vertex and frame more, 8 MiB; what is kept of a
+    // frame is under a kilobyte, and the allocator's rounding well under the rest.
+    EXPECT_LT(high, low + (std::uint64_t{12} * vertices * (many - few)) / 3) << format.name;
   }
 }
 
