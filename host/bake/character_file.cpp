@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
-
 #include "host/bake/bake.h"
 #include "host/bake/gltf_writer.h"
 #include "host/bake/surface.h"
 #include "host/bake/version.h"
 #include "host/scene/pose.h"
+#include "host/scene/rig_math.h"
 
 namespace fascicle::bake {
 
@@ -106,30 +104,13 @@ scene::GltfDocument made_document(const scene::Character& character, const model
 
 constexpr const char* baked_mark = "fascicle_baked";
 
-// A joint's transform in its parent's space, taken apart. The signs of its scale are those it has at rest.
-struct Parts {
-  scene::Vector3d translation, scale;
-  Eigen::Vector4d rotation;  // x y z w
-};
-Parts parts_of(const Eigen::Matrix4d& local, const scene::Vector3d& rest_scale) {
-  Parts parts{.translation = local.topRightCorner<3, 1>(), .scale = {}, .rotation = {}};
-  Eigen::Matrix3d turn = local.topLeftCorner<3, 3>();
-  for (int axis = 0; axis < 3; ++axis) {
-    const double length = turn.col(axis).norm();
-    parts.scale[axis] = rest_scale[axis] < 0.0 ? -length : length;
-    if (length > 0.0) turn.col(axis) /= parts.scale[axis];
-  }
-  parts.rotation = Eigen::Quaterniond(turn).normalized().coeffs();
-  return parts;
-}
-
 // The values of one channel, frame after frame.
 struct Track {
   std::uint32_t joint = 0;
   scene::ChannelPath path = scene::ChannelPath::translation;
   std::vector<float> values;
 
-  void append(const Parts& parts) {
+  void append(const scene::JointParts& parts) {
     if (path != scene::ChannelPath::rotation) {
       const scene::Vector3d& value = path == scene::ChannelPath::scale ? parts.scale : parts.translation;
       for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(value[c]));
@@ -172,7 +153,7 @@ void add_baked_clip(scene::GltfDocument& document, const scene::Scene& scene,
       const scene::Joint& joint = character.skeleton[track.joint];
       const Eigen::Matrix4d& above =
           joint.parent < 0 ? character.root : joints[static_cast<std::size_t>(joint.parent)];
-      track.append(parts_of(above.inverse() * joints[track.joint], joint.rest_scale));
+      track.append(scene::joint_parts(above, joints[track.joint], joint.rest_scale));
     }
   }
   const std::size_t input = add_accessor(document, std::span<const float>(times), 1, true);

@@ -15,8 +15,6 @@
 #include <limits>
 #include <optional>
 
-#include <Eigen/LU>
-
 #include "host/bake/bake.h"
 #include "host/bake/character_file.h"
 #include "host/bake/file.h"
@@ -26,6 +24,7 @@
 #include "host/bake/text.h"
 #include "host/scene/gltf_file.h"
 #include "host/scene/pose.h"
+#include "host/scene/rig_math.h"
 
 namespace fascicle::bake {
 
@@ -49,22 +48,6 @@ struct Piece {
 
 Vector3d point_at(const std::vector<float>& values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
-}
-
-// Solves l x = y; where l is all but flat, for the smallest x that nearly does.
-Vector3d solved(const Matrix3d& l, const Vector3d& y) {
-  const double size = l.norm();
-  if (std::abs(l.determinant()) > 1e-6 * size * size * size) return l.inverse() * y;
-  const Matrix3d damped = l * l.transpose() + (1e-6 * size * size + 1e-30) * Matrix3d::Identity();
-  return l.transpose() * (damped.inverse() * y);
-}
-
-// v as the rotation from direction a to b (both of length 1) takes it.
-Vector3d turned(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
-  const Vector3d axis = a.cross(b);
-  const double cosine = a.dot(b);
-  if (cosine < -0.999) return -v;
-  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1.0 + cosine);
 }
 
 std::vector<std::uint64_t> target_frames(std::uint64_t frames, std::uint64_t stride) {
@@ -211,10 +194,11 @@ Piece GlbSink::write_part(const scene::RigPart& part, std::size_t first, const s
     if (!moved && !turns_away && !last_chance) continue;
     indices.push_back(static_cast<std::uint32_t>(i));
     const Matrix3d linear = blends[v].topLeftCorner<3, 3>();
-    const Vector3d move = moved ? solved(linear, away) : Vector3d::Zero();
+    const Vector3d move = moved ? scene::solve(linear, away) : Vector3d::Zero();
     Vector3d turn = Vector3d::Zero();
     if (turns_away)
-      turn = solved(linear, turned(linear * part.normals[i], before, now)).normalized() - part.normals[i];
+      turn = scene::solve(linear, scene::turn(linear * part.normals[i], before, now)).normalized() -
+             part.normals[i];
     for (int axis = 0; axis < 3; ++axis) {
       moves.push_back(static_cast<float>(move[axis]));
       turns.push_back(static_cast<float>(turn[axis]));
