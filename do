@@ -12,7 +12,7 @@ cd "$(dirname "$0")"
 build_packages="g++ cmake ninja-build glslang-tools spirv-tools libvulkan-dev libvulkan-volk-dev libeigen3-dev \
 libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libpugixml-dev libpng-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
-test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils"
+test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender"
 lint_packages="clang-format clang-tidy clang"
 
 need() {
@@ -31,6 +31,19 @@ need() {
   $root apt-get update -qq >&2
   # shellcheck disable=SC2086
   DEBIAN_FRONTEND=noninteractive $root apt-get install -y -qq --no-install-recommends $missing >&2
+}
+
+# Programs from npm that read our files back, for tests: pinned by tests/readers/package-lock.json, installed in the
+# build folder. Without a network the tests that need them are skipped and say so.
+readers() { # PRESET
+  command -v node >/dev/null && command -v npm >/dev/null || need nodejs npm
+  folder=build/$1/readers
+  mkdir -p "$folder"
+  cp tests/readers/*.mjs "$folder"
+  if cmp -s tests/readers/package-lock.json "$folder/package-lock.json" && [ -d "$folder/node_modules" ]; then return 0; fi
+  cp tests/readers/package.json tests/readers/package-lock.json "$folder"
+  (cd "$folder" && npm ci --ignore-scripts --no-audit --no-fund >&2) ||
+    { rm -rf "$folder/node_modules"; echo "do: npm could not install the readers; their tests are skipped" >&2; }
 }
 
 build() { # PRESET [CMAKE CACHE ARGUMENTS...]
@@ -53,6 +66,7 @@ case $command in
     ;;
   test)
     need $build_packages $run_packages $test_packages
+    readers release
     build release -DFASCICLE_TESTS=ON
     exec ctest --preset release --output-on-failure -j "$(nproc)" "$@"
     ;;

@@ -14,6 +14,8 @@
 #include <chrono>
 #include <optional>
 
+#include "host/bake/blender_script.h"
+#include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/drive_source.h"
 #include "host/bake/file.h"
@@ -118,6 +120,7 @@ class Run {
   Timings before_;  // of earlier runs
   double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
   bool interrupted_ = false;
+  std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_checkpoint_ = Clock::now();
 };
@@ -200,6 +203,7 @@ BakeResult Run::go() {
   result.lead_in = progress_.lead_in;
   result.loop_jump = progress_.loop_jump;
   result.interrupted = interrupted_;
+  result.missing_images = missing_images_;
   for (const std::string& name : files)
     if (fs::exists(options_.folder / name)) result.files.push_back(options_.folder / name);
   if (!progress_.position_hashes.empty())
@@ -222,6 +226,13 @@ model::State Run::lead_to_start() {
 
 void Run::begin_sinks(std::uint64_t first) {
   const Stopwatch time(seconds_writing_);
+  const auto* character = std::get_if<scene::Character>(&scene_.geometry);
+  const bool is_character = character != nullptr && model_.has_skeleton();
+  if (is_character && (first == 0 || !fs::exists(path_of(character_name))))
+    write_whole(
+        path_of(character_name),
+        character_glb(
+            scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); }, missing_images_));
   const BakeInfo info{.model = &model_,
                       .folder = options_.folder,
                       .scene_name = scene_.name,
@@ -229,7 +240,9 @@ void Run::begin_sinks(std::uint64_t first) {
                       .start = scene_.start,
                       .frames = frames_,
                       .first = first,
-                      .initial = &initial_};
+                      .initial = &initial_,
+                      .character = is_character ? path_of(character_name) : fs::path(),
+                      .glb = options_.glb};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
@@ -237,15 +250,25 @@ void Run::begin_sinks(std::uint64_t first) {
     if (!wanted) continue;
     sinks_.push_back(format.make());
     needs_ = needs_ | sinks_.back()->needs();
-    sinks_.back()->begin(info);
+    BakeInfo of_sink = info;
+    if (!sinks_.back()->resumes()) of_sink.first = 0;
+    sinks_.back()->begin(of_sink);
   }
   write_whole(path_of(model_file_name), encode_model(model_));
-  if (model_.surface_count() > 0) write_whole(path_of("rest.obj"), rest_obj(model_));
+  if (model_.surface_count() > 0) {
+    write_whole(path_of(rest_name), rest_obj(model_));
+    write_whole(path_of(blender_script_name), blender_script({.fps = scene_.fps, .frames = frames_}));
+  }
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
   const FrameCacheReader cache(path_of(cache_name));
-  for (std::uint64_t k = 0; k < first; ++k)
-    progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
+  for (std::uint64_t k = 0; k < first; ++k) {
+    model::Frame frame = cache.read(k);
+    progress_.position_hashes.push_back(model::position_hash(frame));
+    frame.surface = embed(model_, frame.positions);
+    for (const auto& sink : sinks_)
+      if (!sink->resumes()) sink->write(frame);
+  }
 }
 
 // One frame is stepped while the one before is written. Where a checkpoint is due no further frame may be in
@@ -338,12 +361,12 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
 }
 
 std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
-                           const std::vector<std::string>& formats) {
+                           const std::vector<std::string>& formats, const GlbOptions& glb) {
   const std::uint64_t samples = scene::frame_count(scene) + 1;
   std::uint64_t bytes = checkpoint_bytes(model) + encoded_bytes(model);
   for (const Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
-      bytes += format.bytes(model, samples);
+      bytes += format.bytes(model, format.name == "glb" ? glb_target_count(samples - 1, glb) : samples);
   // The manifest's line for each frame and its text; rest.obj with about 36 and 20 characters a vertex and a
   // triangle.
   bytes += samples * 25 + 4000 + scene.text.size();

@@ -42,9 +42,10 @@ struct DeviceDescription {
 
 struct BakeOptions {
   std::filesystem::path folder;
-  std::vector<std::string> formats;  // "pc2", "vtu"
-  bool overwrite = false;            // removes what a bake made in the folder, and nothing else
-  bool resume = false;               // goes on from the last checkpoint; starts afresh where there is none
+  std::vector<std::string> formats;  // of format_names()
+  GlbOptions glb = {};
+  bool overwrite = false;  // removes what a bake made in the folder, and nothing else
+  bool resume = false;     // goes on from the last checkpoint; starts afresh where there is none
   std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
   double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
   DeviceDescription device;
@@ -57,6 +58,7 @@ struct BakeResult {
   std::uint64_t frames_done = 0;  // of frame_count(scene)
   bool interrupted = false;
   std::vector<std::filesystem::path> files;
+  std::vector<std::string> missing_images;  // of the character's: white pixels stand for them
   std::string last_position_hash;
   LeadInSummary lead_in;
   std::optional<double>
@@ -74,6 +76,6 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
 
 // Bytes a bake will write.
 std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
-                           const std::vector<std::string>& formats);
+                           const std::vector<std::string>& formats, const GlbOptions& glb = {});
 
 }  // namespace fascicle::bake

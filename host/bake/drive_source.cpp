@@ -247,6 +247,11 @@ model::State DriveSource::initial_state() const {
   return started(model::initial_state(impl.model, bones, array_of(origin)));
 }
 
+std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {
+  if (!impl_->timeline) return {};
+  return impl_->timeline->pose(frame * impl_->substeps);
+}
+
 std::uint64_t DriveSource::preroll_frames() const {
   if (!impl_->timeline) return 0;
   return static_cast<std::uint64_t>(std::llround(impl_->scene.motion.preroll * impl_->scene.fps));

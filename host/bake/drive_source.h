@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "host/model/model.h"
 #include "host/model/solver.h"
@@ -25,6 +26,10 @@ class DriveSource {
   model::State initial_state() const;
   // The drive of frame k >= 1. Frames may be asked for in any order.
   model::Drive drive(std::uint64_t frame);
+
+  // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
+  // the first pose. Nothing without a skeleton.
+  std::vector<Eigen::Matrix4d> joints(std::uint64_t frame);
 
   // Before frame 0. The preroll begins in preroll_state(), at rest, and lasts preroll_frames(); frame k of it
   // is k = 1.. of them, which begins and ends at rest. Without a preroll its state is that of the first pose.

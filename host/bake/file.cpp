@@ -1,8 +1,10 @@
 #include "host/bake/file.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <span>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -74,6 +76,24 @@ void PartFile::finish() {
   file_.close();
   rename_over(with_suffix(path_, part_suffix), path_);
   sync_folder(path_.parent_path());
+}
+
+SpoolFile SpoolFile::start(const fs::path& path) {
+  return SpoolFile(File(with_suffix(path, part_suffix), FileMode::replace));
+}
+
+void SpoolFile::move_to(PartFile& to) {
+  const std::uint64_t size = file_.size();
+  std::vector<char> block(std::size_t{1} << 20);
+  for (std::uint64_t at = 0; at < size;) {
+    const std::span<char> piece =
+        std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), size - at)));
+    if (!file_.read_at(at, piece))
+      throw std::system_error(EIO, std::generic_category(), "cannot read " + file_.path().string());
+    to.write({piece.data(), piece.size()});
+    at += piece.size();
+  }
+  fs::remove(file_.path());
 }
 
 }  // namespace fascicle::bake

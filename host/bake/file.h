@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string_view>
+#include <utility>
 
 #include "host/scene/file.h"
 
@@ -34,12 +35,27 @@ class PartFile {
   static PartFile resume_lines(const std::filesystem::path& path, std::uint64_t lines);
 
   void write(std::string_view bytes) { file_.write(bytes); }
+  // Writes over what was written before.
+  void write_at(std::uint64_t offset, std::string_view bytes) { file_.write_at(offset, bytes); }
   void sync() { file_.sync(); }
   void finish();
 
  private:
   PartFile(std::filesystem::path path, File file);
   std::filesystem::path path_;
+  File file_;
+};
+
+// What must wait for the end of a stream: grows under the name PATH.part and goes into another file.
+class SpoolFile {
+ public:
+  static SpoolFile start(const std::filesystem::path& path);
+  void write(std::string_view bytes) { file_.write(bytes); }
+  // Appends all of it to `to` and removes it.
+  void move_to(PartFile& to);
+
+ private:
+  explicit SpoolFile(File file) : file_(std::move(file)) {}
   File file_;
 };
 

@@ -12,6 +12,7 @@
 #include "host/bake/checkpoint.h"
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
+#include "host/bake/frame_files.h"
 #include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
 
@@ -35,15 +36,19 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
   };
   if (!entry.ends_with('/')) {
     add(folder / entry);
+    for (const Format& format : all_formats())
+      if (format.file == entry)
+        for (const std::string& spool : format.spools) add(folder / spool);
     return found;
   }
+  const std::string extension = entry.substr(0, entry.size() - 1);
   const fs::path inner = folder / entry;
   if (!fs::is_directory(inner)) return found;
-  add(inner / vtu_series);
+  if (extension == vtu_extension) add(inner / vtu_series);
   for (const auto& item : fs::directory_iterator(inner)) {
     std::string name = item.path().filename().string();
     if (name.ends_with(temporary_suffix)) name.resize(name.size() - std::string(temporary_suffix).size());
-    if (is_vtu_frame_name(name)) found.push_back(item.path());
+    if (is_frame_file_name(name, extension)) found.push_back(item.path());
   }
   return found;
 }
@@ -93,11 +98,17 @@ void clear_bake(const fs::path& folder) {
   // The manifest goes last: while it stands, a clearing that was cut short can be done again.
   std::stable_partition(made.begin(), made.end(),
                         [](const std::string& entry) { return entry != manifest_name; });
-  for (const std::string& entry : made) {
-    if (std::find(known.begin(), known.end(), entry) == known.end()) continue;
+  std::erase_if(made, [&](const std::string& entry) {
+    return std::find(known.begin(), known.end(), entry) == known.end();
+  });
+  remove_files(folder, made);
+}
+
+void remove_files(const fs::path& folder, const std::vector<std::string>& files) {
+  for (const std::string& entry : files) {
     for (const fs::path& path : existing(folder, entry)) remove_file(path);
     std::error_code not_empty;
-    if (entry.ends_with('/')) fs::remove(folder / vtu_folder, not_empty);
+    if (entry.ends_with('/')) fs::remove(folder / entry.substr(0, entry.size() - 1), not_empty);
   }
   sync_folder(folder);
 }

@@ -30,6 +30,9 @@ bool holds_bake(const std::filesystem::path& folder);
 // writes, with their unfinished forms. Everything else in the folder stays, also where a manifest lists it.
 void clear_bake(const std::filesystem::path& folder);
 
+// Removes these files (in the form of the manifest's list) with their unfinished forms.
+void remove_files(const std::filesystem::path& folder, const std::vector<std::string>& files);
+
 // Throws BakeError if one of the `files` (in the form of the manifest's list) is there already: no bake made
 // it.
 void refuse_foreign(const std::filesystem::path& folder, const std::vector<std::string>& files);

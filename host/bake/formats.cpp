@@ -7,10 +7,28 @@ namespace fascicle::bake {
 
 const std::vector<Format>& all_formats() {
   static const std::vector<Format> formats{
-      {"", cache_name, make_cache_sink, cache_bytes},
-      {"", "metrics.csv", make_metrics_sink, metrics_bytes},
-      {"pc2", "surface.pc2", make_pc2_sink, pc2_bytes},
-      {"vtu", "vtu/", make_vtu_sink, vtu_bytes},
+      {.name = "", .file = cache_name, .make = make_cache_sink, .bytes = cache_bytes, .from_cache = false},
+      {.name = "",
+       .file = "metrics.csv",
+       .make = make_metrics_sink,
+       .bytes = metrics_bytes,
+       .from_cache = false},
+      {.name = "abc", .file = "surface.abc", .make = make_abc_sink, .bytes = abc_bytes},
+      {.name = "glb",
+       .file = "surface.glb",
+       .make = make_glb_sink,
+       .bytes = glb_bytes,
+       .spools = {glb_spool}},
+      {.name = "mdd", .file = "surface.mdd", .make = make_mdd_sink, .bytes = mdd_bytes},
+      {.name = "obj", .file = "obj/", .make = make_obj_sink, .bytes = obj_bytes},
+      {.name = "pc2", .file = "surface.pc2", .make = make_pc2_sink, .bytes = pc2_bytes},
+      {.name = "usda",
+       .file = "surface.usda",
+       .make = make_usda_sink,
+       .bytes = usda_bytes,
+       .spools = {usda_normals_spool, usda_extents_spool}},
+      // Its velocities are not in the frame cache.
+      {.name = "vtu", .file = "vtu/", .make = make_vtu_sink, .bytes = vtu_bytes, .from_cache = false},
   };
   return formats;
 }

@@ -14,13 +14,15 @@ namespace fascicle::bake {
 
 struct Format {
   std::string name;  // of --format; empty: always written
-  std::string file;  // in the folder; ends in / for a folder of files
+  std::string file;  // in the folder; ends in / for a folder of frame_NNNNNN files, named after its extension
   std::unique_ptr<FrameSink> (*make)();
   // Bytes of `frames` frames.
   std::uint64_t (*bytes)(const model::Model& model, std::uint64_t frames);
+  std::vector<std::string> spools = {};  // streams beside an unfinished file, without their .part
+  bool from_cache = true;                // can be made again from the frame cache, by `fascicle export`
 };
 
-// frame cache, metrics, pc2, vtu.
+// frame cache, metrics, and those with a name.
 const std::vector<Format>& all_formats();
 
 // frames.fascicle; see read_frame_cache.h.
@@ -59,14 +61,44 @@ std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames);
 std::unique_ptr<FrameSink> make_pc2_sink();
 std::uint64_t pc2_bytes(const model::Model& model, std::uint64_t frames);
 
+// Of all formats below: metres, Y up, right-handed, frame k at k / fps seconds, the first frame is 0; the
+// render mesh in its own vertex order and topology. Normals are smooth (SurfaceNormals).
+
+// surface.mdd: LightWave MDD. Big-endian int32 frames, int32 points, float32 time of each frame (s), then
+// float32 x y z of each point of each frame.
+std::unique_ptr<FrameSink> make_mdd_sink();
+std::uint64_t mdd_bytes(const model::Model& model, std::uint64_t frames);
+
+// obj/frame_NNNNNN.obj: positions, normals and triangles.
+std::unique_ptr<FrameSink> make_obj_sink();
+std::uint64_t obj_bytes(const model::Model& model, std::uint64_t frames);
+inline constexpr const char* obj_extension = "obj";
+
+// surface.usda: UsdGeomMesh /body/surface with time samples of points, normals and extent; time code k is
+// frame k.
+std::unique_ptr<FrameSink> make_usda_sink();
+std::uint64_t usda_bytes(const model::Model& model, std::uint64_t frames);
+inline constexpr const char* usda_normals_spool = "surface.usda.normals";
+inline constexpr const char* usda_extents_spool = "surface.usda.extents";
+
+// surface.abc: Alembic (Ogawa), AbcGeom_PolyMesh_v1 /surface with samples of P, N and .selfBnds.
+std::unique_ptr<FrameSink> make_abc_sink();
+std::uint64_t abc_bytes(const model::Model& model, std::uint64_t frames);
+
+// surface.glb: glTF 2.0, the character with skeleton and looks, its flesh as sparse morph targets on top of
+// skinning, one animation that moves both.
+std::unique_ptr<FrameSink> make_glb_sink();
+// At most this for so many morph targets; vertices that only follow the skeleton take nothing.
+std::uint64_t glb_bytes(const model::Model& model, std::uint64_t targets);
+std::uint64_t glb_target_count(std::uint64_t frames, const GlbOptions& options);
+inline constexpr const char* glb_spool = "surface.glb.targets";
+
 // vtu/frame_NNNNNN.vtu and vtu/series.pvd for ParaView: the tetrahedra in metres with displacement from frame
 // 0 (m), velocity (m/s), layer, kinematic, and source_vertex, the vertex's number in the input's tetrahedral
 // mesh.
 std::unique_ptr<FrameSink> make_vtu_sink();
 std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames);
-inline constexpr const char* vtu_folder = "vtu";
+inline constexpr const char* vtu_extension = "vtu";
 inline constexpr const char* vtu_series = "series.pvd";
-std::string vtu_frame_name(std::uint64_t frame);
-bool is_vtu_frame_name(const std::string& name);
 
 }  // namespace fascicle::bake

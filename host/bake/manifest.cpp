@@ -4,7 +4,11 @@
 #include <fstream>
 #include <iterator>
 
+#include "host/bake/bake.h"
+#include "host/bake/blender_script.h"
+#include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
+#include "host/bake/file.h"
 #include "host/bake/formats.h"
 #include "host/bake/model_file.h"
 #include "host/bake/scene_json.h"
@@ -18,7 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kind = "fascicle bake";
-constexpr const char* rest_name = "rest.obj";
 
 Json json_of(const model::Model& model, std::uint64_t hash) {
   std::vector<std::uint64_t> vertices(model.layers.size(), 0);
@@ -45,6 +48,14 @@ Json json_of(const model::Model& model, std::uint64_t hash) {
           {"muscles", model.muscle_count},
           {"layers", std::move(layers)},
           {"probes", std::move(probes)}};
+}
+
+// Null if there is none of ours.
+Json manifest_in(const fs::path& folder) {
+  std::ifstream file(folder / manifest_name, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  Json manifest = Json::parse(text, nullptr, false);
+  return manifest.is_object() && manifest.value("kind", Json()) == kind ? manifest : Json();
 }
 
 Json json_of(const DeviceDescription& device) {
@@ -102,7 +113,11 @@ const char* name_of(Status status) {
 
 std::vector<std::string> file_names(const model::Model& model, const std::vector<std::string>& formats) {
   std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name};
-  if (model.surface_count() > 0) names.push_back(rest_name);
+  if (model.has_skeleton()) names.push_back(character_name);
+  if (model.surface_count() > 0) {
+    names.push_back(rest_name);
+    names.push_back(blender_script_name);
+  }
   for (const Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
       names.push_back(format.file);
@@ -110,7 +125,8 @@ std::vector<std::string> file_names(const model::Model& model, const std::vector
 }
 
 std::vector<std::string> all_file_names() {
-  std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name, rest_name};
+  std::vector<std::string> names{manifest_name,  checkpoint_name, model_file_name,
+                                 character_name, rest_name,       blender_script_name};
   for (const Format& format : all_formats()) names.push_back(format.file);
   return names;
 }
@@ -124,36 +140,42 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
     inputs.push_back({{"file", file}, {"xxh3_64", file_hash}});
   // Frame 0 is the pose at the start and is written too.
   const std::uint64_t frames_done = hashes.empty() ? 0 : hashes.size() - 1;
-  const Json manifest{{"kind", kind},
-                      {"version", 1},
-                      {"fascicle", {{"version", fascicle_version}, {"solver_version", solver_version}}},
-                      {"status", name_of(progress.status)},
-                      {"message", progress.message},
-                      {"frames_done", frames_done},
-                      {"frames", scene::frame_count(scene)},
-                      {"files", file_names(model, options.formats)},
-                      {"formats", options.formats},
-                      {"device", json_of(options.device)},
-                      {"scene", json_of(scene)},
-                      {"lead_in", json_of(progress.lead_in)},
-                      {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},
-                      {"inputs", std::move(inputs)},
-                      {"model", json_of(model, hash)},
-                      {"warnings", options.warnings},
-                      {"timings",
-                       {{"solver_seconds", progress.timings.solver},
-                        {"writing_seconds", progress.timings.writing},
-                        {"total_seconds", progress.timings.total},
-                        {"runs", progress.timings.runs}}},
-                      {"position_hashes", std::move(hashes)}};
+  const Json manifest{
+      {"kind", kind},
+      {"version", 1},
+      {"fascicle", {{"version", fascicle_version}, {"solver_version", solver_version}}},
+      {"status", name_of(progress.status)},
+      {"message", progress.message},
+      {"frames_done", frames_done},
+      {"frames", scene::frame_count(scene)},
+      {"files", file_names(model, options.formats)},
+      {"formats", options.formats},
+      {"output",
+       {{"fps", scene.fps},
+        {"first_frame", 0},
+        {"first_frame_seconds", scene.start},
+        {"meters_per_unit", 1},
+        {"up_axis", "Y"},
+        {"handedness", "right"},
+        {"glb_stride", options.glb.stride},
+        {"glb_tolerance", options.glb.tolerance ? Json(*options.glb.tolerance) : Json(nullptr)}}},
+      {"device", json_of(options.device)},
+      {"scene", json_of(scene)},
+      {"inputs", std::move(inputs)},
+      {"model", json_of(model, hash)},
+      {"warnings", options.warnings},
+      {"timings",
+       {{"solver_seconds", progress.timings.solver},
+        {"writing_seconds", progress.timings.writing},
+        {"total_seconds", progress.timings.total},
+        {"runs", progress.timings.runs}}},
+      {"position_hashes", std::move(hashes)}};
   return dump(manifest, 2) + '\n';
 }
 
 std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
-  std::ifstream file(folder / manifest_name, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const Json manifest = Json::parse(text, nullptr, false);
-  if (!manifest.is_object() || manifest.value("kind", Json()) != kind) return std::nullopt;
+  const Json manifest = manifest_in(folder);
+  if (manifest.is_null()) return std::nullopt;
   ManifestSummary summary;
   if (const auto files = manifest.find("files"); files != manifest.end() && files->is_array())
     for (const Json& name : *files)
@@ -183,6 +205,17 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
                      .runs = static_cast<std::uint64_t>(std::clamp(seconds("runs"), 1.0, 1e9))};
   if (const auto led = manifest.find("lead_in"); led != manifest.end()) summary.lead_in = lead_in_of(*led);
   return summary;
+}
+
+void add_to_manifest(const fs::path& folder, const std::vector<std::string>& files) {
+  Json manifest = manifest_in(folder);
+  if (!manifest.is_object() || !manifest["files"].is_array())
+    throw BakeError((folder / manifest_name).string() +
+                    ": is missing or damaged; bake again with --overwrite");
+  Json& list = manifest["files"];
+  for (const std::string& name : files)
+    if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+  write_whole(folder / manifest_name, dump(manifest, 2) + '\n');
 }
 
 }  // namespace fascicle::bake

@@ -15,6 +15,7 @@
 namespace fascicle::bake {
 
 inline constexpr const char* manifest_name = "manifest.json";
+inline constexpr const char* rest_name = "rest.obj";
 
 enum class Status { running, interrupted, not_finite, complete };
 const char* name_of(Status status);
@@ -52,5 +53,8 @@ struct ManifestSummary {
 };
 // Nothing if there is no manifest in the folder or it is not one of fascicle.
 std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);
+
+// Adds to the list of files, whole; the rest stays as it is. Throws BakeError without a manifest.
+void add_to_manifest(const std::filesystem::path& folder, const std::vector<std::string>& files);
 
 }  // namespace fascicle::bake

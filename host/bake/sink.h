@@ -4,12 +4,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/model/model.h"
 #include "host/model/solver.h"
 
 namespace fascicle::bake {
+
+// How the motion goes into a .glb.
+struct GlbOptions {
+  std::uint64_t stride = 1;           // a morph target every so many frames, and one at the last; at least 1
+  std::optional<double> tolerance{};  // m: vertices nearer than this to plain skinning are left out of a
+                                      // target; none: 1e-6 of the body's diagonal
+};
 
 struct BakeInfo {
   const model::Model* model = nullptr;
@@ -20,6 +28,8 @@ struct BakeInfo {
   std::uint64_t frames = 0;               // after frame 0; frame 0 is written too, so frames + 1 in all
   std::uint64_t first = 0;                // first frame to write: 0, or where a resumed bake goes on
   const model::Frame* initial = nullptr;  // frame 0 with positions, for displacements; outlives the sink
+  std::filesystem::path character = {};   // character.glb; empty for bodies that are no characters
+  GlbOptions glb = {};
 };
 
 // Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside
@@ -31,6 +41,7 @@ struct FrameSink {
   virtual ~FrameSink() = default;
   virtual std::string name() const = 0;
   virtual model::Read needs() const = 0;
+  virtual bool resumes() const { return true; }
   virtual void begin(const BakeInfo& info) = 0;
   virtual void write(const model::Frame& frame) = 0;
   // On return all frames written so far survive a power cut; a checkpoint that counts on them follows.

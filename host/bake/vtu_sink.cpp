@@ -1,19 +1,18 @@
 // vtu/: VTK unstructured grids, one file a frame with raw appended data, and a ParaView collection with their
 // times.
-#include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "host/bake/bake.h"
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
+#include "host/bake/frame_files.h"
 #include "host/bake/surface.h"
 #include "host/bake/text.h"
 
 namespace fascicle::bake {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr std::uint8_t vtk_tetra = 10;
 
@@ -31,16 +30,15 @@ class VtuSink final : public FrameSink {
   model::Read needs() const override { return {.positions = true, .velocities = true}; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  void sync() override;
+  void sync() override { files_->sync(); }
   void finish() override;
 
  private:
   double time_of(std::uint64_t frame) const { return info_.start + static_cast<double>(frame) / info_.fps; }
 
   BakeInfo info_;
-  fs::path folder_;
-  std::vector<std::uint64_t> unsynced_;  // frames written since the last sync
-  std::string constant_;                 // the arrays that no frame changes, as they stand in the file
+  std::optional<FrameFiles> files_;
+  std::string constant_;  // the arrays that no frame changes, as they stand in the file
 };
 
 template <class T>
@@ -117,19 +115,12 @@ std::string text_before_arrays(const model::Model& model, double time) {
 
 void VtuSink::begin(const BakeInfo& info) {
   info_ = info;
-  folder_ = info.folder / vtu_folder;
   const model::Model& model = *info.model;
   if (model.tetrahedron.size() > std::numeric_limits<std::int32_t>::max())
     throw BakeError("vtu: " + number_text(model.tetrahedron_count()) +
                     " tetrahedra are more than its 32-bit offsets hold; leave out --format vtu");
   constant_ = constant_arrays(model);
-  fs::create_directories(folder_);
-  for (std::uint64_t k = 0; k < info.first; ++k)
-    if (!fs::exists(folder_ / vtu_frame_name(k)))
-      throw BakeError((folder_ / vtu_frame_name(k)).string() +
-                      ": the bake to resume has lost this file; start again with --overwrite");
-  for (std::uint64_t k = info.first; fs::remove(folder_ / vtu_frame_name(k)); ++k) {
-  }
+  files_.emplace(info.folder, vtu_extension, info.first);
 }
 
 void VtuSink::write(const model::Frame& frame) {
@@ -150,42 +141,24 @@ void VtuSink::write(const model::Frame& frame) {
   append_sized(bytes, velocity);
   bytes += constant_;
   bytes += text_after_arrays;
-  write_whole_unsynced(folder_ / vtu_frame_name(frame.index), bytes);
-  unsynced_.push_back(frame.index);
-}
-
-void VtuSink::sync() {
-  for (const std::uint64_t frame : unsynced_) sync_file(folder_ / vtu_frame_name(frame));
-  sync_folder(folder_);
-  unsynced_.clear();
+  files_->write(frame.index, bytes);
 }
 
 void VtuSink::finish() {
-  sync();
+  files_->sync();
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  "
       "<Collection>\n";
   for (std::uint64_t k = 0; k <= info_.frames; ++k)
-    text +=
-        "    <DataSet timestep=\"" + number_text(time_of(k)) + "\" file=\"" + vtu_frame_name(k) + "\"/>\n";
-  write_whole(folder_ / vtu_series, text + "  </Collection>\n</VTKFile>\n");
+    text += "    <DataSet timestep=\"" + number_text(time_of(k)) + "\" file=\"" +
+            frame_file_name(k, vtu_extension) + "\"/>\n";
+  write_whole(files_->folder() / vtu_series, text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace
 
 std::unique_ptr<FrameSink> make_vtu_sink() {
   return std::make_unique<VtuSink>();
-}
-
-std::string vtu_frame_name(std::uint64_t frame) {
-  std::string digits = number_text(frame);
-  if (digits.size() < 6) digits.insert(0, 6 - digits.size(), '0');
-  return "frame_" + digits + ".vtu";
-}
-
-bool is_vtu_frame_name(const std::string& name) {
-  if (name.size() < 16 || !name.starts_with("frame_") || !name.ends_with(".vtu")) return false;
-  return std::all_of(name.begin() + 6, name.end() - 4, [](char c) { return c >= '0' && c <= '9'; });
 }
 
 std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {

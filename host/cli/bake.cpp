@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "host/bake/blender_script.h"
 #include "host/bake/drive_source.h"
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
@@ -24,6 +25,7 @@ struct BakeArguments {
   SceneArguments scene;
   std::string folder;
   std::vector<std::string> formats;
+  bake::GlbOptions glb;
   std::string device = "auto";
   unsigned threads = 0;
   bool overwrite = false, resume = false, dry_run = false;
@@ -60,24 +62,39 @@ double measured_substep(const scene::Scene& scene, const model::Model& model, mo
   return seconds.count() / static_cast<double>(timed);
 }
 
+bool wants(const BakeArguments& arguments, const std::string& format) {
+  return std::find(arguments.formats.begin(), arguments.formats.end(), format) != arguments.formats.end();
+}
+
+// Morph targets are the one thing that can grow out of hand; empty if none are asked for.
+std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& scene,
+                          const model::Model& model) {
+  if (!wants(arguments, "glb")) return "";
+  const std::uint64_t targets = bake::glb_target_count(scene::frame_count(scene), arguments.glb);
+  return "at most " + bytes_text(bake::glb_bytes(model, targets)) + ", " + count_text(targets) +
+         " morph targets of " + count_text(model.surface_count()) + " vertices";
+}
+
 void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, const Built& built,
                     const Simulation& simulation) {
   const std::uint64_t frames = scene::frame_count(scene);
   const double substep = measured_substep(scene, built.model, *simulation.solver);
   const double total = substep * static_cast<double>(frames) * scene.solver.substeps;
+  const std::string glb = glb_size_text(arguments, scene, built.model);
   std::cout << "dry run of " << scene.name << ": nothing is written\n"
-            << columns_text(
-                   {{"folder", arguments.folder},
-                    {"vertices", count_text(built.model.vertex_count)},
-                    {"tetrahedra", count_text(built.model.tetrahedron_count())},
-                    {"render vertices", count_text(built.model.surface_count())},
-                    {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
-                                   std::to_string(scene.solver.substeps) + " substeps each"},
-                    {"device", simulation.device.text()},
-                    {"solver memory", bytes_text(model::solver_bytes(built.model))},
-                    {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats))},
-                    {"time", "about " + duration_text(total) + " and the writing (" +
-                                 number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
+            << columns_text({{"folder", arguments.folder},
+                             {"vertices", count_text(built.model.vertex_count)},
+                             {"tetrahedra", count_text(built.model.tetrahedron_count())},
+                             {"render vertices", count_text(built.model.surface_count())},
+                             {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
+                                            std::to_string(scene.solver.substeps) + " substeps each"},
+                             {"device", simulation.device.text()},
+                             {"solver memory", bytes_text(model::solver_bytes(built.model))},
+                             {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats,
+                                                                      arguments.glb))},
+                             {"surface.glb", glb.empty() ? "not asked for" : glb},
+                             {"time", "about " + duration_text(total) + " and the writing (" +
+                                          number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
 }
 
 // How to look at what was written, for each kind of file that can be looked at.
@@ -88,18 +105,22 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
-  const fs::path series = fs::path(arguments.folder) / bake::vtu_folder / bake::vtu_series;
+  const fs::path series = fs::path(arguments.folder) / bake::vtu_extension / bake::vtu_series;
   if (fs::exists(series)) std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
-  const fs::path* pc2 = with_extension(".pc2");
-  const fs::path* obj = with_extension(".obj");
-  if (pc2 != nullptr && obj != nullptr)
-    std::cout << "  Blender: import " << obj->string() << ", add the modifier Mesh Cache, format PC2, file "
-              << pc2->string() << "\n";
+  const bool has_motion = with_extension(".glb") != nullptr || with_extension(".pc2") != nullptr ||
+                          with_extension(".mdd") != nullptr;
+  if (has_motion)
+    std::cout << "  Blender: blender --python "
+              << (fs::path(arguments.folder) / bake::blender_script_name).string() << "\n";
+  if (const fs::path* pc2 = with_extension(".pc2"))
+    std::cout << "    or by hand: import rest.obj, add the modifier Mesh Cache, format PC2, file "
+              << pc2->string() << ", forward Y, up Z\n";
   if (const fs::path* csv = with_extension(".csv"))
     std::cout << "  any plotter: " << csv->string()
               << "  (energy, volume, largest displacement, probes; a row a frame)\n";
   if (arguments.formats.empty())
-    std::cout << "  for Blender and ParaView: the same command with --overwrite --format pc2,vtu\n";
+    std::cout << "  for Blender: fascicle export " << arguments.folder
+              << " --to glb,pc2; for ParaView: the same command with --overwrite --format vtu\n";
 }
 
 // What came before frame 0, how a loop closes, and how far the flesh trails.
@@ -152,10 +173,13 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     return ExitCode::done;
   }
 
+  if (const std::string size = glb_size_text(arguments, scene, built.model); !size.empty())
+    log.info("surface.glb: " + size);
   Progress progress(log, "baking", scene::frame_count(scene));
   bake::BakeOptions options;
   options.folder = arguments.folder;
   options.formats = arguments.formats;
+  options.glb = arguments.glb;
   options.overwrite = arguments.overwrite;
   options.resume = arguments.resume;
   options.device = simulation.device.description();
@@ -164,6 +188,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   const bake::BakeResult result = bake::bake(scene, built.model, *simulation.solver, options);
   log.clear_bar();
+  for (const std::string& image : result.missing_images)
+    log.warning("the character's image " + image + " is not there; character.glb has a white pixel for it");
   if (result.interrupted) {
     log.warning("interrupted after frame " + std::to_string(result.frames_done) + " of " +
                 std::to_string(scene::frame_count(scene)) +
@@ -189,7 +215,7 @@ void add_bake(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--format", arguments->formats,
                    "What to write beside frame cache, manifest and metrics: any of " + formats +
-                       "; the default scene writes all")
+                       "; the default scene writes pc2,vtu")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->take_all()
@@ -210,6 +236,7 @@ void add_bake(CLI::App& app, Command& command) {
   overwrite->excludes(resume);
   subcommand->add_flag("--dry-run", arguments->dry_run,
                        "Print sizes, memory and an estimate of the time; write nothing");
+  add_glb_options(*subcommand, arguments->glb);
   add_log_options(*subcommand, command.log);
   subcommand->callback(
       [arguments, &command] { command.run = [arguments](Log& log) { return bake_scene(*arguments, log); }; });

@@ -41,6 +41,19 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
       ->option_text("text|json");
 }
 
+void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
+  subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; 1 without it")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""))
+      ->option_text("N");
+  subcommand
+      .add_option(
+          "--glb-tolerance", glb.tolerance,
+          "glb: leave vertices to skinning that stand within M metres of it; a millionth of the body's "
+          "diagonal without it")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->option_text("M");
+}
+
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
                        bool required) {
   scene::SceneOverrides& overrides = arguments.overrides;

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/bake/sink.h"
 #include "host/build/build.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
@@ -24,6 +25,7 @@ struct Command {
 
 // One subcommand each; bake.cpp, validate.cpp, ...
 void add_bake(CLI::App& app, Command& command);
+void add_export(CLI::App& app, Command& command);
 void add_validate(CLI::App& app, Command& command);
 void add_inspect(CLI::App& app, Command& command);
 void add_devices(CLI::App& app, Command& command);
@@ -33,6 +35,9 @@ void add_render(CLI::App& app, Command& command);
 
 // -q, -v, --log-format
 void add_log_options(CLI::App& subcommand, LogOptions& log);
+
+// --glb-stride, --glb-tolerance
+void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb);
 
 // A scene by name and what the command line changes in it.
 struct SceneArguments {

@@ -28,6 +28,8 @@ class File {
   std::uint64_t size() const;
   // Appends all of it.
   void write(std::string_view bytes);
+  // Writes over bytes that are there; the next write goes to the end as before.
+  void write_at(std::uint64_t offset, std::string_view bytes);
   // Fills `bytes` from `offset`; false if the file ends before.
   bool read_at(std::uint64_t offset, std::span<char> bytes) const;
   // Cuts to `size` bytes; the next write goes there.

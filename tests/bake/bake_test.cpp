@@ -78,7 +78,8 @@ TEST(Bake, WritesEveryFileAndDescribesIt) {
   EXPECT_EQ(shown, (std::vector<std::uint64_t>{1, 2, 3, 4, 5, 6, 7}));
   EXPECT_EQ(result.frames_done, 7u);
   EXPECT_FALSE(result.interrupted);
-  EXPECT_EQ(result.files.size(), 8u);
+  // Manifest, checkpoint, model, rest mesh, script, frame cache, metrics, and one for each format.
+  EXPECT_EQ(result.files.size(), 7 + bake::format_names().size());
   for (const fs::path& file : result.files) EXPECT_TRUE(fs::exists(file)) << file;
 
   const nlohmann::json manifest = manifest_in(folder / "out");
@@ -154,6 +155,8 @@ TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
     EXPECT_FALSE(fs::exists(out / "surface.pc2"));
     EXPECT_FALSE(fs::exists(out / "metrics.csv"));
     EXPECT_FALSE(fs::exists(out / "vtu/series.pvd"));
+    for (const char* name : {"surface.mdd", "surface.abc", "surface.usda", "surface.glb"})
+      EXPECT_FALSE(fs::exists(out / name)) << name;
     BakeOptions options = options_for(out);
     options.resume = true;
     const BakeResult second = bake_into(options, short_scene(9));
@@ -215,7 +218,8 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   EXPECT_TRUE(contains(refusal(scene, options), "the content of body.mesh was 0123456789abcdef"));
   BakeOptions changed = options;
   changed.formats = {"pc2"};
-  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--format was pc2,vtu and is pc2"));
+  EXPECT_TRUE(
+      contains(refusal(short_scene(6), changed), "--format was abc,glb,mdd,obj,pc2,usda,vtu and is pc2"));
   changed = options;
   changed.device.exact = false;
   EXPECT_TRUE(contains(refusal(short_scene(6), changed), "device was exact and is fake, none"));
@@ -410,8 +414,9 @@ TEST(BakeFolder, ForeignFilesStayAndAreNotOverwritten) {
   write_text(folder / "out/notes.txt", "precious");
   EXPECT_EQ(bake_into(options_for(folder / "out"), short_scene(2)).frames_done, 2u);
   EXPECT_EQ(read_text(folder / "out/notes.txt"), "precious");
-  for (const char* name :
-       {"manifest.json", "metrics.csv", "surface.pc2", "rest.obj", "frames.fascicle", "checkpoint"}) {
+  for (const char* name : {"manifest.json", "metrics.csv", "surface.pc2", "rest.obj", "frames.fascicle",
+                           "checkpoint", "model.fascicle", "surface.mdd", "surface.abc", "surface.usda",
+                           "surface.usda.normals.part", "surface.glb", "import_blender.py"}) {
     const fs::path other = folder / (std::string("other_") + name);
     fs::create_directories(other);
     write_text(other / name, "{\"precious\": true}");
@@ -484,10 +489,10 @@ TEST(BakeFolder, AFullDiskLeavesWholeFramesAndCanBeResumed) {
 TEST(BakeOptions, AreChecked) {
   const TemporaryFolder folder;
   BakeOptions options = options_for(folder / "out");
-  options.formats = {"pc2", "abc"};
+  options.formats = {"pc2", "fbx"};
   const std::string message = message_of<BakeError>([&] { bake_into(options, short_scene(2)); });
-  EXPECT_TRUE(contains(message, "--format abc"));
-  EXPECT_TRUE(contains(message, "pc2, vtu"));
+  EXPECT_TRUE(contains(message, "--format fbx"));
+  EXPECT_TRUE(contains(message, "pc2, usda, vtu"));
   EXPECT_FALSE(fs::exists(folder / "out"));
   options = options_for(folder / "out");
   options.resume = options.overwrite = true;
@@ -501,7 +506,7 @@ TEST(BakeOptions, OutputBytesIsCloseToWhatIsWritten) {
   std::uint64_t written = 0;
   for (const auto& item : fs::recursive_directory_iterator(folder / "out"))
     if (item.is_regular_file()) written += item.file_size();
-  const std::uint64_t estimate = bake::output_bytes(scene, two_tetrahedra(), {"pc2", "vtu"});
+  const std::uint64_t estimate = bake::output_bytes(scene, two_tetrahedra(), bake::format_names());
   // The texts' lengths are guessed, and of this tiny body they are most; of a real one they are little.
   EXPECT_GT(static_cast<double>(estimate), 0.8 * static_cast<double>(written));
   EXPECT_LT(static_cast<double>(estimate), 1.25 * static_cast<double>(written));

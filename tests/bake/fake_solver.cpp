@@ -139,7 +139,7 @@ void write_text(const fs::path& path, const std::string& text) {
 bake::BakeOptions options_for(const fs::path& folder) {
   bake::BakeOptions options;
   options.folder = folder;
-  options.formats = {"pc2", "vtu"};
+  options.formats = bake::format_names();
   options.device = {.solver = "cpu", .name = "fake", .driver = "none", .float_controls = "all", .threads = 1};
   return options;
 }

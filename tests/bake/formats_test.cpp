@@ -22,56 +22,20 @@
 #include <unistd.h>
 
 #include "host/bake/bake.h"
+#include "host/bake/frame_files.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/bake/surface.h"
 #include "shaders/kernel/embed.inc"
 #include "tests/bake/fake_solver.h"
+#include "tests/bake/sink_frames.h"
 
 namespace fascicle::tests {
 namespace {
 
 namespace fs = std::filesystem;
 using bake::BakeError;
-using bake::BakeInfo;
-using bake::FrameSink;
 
-constexpr std::array<double, 3> origin{12.0, -1.0, 4.0};
-
-// Frame k of a body that is stretched by s = 1 + k/4 about its first vertex: x -> s x, working units, v = k
-// x.
-model::Frame stretched(const model::Model& model, std::uint64_t k) {
-  model::Frame frame{
-      .index = k, .origin = origin, .positions = model.rest, .velocities = model.rest, .surface = {}};
-  for (float& value : frame.positions) value *= 1.0f + 0.25f * static_cast<float>(k);
-  for (float& value : frame.velocities) value *= static_cast<float>(k);
-  frame.surface = bake::embed(model, frame.positions);
-  return frame;
-}
-
-// Three frames through one sink.
-void write_frames(std::unique_ptr<FrameSink> sink, const model::Model& model, const fs::path& folder) {
-  const model::Frame initial = stretched(model, 0);
-  sink->begin({.model = &model,
-               .folder = folder,
-               .scene_name = "s",
-               .fps = 8.0,
-               .start = 1.5,
-               .frames = 2,
-               .first = 0,
-               .initial = &initial});
-  for (std::uint64_t k = 0; k < 3; ++k) sink->write(stretched(model, k));
-  sink->sync();
-  sink->finish();
-}
-
-template <class T>
-T read_value(const std::string& bytes, std::size_t offset) {
-  T value;
-  EXPECT_LE(offset + sizeof value, bytes.size());
-  if (offset + sizeof value > bytes.size()) return T{};
-  std::memcpy(&value, bytes.data() + offset, sizeof value);
-  return value;
-}
+constexpr std::array<double, 3> origin = sink_origin;
 
 std::vector<std::string> split(const std::string& line, char by) {
   std::vector<std::string> parts;
@@ -378,14 +342,14 @@ TEST(VtuSeries, HoldsTheMeshAndItsMotion) {
   EXPECT_EQ(series.find("frame_000003"), std::string::npos) << series;
 }
 
-TEST(VtuSeries, FrameNames) {
-  EXPECT_EQ(bake::vtu_frame_name(7), "frame_000007.vtu");
-  EXPECT_EQ(bake::vtu_frame_name(1234567), "frame_1234567.vtu");
-  EXPECT_TRUE(bake::is_vtu_frame_name("frame_000007.vtu"));
-  EXPECT_TRUE(bake::is_vtu_frame_name("frame_1234567.vtu"));
-  for (const char* name :
-       {"frame_7.vtu", "frame_00000a.vtu", "frame_000007.vtk", "xframe_000007.vtu", "frame_000007.vtu.bak"})
-    EXPECT_FALSE(bake::is_vtu_frame_name(name)) << name;
+TEST(FrameFiles, Names) {
+  EXPECT_EQ(bake::frame_file_name(7, "vtu"), "frame_000007.vtu");
+  EXPECT_EQ(bake::frame_file_name(1234567, "obj"), "frame_1234567.obj");
+  EXPECT_TRUE(bake::is_frame_file_name("frame_000007.vtu", "vtu"));
+  EXPECT_TRUE(bake::is_frame_file_name("frame_1234567.obj", "obj"));
+  for (const char* name : {"frame_7.vtu", "frame_00000a.vtu", "frame_000007.vtk", "xframe_000007.vtu",
+                           "frame_000007.vtu.bak", "frame_000007vtu"})
+    EXPECT_FALSE(bake::is_frame_file_name(name, "vtu")) << name;
 }
 
 TEST(FrameCache, GivesBackWhatWasWritten) {

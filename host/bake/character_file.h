@@ -1,0 +1,33 @@
+// character.glb: the character of a bake with its looks and its skeleton's motion, without its flesh. The
+// source's glTF as it is, in one file, or a new one for a character made in code; the baked clip, sampled at
+// every frame, stands before the source's clips. The .glb of the bake is made from it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/model/model.h"
+#include "host/scene/gltf_rig.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::bake {
+
+inline constexpr const char* character_name = "character.glb";
+
+// Of each joint, from its own space to the world (metres of the file), at the end of a frame.
+using PoseOfFrame = std::function<std::vector<Eigen::Matrix4d>(std::uint64_t frame)>;
+
+// Its bytes. Metres: a scale of the scene becomes a node above all others. `missing` gets the names of images
+// that are not there.
+std::string character_glb(const scene::Scene& scene, const model::Model& model, const PoseOfFrame& pose,
+                          std::vector<std::string>& missing);
+
+// Whether the first animation of a document is the clip that a bake was made with.
+bool has_baked_clip(const nlohmann::json& document);
+
+// A document with the render mesh at rest and nothing else, for bodies that are no characters.
+scene::GltfDocument plain_document(const model::Model& model);
+
+}  // namespace fascicle::bake

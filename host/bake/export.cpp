@@ -1,0 +1,178 @@
+#include "host/bake/export.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "host/bake/bake.h"
+#include "host/bake/blender_script.h"
+#include "host/bake/character_file.h"
+#include "host/bake/file.h"
+#include "host/bake/folder.h"
+#include "host/bake/formats.h"
+#include "host/bake/manifest.h"
+#include "host/bake/model_file.h"
+#include "host/bake/read_frame_cache.h"
+#include "host/bake/surface.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The formats asked for, each once, in the order of all_formats().
+std::vector<const Format*> chosen(const std::vector<std::string>& names) {
+  std::vector<const Format*> formats;
+  std::vector<std::string> left = names;
+  std::string possible;
+  for (const Format& format : all_formats()) {
+    if (format.name.empty()) continue;
+    const bool wanted = std::erase(left, format.name) > 0;
+    if (!format.from_cache) {
+      if (wanted)
+        throw BakeError("--to " + format.name +
+                        ": needs velocities, which a bake's folder does not keep; bake with --format " +
+                        format.name);
+      continue;
+    }
+    possible += (possible.empty() ? "" : ", ") + format.name;
+    if (wanted) formats.push_back(&format);
+  }
+  if (!left.empty())
+    throw BakeError("--to " + left.front() + ": there is no such format; there are " + possible);
+  if (formats.empty()) throw BakeError("no format given; use --to with any of " + possible);
+  return formats;
+}
+
+FrameCacheReader finished_cache(const fs::path& folder) {
+  if (!holds_bake(folder)) throw BakeError(folder.string() + ": holds no bake");
+  FrameCacheReader cache(folder / cache_name);
+  const std::uint64_t wanted = cache.header().frames + 1;
+  if (cache.frame_count() < wanted)
+    throw BakeError(folder.string() + ": the bake is not finished, " + number_text(cache.frame_count()) +
+                    " of " + number_text(wanted) + " frames are there; go on with fascicle bake --resume");
+  return cache;
+}
+
+model::Model model_of(const fs::path& folder, const FrameCacheReader& cache) {
+  if (!fs::exists(folder / model_file_name))
+    throw BakeError((folder / model_file_name).string() +
+                    ": is missing, and an export needs it; bake again with --overwrite");
+  return read_model_file(folder / model_file_name, cache.header().model_hash);
+}
+
+bool is_own(const ExportOptions& options) {
+  std::error_code missing;
+  return options.folder.empty() || fs::equivalent(options.folder, options.bake, missing);
+}
+
+class Export {
+ public:
+  explicit Export(const ExportOptions& options)
+      : options_(options),
+        formats_(chosen(options.formats)),
+        own_(is_own(options)),
+        folder_(own_ ? options.bake : options.folder),
+        cache_(finished_cache(options.bake)),
+        model_(model_of(options.bake, cache_)) {}
+
+  ExportResult go();
+
+ private:
+  model::Frame frame(std::uint64_t k) const {
+    model::Frame frame = cache_.read(k);
+    frame.surface = embed(model_, frame.positions);
+    return frame;
+  }
+  std::vector<std::string> names() const;
+  void open_folder();
+
+  const ExportOptions& options_;
+  const std::vector<const Format*> formats_;
+  const bool own_;
+  const fs::path folder_;
+  const FrameCacheReader cache_;
+  const model::Model model_;
+  std::optional<FolderLock> bake_lock_, lock_;
+};
+
+std::vector<std::string> Export::names() const {
+  std::vector<std::string> names;
+  for (const Format* format : formats_) names.push_back(format->file);
+  if (!own_) {
+    names.push_back(rest_name);
+    names.push_back(blender_script_name);
+  }
+  return names;
+}
+
+void Export::open_folder() {
+  bake_lock_.emplace(options_.bake);
+  make_folder(folder_);
+  if (!own_) lock_.emplace(folder_);
+  if (!options_.overwrite) refuse_foreign(folder_, names());
+}
+
+ExportResult Export::go() {
+  const auto start = std::chrono::steady_clock::now();
+  open_folder();
+  const model::Frame initial = frame(0);
+  const CacheHeader& header = cache_.header();
+  const BakeInfo info{.model = &model_,
+                      .folder = folder_,
+                      .scene_name = {},
+                      .fps = header.fps,
+                      .start = header.start,
+                      .frames = header.frames,
+                      .first = 0,
+                      .initial = &initial,
+                      .character = model_.has_skeleton() ? options_.bake / character_name : fs::path(),
+                      .glb = options_.glb};
+  ExportResult result{.frames = header.frames, .files = {}};
+  // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
+  if (own_) add_to_manifest(folder_, names());
+  std::vector<std::unique_ptr<FrameSink>> sinks;
+  for (const Format* format : formats_) {
+    sinks.push_back(format->make());
+    sinks.back()->begin(info);
+  }
+  for (std::uint64_t k = 0; k <= header.frames && !result.interrupted; ++k) {
+    const model::Frame current = frame(k);
+    for (const auto& sink : sinks) sink->write(current);
+    if (options_.on_frame) options_.on_frame(k, header.frames);
+    result.interrupted = k < header.frames && options_.interrupted != nullptr && options_.interrupted->load();
+  }
+  if (result.interrupted) {
+    sinks.clear();
+    remove_files(folder_, names());
+  } else {
+    for (const auto& sink : sinks) sink->finish();
+    if (!own_) {
+      write_whole(folder_ / rest_name, rest_obj(model_));
+      write_whole(folder_ / blender_script_name,
+                  blender_script({.fps = header.fps, .frames = header.frames}));
+    }
+    for (const std::string& name : names())
+      if (fs::exists(folder_ / name)) result.files.push_back(folder_ / name);
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> export_format_names() {
+  std::vector<std::string> names;
+  for (const Format& format : all_formats())
+    if (!format.name.empty() && format.from_cache) names.push_back(format.name);
+  return names;
+}
+
+ExportResult export_bake(const ExportOptions& options) {
+  return Export(options).go();
+}
+
+}  // namespace fascicle::bake

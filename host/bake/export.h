@@ -1,0 +1,39 @@
+// From a finished bake to further formats: the same sinks, fed from the frame cache, give the same bytes.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/bake/sink.h"
+
+namespace fascicle::bake {
+
+struct ExportOptions {
+  std::filesystem::path bake = {};  // folder of a finished bake
+  std::filesystem::path folder =
+      {};  // where to; empty: into the bake's own, whose manifest then lists the files
+  std::vector<std::string> formats;  // at least one
+  GlbOptions glb = {};
+  bool overwrite = false;                          // replaces files of these names
+  const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
+  std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};
+};
+
+struct ExportResult {
+  std::uint64_t frames = 0;  // after frame 0
+  bool interrupted = false;  // then nothing was left
+  std::vector<std::filesystem::path> files;
+  double seconds = 0.0;
+};
+
+// Formats that can be made from a bake's folder.
+std::vector<std::string> export_format_names();
+
+// Throws BakeError (no bake, an unfinished one, files in the way), std::system_error (disk).
+ExportResult export_bake(const ExportOptions& options);
+
+}  // namespace fascicle::bake

@@ -1,0 +1,35 @@
+// Formats that write one file a frame, frame_NNNNNN.EXTENSION, into a folder of their own.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fascicle::bake {
+
+// The folder's name is the extension: vtu/frame_000012.vtu.
+std::string frame_file_name(std::uint64_t frame, const std::string& extension);
+bool is_frame_file_name(const std::string& name, const std::string& extension);
+
+class FrameFiles {
+ public:
+  // Makes FOLDER/EXTENSION. The files of frames before `first` must be there, later ones are removed. Throws
+  // BakeError.
+  FrameFiles(const std::filesystem::path& folder, const std::string& extension, std::uint64_t first);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  void write(std::uint64_t frame, std::string_view bytes);
+  // What was written so far survives a power cut.
+  void sync();
+
+ private:
+  std::filesystem::path path_of(std::uint64_t frame) const;
+
+  std::filesystem::path folder_;
+  std::string extension_;
+  std::vector<std::uint64_t> unsynced_;  // frames written since the last sync
+};
+
+}  // namespace fascicle::bake

@@ -1,0 +1,382 @@
+// surface.glb: the character with its skeleton and looks, and the flesh as morph targets.
+//
+// A target holds how far each vertex stands from where skinning alone puts it, taken back through the
+// vertex's blended joint transform: viewers add the morph first and skin after, so at a target's frame they
+// show the baked surface, and between frames the skeleton turns as it should while only the small rest is
+// mixed linearly. What skinning does right is not stored at all: targets are sparse. A body without skeleton
+// has its whole motion in the targets. Normals are the file's own, turned by as much as the smooth normal of
+// the baked surface is turned from that of the skinned one: creases stay.
+//
+// The numbers of a target go into a stream beside the file; the JSON that must stand before them is known
+// last.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "host/bake/bake.h"
+#include "host/bake/character_file.h"
+#include "host/bake/file.h"
+#include "host/bake/formats.h"
+#include "host/bake/gltf_writer.h"
+#include "host/bake/surface.h"
+#include "host/bake/text.h"
+#include "host/scene/gltf_file.h"
+#include "host/scene/pose.h"
+#include "host/scene/rig_math.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using nlohmann::json;
+
+// A normal turned by less (radians) is left as it is.
+constexpr double least_turn = 0.004;
+constexpr double default_tolerance = 1e-6;  // of the body's diagonal
+
+// A part's piece of a target: where its numbers lie in the stream.
+struct Piece {
+  std::uint32_t count = 0;
+  std::uint64_t indices = 0, positions = 0, normals = 0;
+  std::array<float, 3> least{}, greatest{};
+};
+
+Vector3d point_at(const std::vector<float>& values, std::size_t i) {
+  return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
+}
+
+std::vector<std::uint64_t> target_frames(std::uint64_t frames, std::uint64_t stride) {
+  std::vector<std::uint64_t> result;
+  for (std::uint64_t k = 0; k < frames; k += stride) result.push_back(k);
+  result.push_back(frames);
+  return result;
+}
+
+class GlbSink final : public FrameSink {
+ public:
+  std::string name() const override { return "glb"; }
+  model::Read needs() const override { return {.surface = true}; }
+  bool resumes() const override { return false; }
+  void begin(const BakeInfo& info) override;
+  void write(const model::Frame& frame) override;
+  // Nothing counts on it: a resumed bake begins the file anew.
+  void sync() override {}
+  void finish() override;
+
+ private:
+  void read_character(const BakeInfo& info);
+  Piece write_part(const scene::RigPart& part, std::size_t first, const std::vector<Vector3d>& points,
+                   const std::vector<Vector3d>& skinned, const std::vector<Matrix4d>& blends,
+                   const std::vector<float>& normals, const std::vector<float>& skinned_normals);
+  void add_targets(json& document);
+  std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
+
+  BakeInfo info_;
+  double tolerance_ = 0.0;
+  scene::GltfDocument document_;
+  scene::Rig rig_;
+  std::optional<SurfaceNormals> normals_;
+  std::vector<std::uint64_t> targets_;
+  std::vector<Piece> pieces_;  // of all parts, target by target
+  std::optional<SpoolFile> stream_;
+  std::uint64_t stream_bytes_ = 0;
+};
+
+void GlbSink::read_character(const BakeInfo& info) {
+  const model::Model& model = *info.model;
+  if (info.character.empty()) {
+    document_ = plain_document(model);
+    scene::RigPart& part = rig_.parts.emplace_back();
+    const std::vector<float> rest = embed(model, model.rest);
+    const std::vector<float> points = world_positions(rest, model.unit, model.rest_origin);
+    const std::vector<float> normals = SurfaceNormals(model).of(rest);
+    for (std::size_t i = 0; i < model.surface_count(); ++i) {
+      part.positions.push_back(point_at(points, i));
+      part.normals.push_back(point_at(normals, i));
+    }
+    return;
+  }
+  scene::GltfFile file = scene::read_gltf_file(info.character);
+  document_.json = std::move(file.document);
+  document_.binary.assign(file.binary.begin(), file.binary.end());
+  rig_ = scene::read_rig(info.character);
+  std::size_t vertices = 0;
+  for (const scene::RigPart& part : rig_.parts) vertices += part.positions.size();
+  if (vertices != model.surface_count())
+    throw BakeError(info.character.string() + ": has " + number_text(std::uint64_t{vertices}) +
+                    " vertices, and the baked surface " + number_text(model.surface_count()) +
+                    "; bake again with --overwrite");
+}
+
+void GlbSink::begin(const BakeInfo& info) {
+  info_ = info;
+  const model::Model& model = *info.model;
+  if (model.surface_count() == 0)
+    throw BakeError("glb: the scene has no surface to write; leave out --format glb");
+  if (info.glb.stride == 0) throw BakeError("glb: the stride is 0; it must be at least 1");
+  read_character(info);
+  normals_.emplace(model);
+  targets_ = target_frames(info.frames, info.glb.stride);
+  if (targets_.size() > 65535)
+    throw BakeError("glb: " + number_text(std::uint64_t{targets_.size()}) +
+                    " morph targets are too many; give a larger --glb-stride");
+  const std::array<float, 6> box = bounds(world_positions(embed(model, model.rest), model.unit, {0, 0, 0}));
+  const Vector3d diagonal(double{box[3]} - double{box[0]}, double{box[4]} - double{box[1]},
+                          double{box[5]} - double{box[2]});
+  tolerance_ = info.glb.tolerance.value_or(default_tolerance * diagonal.norm());
+  stream_.emplace(SpoolFile::start(info.folder / glb_spool));
+}
+
+void GlbSink::write(const model::Frame& frame) {
+  if (frame.index != targets_.at(pieces_.size() / rig_.parts.size())) return;
+  const model::Model& model = *info_.model;
+  const std::size_t count = model.surface_count();
+  std::vector<Matrix4d> joints;
+  if (!rig_.character.skeleton.empty()) {
+    const scene::Clip* clip = has_baked_clip(document_.json) ? scene::find_clip(rig_.character, "") : nullptr;
+    // The time as the file has it.
+    const auto time = static_cast<float>(static_cast<double>(frame.index) / info_.fps);
+    joints = scene::joint_transforms_at(rig_.character, clip, double{time});
+  }
+  std::vector<Vector3d> points(count), skinned(count);
+  std::vector<Matrix4d> blends(count, Matrix4d::Identity());
+  std::vector<float> skinned_values;
+  std::size_t vertex = 0;
+  for (const scene::RigPart& part : rig_.parts) {
+    std::vector<Matrix4d> slots;
+    for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
+      slots.push_back(joints[part.skin_joint[k]] * part.inverse_bind[k]);
+    for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
+      if (!part.influence_offset.empty()) {
+        blends[vertex].setZero();
+        for (std::size_t k = part.influence_offset[i]; k < part.influence_offset[i + 1]; ++k)
+          blends[vertex] += part.weight[k] * slots[part.slot[k]];
+      }
+      skinned[vertex] =
+          blends[vertex].topLeftCorner<3, 3>() * part.positions[i] + blends[vertex].topRightCorner<3, 1>();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<Eigen::Index>(axis);
+        points[vertex][a] = frame.origin[axis] + model.unit * double{frame.surface[3 * vertex + axis]};
+        // Relative to the frame's origin: far from the world's, floats would lose the normals.
+        skinned_values.push_back(static_cast<float>((skinned[vertex][a] - frame.origin[axis]) / model.unit));
+      }
+    }
+  }
+  const std::vector<float> normals = normals_->of(frame.surface);
+  const std::vector<float> skinned_normals = normals_->of(skinned_values);
+  std::size_t first = 0;
+  for (const scene::RigPart& part : rig_.parts) {
+    pieces_.push_back(write_part(part, first, points, skinned, blends, normals, skinned_normals));
+    first += part.positions.size();
+  }
+}
+
+Piece GlbSink::write_part(const scene::RigPart& part, std::size_t first, const std::vector<Vector3d>& points,
+                          const std::vector<Vector3d>& skinned, const std::vector<Matrix4d>& blends,
+                          const std::vector<float>& normals, const std::vector<float>& skinned_normals) {
+  std::vector<std::uint32_t> indices;
+  std::vector<float> moves, turns;
+  const std::size_t count = part.positions.size();
+  const bool has_normals = !part.normals.empty();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t v = first + i;
+    const Vector3d away = points[v] - skinned[v];
+    const Vector3d now = point_at(normals, v), before = point_at(skinned_normals, v);
+    const bool moved = away.norm() > tolerance_;
+    const bool turns_away = has_normals && (now - before).norm() > least_turn;
+    // A sparse accessor must replace at least one element.
+    const bool last_chance = i + 1 == count && indices.empty();
+    if (!moved && !turns_away && !last_chance) continue;
+    indices.push_back(static_cast<std::uint32_t>(i));
+    const Matrix3d linear = blends[v].topLeftCorner<3, 3>();
+    const Vector3d move = moved ? scene::solve(linear, away) : Vector3d::Zero();
+    Vector3d turn = Vector3d::Zero();
+    if (turns_away)
+      turn = scene::solve(linear, scene::turn(linear * part.normals[i], before, now)).normalized() -
+             part.normals[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      moves.push_back(static_cast<float>(move[axis]));
+      turns.push_back(static_cast<float>(turn[axis]));
+    }
+  }
+  Piece piece{.count = static_cast<std::uint32_t>(indices.size())};
+  const std::array<float, 6> box = bounds(moves);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Vertices that the target leaves out are at 0.
+    const bool all = indices.size() == count;
+    piece.least[axis] = all ? box[axis] : std::min(box[axis], 0.0f);
+    piece.greatest[axis] = all ? box[3 + axis] : std::max(box[3 + axis], 0.0f);
+  }
+  std::string bytes;
+  append_array(bytes, std::span<const std::uint32_t>(indices));
+  append_array(bytes, std::span<const float>(moves));
+  if (has_normals) append_array(bytes, std::span<const float>(turns));
+  piece.indices = stream_bytes_;
+  piece.positions = piece.indices + indices.size() * sizeof(std::uint32_t);
+  piece.normals = piece.positions + moves.size() * sizeof(float);
+  stream_->write(bytes);
+  stream_bytes_ += bytes.size();
+  return piece;
+}
+
+// The source's own morph targets are gone, and so is what moved them.
+void drop_weight_channels(json& animations) {
+  for (json& animation : animations) {
+    json kept = json::array();
+    for (const json& channel : animation.value("channels", json::array()))
+      if (channel.value("target", json::object()).value("path", std::string()) != "weights")
+        kept.push_back(channel);
+    animation["channels"] = std::move(kept);
+  }
+  std::erase_if(animations.get_ref<json::array_t&>(),
+                [](const json& animation) { return animation["channels"].empty(); });
+}
+
+// Targets into the primitives, their weights into the animation. Numbers of the targets' accessors begin
+// where the document's end: POSITION and NORMAL (where there is one) of each part, target by target.
+void GlbSink::add_targets(json& document) {
+  const std::size_t count = targets_.size();
+  const std::uint64_t keys = count;
+  std::vector<float> times;
+  std::string diagonal, ones;
+  for (std::uint64_t k = 0; k < keys; ++k) {
+    times.push_back(static_cast<float>(static_cast<double>(targets_[k]) / info_.fps));
+    append_bytes(diagonal, static_cast<std::uint32_t>(k * keys + k));
+    append_bytes(ones, 1.0f);
+  }
+  const std::size_t input = add_accessor(document_, std::span<const float>(times), 1, true);
+  // Weight k is 1 at key k and 0 at the others.
+  json& accessors = document["accessors"];
+  const std::size_t indices = add_view(document_, diagonal), values = add_view(document_, ones);
+  accessors.push_back({{"componentType", 5126},
+                       {"count", keys * keys},
+                       {"type", "SCALAR"},
+                       {"sparse",
+                        {{"count", keys},
+                         {"indices", {{"bufferView", indices}, {"componentType", 5125}}},
+                         {"values", {{"bufferView", values}}}}}});
+  const std::size_t output = accessors.size() - 1;
+
+  const bool has_clip = has_baked_clip(document);
+  json& animations = document["animations"];
+  if (!animations.is_array()) animations = json::array();
+  drop_weight_channels(animations);
+  if (!has_clip)
+    animations.insert(animations.begin(),
+                      {{"name", "baked"}, {"samplers", json::array()}, {"channels", json::array()}});
+  json& animation = animations[0];
+  const std::size_t sampler = animation["samplers"].size();
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+
+  json names = json::array();
+  for (const std::uint64_t frame : targets_) names.push_back("frame " + number_text(frame));
+  std::size_t accessor = accessors.size();
+  std::size_t step = 0;
+  for (const scene::RigPart& part : rig_.parts) step += part.normals.empty() ? 1 : 2;
+  std::vector<std::uint32_t> taken;  // meshes whose targets are set: another node that shows one gets its own
+  std::optional<std::uint32_t> node;
+  std::size_t mesh = 0;
+  for (const scene::RigPart& part : rig_.parts) {
+    if (node != part.node) {
+      node = part.node;
+      mesh = part.mesh;
+      if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
+        document["meshes"].push_back(json(document["meshes"][part.mesh]));
+        mesh = document["meshes"].size() - 1;
+        document["nodes"][part.node]["mesh"] = mesh;
+      }
+      taken.push_back(part.mesh);
+      json& shown = document["meshes"][mesh];
+      if (!shown["extras"].is_object()) shown["extras"] = json::object();
+      shown["extras"]["targetNames"] = names;
+      shown.erase("weights");
+      document["nodes"][part.node].erase("weights");
+      animation["channels"].push_back(
+          {{"sampler", sampler}, {"target", {{"node", part.node}, {"path", "weights"}}}});
+    }
+    json list = json::array();
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t number = accessor + k * step;
+      json target{{"POSITION", number}};
+      if (!part.normals.empty()) target["NORMAL"] = number + 1;
+      list.push_back(std::move(target));
+    }
+    document["meshes"][mesh]["primitives"][part.primitive]["targets"] = std::move(list);
+    accessor += part.normals.empty() ? 1 : 2;
+  }
+}
+
+// The accessors of all targets as text, each with a comma before it.
+std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes,
+                                      json& document) const {
+  // Two views of the same bytes: one holds indices, the other values.
+  json& views = document["bufferViews"];
+  const std::size_t view = views.size();
+  for (int copy = 0; copy < 2; ++copy)
+    views.push_back({{"buffer", 0}, {"byteOffset", frames_at}, {"byteLength", frames_bytes}});
+  const auto triple = [](const std::array<float, 3>& v) {
+    return '[' + number_text(v[0]) + ',' + number_text(v[1]) + ',' + number_text(v[2]) + ']';
+  };
+  std::string text;
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const Piece& piece = pieces_[k];
+    const scene::RigPart& part = rig_.parts[k % rig_.parts.size()];
+    const auto add = [&](std::uint64_t values, const std::string& bounds_text) {
+      text += ",{\"componentType\":5126,\"count\":" + number_text(std::uint64_t{part.positions.size()}) +
+              ",\"type\":\"VEC3\"" + bounds_text + ",\"sparse\":{\"count\":" + number_text(piece.count) +
+              ",\"indices\":{\"bufferView\":" + number_text(std::uint64_t{view}) +
+              ",\"byteOffset\":" + number_text(piece.indices) +
+              ",\"componentType\":5125},\"values\":{\"bufferView\":" + number_text(std::uint64_t{view} + 1) +
+              ",\"byteOffset\":" + number_text(values) + "}}}";
+    };
+    add(piece.positions, ",\"min\":" + triple(piece.least) + ",\"max\":" + triple(piece.greatest));
+    if (!part.normals.empty()) add(piece.normals, "");
+  }
+  return text;
+}
+
+void GlbSink::finish() {
+  json& document = document_.json;
+  add_targets(document);
+  std::string& binary = document_.binary;
+  binary.resize((binary.size() + 3) / 4 * 4, '\0');
+  const std::uint64_t total = binary.size() + stream_bytes_;
+  const std::string targets = target_accessors(binary.size(), stream_bytes_, document);
+  document["buffers"] = json::array({{{"byteLength", total}}});
+  std::string accessors = document["accessors"].dump();
+  document.erase("accessors");
+  accessors.pop_back();
+  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+  text.pop_back();
+  text += ",\"accessors\":" + accessors + targets + "]}";
+  PartFile file = PartFile::start(info_.folder / "surface.glb");
+  file.write(glb_head(std::move(text), total));
+  file.write(binary);
+  stream_->move_to(file);
+  file.finish();
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_glb_sink() {
+  return std::make_unique<GlbSink>();
+}
+
+std::uint64_t glb_target_count(std::uint64_t frames, const GlbOptions& options) {
+  const std::uint64_t stride = std::max<std::uint64_t>(options.stride, 1);
+  return (frames + stride - 1) / stride + 1;
+}
+
+std::uint64_t glb_bytes(const model::Model& model, std::uint64_t targets) {
+  // The most: every vertex in every target, with its number; about 700 bytes of JSON a target; the character
+  // itself with about 64 bytes a vertex and 12 a triangle.
+  return targets * (700 + std::uint64_t{28} * model.surface_count()) + 4000 +
+         std::uint64_t{64} * model.surface_count() + model.surface_triangle.size() * 4;
+}
+
+}  // namespace fascicle::bake

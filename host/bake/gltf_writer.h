@@ -1,0 +1,32 @@
+// Adding to a glTF document, and its binary form.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "host/scene/gltf_rig.h"
+
+namespace fascicle::bake {
+
+// One view more over new bytes; its number.
+std::size_t add_view(scene::GltfDocument& document, std::string_view bytes);
+
+// One accessor more over new bytes; its number. `width` values an element: 1 SCALAR, 3 VEC3, 4 VEC4, 16 MAT4.
+// Floats with least and greatest values where asked for.
+std::size_t add_accessor(scene::GltfDocument& document, std::span<const float> values, std::size_t width,
+                         bool with_bounds = false);
+std::size_t add_accessor(scene::GltfDocument& document, std::span<const std::uint16_t> values,
+                         std::size_t width);
+// Of triangles; SCALAR.
+std::size_t add_accessor(scene::GltfDocument& document, std::span<const std::uint32_t> indices);
+
+// What stands before the binary chunk's bytes in a .glb: header, JSON chunk with `text`, the binary chunk's
+// own head. `binary_bytes` is a multiple of 4. Throws BakeError if the file would pass the form's 4 GiB.
+std::string glb_head(std::string text, std::uint64_t binary_bytes);
+
+// A whole .glb.
+std::string glb_text(scene::GltfDocument document);
+
+}  // namespace fascicle::bake

@@ -1,0 +1,81 @@
+// surface.mdd: LightWave's Motion Designer Data, read by Blender's mesh cache, Modo, Houdini and Maya's
+// plug-ins.
+#include <bit>
+#include <limits>
+#include <optional>
+
+#include "host/bake/bake.h"
+#include "host/bake/file.h"
+#include "host/bake/formats.h"
+#include "host/bake/surface.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+
+void append_big_endian(std::string& out, std::uint32_t value) {
+  for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>((value >> shift) & 255u);
+}
+
+void append_big_endian(std::string& out, float value) {
+  append_big_endian(out, std::bit_cast<std::uint32_t>(value));
+}
+
+std::uint64_t header_bytes(std::uint64_t samples) {
+  return 8 + samples * sizeof(float);
+}
+
+class MddSink final : public FrameSink {
+ public:
+  std::string name() const override { return "mdd"; }
+  model::Read needs() const override { return {.surface = true}; }
+  void begin(const BakeInfo& info) override {
+    unit_ = info.model->unit;
+    const std::uint64_t points = info.model->surface_count(), samples = info.frames + 1;
+    if (points == 0) throw BakeError("mdd: the scene has no surface to write; leave out --format mdd");
+    if (points > most || samples > most)
+      throw BakeError("mdd: the format counts to " + number_text(most) +
+                      " points and frames, and this bake has " + number_text(points) + " and " +
+                      number_text(samples) + "; leave out --format mdd");
+    const std::filesystem::path path = info.folder / "surface.mdd";
+    if (info.first > 0) {
+      file_.emplace(PartFile::resume(path, header_bytes(samples) + info.first * points * 3 * sizeof(float)));
+      return;
+    }
+    std::string header;
+    append_big_endian(header, static_cast<std::uint32_t>(samples));
+    append_big_endian(header, static_cast<std::uint32_t>(points));
+    for (std::uint64_t k = 0; k < samples; ++k)
+      append_big_endian(header, static_cast<float>(static_cast<double>(k) / info.fps));
+    file_.emplace(PartFile::start(path));
+    file_->write(header);
+  }
+  void write(const model::Frame& frame) override {
+    std::string bytes;
+    bytes.reserve(frame.surface.size() * sizeof(float));
+    for (const float value : world_positions(frame.surface, unit_, frame.origin))
+      append_big_endian(bytes, value);
+    file_->write(bytes);
+  }
+  void sync() override { file_->sync(); }
+  void finish() override { file_->finish(); }
+
+ private:
+  double unit_ = 1.0;
+  std::optional<PartFile> file_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_mdd_sink() {
+  return std::make_unique<MddSink>();
+}
+
+std::uint64_t mdd_bytes(const model::Model& model, std::uint64_t frames) {
+  return header_bytes(frames) + frames * model.surface_count() * 3 * sizeof(float);
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,53 @@
+// glTF as a document to hand on, and how its viewers move a skinned vertex.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::scene {
+
+// A glTF document with one buffer.
+struct GltfDocument {
+  nlohmann::json json;
+  std::string binary;
+};
+
+// The whole file, checked as read_gltf does; buffers and images inside `binary`, all else as it is. An image
+// that is not there becomes a white pixel, and its name is appended to `missing`. Throws SceneError.
+GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::string>& missing);
+
+// One skinned primitive as the file holds it: a vertex stands at the sum of
+// weight x joint_transform[skin_joint[slot]] x inverse_bind[slot] x position.
+struct RigPart {
+  std::uint32_t node = 0, mesh = 0, primitive = 0;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Vector3d> normals;   // none, or one a position
+  std::vector<std::uint32_t> skin_joint;  // of a slot: index into Character::skeleton
+  std::vector<Eigen::Matrix4d> inverse_bind;
+  std::vector<std::uint32_t> influence_offset;  // vertices + 1
+  std::vector<std::uint32_t> slot;
+  std::vector<double> weight;
+};
+
+// The parts of a character in the order of Character::surface's vertices; of `character`, the skeleton, its
+// root and its clips.
+struct Rig {
+  Character character;
+  std::vector<std::uint32_t> joint_node;  // of a joint: its node in the file
+  std::vector<RigPart> parts;
+};
+
+// Of a file that read_gltf can read. Throws SceneError.
+Rig read_rig(const std::filesystem::path& path);
+
+// The glTF file a scene's character was read from; empty if it was made otherwise.
+std::filesystem::path character_file(const Scene& scene);
+
+}  // namespace fascicle::scene

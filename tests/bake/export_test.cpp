@@ -1,0 +1,165 @@
+// `fascicle export`: the same bytes as the bake, from its folder alone.
+#include "host/bake/export.h"
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/bake/bake.h"
+#include "host/bake/identity.h"
+#include "host/bake/manifest.h"
+#include "host/bake/model_file.h"
+#include "tests/bake/fake_solver.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::BakeError;
+
+void bake_into(const fs::path& folder, const std::vector<std::string>& formats, std::uint64_t frames = 6) {
+  bake::BakeOptions options = options_for(folder);
+  options.formats = formats;
+  const model::Model model = two_tetrahedra();
+  FakeSolver solver(model);
+  bake::bake(short_scene(frames), model, solver, options);
+}
+
+std::vector<std::string> listed(const fs::path& folder) {
+  return nlohmann::json::parse(read_text(folder / "manifest.json"))["files"];
+}
+
+template <class Call>
+std::string refusal(Call call) {
+  try {
+    call();
+  } catch (const BakeError& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(Export, GivesTheBytesOfTheBake) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> formats = bake::export_format_names();
+  EXPECT_GE(formats.size(), 5u);
+  bake_into(folder / "all", formats);
+  bake_into(folder / "none", {});
+  const bake::ExportResult result =
+      bake::export_bake({.bake = folder / "none", .folder = folder / "exported", .formats = formats});
+  EXPECT_EQ(result.frames, 6u);
+  std::size_t compared = 0;
+  for (const auto& [name, bytes] : content_of(folder / "exported")) {
+    EXPECT_EQ(bytes, read_text(folder / ("all/" + name))) << name;
+    ++compared;
+  }
+  // One file a format, seven of the OBJ sequence, the mesh at rest, and the script for Blender.
+  EXPECT_EQ(compared, formats.size() - 1 + 7 + 2);
+}
+
+TEST(Export, IntoTheBakesFolderBelongsToTheBake) {
+  const TemporaryFolder folder;
+  bake_into(folder / "out", {});
+  bake::export_bake({.bake = folder / "out", .formats = {"mdd", "obj"}});
+  const std::vector<std::string> files = listed(folder / "out");
+  EXPECT_NE(std::find(files.begin(), files.end(), "surface.mdd"), files.end());
+  EXPECT_NE(std::find(files.begin(), files.end(), "obj/"), files.end());
+  // So that the next bake there can remove them.
+  bake::BakeOptions options = options_for(folder / "out");
+  options.formats = {};
+  options.overwrite = true;
+  const model::Model model = two_tetrahedra();
+  FakeSolver solver(model);
+  bake::bake(short_scene(2), model, solver, options);
+  EXPECT_FALSE(fs::exists(folder / "out/surface.mdd"));
+  EXPECT_FALSE(fs::exists(folder / "out/obj"));
+}
+
+TEST(Export, RefusesWhatIsInTheWay) {
+  const TemporaryFolder folder;
+  bake_into(folder / "out", {});
+  write_text(folder / "surface.mdd", "mine");
+  bake::ExportOptions options{.bake = folder / "out", .folder = folder / "", .formats = {"mdd"}};
+  EXPECT_NE(refusal([&] { bake::export_bake(options); }).find("surface.mdd: would be overwritten"),
+            std::string::npos);
+  EXPECT_EQ(read_text(folder / "surface.mdd"), "mine");
+  options.overwrite = true;
+  bake::export_bake(options);
+  EXPECT_NE(read_text(folder / "surface.mdd"), "mine");
+}
+
+TEST(Export, RefusesAnythingButAFinishedBake) {
+  const TemporaryFolder folder;
+  const auto message = [&](const std::string& name, const std::string& format) {
+    return refusal([&] { bake::export_bake({.bake = folder / name, .formats = {format}}); });
+  };
+  fs::create_directories(folder / "empty");
+  EXPECT_NE(message("empty", "mdd").find("holds no bake"), std::string::npos);
+  EXPECT_NE(message("missing", "mdd").find("holds no bake"), std::string::npos);
+
+  bake_into(folder / "out", {});
+  EXPECT_NE(message("out", "fbx").find("there is no such format"), std::string::npos);
+  EXPECT_NE(message("out", "vtu").find("velocities"), std::string::npos);
+
+  std::string text = read_text(folder / "out/model.fascicle");
+  text[text.size() / 2] = static_cast<char>(text[text.size() / 2] + 1);
+  write_text(folder / "out/model.fascicle", text);
+  EXPECT_NE(message("out", "mdd").find("damaged"), std::string::npos);
+  fs::remove(folder / "out/model.fascicle");
+  EXPECT_NE(message("out", "mdd").find("is missing"), std::string::npos);
+
+  std::atomic<bool> interrupted = true;
+  bake::BakeOptions options = options_for(folder / "cut");
+  options.interrupted = &interrupted;
+  const model::Model model = two_tetrahedra();
+  FakeSolver solver(model);
+  bake::bake(short_scene(6), model, solver, options);
+  EXPECT_NE(message("cut", "mdd").find("not finished, 1 of 7 frames"), std::string::npos);
+}
+
+TEST(Export, LeavesNothingWhenInterrupted) {
+  const TemporaryFolder folder;
+  bake_into(folder / "out", {});
+  const std::atomic<bool> interrupted = true;
+  const bake::ExportResult result = bake::export_bake({.bake = folder / "out",
+                                                       .folder = folder / "exported",
+                                                       .formats = bake::export_format_names(),
+                                                       .interrupted = &interrupted});
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_TRUE(content_of(folder / "exported").empty());
+}
+
+TEST(ModelFile, GivesBackTheWholeModel) {
+  const TemporaryFolder folder;
+  model::Model model = two_tetrahedra();
+  model.probes.push_back({"empty", {}});
+  const std::uint64_t hash = bake::model_hash(model);
+  write_text(folder / "model", bake::encode_model(model));
+  EXPECT_EQ(fs::file_size(folder / "model"), bake::encoded_bytes(model));
+  const model::Model read = bake::read_model_file(folder / "model", hash);
+  // The hash is of every member.
+  EXPECT_EQ(bake::model_hash(read), hash);
+  EXPECT_EQ(read.layers[1].name, "bone");
+  EXPECT_EQ(read.probes[1].name, "empty");
+}
+
+TEST(ModelFile, RefusesDamage) {
+  const TemporaryFolder folder;
+  const std::uint64_t hash = bake::model_hash(two_tetrahedra());
+  const std::string whole = bake::encode_model(two_tetrahedra());
+  for (std::size_t at = 0; at < whole.size(); at += 37) {
+    std::string text = whole;
+    text[at] = static_cast<char>(text[at] ^ 4);
+    write_text(folder / "model", text);
+    EXPECT_THROW(bake::read_model_file(folder / "model", hash), BakeError) << at;
+    write_text(folder / "model", whole.substr(0, at));
+    EXPECT_THROW(bake::read_model_file(folder / "model", hash), BakeError) << at;
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

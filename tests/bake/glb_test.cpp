@@ -1,0 +1,236 @@
+// surface.glb of a character made in code: the skeleton that is in the file, its skin and its morph targets
+// together show the baked surface.
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/bake/bake.h"
+#include "host/bake/export.h"
+#include "host/bake/formats.h"
+#include "host/bake/read_frame_cache.h"
+#include "host/bake/surface.h"
+#include "host/scene/gltf_rig.h"
+#include "host/scene/pose.h"
+#include "tests/bake/fake_solver.h"
+#include "tests/bake/sink_frames.h"
+#include "tests/support/readers.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using scene::Vector3d;
+
+// The fake body with two joints: the first moves along x, the second turns about z by 90 degrees in a second.
+model::Model jointed_model() {
+  model::Model model = two_tetrahedra();
+  model.joint_count = 2;
+  model.skin_offset = {0, 1, 2, 3, 4, 5};
+  model.skin_joint = {0, 0, 1, 1, 1};
+  model.skin_weight.assign(5, 1.0f);
+  return model;
+}
+
+scene::Character jointed_character(const model::Model& model) {
+  scene::Character character;
+  const std::vector<float> rest =
+      bake::world_positions(bake::embed(model, model.rest), model.unit, model.rest_origin);
+  for (std::size_t i = 0; i < rest.size(); i += 3)
+    character.surface.vertices.emplace_back(rest[i], rest[i + 1], rest[i + 2]);
+  character.surface.triangles = {{0, 1, 2}};
+  character.joints = {{0}, {0, 1}, {1}};
+  character.weights = {{1.0}, {0.625, 0.375}, {1.0}};
+  for (const int parent : {-1, 0}) {
+    scene::Joint joint;
+    joint.name = parent < 0 ? "root" : "tip";
+    joint.parent = parent;
+    joint.rest_translation = parent < 0 ? Vector3d(10, 0, -3) : Vector3d(0, 0.25, 0);
+    joint.rest_local.topRightCorner<3, 1>() = joint.rest_translation;
+    joint.inverse_bind.topRightCorner<3, 1>() = parent < 0 ? Vector3d(-10, 0, 3) : Vector3d(-10, -0.25, 3);
+    joint.skins = true;
+    character.skeleton.push_back(joint);
+  }
+  const double half = std::sqrt(0.5);
+  character.clips = {{.name = "wave",
+                      .duration = 1.0,
+                      .channels = {{.joint = 0, .times = {0, 1}, .values = {10, 0, -3, 11, 0, -3}},
+                                   {.joint = 1,
+                                    .path = scene::ChannelPath::rotation,
+                                    .times = {0, 1},
+                                    .values = {0, 0, 0, 1, 0, 0, half, half}}}}};
+  return character;
+}
+
+scene::Scene jointed_scene(std::uint64_t frames) {
+  scene::Scene scene = short_scene(frames);
+  scene.geometry = jointed_character(jointed_model());
+  return scene;
+}
+
+void bake_into(const bake::BakeOptions& options, std::uint64_t frames) {
+  const model::Model model = jointed_model();
+  FakeSolver solver(model);
+  bake::bake(jointed_scene(frames), model, solver, options);
+}
+
+struct Glb {
+  json document;
+  std::string binary;
+};
+
+Glb read_glb(const fs::path& path) {
+  const std::string bytes = read_text(path);
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(read_value<std::uint32_t>(bytes, 4), 2u);
+  EXPECT_EQ(read_value<std::uint32_t>(bytes, 8), bytes.size());
+  const auto length = read_value<std::uint32_t>(bytes, 12);
+  EXPECT_EQ(bytes.substr(16, 4), "JSON");
+  Glb glb{.document = json::parse(bytes.substr(20, length)), .binary = bytes.substr(28 + length)};
+  EXPECT_EQ(read_value<std::uint32_t>(bytes, 20 + length), glb.binary.size());
+  return glb;
+}
+
+// A float accessor without a view of its own: zeros, and what its sparse part puts in their place.
+std::vector<float> sparse(const Glb& glb, std::size_t number, std::size_t width) {
+  const json& accessor = glb.document["accessors"][number];
+  EXPECT_FALSE(accessor.contains("bufferView"));
+  std::vector<float> values(accessor["count"].get<std::size_t>() * width, 0.0f);
+  const json& part = accessor["sparse"];
+  const auto start = [&](const json& of) {
+    const json& view = glb.document["bufferViews"][of["bufferView"].get<std::size_t>()];
+    return view["byteOffset"].get<std::size_t>() + of.value("byteOffset", std::size_t{0});
+  };
+  const std::size_t indices = start(part["indices"]), replaced = start(part["values"]);
+  for (std::size_t k = 0; k < part["count"]; ++k) {
+    const auto at = read_value<std::uint32_t>(glb.binary, indices + 4 * k);
+    for (std::size_t c = 0; c < width; ++c)
+      values.at(width * at + c) = read_value<float>(glb.binary, replaced + 4 * (width * k + c));
+  }
+  return values;
+}
+
+Vector3d vector_at(const std::vector<float>& values, std::size_t i) {
+  return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
+}
+
+// What a viewer shows when weight `target` is 1, at the time of the skeleton's key.
+void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint64_t frame) {
+  const model::Model model = jointed_model();
+  const Glb glb = read_glb(folder / "surface.glb");
+  const json& primitive = glb.document["meshes"][0]["primitives"][0];
+  const std::vector<float> moves = sparse(glb, primitive["targets"][target]["POSITION"], 3);
+  const std::vector<float> turns = sparse(glb, primitive["targets"][target]["NORMAL"], 3);
+  const scene::Rig rig = scene::read_rig(folder / "surface.glb");
+  ASSERT_EQ(rig.parts.size(), 1u);
+  const scene::RigPart& part = rig.parts[0];
+  const std::vector<Eigen::Matrix4d> joints = scene::joint_transforms_at(
+      rig.character, &rig.character.clips.at(0), static_cast<double>(frame) / 24.0);
+  const model::Frame baked = bake::FrameCacheReader(folder / "frames.fascicle").read(frame);
+  const std::vector<float> surface = bake::embed(model, baked.positions);
+  const std::vector<float> points = bake::world_positions(surface, model.unit, baked.origin);
+  const std::vector<float> normals = bake::SurfaceNormals(model).of(surface);
+  std::vector<Vector3d> shown;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
+    for (std::size_t k = part.influence_offset[i]; k < part.influence_offset[i + 1]; ++k)
+      blend += part.weight[k] * joints[part.skin_joint[part.slot[k]]] * part.inverse_bind[part.slot[k]];
+    const Vector3d morphed = part.positions[i] + vector_at(moves, i);
+    shown.push_back(blend.topLeftCorner<3, 3>() * morphed + blend.topRightCorner<3, 1>());
+    // Floats of about 10 m in the file, a blend and its inverse: some units of 1e-6 m. What is left out
+    // stands within 1e-6 of a diagonal of half a metre.
+    EXPECT_NEAR((shown.back() - vector_at(points, i)).norm(), 0.0, 1e-5) << "vertex " << i;
+    const Vector3d normal =
+        (blend.topLeftCorner<3, 3>() * (part.normals[i] + vector_at(turns, i))).normalized();
+    // The only triangle is flat, so the file's normal is its normal; turns under 0.004 are left out, and a
+    // blend of two rotations does not keep angles.
+    EXPECT_GT(normal.dot(vector_at(normals, i)), 0.97) << "vertex " << i;
+  }
+}
+
+TEST(Glb, SkeletonAndTargetsTogetherAreTheBake) {
+  const TemporaryFolder folder;
+  bake_into(options_for(folder / "out"), 6);
+  const Glb glb = read_glb(folder / "out/surface.glb");
+  EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"].size(), 7u);
+  EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"][3], "frame 3");
+  EXPECT_EQ(glb.document["extras"]["fascicle"]["fps"], 24.0);
+  EXPECT_EQ(glb.document["extras"]["fascicle"]["first_frame_seconds"], 0.5);
+  // Two channels of the skeleton, and the weights: one where key and target are of one frame, else zero.
+  const json& animation = glb.document["animations"][0];
+  ASSERT_EQ(animation["channels"].size(), 3u);
+  EXPECT_EQ(animation["channels"][2]["target"]["path"], "weights");
+  const std::vector<float> weights = sparse(glb, animation["samplers"][2]["output"], 1);
+  ASSERT_EQ(weights.size(), 49u);
+  for (std::size_t i = 0; i < 49; ++i) EXPECT_EQ(weights[i], i % 8 == 0 ? 1.0f : 0.0f);
+  for (std::size_t k = 0; k < 7; ++k) expect_baked_surface(folder / "out", k, k);
+}
+
+TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
+  const TemporaryFolder folder;
+  bake::BakeOptions options = options_for(folder / "out");
+  options.glb.stride = 4;
+  bake_into(options, 6);
+  const Glb glb = read_glb(folder / "out/surface.glb");
+  EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"],
+            (std::vector<std::string>{"frame 0", "frame 4", "frame 6"}));
+  expect_baked_surface(folder / "out", 1, 4);
+  expect_baked_surface(folder / "out", 2, 6);
+  EXPECT_LT(fs::file_size(folder / "out/surface.glb"), bake::glb_bytes(jointed_model(), 3));
+}
+
+TEST(Glb, ToleranceLeavesVerticesToSkinning) {
+  const TemporaryFolder folder;
+  bake::BakeOptions options = options_for(folder / "out");
+  options.glb.tolerance = 1000.0;
+  bake_into(options, 6);
+  const Glb glb = read_glb(folder / "out/surface.glb");
+  const json& targets = glb.document["meshes"][0]["primitives"][0]["targets"];
+  for (const json& target : targets)
+    for (const float value : sparse(glb, target["POSITION"], 3)) EXPECT_EQ(value, 0.0f);
+}
+
+TEST(Glb, OfACharacterResumesAndExportsToTheSameBytes) {
+  const TemporaryFolder folder;
+  bake_into(options_for(folder / "whole"), 6);
+  std::atomic<bool> interrupted = false;
+  bake::BakeOptions options = options_for(folder / "cut");
+  options.interrupted = &interrupted;
+  {
+    const model::Model model = jointed_model();
+    FakeOptions fake;
+    fake.on_submit = [&](std::uint64_t frame) { interrupted = frame >= 3; };
+    FakeSolver solver(model, fake);
+    bake::bake(jointed_scene(6), model, solver, options);
+  }
+  EXPECT_FALSE(fs::exists(folder / "cut/surface.glb"));
+  options.interrupted = nullptr;
+  options.resume = true;
+  bake_into(options, 6);
+  EXPECT_EQ(content_of(folder / "cut"), content_of(folder / "whole"));
+  bake::export_bake({.bake = folder / "whole", .folder = folder / "exported", .formats = {"glb"}});
+  EXPECT_EQ(read_text(folder / "exported/surface.glb"), read_text(folder / "whole/surface.glb"));
+}
+
+TEST(Glb, OfACharacterMadeInCodeIsValid) {
+  FASCICLE_NEEDS_NODE_READERS;
+  const TemporaryFolder folder;
+  bake_into(options_for(folder / "out"), 6);
+  for (const char* name : {"out/surface.glb", "out/character.glb"}) {
+    const std::string command = "node '" + (node_readers() / "validate_gltf.mjs").string() + "' '" +
+                                (folder / name).string() + "' > '" + (folder / "report.json").string() + "'";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    const json report = json::parse(read_text(folder / "report.json"));
+    EXPECT_EQ(report["issues"]["numErrors"], 0) << name << '\n' << report["issues"].dump(1);
+    EXPECT_EQ(report["info"]["hasSkins"], true);
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,42 @@
+// node read_usda.mjs FILE: reads USD's text form by two programs that are not ours. tinyusdz, strict and typed, must take
+// the file as a whole; three.js gives the samples' values. Prints one JSON object.
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import { USDAParser } from 'three/examples/jsm/loaders/usd/USDAParser.js';
+
+const file = fs.readFileSync(process.argv[2]);
+
+// Its WebAssembly is built for browsers and looks for one.
+process.type = 'renderer';
+globalThis.window = globalThis;
+const program = fs.readFileSync(createRequire(import.meta.url).resolve('tinyusdz/tinyusdz.wasm'));
+const tinyusdz = await (await import('tinyusdz/tinyusdz.js')).default({
+  instantiateWasm: (imports, done) => {
+    WebAssembly.instantiate(program, imports).then(({ instance, module }) => done(instance, module));
+    return {};
+  },
+});
+const stage = new tinyusdz.TinyUSDZLoaderNative();
+if (!stage.loadFromBinary(new Uint8Array(file), 'surface.usda')) throw new Error(stage.error());
+const layer = new tinyusdz.TinyUSDZLoaderNative();
+if (!layer.loadAsLayerFromBinary(new Uint8Array(file), 'surface.usda')) throw new Error(layer.error());
+
+const specs = new USDAParser().parseData(file.toString()).specsByPath;
+const fields = (path) => specs[path].fields;
+const plain = (sampled) => ({ times: sampled.times, values: sampled.values.map((value) => Array.from(value)) });
+process.stdout.write(JSON.stringify({
+  layer: layer.layerToString().slice(0, 600),
+  meshes: stage.numMeshes(),
+  first_points: Array.from(stage.getMesh(0).points),
+  stage: fields('/'),
+  types: {
+    points: fields('/body/surface.points').typeName,
+    normals: fields('/body/surface.normals').typeName,
+    extent: fields('/body/surface.extent').typeName,
+  },
+  counts: Array.from(fields('/body/surface.faceVertexCounts').default),
+  indices: Array.from(fields('/body/surface.faceVertexIndices').default),
+  points: plain(fields('/body/surface.points').timeSamples),
+  normals: plain(fields('/body/surface.normals').timeSamples),
+  extent: plain(fields('/body/surface.extent').timeSamples),
+}));

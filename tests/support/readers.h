@@ -1,0 +1,45 @@
+// Programs of others that read back what we write. Node's lie in BUILD/readers, where ./do test installs them
+// from tests/readers/package-lock.json. Where one is missing a test is skipped, loudly; with
+// FASCICLE_REQUIRE_READERS=1 (node's) or FASCICLE_REQUIRE_BLENDER=1 it fails.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace fascicle::tests {
+
+inline bool is_required(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && std::string(value) == "1";
+}
+
+inline std::filesystem::path node_readers() {
+  return std::filesystem::path(FASCICLE_BINARY_DIR) / "readers";
+}
+
+inline bool have_node_readers() {
+  return std::filesystem::exists(node_readers() / "node_modules") &&
+         std::system("node --version > /dev/null 2>&1") == 0;
+}
+
+inline bool have_blender() {
+  return std::system("command -v blender > /dev/null 2>&1") == 0;
+}
+
+// Ends the test where the programs are missing.
+#define FASCICLE_NEEDS(have, variable, what)                                             \
+  if (!(have)) {                                                                         \
+    if (::fascicle::tests::is_required(variable)) FAIL() << variable "=1, and no " what; \
+    GTEST_SKIP() << "SKIPPED, NOT TESTED: no " what;                                     \
+  }                                                                                      \
+  static_assert(true)
+#define FASCICLE_NEEDS_NODE_READERS                                                  \
+  FASCICLE_NEEDS(::fascicle::tests::have_node_readers(), "FASCICLE_REQUIRE_READERS", \
+                 "readers in the build folder; ./do test installs them with npm")
+#define FASCICLE_NEEDS_BLENDER \
+  FASCICLE_NEEDS(::fascicle::tests::have_blender(), "FASCICLE_REQUIRE_BLENDER", "blender on the PATH")
+
+}  // namespace fascicle::tests
