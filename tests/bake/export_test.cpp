@@ -10,9 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/bake.h"
-#include "host/bake/identity.h"
 #include "host/bake/manifest.h"
-#include "host/bake/model_file.h"
 #include "tests/bake/fake_solver.h"
 
 namespace fascicle::tests {
@@ -131,34 +129,6 @@ TEST(Export, LeavesNothingWhenInterrupted) {
                                                        .interrupted = &interrupted});
   EXPECT_TRUE(result.interrupted);
   EXPECT_TRUE(content_of(folder / "exported").empty());
-}
-
-TEST(ModelFile, GivesBackTheWholeModel) {
-  const TemporaryFolder folder;
-  model::Model model = two_tetrahedra();
-  model.probes.push_back({"empty", {}});
-  const std::uint64_t hash = bake::model_hash(model);
-  write_text(folder / "model", bake::encode_model(model));
-  EXPECT_EQ(fs::file_size(folder / "model"), bake::encoded_bytes(model));
-  const model::Model read = bake::read_model_file(folder / "model", hash);
-  // The hash is of every member.
-  EXPECT_EQ(bake::model_hash(read), hash);
-  EXPECT_EQ(read.layers[1].name, "bone");
-  EXPECT_EQ(read.probes[1].name, "empty");
-}
-
-TEST(ModelFile, RefusesDamage) {
-  const TemporaryFolder folder;
-  const std::uint64_t hash = bake::model_hash(two_tetrahedra());
-  const std::string whole = bake::encode_model(two_tetrahedra());
-  for (std::size_t at = 0; at < whole.size(); at += 37) {
-    std::string text = whole;
-    text[at] = static_cast<char>(text[at] ^ 4);
-    write_text(folder / "model", text);
-    EXPECT_THROW(bake::read_model_file(folder / "model", hash), BakeError) << at;
-    write_text(folder / "model", whole.substr(0, at));
-    EXPECT_THROW(bake::read_model_file(folder / "model", hash), BakeError) << at;
-  }
 }
 
 }  // namespace

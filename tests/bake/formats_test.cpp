@@ -464,7 +464,8 @@ TEST(FrameCache, RefusesWhatIsDamagedOrForeign) {
 }
 
 TEST(Formats, Names) {
-  EXPECT_EQ(bake::format_names(), (std::vector<std::string>{"pc2", "vtu"}));
+  EXPECT_EQ(bake::format_names(),
+            (std::vector<std::string>{"abc", "glb", "mdd", "obj", "pc2", "usda", "vtu"}));
 }
 
 }  // namespace
