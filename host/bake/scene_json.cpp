@@ -10,6 +10,12 @@ const char* axis_name(scene::Axis axis) {
   return axis == scene::Axis::x ? "x" : axis == scene::Axis::y ? "y" : "z";
 }
 
+Json per_bone_json(const scene::PerBone& per_bone) {
+  Json object = Json::object();
+  for (const auto& [name, value] : per_bone) object[name] = value;
+  return object;
+}
+
 struct ShapeJson {
   Json operator()(const scene::Box& box) const {
     return {{"box", {{"minimum", json_of(box.minimum)}, {"maximum", json_of(box.maximum)}}}};
@@ -26,10 +32,38 @@ struct ShapeJson {
              {{"axis", axis_name(half.axis)}, {half.is_fraction ? "fraction" : "value", half.value}}}};
   }
   Json operator()(const scene::BoneDistance& distance) const {
-    return {{"bone_distance", {{"minimum", distance.minimum}, {"maximum", distance.maximum}}}};
+    return {{"bone_distance",
+             {{"minimum", distance.minimum},
+              {"maximum", distance.maximum},
+              {"per_bone", per_bone_json(distance.per_bone)}}}};
+  }
+  Json operator()(const scene::Depth& depth) const {
+    return {{"depth",
+             {{"minimum", depth.minimum},
+              {"maximum", depth.maximum},
+              {"per_bone", per_bone_json(depth.per_bone)}}}};
+  }
+  Json operator()(const scene::VolumeShare& share) const {
+    return {{"volume_share",
+             {{"minimum", share.minimum},
+              {"maximum", share.maximum},
+              {"by", share.by_distance ? "distance" : "depth"}}}};
+  }
+  Json operator()(const scene::JointSet& set) const {
+    return {{"joints", {{"names", set.names}, {"share", set.share}}}};
+  }
+  Json operator()(const scene::Painted& painted) const {
+    return {{"painted",
+             {{"attribute", painted.attribute}, {"minimum", painted.minimum}, {"maximum", painted.maximum}}}};
   }
   Json operator()(const scene::Everywhere&) const { return "everywhere"; }
 };
+
+Json painted_names(const scene::Character& character) {
+  Json names = Json::array();
+  for (const scene::PaintedAttribute& attribute : character.painted) names.push_back(attribute.name);
+  return names;
+}
 
 struct GeometryJson {
   Json operator()(const scene::Bar& bar) const {
@@ -53,16 +87,45 @@ struct GeometryJson {
              {{"vertices", character.surface.vertices.size()},
               {"triangles", character.surface.triangles.size()},
               {"joints", character.skeleton.size()},
+              {"painted", painted_names(character)},
               {"clips", std::move(clips)}}}};
   }
 };
 
 Json json_of_layer(const scene::Layer& layer) {
-  return {{"name", layer.name},           {"alpha", layer.alpha},
-          {"beta", layer.beta},           {"damping", layer.damping},
-          {"density", layer.density},     {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
-          {"kinematic", layer.kinematic}, {"inertia_scale", layer.inertia_scale},
+  return {{"name", layer.name},
+          {"alpha", layer.alpha},
+          {"alpha_outer", layer.alpha_outer ? Json(*layer.alpha_outer) : Json(nullptr)},
+          {"alpha_attribute", layer.alpha_attribute},
+          {"beta", layer.beta},
+          {"damping", layer.damping},
+          {"density", layer.density},
+          {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
+          {"fibre_field", layer.fibre_field},
+          {"kinematic", layer.kinematic},
+          {"inertia_scale", layer.inertia_scale},
           {"where", json_of(layer.where)}};
+}
+
+Json json_of_skeleton(const scene::SkeletonSettings& skeleton) {
+  return {{"bones", skeleton.bones},
+          {"not_bones", skeleton.not_bones},
+          {"kinematic", skeleton.kinematic},
+          {"simulated", skeleton.simulated},
+          {"least_share", skeleton.least_share},
+          {"connect", skeleton.connect}};
+}
+
+Json json_of_fibres(const std::vector<scene::FibreCurve>& fibres) {
+  Json list = Json::array();
+  for (const scene::FibreCurve& curve : fibres) {
+    Json points = Json::array();
+    for (const scene::Vector3d& point : curve.points) points.push_back(json_of(point));
+    list.push_back({{"name", curve.name},
+                    {"points", std::move(points)},
+                    {"radius", curve.radius ? Json(*curve.radius) : Json(nullptr)}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -133,7 +196,9 @@ Json json_of(const scene::Scene& scene) {
           {"scale", scene.scale},
           {"resolution", scene.resolution ? Json(*scene.resolution) : Json(nullptr)},
           {"bones", std::move(bones)},
+          {"skeleton", json_of_skeleton(scene.skeleton)},
           {"layers", std::move(layers)},
+          {"fibres", json_of_fibres(scene.fibres)},
           {"pins", std::move(pins)},
           {"probes", std::move(probes)},
           {"forces", json_of(scene.forces)},

@@ -1,6 +1,7 @@
 #include "host/build/body.h"
 
 #include "host/build/bar.h"
+#include "host/build/bone_choice.h"
 #include "host/build/bones.h"
 #include "host/build/boundary.h"
 #include "host/build/check_mesh.h"
@@ -60,10 +61,18 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
              const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;
-  body.bones = skeleton_bones(character.skeleton, scene.scale, scene.source);
+  BoneChoice choice = choose_bones(character, scene.skeleton, scene.scale, scene.source);
+  report.joints = std::move(choice.report);
+  body.joints = std::move(choice.joints);
+  body.bones = std::move(choice.bones);
   add_scene_bones(scene, body);
   take(fill_body({scene, character.surface, welded, body.bones, &character}, report, options), body);
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
+  if (!character.painted.empty()) {
+    body.painted = character.painted;
+    body.painted_surface = character.surface;
+    for (Vector3d& p : body.painted_surface.vertices) p *= scene.scale;
+  }
   return body;
 }
 

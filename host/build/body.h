@@ -31,11 +31,19 @@ struct SkinWeights {
 };
 
 // A bone as a line segment in the bind pose, metres. `owners` are the joints (-1: none) whose share in a
-// vertex's weights makes this bone one of the vertex's own: the bone's joint, its parent and the joint it
-// leads to. A bone of a scene without a skeleton has none and counts for every vertex.
+// vertex's weights makes this bone one of the vertex's own: the bone's joint, the bone's parent and the joint
+// it leads to. A bone of a scene without a skeleton has none and counts for every vertex.
 struct Bone {
   Vector3d from, to;
   std::array<std::int32_t, 3> owners{-1, -1, -1};
+};
+
+// What a joint means for the vertices that follow it.
+struct JointUse {
+  std::string name;
+  std::int32_t parent = -1;   // index of the next joint above
+  std::int32_t bone = -1;     // the joint that is a bone, at or above this one; -1: none
+  bool is_kinematic = false;  // its flesh follows the skeleton
 };
 
 struct Body {
@@ -43,7 +51,10 @@ struct Body {
   RenderMesh render;
   SkinWeights skin;
   std::uint32_t joint_count = 0;
+  std::vector<JointUse> joints;  // joint_count, or empty: every joint is its own bone, none is kinematic
   std::vector<Bone> bones;
+  scene::SurfaceMesh painted_surface;            // the character's own, m; empty where nothing is painted
+  std::vector<scene::PaintedAttribute> painted;  // on its vertices
 };
 
 // Builds the body of a scene's geometry. Repairs and warnings go to the report. Throws scene::SceneError.

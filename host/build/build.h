@@ -16,6 +16,29 @@ struct Warning {
   std::vector<std::uint32_t> vertices;  // of the tetrahedral mesh; the first few where there are many
 };
 
+// What a joint of the skeleton was taken for (bone_choice.h).
+struct JointReport {
+  std::string name;
+  std::int32_t parent = -1;
+  double share = 0.0;     // of the skin's area, with the joints below
+  double openness = 0.0;  // of that skin: 0 closes around the joint, 1 lies flat
+  bool is_bone = false;
+  bool ends_chain = false;    // a bone from which no other goes on: head, hand, foot
+  bool is_kinematic = false;  // its flesh follows the skeleton
+};
+
+// The fibre field, where a layer asks for it (fibre_field.h).
+struct FibreReport {
+  std::uint32_t constraints = 0;    // vertices whose direction is given
+  std::uint32_t rounds = 0;         // solves, until neighbours' signs agreed
+  std::uint32_t iterations = 0;     // of conjugate gradients, in all
+  std::uint32_t edges = 0;          // between two vertices that have a direction
+  std::uint32_t flipped_edges = 0;  // whose two directions point against each other
+  std::uint32_t bent_edges = 0;     // whose two lines stand more than 60 degrees apart
+  std::uint32_t without = 0;        // vertices of such layers that got no direction
+  double seconds = 0.0;
+};
+
 struct LayerShare {
   std::string name;
   std::uint32_t vertices = 0;
@@ -48,6 +71,11 @@ struct Report {
   std::uint32_t skipped_regions = 0;     // all weights zero
   std::uint32_t pinned_vertices = 0;     // kinematic ones: pinned, or of a kinematic layer
   FillReport fill;
+  std::vector<JointReport> joints;        // of a character's skeleton
+  std::uint32_t bone_islands_before = 0;  // pieces of a character's bone layer, as its shapes cut it
+  std::uint32_t bone_islands = 0;         // and after vertices were added between them
+  std::uint32_t bone_vertices_added = 0;
+  FibreReport fibres;
   std::vector<LayerShare> layers;
   std::vector<Warning> warnings;
   bool body_from_cache = false;

@@ -12,6 +12,7 @@
 #include "host/build/forces.h"
 #include "host/build/layers.h"
 #include "host/build/mass.h"
+#include "host/build/measures.h"
 #include "host/build/message.h"
 #include "host/build/one_ring.h"
 #include "host/build/order.h"
@@ -66,13 +67,13 @@ void write_rest(const scene::TetMesh& mesh, const std::string& source, Model& mo
 }
 
 void write_layers(const scene::Scene& scene, const Layering& layering, const std::vector<double>& volume,
-                  Model& model, Report& report) {
+                  std::vector<float> fibre, Model& model, Report& report) {
   for (const scene::Layer& layer : scene.layers) {
     model.layers.push_back({layer.name, layer.damping, layer.density, layer.kinematic});
     report.layers.push_back({layer.name, 0, 0.0, 0.0});
   }
   std::vector<float> carried;
-  model.fibre = fibre_directions(scene.layers, layering.layer);
+  model.fibre = std::move(fibre);
   for (std::size_t i = 0; i < layering.layer.size(); ++i) {
     const std::uint32_t l = layering.layer[i];
     const scene::Layer& layer = scene.layers[l];
@@ -80,7 +81,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     const bool has_fibre =
         model.fibre[3 * i] != 0.0f || model.fibre[3 * i + 1] != 0.0f || model.fibre[3 * i + 2] != 0.0f;
     model.mass.push_back(layer.density * volume[i]);
-    model.alpha.push_back(kinematic ? 0.0f : as_factor(layer.alpha));
+    model.alpha.push_back(kinematic ? 0.0f : as_factor(layering.alpha[i]));
     carried.push_back(kinematic ? 0.0f : as_factor(1.0 - layer.inertia_scale));
     model.beta.push_back(has_fibre ? static_cast<float>(layer.beta) : 0.0f);
     model.tag.push_back(l | (kinematic ? shader::tag_kinematic : 0u));
@@ -229,10 +230,12 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
 
   OneRings rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
   report_edges(body.mesh, rings, report);
-  WhereTest test(body);
-  const Layering layering = assign_layers(scene, test, model.source_vertex, report);
+  Measures measures(body);
+  WhereTest test(measures);
+  const Layering layering = assign_layers(scene, test, measures, rings, model.source_vertex, report);
   const std::vector<double> volume = lumped_volumes(body.mesh);
-  write_layers(scene, layering, volume, model, report);
+  write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
+               model, report);
   warn_of_parts(rings, model, report);
   write_weights(std::move(rings), model, report);
   write_skin(body, model);

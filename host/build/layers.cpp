@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "host/build/bone_layer.h"
 #include "host/build/message.h"
 
 namespace fascicle::build {
@@ -26,9 +27,124 @@ void check_layers_used(const scene::Scene& scene, const std::vector<std::uint32_
   }
 }
 
+bool is_painted(const scene::Shape& shape) {
+  return std::holds_alternative<scene::Painted>(shape);
+}
+
+bool is_measured_from_bones(const scene::Shape& shape) {
+  return std::holds_alternative<scene::BoneDistance>(shape) || std::holds_alternative<scene::Depth>(shape) ||
+         std::holds_alternative<scene::VolumeShare>(shape);
+}
+
+bool has(const scene::Layer& layer, bool (*is_such)(const scene::Shape&)) {
+  return std::any_of(layer.where.begin(), layer.where.end(), is_such);
+}
+
+// Gives each vertex to the last layer whose shapes, painted ones or others, hold it.
+void claim(const scene::Scene& scene, WhereTest& test, bool painted, std::vector<std::uint32_t>& layer_of) {
+  for (std::uint32_t l = 0; l < scene.layers.size(); ++l) {
+    scene::Where where;
+    for (const scene::Shape& shape : scene.layers[l].where)
+      if (is_painted(shape) == painted) where.push_back(shape);
+    if (where.empty()) continue;
+    const std::vector<char> inside = test.contains(where, "layers." + scene.layers[l].name, scene.source);
+    for (std::size_t i = 0; i < inside.size(); ++i)
+      if (inside[i]) layer_of[i] = l;
+  }
+}
+
+std::vector<std::uint32_t> numbers_of(std::vector<std::uint32_t> vertices,
+                                      const std::vector<std::uint32_t>& source_vertex) {
+  for (std::uint32_t& v : vertices) v = source_vertex[v];
+  std::sort(vertices.begin(), vertices.end());
+  return vertices;
+}
+
+std::string name_of(const Body& body, const Bone& bone) {
+  const auto name = [&](std::int32_t joint) {
+    return joint < 0 ? std::string("the end") : body.joints[static_cast<std::size_t>(joint)].name;
+  };
+  return bone.owners[0] < 0 ? "a drawn bone" : name(bone.owners[0]) + " to " + name(bone.owners[2]);
+}
+
+void complete_bones(const scene::Scene& scene, Measures& measures, const OneRings& rings,
+                    const std::vector<std::uint32_t>& source_vertex, const std::vector<char>& closed,
+                    std::vector<std::uint32_t>& layer_of, Report& report) {
+  const Body& body = measures.body();
+  if (body.skin.offset.empty() || body.bones.empty()) return;
+  std::uint32_t bone_layer = no_layer;
+  for (std::uint32_t l = 0; l < scene.layers.size(); ++l)
+    if (scene.layers[l].kinematic && has(scene.layers[l], is_measured_from_bones)) bone_layer = l;
+  if (bone_layer == no_layer) return;
+
+  std::vector<char> is_bone(layer_of.size(), 0);
+  for (std::size_t i = 0; i < is_bone.size(); ++i) is_bone[i] = scene.layers[layer_of[i]].kinematic;
+  const std::vector<char> before = is_bone;
+  const BoneLayerReport found = complete_bone_layer(
+      measures, rings, scene.skeleton.connect ? closed : std::vector<char>(is_bone.size(), 1), is_bone);
+  for (std::size_t i = 0; i < is_bone.size(); ++i)
+    if (is_bone[i] && !before[i]) layer_of[i] = bone_layer;
+
+  report.bone_islands_before = static_cast<std::uint32_t>(found.islands_before);
+  report.bone_islands = static_cast<std::uint32_t>(found.islands);
+  report.bone_vertices_added = static_cast<std::uint32_t>(found.added);
+  const std::string key = "layers." + scene.layers[bone_layer].name + ": ";
+  if (!found.without.empty()) {
+    std::string names;
+    for (const std::uint32_t b : found.without)
+      names += (names.empty() ? "" : ", ") + name_of(body, body.bones[b]);
+    warn(report, key + counted(found.without.size(), "bone owns", "bones own") + " no vertex (" + names +
+                     "); widen the layer, or ask for a finer mesh");
+  }
+  if (found.islands > 1)
+    warn(report,
+         key + "the bones lie in " + std::to_string(found.islands) +
+             " islands that no vertices join; one vertex of each but the largest is named; widen the layer, "
+             "or "
+             "ask for a finer mesh",
+         numbers_of(found.island_vertex, source_vertex));
+}
+
+std::vector<double> alphas(const scene::Scene& scene, Measures& measures,
+                           const std::vector<std::uint32_t>& layer_of) {
+  std::vector<double> alpha(layer_of.size());
+  for (std::size_t i = 0; i < alpha.size(); ++i) alpha[i] = scene.layers[layer_of[i]].alpha;
+  for (std::uint32_t l = 0; l < scene.layers.size(); ++l) {
+    const scene::Layer& layer = scene.layers[l];
+    const std::string key = "layers." + layer.name;
+    if (layer.alpha_outer) {
+      if (measures.body().bones.empty())
+        fail(scene.source,
+             key +
+                 ".alpha_outer: the layer's inner side is the one to the bones, but there are none; "
+                 "add bones, or leave it out");
+      const bool by_distance = std::any_of(layer.where.begin(), layer.where.end(), [](const scene::Shape& s) {
+        return std::holds_alternative<scene::BoneDistance>(s);
+      });
+      const std::vector<double>& outward = by_distance ? measures.bone_distances() : measures.depths();
+      double inner = std::numeric_limits<double>::infinity(), outer = -inner;
+      for (std::size_t i = 0; i < alpha.size(); ++i) {
+        if (layer_of[i] != l) continue;
+        inner = std::min(inner, outward[i]);
+        outer = std::max(outer, outward[i]);
+      }
+      for (std::size_t i = 0; i < alpha.size(); ++i)
+        if (layer_of[i] == l && outer > inner)
+          alpha[i] += (*layer.alpha_outer - layer.alpha) * ((outward[i] - inner) / (outer - inner));
+    }
+    if (!layer.alpha_attribute.empty()) {
+      const std::vector<double>& painted =
+          measures.painted(layer.alpha_attribute, key + ".alpha_attribute", scene.source);
+      for (std::size_t i = 0; i < alpha.size(); ++i)
+        if (layer_of[i] == l) alpha[i] *= std::clamp(painted[i], 0.0, 1.0);
+    }
+  }
+  return alpha;
+}
+
 }  // namespace
 
-Layering assign_layers(const scene::Scene& scene, WhereTest& test,
+Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& measures, const OneRings& rings,
                        const std::vector<std::uint32_t>& source_vertex, Report& report) {
   if (scene.layers.empty()) fail(scene.source, "layers: at least one is needed");
   if (scene.layers.size() > shader::tag_layer_mask + std::size_t{1})
@@ -40,12 +156,14 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test,
   for (std::uint32_t l = 0; l < scene.layers.size(); ++l)
     if (scene.layers[l].where.empty()) rest = l;
   result.layer.assign(source_vertex.size(), rest);
-  for (std::uint32_t l = 0; l < scene.layers.size(); ++l) {
-    const scene::Layer& layer = scene.layers[l];
-    if (layer.where.empty()) continue;
-    const std::vector<char> inside = test.contains(layer.where, "layers." + layer.name, scene.source);
-    for (std::size_t i = 0; i < inside.size(); ++i)
-      if (inside[i]) result.layer[i] = l;
+  claim(scene, test, false, result.layer);
+  std::vector<std::uint32_t> painted(result.layer.size(), no_layer);
+  claim(scene, test, true, painted);
+  std::vector<char> is_painted_on(painted.size(), 0);
+  for (std::size_t i = 0; i < painted.size(); ++i) {
+    if (painted[i] == no_layer) continue;
+    is_painted_on[i] = 1;
+    result.layer[i] = painted[i];
   }
 
   std::vector<std::uint32_t> unclaimed;
@@ -56,7 +174,9 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test,
     fail(scene.source, "layers: no layer takes " + counted(unclaimed.size(), "vertex", "vertices") + " (" +
                            list_of(unclaimed) +
                            "); widen a layer's shapes, or give one layer none, which makes it take the rest");
+  complete_bones(scene, measures, rings, source_vertex, is_painted_on, result.layer, report);
   check_layers_used(scene, result.layer, report);
+  result.alpha = alphas(scene, measures, result.layer);
 
   result.kinematic.resize(result.layer.size());
   for (std::size_t i = 0; i < result.layer.size(); ++i)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/build/one_ring.h"
 #include "host/build/where.h"
 
 namespace fascicle::build {
@@ -11,12 +12,21 @@ namespace fascicle::build {
 struct Layering {
   std::vector<std::uint32_t> layer;  // a vertex: index into Scene::layers
   std::vector<char> kinematic;       // a vertex: in a kinematic layer, or pinned
+  std::vector<double> alpha;         // a vertex, [0, 1]
 };
 
-// The last layer whose shapes hold the vertex, else the last layer without shapes. Throws scene::SceneError
-// for vertices that no layer takes, and for pins and kinematic layers that hold no vertex; any other empty
-// layer is a warning. `source_vertex` turns vertices into the numbers that messages use.
-Layering assign_layers(const scene::Scene& scene, WhereTest& test,
+// The last layer whose painted values hold the vertex, else the last whose other shapes do, else the last
+// without shapes. On a character, kinematic layers that are measured from the bones are completed along them
+// (bone_layer.h).
+//
+// alpha goes from the layer's alpha to its alpha_outer with the relative depth, from the least that the
+// layer's vertices have to the greatest (with the distance from the bone, where the layer is made by that),
+// and is multiplied by what is painted.
+//
+// Throws scene::SceneError for vertices that no layer takes, and for pins and kinematic layers that hold no
+// vertex; any other empty layer is a warning. `source_vertex` turns vertices into the numbers that messages
+// use.
+Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& measures, const OneRings& rings,
                        const std::vector<std::uint32_t>& source_vertex, Report& report);
 
 }  // namespace fascicle::build

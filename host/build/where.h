@@ -1,10 +1,10 @@
 // Which vertices lie in a scene's parts of space.
 #pragma once
 
-#include <cstdint>
+#include <string>
 #include <vector>
 
-#include "host/build/body.h"
+#include "host/build/measures.h"
 
 namespace fascicle::build {
 
@@ -12,27 +12,17 @@ namespace fascicle::build {
 // at 0.4 m holds the vertices that rounding put at 0.4 - 1e-17.
 class WhereTest {
  public:
-  // The body must outlive it.
-  explicit WhereTest(const Body& body);
+  // The measures and their body must outlive it.
+  explicit WhereTest(Measures& measures);
 
-  // One flag a vertex. Throws scene::SceneError, naming `key`, where a bone distance is asked for and there
-  // are no bones.
+  // One flag a vertex. Throws scene::SceneError, naming `key`, where a distance from bones is asked for and
+  // there are no bones, and for names that no joint or painted attribute has.
   std::vector<char> contains(const scene::Where& where, const std::string& key, const std::string& source);
 
-  // Distance of each vertex to the nearest of its own bones, m: those that an owner with at least 2 % of the
-  // vertex's weights moves, those the scene draws, or all where there is none. 0 for a vertex that joints at
-  // the end of a chain move for the most part: heads, hands and feet have no bone inside that a distance
-  // could be measured from, and follow the skeleton. Computed on first use.
-  const std::vector<double>& bone_distances();
-
  private:
-  const Body& body_;
+  Measures& measures_;
   Vector3d low_, high_;
   double slack_;
-  std::vector<double> bone_distances_;
 };
-
-// Distance from a point to a segment, m.
-double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to);
 
 }  // namespace fascicle::build

@@ -30,6 +30,26 @@ std::size_t longest_ring(const model::Model& model) {
   return longest;
 }
 
+Json json_of(const std::vector<build::JointReport>& joints) {
+  Json list = Json::array();
+  for (const build::JointReport& joint : joints)
+    list.push_back({{"name", joint.name},
+                    {"parent", joint.parent < 0 ? Json(nullptr) : Json(joint.parent)},
+                    {"skin_share", joint.share},
+                    {"openness", joint.openness},
+                    {"bone", joint.is_bone},
+                    {"ends_chain", joint.ends_chain},
+                    {"kinematic", joint.is_kinematic}});
+  return list;
+}
+
+Json json_of(const build::FibreReport& fibres) {
+  return {{"constraints", fibres.constraints},     {"rounds", fibres.rounds},
+          {"iterations", fibres.iterations},       {"edges", fibres.edges},
+          {"flipped_edges", fibres.flipped_edges}, {"bent_edges", fibres.bent_edges},
+          {"without_direction", fibres.without},   {"seconds", fibres.seconds}};
+}
+
 Json json_of(const scene::Scene& scene, const Built& built) {
   const build::Report& report = built.report;
   const model::Model& model = built.model;
@@ -74,6 +94,12 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"fps", scene.fps},
           {"substeps", scene.solver.substeps},
           {"solver_bytes", model::solver_bytes(model)},
+          {"skeleton", json_of(report.joints)},
+          {"bone_layer",
+           {{"islands_of_shapes", report.bone_islands_before},
+            {"islands", report.bone_islands},
+            {"vertices_added", report.bone_vertices_added}}},
+          {"fibres", json_of(report.fibres)},
           {"layers", layers},
           {"probes", probes},
           {"warnings", warnings},
@@ -82,6 +108,45 @@ Json json_of(const scene::Scene& scene, const Built& built) {
 
 std::string millimetres(double metres) {
   return number_text(metres * 1e3) + " mm";
+}
+
+// The bones, and what else moves a tenth of a percent of the skin.
+void print_joints(const build::Report& report) {
+  constexpr double least_shown = 1e-3;
+  std::vector<std::pair<std::string, std::string>> rows;
+  std::size_t left_out = 0;
+  for (const build::JointReport& joint : report.joints) {
+    if (!joint.is_bone && joint.share < least_shown) {
+      ++left_out;
+      continue;
+    }
+    std::string text = joint.ends_chain ? "bone at the end of a chain" : joint.is_bone ? "bone" : "no bone";
+    if (joint.is_kinematic) text += ", kinematic";
+    rows.emplace_back(joint.name, text + "; " + number_text(100.0 * joint.share, 3) +
+                                      " % of the skin, openness " + number_text(joint.openness, 2));
+  }
+  if (rows.empty()) return;
+  std::cout << "skeleton\n" << columns_text(rows);
+  if (left_out > 0) std::cout << "  and " << count_text(left_out) << " joints that move less than 0.1 %\n";
+  if (report.bone_islands > 0)
+    std::cout << "  bone layer: " << report.bone_islands << " connected part(s), "
+              << report.bone_islands_before << " before " << count_text(report.bone_vertices_added)
+              << " vertices were added\n";
+}
+
+void print_fibres(const build::FibreReport& fibres) {
+  if (fibres.constraints == 0) return;
+  const auto percent = [&](std::uint32_t edges) {
+    return number_text(100.0 * share_of(edges, fibres.edges), 2) + " % of the edges";
+  };
+  std::cout << "fibres\n"
+            << columns_text({{"given directions", count_text(fibres.constraints)},
+                             {"solved in", std::to_string(fibres.rounds) + " rounds of " +
+                                               count_text(fibres.iterations) + " iterations in all, " +
+                                               number_text(fibres.seconds, 2) + " s"},
+                             {"signs differ along", percent(fibres.flipped_edges)},
+                             {"lines turn over 60 degrees along", percent(fibres.bent_edges)},
+                             {"without a direction", count_text(fibres.without) + " vertices"}});
 }
 
 void print_text(const scene::Scene& scene, const Built& built) {
@@ -115,6 +180,8 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                       number_text(100.0 * share_of(layer.volume, report.volume), 3) +
                                       " % of the volume, " + number_text(layer.mass) + " kg");
   std::cout << columns_text(rows);
+  print_joints(report);
+  print_fibres(report.fibres);
 
   rows.clear();
   for (const model::ProbeSet& probe : model.probes)

@@ -60,6 +60,12 @@ int substeps_to_stand(const Geometry& geometry) {
   return static_cast<int>(std::clamp(substeps, 8.0, 200.0));
 }
 
+bool is_painted(const Character& character, const std::string& name) {
+  return std::any_of(
+      character.painted.begin(), character.painted.end(),
+      [&](const PaintedAttribute& attribute) { return attribute.name == name && attribute.width == 1; });
+}
+
 }  // namespace
 
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh) {
@@ -90,14 +96,19 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const Character& character) {
-  // Wrists and ankles of a body are about 0.02 of its height thick from the bone to the skin, its thighs and
-  // belly 0.05 and more: so hands and feet follow the skeleton, and the flesh is free. Millimetres are fine
-  // enough to read and to edit.
-  constexpr double bone_share = 0.02;
-  constexpr double muscle_share = 0.045;
-  const double size = largest_extent(character.surface.vertices);
-  const auto distance = [&](double share) {
-    return shortest(std::max(std::round(size * share * 1e3) / 1e3, 1e-3));
+  // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
+  // flesh.
+  const bool has_layers = is_painted(character, "_LAYER");
+  const std::string stiffness =
+      is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
+  // 1 is bone, 2 muscle, 3 fat; 0, which is what vertices have before they are painted, leaves it to the
+  // depth.
+  constexpr int bone = 0, muscle = 1, rest = 2;
+  const auto where = [&](const std::string& shape, int number) {
+    const std::string painted = "{ painted = { attribute = \"_LAYER\", minimum = " + std::to_string(number) +
+                                ".5, maximum = " + std::to_string(number + 1) + ".5 } }";
+    if (has_layers) return "where = [" + shape + ", " + painted + "]\n";
+    return number == rest ? std::string() : "where = " + shape + "\n";
   };
   return "[scene]\n"
          "fps = 60\n"
@@ -110,21 +121,19 @@ std::string scene_for_character(const std::filesystem::path& path, const Charact
          "[layers.fat]\n"
          "alpha = 0.3\n"
          "beta = 0.0\n"
-         "damping = 6.0\n"
+         "damping = 6.0\n" +
+         stiffness + where("{ everywhere = true }", rest) +
          "\n"
          "[layers.muscle]\n"
          "alpha = 1.0\n"
          "beta = 1.0\n"
          "damping = 6.0\n"
-         "where = { bone_distance = { maximum = " +
-         distance(muscle_share) +
-         " } }\n"
+         "fibre_field = true\n" +
+         stiffness + where("{ depth = { maximum = 0.65 } }", muscle) +
          "\n"
          "[layers.bone]\n"
-         "kinematic = true\n"
-         "where = { bone_distance = { maximum = " +
-         distance(bone_share) +
-         " } }\n"
+         "kinematic = true\n" +
+         where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
          "[solver]\n"
          "substeps = 8\n";

@@ -12,7 +12,8 @@ namespace fascicle::scene {
 // The substeps are chosen from the mesh's size and mean edge, so that it stands under its own weight.
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh);
 
-// Bone, muscle and fat as in figure 9, by distance from the bones, in proportion to the character's size.
+// Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3
+// fat) by that; a painted _STIFFNESS multiplies alpha. Fibres from the field.
 std::string scene_for_character(const std::filesystem::path& path, const Character& character);
 
 }  // namespace fascicle::scene

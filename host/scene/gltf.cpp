@@ -19,6 +19,24 @@ namespace {
 // times.
 constexpr std::size_t most_vertices = std::size_t{1} << 24;
 constexpr std::size_t most_triangles = std::size_t{1} << 25;
+constexpr std::size_t most_painted = 16;
+
+// Numbers a vertex of an attribute that can be painted; 0 for any other.
+std::uint32_t painted_width(const std::string& name, int type) {
+  if (!name.starts_with("_") && !name.starts_with("COLOR_")) return 0;
+  switch (type) {
+    case TINYGLTF_TYPE_SCALAR:
+      return 1;
+    case TINYGLTF_TYPE_VEC2:
+      return 2;
+    case TINYGLTF_TYPE_VEC3:
+      return 3;
+    case TINYGLTF_TYPE_VEC4:
+      return 4;
+    default:
+      return 0;
+  }
+}
 
 std::vector<bool> nodes_in_scene(const tinygltf::Model& model) {
   std::vector<bool> is_in(model.nodes.size(), model.scenes.empty());
@@ -231,6 +249,53 @@ class Reader {
     return corners;
   }
 
+  // The attribute of this name, 0 on all vertices before this primitive's.
+  PaintedAttribute& painted_attribute(const std::string& name, std::uint32_t width,
+                                      const std::string& pointer) {
+    for (PaintedAttribute& attribute : character_.painted) {
+      if (attribute.name != name) continue;
+      if (attribute.width != width)
+        fail(pointer, "has " + std::to_string(width) + " numbers a vertex, and " +
+                          std::to_string(attribute.width) + " on another primitive");
+      return attribute;
+    }
+    if (character_.painted.size() == most_painted)
+      fail(pointer, "more than " + std::to_string(most_painted) + " painted attributes; leave some out");
+    character_.painted.push_back({name, width, {}});
+    return character_.painted.back();
+  }
+
+  // After the primitive's vertices are in the surface.
+  void read_painted(const tinygltf::Primitive& primitive, const std::string& pointer, const Skin& skin,
+                    const std::vector<std::vector<Influence>>& influences) {
+    const std::size_t all = character_.surface.vertices.size(), count = influences.size();
+    for (const auto& [name, accessor] : primitive.attributes) {
+      const int type = model_.accessors[static_cast<std::size_t>(accessor)].type;
+      const std::uint32_t width = painted_width(name, type);
+      if (width == 0) continue;
+      const std::string here = pointer + "/attributes/" + name;
+      const std::vector<double> values = numbers(here, accessor, type, true, count);
+      PaintedAttribute& attribute = painted_attribute(name, width, here);
+      attribute.values.resize(width * (all - count), 0.0);
+      attribute.values.insert(attribute.values.end(), values.begin(), values.end());
+      if (name != "_FIBER" || width != 3) continue;
+      for (std::size_t i = 0; i < count; ++i) {
+        Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+        for (const Influence& x : influences[i])
+          turn += x.weight * skin.raw_to_rest[x.joint].topLeftCorner<3, 3>();
+        double* value = attribute.values.data() + 3 * (all - count + i);
+        const Vector3d raw(value[0], value[1], value[2]);
+        // The direction turns with the skin; its length says how sure the painter was.
+        const Vector3d turned = turn * raw;
+        const double length = turned.norm();
+        for (int axis = 0; axis < 3; ++axis)
+          value[axis] = length > 0.0 ? turned[axis] * (raw.norm() / length) : 0.0;
+      }
+    }
+    for (PaintedAttribute& attribute : character_.painted)
+      attribute.values.resize(attribute.width * all, 0.0);
+  }
+
   void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, const std::string& pointer) {
     if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN) {
@@ -270,6 +335,8 @@ class Reader {
       character_.joints.push_back(joints);
       character_.weights.push_back(weights);
     }
+
+    read_painted(primitive, pointer, skin, influences);
 
     for (std::array<std::uint32_t, 3> t : expand(read_corners(primitive, pointer, a.count), primitive.mode)) {
       // A mirroring transform turns triangles inside out.

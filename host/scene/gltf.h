@@ -1,9 +1,10 @@
 // glTF 2.0 characters, .glb and .gltf.
 //
 // What is read: the default scene's nodes that have both a mesh and a skin, in the order of the nodes, their
-// primitives one after the other; strips and fans become triangles; all JOINTS_n and WEIGHTS_n. What is left
-// out: meshes without a skin, morph targets, everything about looks. Joint::skins holds for every joint of a
-// skin, weighted or not.
+// primitives one after the other; strips and fans become triangles; all JOINTS_n and WEIGHTS_n; attributes
+// with numbers for each vertex whose names begin with _ or COLOR_, as painted. What is left out: meshes
+// without a skin, morph targets, everything about looks. Joint::skins holds for every joint of a skin,
+// weighted or not.
 //
 // The bind pose is the pose of the nodes as the file holds them: positions are put through the skin with
 // those transforms, which turns raw units into metres and the axes to Y up. Where the file's inverse bind

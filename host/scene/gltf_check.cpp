@@ -58,8 +58,9 @@ void GltfCheck::meshes() {
       const GltfPlace attributes = object(primitive, "attributes");
       result["attributes"] = json::object();
       for (const auto& [name, value] : attributes.value->items()) {
-        const bool is_needed =
-            name == "POSITION" || name.rfind("JOINTS_", 0) == 0 || name.rfind("WEIGHTS_", 0) == 0;
+        const bool is_needed = name == "POSITION" || name.starts_with("JOINTS_") ||
+                               name.starts_with("WEIGHTS_") || name.starts_with("COLOR_") ||
+                               name.starts_with("_");
         if (is_needed)
           result["attributes"][name] = index(value, attributes.pointer + "/" + name, "accessors");
       }

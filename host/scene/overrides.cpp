@@ -164,13 +164,23 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
 
 namespace {
 
+// Names that users chose may hold anything; TOML wants those in quotes.
+void write_name(std::ostream& out, std::string_view name) {
+  if (is_valid_name(name))
+    out << name;
+  else
+    out << toml::toml_formatter{toml::value<std::string>(std::string(name)), toml::format_flags::none};
+}
+
 // Tables inside values are written inline, in the order of their keys. Numbers are the shortest that read
 // back the same.
 void write_value(std::ostream& out, const toml::node& node) {
   if (const auto* table = node.as_table()) {
     const char* separator = "{ ";
     for (const auto& [name, value] : in_order(*table)) {
-      out << separator << name->str() << " = ";
+      out << separator;
+      write_name(out, name->str());
+      out << " = ";
       write_value(out, *value);
       separator = ", ";
     }

@@ -71,6 +71,14 @@ struct Clip {
   std::vector<Channel> channels;
 };
 
+// Values painted on a character's vertices: a glTF attribute whose name begins with _ or COLOR_. 0 on the
+// primitives that lack it. _FIBER is a direction and stands in the bind pose, like the positions.
+struct PaintedAttribute {
+  std::string name;
+  std::uint32_t width = 1;     // numbers a vertex, 1 to 4
+  std::vector<double> values;  // width a vertex of the surface
+};
+
 // A rigged character: the render mesh in its bind pose, its weights, its joints and its clips.
 struct Character {
   SurfaceMesh surface;                               // metres, file's vertex order, seams not welded
@@ -78,6 +86,7 @@ struct Character {
   std::vector<std::array<double, 8>> weights;        // a vertex: sums to 1
   std::vector<Joint> skeleton;                       // parents before children
   std::vector<Clip> clips;
+  std::vector<PaintedAttribute> painted;
   Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // what stands above the skeleton's roots
 };
 
@@ -104,13 +113,42 @@ struct HalfSpace {
   bool is_fraction = false;
   double value = 0.0;
 };
+// Other maxima for the vertices whose nearest bone is that of a joint, by the joint's name.
+using PerBone = std::vector<std::pair<std::string, double>>;
 // Distance to the nearest bone (Scene::bones, or the character's) within [minimum, maximum] metres.
 struct BoneDistance {
   double minimum = 0.0;
   double maximum = 0.0;
+  PerBone per_bone = {};
+};
+// Relative depth within [minimum, maximum]: 0 at the bone, 1 at the skin.
+struct Depth {
+  double minimum = 0.0;
+  double maximum = 0.0;
+  PerBone per_bone = {};
+};
+// The vertices between two shares of the body's volume, counted from the bones outward: ordered by relative
+// depth, or by distance from the bone.
+struct VolumeShare {
+  double minimum = 0.0;
+  double maximum = 0.0;
+  bool by_distance = false;
+};
+// Vertices with at least `share` of their weights on the joints named and those below them.
+struct JointSet {
+  std::vector<std::string> names;
+  double share = 0.5;
+};
+// Where a painted value lies within [minimum, maximum]. The attribute is named as in the file, a colour with
+// its channel: "_LAYER", "COLOR_0.r".
+struct Painted {
+  std::string attribute;
+  double minimum = 0.0;
+  double maximum = 0.0;
 };
 struct Everywhere {};
-using Shape = std::variant<Box, Sphere, Capsule, HalfSpace, BoneDistance, Everywhere>;
+using Shape = std::variant<Box, Sphere, Capsule, HalfSpace, BoneDistance, Depth, VolumeShare, JointSet,
+                           Painted, Everywhere>;
 using Where = std::vector<Shape>;
 
 struct BoneSegment {
@@ -120,14 +158,34 @@ struct BoneSegment {
 
 struct Layer {
   std::string name;
-  double alpha = 1.0;             // [0, 1] per substep
-  double beta = 0.0;              // [0, 1]
-  double damping = 0.0;           // 1/s, >= 0
-  double density = 1000.0;        // kg/m^3, > 0
-  std::optional<Vector3d> fibre;  // constant direction, normalised when read
-  bool kinematic = false;         // a bone layer: moved by skinning, pinned without a skeleton
-  double inertia_scale = 1.0;     // [0, 1]: share of the skeleton's acceleration that the flesh feels
+  double alpha = 1.0;                 // [0, 1] per substep
+  std::optional<double> alpha_outer;  // at the layer's outer side; alpha is then that of its inner one
+  std::string alpha_attribute;        // painted, [0, 1]: alpha is multiplied by it; empty: none
+  double beta = 0.0;                  // [0, 1]
+  double damping = 0.0;               // 1/s, >= 0
+  double density = 1000.0;            // kg/m^3, > 0
+  std::optional<Vector3d> fibre;      // constant direction, normalised when read
+  bool fibre_field = false;           // the direction comes from the fibre field; not beside `fibre`
+  bool kinematic = false;             // a bone layer: moved by skinning, pinned without a skeleton
+  double inertia_scale = 1.0;         // [0, 1]: share of the skeleton's acceleration that the flesh feels
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
+};
+
+// What the user says of the joints, by name; where nothing is said, the skin decides which are bones.
+struct SkeletonSettings {
+  std::vector<std::string> bones;      // are bones
+  std::vector<std::string> not_bones;  // are none
+  std::vector<std::string> kinematic;  // their flesh follows the skeleton
+  std::vector<std::string> simulated;  // their flesh does not
+  double least_share = 0.01;           // of the skin's area, that a bone must move
+  bool connect = true;                 // bone layers are completed along the bones, until they hold together
+};
+
+// Muscle fibres drawn as a polyline from origin to insertion, m.
+struct FibreCurve {
+  std::string name;
+  std::vector<Vector3d> points;  // at least two
+  std::optional<double> radius;  // m: how far around it holds; the mean edge where absent
 };
 
 struct Pin {
@@ -192,7 +250,9 @@ struct Scene {
   double scale = 1.0;                // metres per unit of the mesh file
   std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
   std::vector<BoneSegment> bones;
+  SkeletonSettings skeleton;
   std::vector<Layer> layers;  // at least one
+  std::vector<FibreCurve> fibres;
   std::vector<Pin> pins;
   std::vector<ProbeSet> probes;
   std::vector<Force> forces;

@@ -57,6 +57,12 @@ const char* type_wanted(KeyType type) {
       return "an array of three whole numbers";
     case KeyType::numbers:
       return "an array of numbers";
+    case KeyType::texts:
+      return "an array of texts in quotes";
+    case KeyType::points:
+      return "an array of two or more points, each of three numbers";
+    case KeyType::named_numbers:
+      return "a table of numbers";
     case KeyType::table:
       return "a table";
     case KeyType::tables:
@@ -114,6 +120,36 @@ void check_text(const toml::node& node, const Key& key, const std::string& path)
            nearest_name(text->get(), allowed) + "?");
 }
 
+void check_texts(const toml::node& node, const Key& key, const std::string& path) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail_type(node, key, path);
+  if (array->empty()) fail(node.source(), path, "is empty; leave it out, or name something");
+  for (std::size_t i = 0; i < array->size(); ++i)
+    if (!(*array)[i].is_string()) fail_type((*array)[i], key, path + "[" + std::to_string(i) + "]");
+}
+
+void check_points(const toml::node& node, const Key& key, const std::string& path) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail_type(node, key, path);
+  if (array->size() < 2)
+    fail(node.source(), path,
+         "has " + std::to_string(array->size()) + " entries; takes " + type_wanted(key.type));
+  for (std::size_t i = 0; i < array->size(); ++i)
+    check_vector((*array)[i], key, path + "[" + std::to_string(i) + "]");
+}
+
+void check_named_numbers(const toml::node& node, const Key& key, const std::string& path) {
+  const toml::table* table = node.as_table();
+  if (table == nullptr) fail_type(node, key, path);
+  if (table->empty()) fail(node.source(), path, "is empty; leave it out, or name something");
+  for (const auto& [name, value] : in_order(*table)) {
+    const std::string inner = join_path(path, name->str());
+    if (!value->is_number())
+      fail(value->source(), inner, std::string("takes a number, not ") + type_given(*value));
+    check_number(*value, key, inner);
+  }
+}
+
 void check_table(const toml::table& table, const Table& keys, const std::string& path);
 
 void check_tables(const toml::node& node, const Key& key, const std::string& path) {
@@ -166,6 +202,12 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
     case KeyType::integer_vector:
     case KeyType::numbers:
       return check_vector(node, key, path);
+    case KeyType::texts:
+      return check_texts(node, key, path);
+    case KeyType::points:
+      return check_points(node, key, path);
+    case KeyType::named_numbers:
+      return check_named_numbers(node, key, path);
     case KeyType::table:
       if (!node.is_table()) fail_type(node, key, path);
       return check_table(*node.as_table(), *key.table, path);

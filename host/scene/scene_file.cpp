@@ -52,6 +52,12 @@ void read(const toml::table& table, const char* key, Vector3d& out) {
   if (const toml::node* node = table.get(key)) out = vector_of(*node);
 }
 
+void read(const toml::table& table, const char* key, std::vector<std::string>& out) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  for (const toml::node& text : *node->as_array()) out.push_back(text.as_string()->get());
+}
+
 const toml::table& table_at(const toml::table& table, const char* key) {
   static const toml::table empty;
   const toml::node* node = table.get(key);
@@ -69,7 +75,38 @@ void for_each_named(const toml::table& root, const char* key, const Use& use) {
 // What shapes may refer to.
 struct Surroundings {
   bool has_bones = false;
+  bool has_joints = false;
 };
+
+// The two bounds of a shape, in order.
+template <class Range>
+void read_bounds(const toml::table& table, const std::string& path, Range& range) {
+  read(table, "minimum", range.minimum);
+  read(table, "maximum", range.maximum);
+  if (range.minimum > range.maximum) fail(table.source(), path, "minimum is above maximum; swap them");
+}
+
+template <class Range>
+void read_per_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path,
+                   Range& range) {
+  const toml::node* node = table.get("per_bone");
+  if (node == nullptr) return;
+  if (!surroundings.has_joints)
+    fail(node->source(), join_path(path, "per_bone"), "names joints, and only a [character] has them");
+  for (const auto& [name, value] : in_order(*node->as_table()))
+    range.per_bone.emplace_back(std::string(name->str()), number_of(*value));
+}
+
+void need_bones(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
+  if (surroundings.has_bones) return;
+  fail(table.source(), path,
+       "the scene has no bones; add [bones.NAME] with from and to, or use a [character]");
+}
+
+void need_character(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
+  if (surroundings.has_joints) return;
+  fail(table.source(), path, "only a [character] has these; use another shape");
+}
 
 HalfSpace read_half_space(const toml::table& table, bool below) {
   HalfSpace half_space;
@@ -116,15 +153,40 @@ Shape read_shape(const toml::table& table, const Surroundings& surroundings, con
   }
   if (kind == "bone_distance") {
     BoneDistance distance;
-    read(inner, "minimum", distance.minimum);
-    read(inner, "maximum", distance.maximum);
-    if (distance.minimum > distance.maximum)
-      fail(inner.source(), inner_path, "minimum is above maximum; swap them");
-    if (!surroundings.has_bones) {
-      fail(inner.source(), inner_path,
-           "the scene has no bones; add [bones.NAME] with from and to, or use a [character]");
-    }
+    read_bounds(inner, inner_path, distance);
+    read_per_bone(inner, surroundings, inner_path, distance);
+    need_bones(inner, surroundings, inner_path);
     return distance;
+  }
+  if (kind == "depth") {
+    Depth depth;
+    read_bounds(inner, inner_path, depth);
+    read_per_bone(inner, surroundings, inner_path, depth);
+    need_bones(inner, surroundings, inner_path);
+    return depth;
+  }
+  if (kind == "volume_share") {
+    VolumeShare share;
+    read_bounds(inner, inner_path, share);
+    std::string by = "depth";
+    read(inner, "by", by);
+    share.by_distance = by == "distance";
+    need_bones(inner, surroundings, inner_path);
+    return share;
+  }
+  if (kind == "joints") {
+    JointSet set;
+    read(inner, "names", set.names);
+    read(inner, "share", set.share);
+    need_character(inner, surroundings, inner_path);
+    return set;
+  }
+  if (kind == "painted") {
+    Painted painted;
+    read(inner, "attribute", painted.attribute);
+    read_bounds(inner, inner_path, painted);
+    need_character(inner, surroundings, inner_path);
+    return painted;
   }
   return read_half_space(inner, kind == "below");
 }
@@ -153,6 +215,12 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    Layer layer;
                    layer.name = name;
                    read(table, "alpha", layer.alpha);
+                   read(table, "alpha_outer", layer.alpha_outer);
+                   read(table, "alpha_attribute", layer.alpha_attribute);
+                   if (!layer.alpha_attribute.empty() && !surroundings.has_joints)
+                     fail(table.get("alpha_attribute")->source(), join_path(path, "alpha_attribute"),
+                          "only a [character] has painted values; leave it out");
+                   read(table, "fibre_field", layer.fibre_field);
                    read(table, "beta", layer.beta);
                    read(table, "damping", layer.damping);
                    read(table, "density", layer.density);
@@ -166,6 +234,9 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                        fail(node->source(), join_path(path, "fibre"),
                             "has no length; give a direction, or leave it out");
                      layer.fibre = (fibre / largest).normalized();
+                     if (layer.fibre_field)
+                       fail(node->source(), join_path(path, "fibre"),
+                            "stands beside fibre_field = true; give one of them");
                    }
                    layer.where = read_where(table, surroundings, path);
                    if (layer.where.empty()) {
@@ -214,6 +285,38 @@ void read_bones(const toml::table& root, Scene& scene) {
                    if (bone.from == bone.to)
                      fail(table.source(), path, "from and to are the same point; a bone needs a length");
                    scene.bones.push_back(std::move(bone));
+                 });
+}
+
+void read_skeleton_settings(const toml::table& root, Scene& scene) {
+  const toml::node* node = root.get("skeleton");
+  if (node == nullptr) return;
+  const toml::table& table = *node->as_table();
+  if (!root.contains("character"))
+    fail(table.source(), "skeleton", "only a [character] has a skeleton; leave it out");
+  read(table, "bones", scene.skeleton.bones);
+  read(table, "not_bones", scene.skeleton.not_bones);
+  read(table, "kinematic", scene.skeleton.kinematic);
+  read(table, "simulated", scene.skeleton.simulated);
+  read(table, "least_share", scene.skeleton.least_share);
+  read(table, "connect", scene.skeleton.connect);
+}
+
+void read_fibres(const toml::table& root, Scene& scene) {
+  for_each_named(root, "fibres",
+                 [&](const std::string& name, const toml::table& table, const std::string& path) {
+                   FibreCurve curve;
+                   curve.name = name;
+                   const toml::node& node = *table.get("points");
+                   for (const toml::node& point : *node.as_array()) {
+                     curve.points.push_back(vector_of(point));
+                     const std::size_t count = curve.points.size();
+                     if (count > 1 && curve.points[count - 1] == curve.points[count - 2])
+                       fail(point.source(), join_path(path, "points"),
+                            "has the same point twice in a row; leave one out");
+                   }
+                   read(table, "radius", curve.radius);
+                   scene.fibres.push_back(std::move(curve));
                  });
 }
 
@@ -374,8 +477,11 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read(table_at(root, "scene"), "gravity", scene.gravity);
 
   read_bones(root, scene);
-  const Surroundings surroundings{!scene.bones.empty() || root.contains("character")};
+  const bool has_character = root.contains("character");
+  const Surroundings surroundings{!scene.bones.empty() || has_character, has_character};
+  read_skeleton_settings(root, scene);
   read_layers(root, surroundings, scene);
+  read_fibres(root, scene);
   for_each_named(root, "pin",
                  [&](const std::string& name, const toml::table& table, const std::string& path) {
                    scene.pins.push_back({name, read_where(table, surroundings, path)});

@@ -52,6 +52,23 @@ Json schema_of(const Key& key) {
       schema = {{"type", "array"}, {"items", items}};
       break;
     }
+    case KeyType::texts:
+      schema = {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}};
+      break;
+    case KeyType::points: {
+      Json coordinates{{"type", "number"}};
+      add_range(coordinates, key);
+      schema = {{"type", "array"},
+                {"items", {{"type", "array"}, {"items", coordinates}, {"minItems", 3}, {"maxItems", 3}}},
+                {"minItems", 2}};
+      break;
+    }
+    case KeyType::named_numbers: {
+      Json number{{"type", "number"}};
+      add_range(number, key);
+      schema = {{"type", "object"}, {"additionalProperties", number}, {"minProperties", 1}};
+      break;
+    }
     case KeyType::table:
       schema = reference(*key.table);
       break;

@@ -64,6 +64,11 @@ struct Tables {
             .range = between(0.0, 1.0)}},
       .choices = {{"value", "fraction"}}};
 
+  Key per_bone{.name = "per_bone",
+               .type = KeyType::named_numbers,
+               .doc = "Other maxima, by the name of the joint whose bone is the nearest.",
+               .range = between(0.0, farthest)};
+
   Table bone_distance{
       .name = "bone_distance",
       .doc = "Points by their distance to the nearest bone: [bones.NAME], or the character's own.",
@@ -74,7 +79,58 @@ struct Tables {
                {.name = "maximum",
                 .doc = "Largest distance, m.",
                 .range = between(0.0, farthest),
-                .required = true}}};
+                .required = true},
+               per_bone}};
+
+  Table depth{
+      .name = "depth",
+      .doc = "Points by their relative depth: 0 at the nearest bone, 1 at the skin.",
+      .keys = {{.name = "minimum",
+                .doc = "Smallest depth.",
+                .range = between(0.0, 1.0),
+                .fallback = Depth{}.minimum},
+               {.name = "maximum", .doc = "Largest depth.", .range = between(0.0, 1.0), .required = true},
+               per_bone}};
+
+  Table volume_share{
+      .name = "volume_share",
+      .doc =
+          "Points by the share of the body's volume that lies nearer to the bones. Flesh that follows "
+          "the skeleton by its joints (heads, hands, feet) is not counted.",
+      .keys = {{.name = "minimum",
+                .doc = "Share at the inner side.",
+                .range = between(0.0, 1.0),
+                .fallback = VolumeShare{}.minimum},
+               {.name = "maximum",
+                .doc = "Share at the outer side.",
+                .range = between(0.0, 1.0),
+                .required = true},
+               {.name = "by",
+                .type = KeyType::text,
+                .doc = "What nearer means: relative depth, or distance from the bone.",
+                .fallback = "depth",
+                .allowed = {"depth", "distance"}}}};
+
+  Table joint_set{.name = "joint_set",
+                  .doc = "Points by the joints of a character that move them.",
+                  .keys = {{.name = "names",
+                            .type = KeyType::texts,
+                            .doc = "The joints, with all below them.",
+                            .required = true},
+                           {.name = "share",
+                            .doc = "Least share of their weights that a point follows.",
+                            .range = positive(1.0),
+                            .fallback = JointSet{}.share}}};
+
+  Table painted{
+      .name = "painted",
+      .doc = "Points by a value painted on a character's vertices. Paint counts before all other shapes.",
+      .keys = {{.name = "attribute",
+                .type = KeyType::text,
+                .doc = "The glTF attribute: _NAME, or COLOR_n with a channel, such as COLOR_0.r.",
+                .required = true},
+               {.name = "minimum", .doc = "Smallest value.", .range = coordinate, .required = true},
+               {.name = "maximum", .doc = "Largest value.", .range = coordinate, .required = true}}};
 
   Table shape{
       .name = "shape",
@@ -86,8 +142,16 @@ struct Tables {
            {.name = "below", .type = KeyType::table, .doc = "Below a plane.", .table = &half_space},
            {.name = "above", .type = KeyType::table, .doc = "Above a plane.", .table = &half_space},
            {.name = "bone_distance", .type = KeyType::table, .doc = "Near a bone.", .table = &bone_distance},
+           {.name = "depth", .type = KeyType::table, .doc = "Deep or shallow.", .table = &depth},
+           {.name = "volume_share",
+            .type = KeyType::table,
+            .doc = "A share of the volume.",
+            .table = &volume_share},
+           {.name = "joints", .type = KeyType::table, .doc = "What joints move.", .table = &joint_set},
+           {.name = "painted", .type = KeyType::table, .doc = "Where it is painted.", .table = &painted},
            {.name = "everywhere", .type = KeyType::boolean, .doc = "All of space: everywhere = true."}},
-      .choices = {{"box", "sphere", "capsule", "below", "above", "bone_distance", "everywhere"}}};
+      .choices = {{"box", "sphere", "capsule", "below", "above", "bone_distance", "depth", "volume_share",
+                   "joints", "painted", "everywhere"}}};
 
   Table general{
       .name = "scene",
@@ -171,6 +235,14 @@ struct Tables {
            .doc = "Stiffness of equation (4), per substep.",
            .range = between(0.0, 1.0),
            .fallback = Layer{}.alpha},
+          {.name = "alpha_outer",
+           .doc = "Stiffness at the layer's outer side; alpha is then that of its inner side.",
+           .range = between(0.0, 1.0)},
+          {.name = "alpha_attribute",
+           .type = KeyType::text,
+           .doc = "Painted values from 0 to 1 that alpha is multiplied by: _STIFFNESS, COLOR_0.g; empty: "
+                  "none.",
+           .fallback = Layer{}.alpha_attribute},
           {.name = "beta",
            .doc = "Weight of the fibre, equation (14).",
            .range = between(0.0, 1.0),
@@ -184,6 +256,10 @@ struct Tables {
            .type = KeyType::vector,
            .doc = "Direction of the fibres at rest; its length and sign mean nothing.",
            .range = coordinate},
+          {.name = "fibre_field",
+           .type = KeyType::boolean,
+           .doc = "The fibres follow the bones inside and the skin outside: equations (1) to (3).",
+           .fallback = Layer{}.fibre_field},
           {.name = "kinematic",
            .type = KeyType::boolean,
            .doc = "Moved by the skeleton alone, or held still where there is none: bone.",
@@ -309,6 +385,38 @@ struct Tables {
              .doc = "A bone of a mesh without a skeleton: a segment that layers can be measured from.",
              .keys = {point("from", "One end, m."), point("to", "The other end, m.")}};
 
+  Table skeleton{
+      .name = "skeleton",
+      .doc = "Which joints are bones, and which flesh follows them. Where nothing is said, the skin decides.",
+      .keys = {{.name = "bones", .type = KeyType::texts, .doc = "Joints that are bones."},
+               {.name = "not_bones", .type = KeyType::texts, .doc = "Joints that are no bones."},
+               {.name = "kinematic",
+                .type = KeyType::texts,
+                .doc = "Joints whose flesh follows the skeleton, with all below them."},
+               {.name = "simulated",
+                .type = KeyType::texts,
+                .doc = "Joints whose flesh is simulated, with all below them; counts before kinematic."},
+               {.name = "least_share",
+                .doc = "Share of the skin's area that a bone and the joints below it must move.",
+                .range = between(0.0, 1.0),
+                .fallback = SkeletonSettings{}.least_share},
+               {.name = "connect",
+                .type = KeyType::boolean,
+                .doc = "Bone layers that are measured from the bones are completed along them until they "
+                       "hold together.",
+                .fallback = SkeletonSettings{}.connect}}};
+
+  Table fibre_curve{.name = "fibre_curve",
+                    .doc = "Fibres drawn as a line from origin to insertion: the fibre field follows it.",
+                    .keys = {{.name = "points",
+                              .type = KeyType::points,
+                              .doc = "Corners of the line, m.",
+                              .range = coordinate,
+                              .required = true},
+                             {.name = "radius",
+                              .doc = "How far around the line it holds, m; where absent, the mean edge.",
+                              .range = positive(farthest)}}};
+
   Table root{
       .name = "root",
       .doc = "A fascicle scene. Metres, kilograms, seconds, Y up.",
@@ -324,11 +432,16 @@ struct Tables {
             .doc = "The body: a character.",
             .table = &character},
            {.name = "bones", .type = KeyType::named_tables, .doc = "Bones by name.", .table = &bone},
+           {.name = "skeleton", .type = KeyType::table, .doc = "What joints are.", .table = &skeleton},
            {.name = "layers",
             .type = KeyType::named_tables,
             .doc = "Layers by name; at least one.",
             .required = true,
             .table = &layer},
+           {.name = "fibres",
+            .type = KeyType::named_tables,
+            .doc = "Drawn fibres by name.",
+            .table = &fibre_curve},
            {.name = "solver", .type = KeyType::table, .doc = "How the motion is computed.", .table = &solver},
            {.name = "motion",
             .type = KeyType::table,

@@ -19,6 +19,9 @@ enum class KeyType {
   vector,          // three numbers
   integer_vector,  // three whole numbers
   numbers,         // any count of numbers
+  texts,           // an array of at least one text
+  points,          // an array of at least two vectors
+  named_numbers,   // a table of at least one number, under names the user chooses; any text will do
   table,
   tables,        // one table, or an array of at least one
   named_tables,  // a table of tables, whose names the user chooses

@@ -6,7 +6,9 @@
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include "host/build/measures.h"
 #include "host/model/model.h"
 #include "host/scene/gltf.h"
 #include "host/scene/mesh_file.h"
@@ -88,6 +90,43 @@ TEST(Assets, TheBunnyInThreeLayers) {
   EXPECT_EQ(report.flipped_tetrahedra, 0u);
 }
 
+// Figure 2: three layers by the distance from drawn bones. They nest, and each fills what was asked of it.
+TEST(Assets, TheBunnysLayersNestAndFillTheirShares) {
+  const std::filesystem::path file = asset("bunny.off");
+  FASCICLE_NEEDS_ASSET(file);
+  const scene::SurfaceMesh surface = scene::read_surface_mesh(file);
+  scene::Scene scene = bar_scene();
+  scene.geometry = surface;
+  Vector3d low = surface.vertices[0], high = low;
+  for (const Vector3d& p : surface.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Vector3d size = high - low;
+  const auto at = [&](double x, double y, double z) {
+    return Vector3d(low + size.cwiseProduct(Vector3d(x, y, z)));
+  };
+  scene.bones = {{"spine", at(0.75, 0.3, 0.5), at(0.35, 0.4, 0.5)},
+                 {"neck", at(0.35, 0.4, 0.5), at(0.25, 0.65, 0.6)}};
+  scene.layers = {layer_named("fat"), layer_named("muscle", {scene::VolumeShare{0.0, 0.6, true}}),
+                  layer_named("bone", {scene::VolumeShare{0.0, 0.1, true}})};
+  scene.pins = {{"base", {scene::HalfSpace{scene::Axis::y, true, true, 0.05}}}};
+  scene.resolution = 0.005;
+  build::Report report;
+  const Model model = build::build_model(scene, report, with_mesher());
+  const std::vector<double> asked{0.4, 0.5, 0.1};
+  for (std::size_t l = 0; l < 3; ++l)
+    EXPECT_NEAR(report.layers[l].volume / report.volume, asked[l], 0.02) << report.layers[l].name;
+  std::vector<double> nearest(3, 1e9), farthest(3, 0.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    double distance = 1e9;
+    for (const scene::BoneSegment& bone : scene.bones)
+      distance = std::min(distance, build::segment_distance(metres(model, i), bone.from, bone.to));
+    nearest[model.layer_of(i)] = std::min(nearest[model.layer_of(i)], distance);
+    farthest[model.layer_of(i)] = std::max(farthest[model.layer_of(i)], distance);
+  }
+  // Positions are rounded to floats of a body 0.15 m long.
+  EXPECT_LE(farthest[2], nearest[1] + 1e-7);
+  EXPECT_LE(farthest[1], nearest[0] + 1e-7);
+}
+
 TEST(Assets, RefusesAnOpenSurfaceByItsName) {
   const std::filesystem::path file = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(file);
@@ -139,6 +178,30 @@ TEST(Assets, TheWalkingMan) {
     }
   }
   EXPECT_GT(single, 1000u);
+}
+
+// docs/examples/walking-man.toml, which shows what layers know.
+TEST(Assets, TheExampleOfACharacterBuilds) {
+  const std::filesystem::path file = asset("CesiumMan.glb");
+  FASCICLE_NEEDS_ASSET(file);
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("fascicle-example-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::filesystem::path example = std::filesystem::path(FASCICLE_SOURCE_DIR) / "docs" / "examples";
+  std::filesystem::copy(example / "walking-man.toml", folder);
+  std::filesystem::copy(file, folder);
+  const scene::Scene scene = scene::load_scene((folder / "walking-man.toml").string());
+  std::filesystem::remove_all(folder);
+  build::Report report;
+  const Model model = build::build_model(scene, report, with_mesher());
+  ASSERT_NO_THROW(model::check_model(model));
+  EXPECT_EQ(report.bone_islands, 1u);
+  EXPECT_GT(report.fibres.constraints, 0u);
+  EXPECT_EQ(report.fibres.without, 0u);
+  // Lines that turn by more than 60 degrees along an edge: measured 1.8 % of the edges.
+  EXPECT_LT(report.fibres.bent_edges, report.fibres.edges / 25);
+  for (const build::LayerShare& layer : report.layers)
+    EXPECT_GT(layer.volume / report.volume, 0.05) << layer.name;
 }
 
 TEST(Assets, TheWalkingManIsTheSameEveryTime) {

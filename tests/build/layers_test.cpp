@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "host/build/bar.h"
+#include "host/build/boundary.h"
+#include "host/build/mass.h"
 #include "host/model/model.h"
 #include "tests/build/scenes.h"
 
@@ -84,6 +86,196 @@ TEST(Layers, ABoneDistanceHasTwoBounds) {
     const double d = (p - Vector3d(std::clamp(p[0], 0.1, 0.3), 0.04, 0.04)).norm();
     return d > 0.02 - off && d < 0.04 + off;
   });
+}
+
+// Depth on the bar in closed form: the nearest face of the box, and the bone of expect_shape.
+double bar_depth(const Vector3d& p) {
+  const double bone = (p - Vector3d(std::clamp(p[0], 0.1, 0.3), 0.04, 0.04)).norm();
+  const double skin = std::min({p[0], 0.4 - p[0], p[1], 0.08 - p[1], p[2], 0.08 - p[2]});
+  return bone > 0.0 ? bone / (bone + std::max(skin, 0.0)) : 0.0;
+}
+
+TEST(Layers, ADepthHasTwoBounds) {
+  expect_shape(scene::Depth{0.2, 0.6}, [](const Vector3d& p) {
+    const double depth = bar_depth(p);
+    return depth > 0.2 - off && depth < 0.6 + off;
+  });
+}
+
+// Three layers by shares of the volume: each fills what was asked within 2 % of the whole, by either order,
+// and no vertex of an inner layer lies outside one of an outer layer.
+TEST(Layers, VolumeSharesAreWhatWasAskedAndNest) {
+  for (const bool by_distance : {false, true}) {
+    scene::Scene scene = bar_scene();
+    std::get<scene::Bar>(scene.geometry).vertices = {41, 9, 9};
+    scene.bones = {{"bone", {0.1, 0.04, 0.04}, {0.3, 0.04, 0.04}}};
+    scene.layers = {layer_named("fat"), layer_named("muscle", {scene::VolumeShare{0.0, 0.6, by_distance}}),
+                    layer_named("bone", {scene::VolumeShare{0.0, 0.15, by_distance}})};
+    build::Report report;
+    const Model model = build::build_model(scene, report);
+    const std::vector<double> asked{0.4, 0.45, 0.15};
+    std::vector<double> least(3, 1.0), most(3, 0.0);
+    for (std::size_t l = 0; l < 3; ++l) EXPECT_NEAR(report.layers[l].volume / report.volume, asked[l], 0.02);
+    for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+      const Vector3d p = metres(model, i);
+      const double outward =
+          by_distance ? (p - Vector3d(std::clamp(p[0], 0.1, 0.3), 0.04, 0.04)).norm() : bar_depth(p);
+      least[model.layer_of(i)] = std::min(least[model.layer_of(i)], outward);
+      most[model.layer_of(i)] = std::max(most[model.layer_of(i)], outward);
+    }
+    EXPECT_LE(most[2], least[1] + off);
+    EXPECT_LE(most[1], least[0] + off);
+  }
+}
+
+TEST(Layers, AlphaRunsFromTheInnerToTheOuterSide) {
+  scene::Scene scene = bar_scene();
+  scene.bones = {{"bone", {0.1, 0.04, 0.04}, {0.3, 0.04, 0.04}}};
+  scene.layers = {layer_named("fat"), layer_named("muscle", {scene::Depth{0.0, 0.6}})};
+  scene.layers[1].alpha = 0.9;
+  scene.layers[1].alpha_outer = 0.3;
+  const Model model = build_quietly(scene);
+  double outermost = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (model.layer_of(i) == 1) outermost = std::max(outermost, bar_depth(metres(model, i)));
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    const double expected =
+        model.layer_of(i) == 0 ? 1.0 : 0.9 - 0.6 * bar_depth(metres(model, i)) / outermost;
+    EXPECT_NEAR(double{model.alpha[i]}, expected, 1e-6);  // floats, and positions rounded to them
+  }
+  scene.bones.clear();
+  scene.layers[1].where = {scene::HalfSpace{scene::Axis::x, true, true, 0.5}};
+  expect_refusal([&] { build_quietly(scene); }, "layers.muscle.alpha_outer");
+}
+
+// A bar of flesh with two joints, one to each half, and paint on its skin.
+struct PaintedBar {
+  build::Body body;
+  std::vector<std::uint32_t> source_vertex;
+
+  PaintedBar() {
+    body.mesh = build::make_bar(scene::Bar{}, "test");
+    const auto count = static_cast<std::uint32_t>(body.mesh.vertices.size());
+    body.joints = {{"trunk", -1, 0, false}, {"hand", 0, 1, true}, {"finger", 1, 1, true}};
+    body.joint_count = 3;
+    body.bones = {{{0.0, 0.04, 0.04}, {0.3, 0.04, 0.04}, {0, -1, 1}},
+                  {{0.3, 0.04, 0.04}, {0.4, 0.04, 0.04}, {1, 0, -1}}};
+    body.skin.offset = {0};
+    body.painted = {{"_LAYER", 1, {}}, {"COLOR_0", 4, {}}};
+    body.painted_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double x = body.mesh.vertices[i][0];
+      body.skin.joint.push_back(x < 0.29 ? 0u : x < 0.35 ? 1u : 2u);
+      body.skin.weight.push_back(1.0);
+      body.skin.offset.push_back(i + 1);
+      body.painted[0].values.push_back(x < 0.09 ? 2.0 : 0.0);
+      for (const double value : {0.0, x / 0.4, 1.0, 1.0}) body.painted[1].values.push_back(value);
+      source_vertex.push_back(i);
+    }
+  }
+
+  build::Layering layer(const scene::Scene& scene) const {
+    build::Report report;
+    build::Measures measures(body);
+    build::WhereTest test(measures);
+    return build::assign_layers(scene, test, measures,
+                                build::one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra),
+                                source_vertex, report);
+  }
+};
+
+scene::Scene two_layers(const scene::Shape& shape) {
+  scene::Scene scene = bar_scene();
+  scene.pins.clear();
+  scene.layers = {layer_named("rest"), layer_named("inside", {shape})};
+  return scene;
+}
+
+TEST(Layers, AJointSetHoldsWhatItsJointsMove) {
+  const PaintedBar bar;
+  const build::Layering layering = bar.layer(two_layers(scene::JointSet{{"hand"}, 0.5}));
+  for (std::size_t i = 0; i < layering.layer.size(); ++i)
+    EXPECT_EQ(layering.layer[i], bar.body.mesh.vertices[i][0] > 0.29 ? 1u : 0u);
+  expect_refusal(
+      [&] {
+        bar.layer(two_layers(scene::JointSet{{"nose"}, 0.5}));
+      },
+      "layers.inside.joints.names: no joint is called \"nose\"");
+}
+
+TEST(Layers, PaintIsTakenFromTheNearestSkin) {
+  const PaintedBar bar;
+  const build::Layering layering = bar.layer(two_layers(scene::Painted{"COLOR_0.g", 0.25, 0.75}));
+  for (std::size_t i = 0; i < layering.layer.size(); ++i) {
+    // Paint is linear along the bar, so on its long sides the nearest skin has the value of the vertex
+    // itself; near the ends an end face may be the nearest.
+    const Vector3d& p = bar.body.mesh.vertices[i];
+    if (p[0] < 0.045 || p[0] > 0.355) continue;
+    EXPECT_EQ(layering.layer[i], p[0] > 0.099 && p[0] < 0.301 ? 1u : 0u) << p.transpose();
+  }
+  expect_refusal([&] { bar.layer(two_layers(scene::Painted{"COLOR_0", 0, 1})); }, "COLOR_0 of 4 numbers");
+  expect_refusal([&] { bar.layer(two_layers(scene::Painted{"COLOR_1.r", 0, 1})); }, "layers.inside.painted");
+}
+
+TEST(Layers, PaintWinsOverOtherShapesWhateverTheOrder) {
+  const PaintedBar bar;
+  scene::Scene scene = two_layers(scene::Painted{"_LAYER", 1.5, 2.5});
+  scene.layers.push_back(layer_named("all", {scene::Everywhere{}}));
+  const build::Layering layering = bar.layer(scene);
+  for (std::size_t i = 0; i < layering.layer.size(); ++i)
+    EXPECT_EQ(layering.layer[i], bar.body.mesh.vertices[i][0] < 0.09 ? 1u : 2u);
+}
+
+TEST(Layers, PaintedStiffnessMultipliesAlpha) {
+  const PaintedBar bar;
+  scene::Scene scene = two_layers(scene::Everywhere{});
+  scene.layers[1].alpha = 0.5;
+  scene.layers[1].alpha_attribute = "COLOR_0.g";
+  const build::Layering layering = bar.layer(scene);
+  for (std::size_t i = 0; i < layering.alpha.size(); ++i) {
+    const double x = bar.body.mesh.vertices[i][0];
+    if (x > 0.045 && x < 0.355) {
+      EXPECT_NEAR(layering.alpha[i], 0.5 * x / 0.4, 1e-12);
+    }
+  }
+}
+
+TEST(Layers, BonesMayHaveExtentsOfTheirOwn) {
+  const PaintedBar bar;
+  const build::Layering layering = bar.layer(two_layers(scene::BoneDistance{0.0, 0.025, {{"trunk", 0.045}}}));
+  for (std::size_t i = 0; i < layering.layer.size(); ++i) {
+    const Vector3d& p = bar.body.mesh.vertices[i];
+    const double distance = std::hypot(p[1] - 0.04, p[2] - 0.04);
+    // The trunk's flesh has a share in the trunk's bone and in the hand's, which hangs on it; the hand's
+    // follows its joint and counts as bone.
+    if (p[0] < 0.29)
+      EXPECT_EQ(layering.layer[i], distance < 0.045 ? 1u : 0u) << p.transpose();
+    else
+      EXPECT_EQ(layering.layer[i], 1u);
+  }
+  expect_refusal(
+      [&] {
+        bar.layer(two_layers(scene::Depth{0.0, 0.5, {{"finger", 0.1}}}));
+      },
+      "no bone belongs to a joint called \"finger\"");
+}
+
+// What follows the skeleton by its joints is bone, and is not counted among the volume that shares are of.
+TEST(Layers, SharesCountWhatIsFree) {
+  const PaintedBar bar;
+  const build::Layering layering = bar.layer(two_layers(scene::VolumeShare{0.0, 0.5, false}));
+  double inside = 0.0, whole = 0.0;
+  const std::vector<double> volume = build::lumped_volumes(bar.body.mesh);
+  for (std::size_t i = 0; i < volume.size(); ++i) {
+    if (bar.body.mesh.vertices[i][0] > 0.29) {
+      EXPECT_EQ(layering.layer[i], 1u);
+      continue;
+    }
+    whole += volume[i];
+    inside += layering.layer[i] == 1 ? volume[i] : 0.0;
+  }
+  EXPECT_NEAR(inside / whole, 0.5, 0.02);
 }
 
 TEST(Layers, AnyShapeOfAListWillDo) {

@@ -85,31 +85,6 @@ TEST(Weld, RefusesMalformedSurfacesWithIds) {
           "in one place");
 }
 
-TEST(Bones, LeadFromJointToJointThroughNodesThatDoNotSkin) {
-  // hip -> (helper) -> knee -> foot, and a tail in the hip's own place.
-  std::vector<scene::Joint> skeleton = {joint_at("hip", -1, {0, 2, 0}), joint_at("helper", 0, {9, 9, 9}),
-                                        joint_at("knee", 1, {0, 1, 0}), joint_at("foot", 2, {0, 0, 0.5}),
-                                        joint_at("tail", 0, {0, 2, 0})};
-  skeleton[1].skins = false;
-  const std::vector<build::Bone> bones = build::skeleton_bones(skeleton, 0.5, "test");
-  ASSERT_EQ(bones.size(), 4u);
-  EXPECT_EQ(bones[0].from, Vector3d(0, 1, 0));
-  EXPECT_EQ(bones[0].to, Vector3d(0, 0.5, 0));
-  EXPECT_EQ(bones[0].owners, (std::array<std::int32_t, 3>{0, -1, 2}));
-  EXPECT_EQ(bones[1].to, Vector3d(0, 0, 0.25));
-  EXPECT_EQ(bones[1].owners, (std::array<std::int32_t, 3>{2, 0, 3}));
-  // Ends of chains are points.
-  EXPECT_EQ(bones[2].from, bones[2].to);
-  EXPECT_EQ(bones[2].owners, (std::array<std::int32_t, 3>{3, 2, -1}));
-  EXPECT_EQ(bones[3].owners, (std::array<std::int32_t, 3>{4, 0, -1}));
-}
-
-TEST(Bones, RefuseAMatrixWithoutInverse) {
-  std::vector<scene::Joint> skeleton = {joint_at("hip", -1, {0, 0, 0})};
-  skeleton[0].inverse_bind.setZero();
-  expect_refusal([&] { build::skeleton_bones(skeleton, 1.0, "test"); }, "\"hip\"");
-}
-
 TEST(Bones, GivePointsInsideAndApart) {
   const SurfaceMesh cube = cube_surface(2.0);
   // Through the cube and out of it, and a second bone over part of the first.

@@ -272,6 +272,63 @@ TEST(Gltf, the_eight_largest_of_twelve_weights_are_kept) {
   EXPECT_NEAR(sum, 1.0, 1e-15);
 }
 
+// Column raw units are centimetres with Z up: a fibre along z stands along y in the bind pose.
+TEST(Gltf, painted_attributes_are_carried) {
+  GltfBuilder b = column();
+  std::vector<float> layer, fibre;
+  std::vector<std::uint8_t> colour;
+  for (int i = 0; i < 12; ++i) {
+    layer.push_back(static_cast<float>(i % 4));
+    fibre.insert(fibre.end(), {0.0f, 0.0f, i < 6 ? 2.0f : 0.0f});
+    colour.insert(colour.end(), {static_cast<std::uint8_t>(51 * (i % 6)), 0, 255, 255});
+  }
+  json primitive = b.document["meshes"][0]["primitives"][0];
+  json& attributes = b.document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["_LAYER"] = b.add<float>("SCALAR", layer);
+  attributes["_FIBER"] = b.add<float>("VEC3", fibre);
+  attributes["COLOR_0"] = b.add<std::uint8_t>("VEC4", colour, {{"normalized", true}});
+  attributes["TEXCOORD_0"] = 12345;                            // not needed, so not believed
+  b.document["meshes"][0]["primitives"].push_back(primitive);  // a second one, without paint
+  const Character c = read(b);
+  ASSERT_EQ(c.surface.vertices.size(), 24u);
+  ASSERT_EQ(c.painted.size(), 3u);
+  for (const scene::PaintedAttribute& a : c.painted) {
+    ASSERT_EQ(a.values.size(), 24u * a.width) << a.name;
+    for (std::size_t i = 12 * a.width; i < a.values.size(); ++i) EXPECT_EQ(a.values[i], 0.0);
+    for (std::size_t i = 0; i < 12; ++i) {
+      if (a.name == "_LAYER") {
+        EXPECT_EQ(a.values[i], static_cast<double>(i % 4));
+      } else if (a.name == "COLOR_0") {
+        EXPECT_NEAR(a.values[4 * i], 0.2 * static_cast<double>(i % 6), float_rounding);
+        EXPECT_EQ(a.values[4 * i + 2], 1.0);
+      } else {
+        const Vector3d d(a.values[3 * i], a.values[3 * i + 1], a.values[3 * i + 2]);
+        EXPECT_LT((d - Vector3d(0, i < 6 ? 2 : 0, 0)).norm(), 2 * float_rounding);
+      }
+    }
+  }
+
+  // What cannot be is refused by its place.
+  GltfBuilder missing = column();
+  missing.document["meshes"][0]["primitives"][0]["attributes"]["_LAYER"] = 999;
+  try {
+    read(missing);
+    ADD_FAILURE() << "an accessor that is not there was accepted";
+  } catch (const scene::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("/meshes/0/primitives/0/attributes/_LAYER"), std::string::npos)
+        << error.what();
+  }
+  GltfBuilder few = column();
+  few.document["meshes"][0]["primitives"][0]["attributes"]["_LAYER"] = few.add<float>("SCALAR", {1.0f, 2.0f});
+  try {
+    read(few);
+    ADD_FAILURE() << "two values for twelve vertices were accepted";
+  } catch (const scene::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("2 elements for 12 positions"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Gltf, interpolations_of_a_channel) {
   GltfBuilder b = column();
   const std::size_t spline =

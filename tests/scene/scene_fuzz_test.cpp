@@ -46,7 +46,10 @@ const std::vector<std::string> pieces{"[",
                                       "1979-05-27T07:32:00Z",
                                       "[layers.body.where]",
                                       "= {",
-                                      "bone_distance = { maximum = 1 }"};
+                                      "bone_distance = { maximum = 1 }",
+                                      "per_bone = { a = 1 }",
+                                      "[skeleton]",
+                                      "points = [[0, 0, 0], [0, 0, 1]]"};
 
 std::string damaged(std::string text, std::mt19937_64& random) {
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

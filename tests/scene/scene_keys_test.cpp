@@ -21,7 +21,7 @@ using nlohmann::json;
 using scene::Scene;
 using scene::SceneError;
 
-const std::set<std::string> tables_of_named{"bones", "layers", "pin", "probe", "force"};
+const std::set<std::string> tables_of_named{"bones", "layers", "fibres", "pin", "probe", "force"};
 
 // One line of a sample, and what it is about.
 struct Line {
@@ -259,8 +259,9 @@ TEST_F(SceneKeys, TablesOfWrongTypeAreRefused) {
     if (!is_table || path.find("WHERE") != std::string::npos) continue;
     std::string set = path;
     // Names in the bar sample that are there whatever the path goes on with.
-    const std::map<std::string, std::string> names{
-        {"bones", "thigh"}, {"layers", "fat"}, {"pin", "box"}, {"probe", "ball"}, {"force", "push"}};
+    const std::map<std::string, std::string> names{{"bones", "thigh"},   {"layers", "fat"},
+                                                   {"fibres", "biceps"}, {"pin", "box"},
+                                                   {"probe", "ball"},    {"force", "push"}};
     const std::string first = split(path)[0];
     if (const std::size_t name = set.find("NAME"); name != std::string::npos)
       set.replace(name, 4, names.at(first));
@@ -358,6 +359,34 @@ TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
       "layers.fat.alpha=0",   "layers.fat.alpha=1", "layers.fat.beta=0",      "layers.fat.beta=1",
       "layers.fat.damping=0", "bar.jitter=0.3",     "bar.vertices=[2, 2, 2]", "solver.substeps=1000"};
   for (const std::string& set : accepted) EXPECT_EQ(refusal(bar_sample(), {.set = {set}}), "no error") << set;
+}
+
+// What one key says about another, and names that need quotes.
+TEST_F(SceneKeys, BonesJointsAndPaintNeedWhatHasThem) {
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {"layers.fat.where.depth.maximum=0.5\nlayers.fat.where.depth.minimum=0.6", "neither TOML"},
+      {"layers.fat.where={depth={minimum=0.6,maximum=0.5}}", "minimum is above maximum"},
+      {"layers.fat.where={volume_share={minimum=0.6,maximum=0.5}}", "minimum is above maximum"},
+      {"layers.fat.where={joints={names=[\"hand\"]}}", "only a [character]"},
+      {"layers.fat.where={painted={attribute=\"_LAYER\",minimum=0,maximum=1}}", "only a [character]"},
+      {"layers.fat.where={depth={maximum=0.5,per_bone={hand=0.3}}}", "only a [character]"},
+      {"layers.fat.alpha_attribute=_STIFFNESS", "only a [character]"},
+      {"layers.fat.fibre_field=true", "stands beside fibre_field"},
+      {"fibres.biceps.points=[[0,0,0],[0,0,0]]", "the same point twice"},
+      {"fibres.biceps.points=[[0,0,0],[0,2e6,0]]", "must be at most"},
+      {"skeleton.connect=false", "only a [character]"}};
+  for (const auto& [set, reason] : refused)
+    EXPECT_NE(refusal(bar_sample(), {.set = {set}}).find(reason), std::string::npos)
+        << refusal(bar_sample(), {.set = {set}});
+  EXPECT_NE(refusal(mesh_sample(), {.set = {"layers.body.where={depth={maximum=0.5}}"}}).find("no bones"),
+            std::string::npos);
+}
+
+TEST_F(SceneKeys, NamesThatNeedQuotesAreWrittenBack) {
+  FASCICLE_NEEDS_ASSET(character_);
+  const Scene once = parse(character_sample(), {.set = {"character.resolution=0.1"}});
+  EXPECT_NE(once.text.find("leg joint.R"), std::string::npos);
+  EXPECT_EQ(describe(parse(once.text)), describe(once));
 }
 
 TEST_F(SceneKeys, AbsentKeysMeanTheSchemasDefaults) {

@@ -32,10 +32,13 @@ alpha = 0.25
 
 [layers.fat]
 alpha = 0.5
+alpha_outer = 0.25
+alpha_attribute = ""
 beta = 0.75
 damping = 3.5
 density = 900.0
 fibre = [0.0, 3.0, 4.0]
+fibre_field = false
 kinematic = false
 
 [layers.fat.where.bone_distance]
@@ -49,6 +52,10 @@ kinematic = true
 from = [0.0, 0.1, 0.1]
 to = [0.4, 0.1, 0.1]
 radius = 0.01
+
+[fibres.biceps]
+points = [[0.0, 0.1, 0.0], [0.2, 0.15, 0.0], [0.4, 0.1, 0.0]]
+radius = 0.05
 
 [solver]
 integrator = "explicit"
@@ -70,6 +77,15 @@ everywhere = true
 [probe.ball.where.sphere]
 center = [0.2, 0.1, 0.0]
 radius = 0.1
+
+[probe.core.where.volume_share]
+minimum = 0.125
+maximum = 0.5
+by = "distance"
+
+[probe.deep.where.depth]
+minimum = 0.125
+maximum = 0.5
 
 [probe.tip.where.above]
 axis = "z"
@@ -110,6 +126,14 @@ file = "CesiumMan.glb"
 clip = "0"
 resolution = 0.05
 
+[skeleton]
+bones = ["leg_joint_L_1"]
+not_bones = ["leg_joint_L_5", "leg_joint_R_5"]
+kinematic = ["Skeleton_neck_joint_1"]
+simulated = ["Skeleton_neck_joint_2"]
+least_share = 0.02
+connect = false
+
 [layers.body]
 alpha = 0.5
 inertia_scale = 0.5
@@ -125,6 +149,23 @@ seamless_cycles = 5
 hold = 0.125
 cuts = [0.5, 0.25]
 cut_distance = 4.0
+
+[probe.head.where.joints]
+names = ["Skeleton_neck_joint_1"]
+share = 0.75
+
+[probe.near.where.bone_distance]
+maximum = 0.02
+per_bone = { leg_joint_L_1 = 0.03, "leg joint.R" = 0.01 }
+
+[probe.deep.where.depth]
+maximum = 0.3
+per_bone = { leg_joint_L_1 = 0.25 }
+
+[probe.paint.where.painted]
+attribute = "_LAYER"
+minimum = 0.5
+maximum = 1.5
 )";
 }
 
@@ -167,7 +208,24 @@ class Description {
   void add_shape(const HalfSpace& s) {
     out_ << "half_space " << static_cast<int>(s.axis) << s.below << s.is_fraction << ' ' << s.value;
   }
-  void add_shape(const BoneDistance& s) { out_ << "bone_distance " << s.minimum << ' ' << s.maximum; }
+  void add(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) out_ << text << ' ';
+  }
+  void add_range(double minimum, double maximum, const PerBone& per_bone) {
+    out_ << minimum << ' ' << maximum;
+    for (const auto& [name, value] : per_bone) out_ << ' ' << name << ' ' << value;
+  }
+  void add_shape(const BoneDistance& s) {
+    out_ << "bone_distance ", add_range(s.minimum, s.maximum, s.per_bone);
+  }
+  void add_shape(const Depth& s) { out_ << "depth ", add_range(s.minimum, s.maximum, s.per_bone); }
+  void add_shape(const VolumeShare& s) {
+    out_ << "volume_share " << s.minimum << ' ' << s.maximum << ' ' << s.by_distance;
+  }
+  void add_shape(const JointSet& s) { out_ << "joints " << s.share << ' ', add(s.names); }
+  void add_shape(const Painted& s) {
+    out_ << "painted " << s.attribute << ' ' << s.minimum << ' ' << s.maximum;
+  }
   void add_shape(const Everywhere&) { out_ << "everywhere"; }
 
   std::ostringstream out_;
@@ -188,9 +246,15 @@ std::string describe(const Scene& scene) {
     for (const Vector3d& p : character->surface.vertices) d.line("vertex", p);
   }
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
+  d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
+         scene.skeleton.simulated, scene.skeleton.least_share, scene.skeleton.connect);
+  for (const FibreCurve& curve : scene.fibres) {
+    d.line("fibres", curve.name, curve.radius);
+    for (const Vector3d& point : curve.points) d.line("point", point);
+  }
   for (const Layer& l : scene.layers) {
-    d.line("layer", l.name, l.alpha, l.beta, l.damping, l.density, l.fibre, l.kinematic, l.inertia_scale,
-           l.where);
+    d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
+           l.fibre_field, l.kinematic, l.inertia_scale, l.where);
   }
   for (const Pin& pin : scene.pins) d.line("pin", pin.name, pin.where);
   for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);

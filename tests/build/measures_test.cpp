@@ -1,5 +1,5 @@
 // Distances from bones: which bones count for which vertex.
-#include "host/build/where.h"
+#include "host/build/measures.h"
 
 #include <cmath>
 
@@ -27,7 +27,7 @@ build::Body body_between_two_bones() {
 
 TEST(BoneDistance, CountsOnlyBonesThatMoveTheVertex) {
   const build::Body body = body_between_two_bones();
-  build::WhereTest test(body);
+  build::Measures test(body);
   const std::vector<double>& distance = test.bone_distances();
   // Halves and fifths: each distance is rounded a few times.
   EXPECT_NEAR(distance[0], 0.8, 1e-15);
@@ -40,14 +40,14 @@ TEST(BoneDistance, CountsOnlyBonesThatMoveTheVertex) {
 TEST(BoneDistance, CountsAllBonesWhereNoneIsTheVertexsOwn) {
   build::Body body = body_between_two_bones();
   body.bones.erase(body.bones.begin());
-  build::WhereTest test(body);
+  build::Measures test(body);
   EXPECT_NEAR(test.bone_distances()[0], 0.2, 1e-15);
 }
 
 TEST(BoneDistance, CountsAllBonesWithoutASkeleton) {
   build::Body body = body_between_two_bones();
   body.skin = {};
-  build::WhereTest test(body);
+  build::Measures test(body);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(test.bone_distances()[i], 0.2, 1e-15);
 }
 

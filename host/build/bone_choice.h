@@ -1,0 +1,47 @@
+// Which joints of a skeleton are bones, judged by the skin they move and not by their names.
+//
+// Two measures of a joint, both of the skin that it and the joints below it move, where a bit of skin of area
+// a and outward normal n counts by w, the part of its weights that these joints hold:
+//   share     sum w a / sum a, its part of the whole skin.
+//   openness  |sum w a n| / sum w a. By the divergence theorem the numerator is the area of the hole that is
+//             left where this skin is cut from the rest. Skin that surrounds an axis faces all ways and
+//             cancels: a limb has 0.05 to 0.3; a half ball has 1/2, and flesh that lies on a trunk more
+//             (breasts 0.8).
+// A joint is a bone where the share is large, the openness small, and its axis (the segment to the next bone
+// below it) runs inside the skin for half of its length or more: that of a root on the floor does not.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/build/body.h"
+
+namespace fascicle::build {
+
+// Skin surrounds its axis up to the first, and lies on something from the second on. Between them (ears) it
+// does neither.
+inline constexpr double most_open_limb = 1.0 / 3.0;
+inline constexpr double least_open_flesh = 0.5;
+
+struct BoneChoice {
+  std::vector<JointReport> report;  // one for each joint of the skeleton
+  std::vector<JointUse> joints;     // the same
+  std::vector<Bone> bones;
+};
+
+// Coordinates are multiplied by `scale`. The bones run from each chosen joint to each of the next chosen ones
+// below it. A chosen joint that ends a chain gives one towards the middle of its skin, as far as most of that
+// reaches.
+//
+// Ends (head, hand, foot) are kinematic: their flesh follows the skeleton. So are joints that are no bones,
+// but for flesh that lies on a trunk: openness of at least least_open_flesh, and above it a bone that ends no
+// chain, or a share that a bone would have (jowls). A joint that ends a chain beside a bone of its parent's,
+// around which its skin lies (a twist joint), is part of that bone.
+//
+// All of it can be overridden by `settings`. Throws scene::SceneError for names that no joint has, and for an
+// inverse bind matrix that has no inverse.
+BoneChoice choose_bones(const scene::Character& character, const scene::SkeletonSettings& settings,
+                        double scale, const std::string& source);
+
+}  // namespace fascicle::build

@@ -1,0 +1,204 @@
+#include "host/build/measures.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+#include "host/build/boundary.h"
+#include "host/build/mass.h"
+#include "host/build/message.h"
+#include "host/build/surface_search.h"
+
+namespace fascicle::build {
+
+namespace {
+
+constexpr double own_share = 0.02;
+constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
+// A vertex with this much of its weight on kinematic joints is part of a head, a hand or a foot.
+constexpr double following_share = 0.5;
+
+// The share of a vertex's weights on joints whose bone is that of `joint`.
+double share_of(const Body& body, std::size_t vertex, std::int32_t joint) {
+  double share = 0.0;
+  for (std::uint32_t k = body.skin.offset[vertex]; k < body.skin.offset[vertex + 1]; ++k) {
+    const std::uint32_t follows = body.skin.joint[k];
+    const auto bone = body.joints.empty() ? static_cast<std::int32_t>(follows) : body.joints[follows].bone;
+    if (bone == joint) share += body.skin.weight[k];
+  }
+  return share;
+}
+
+// A bone the scene draws has no owner and is everybody's.
+bool is_own_bone(const Body& body, std::size_t vertex, const Bone& bone) {
+  if (body.skin.offset.empty() || bone.owners == no_owners) return true;
+  return std::any_of(bone.owners.begin(), bone.owners.end(), [&](std::int32_t owner) {
+    return owner >= 0 && share_of(body, vertex, owner) >= own_share;
+  });
+}
+
+NearestBone nearest_bone(const Body& body, std::size_t vertex) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  NearestBone own{0, far}, any{0, far};
+  for (std::uint32_t b = 0; b < body.bones.size(); ++b) {
+    const Bone& bone = body.bones[b];
+    const double distance = segment_distance(body.mesh.vertices[vertex], bone.from, bone.to);
+    if (distance < any.distance) any = {b, distance};
+    // The weights are looked through only where the answer can matter.
+    if (distance < own.distance && is_own_bone(body, vertex, bone)) own = {b, distance};
+  }
+  return own.distance < far ? own : any;
+}
+
+const scene::PaintedAttribute* find_painted(const Body& body, const std::string& name, std::size_t& channel) {
+  channel = 0;
+  for (const scene::PaintedAttribute& attribute : body.painted) {
+    if (attribute.name == name && attribute.width == 1) return &attribute;
+    if (name.size() != attribute.name.size() + 2 || !name.starts_with(attribute.name + ".")) continue;
+    for (const std::string letters : {"rgba", "xyzw"}) {
+      const std::size_t found = letters.find(name.back());
+      if (found == std::string::npos || found >= attribute.width) continue;
+      channel = found;
+      return &attribute;
+    }
+  }
+  return nullptr;
+}
+
+std::string painted_names(const Body& body) {
+  std::string names;
+  for (const scene::PaintedAttribute& attribute : body.painted)
+    names +=
+        (names.empty() ? "" : ", ") + attribute.name + " of " + counted(attribute.width, "number", "numbers");
+  return names.empty() ? "it has none" : "it has " + names;
+}
+
+}  // namespace
+
+double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
+  const Vector3d along = to - from;
+  const double length2 = along.squaredNorm();
+  const double u = length2 > 0.0 ? std::clamp((point - from).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (point - (from + u * along)).norm();
+}
+
+std::vector<char> joints_named(const Body& body, const std::vector<std::string>& names,
+                               const std::string& key, const std::string& source) {
+  std::vector<char> is(body.joints.size(), 0);
+  for (const std::string& name : names) {
+    bool found = false;
+    for (std::size_t j = 0; j < is.size(); ++j)
+      if (body.joints[j].name == name) is[j] = 1, found = true;
+    if (!found) fail(source, key + ": no joint is called \"" + name + "\"; `fascicle inspect` lists them");
+  }
+  for (std::size_t j = 0; j < is.size(); ++j)
+    if (body.joints[j].parent >= 0 && is[static_cast<std::size_t>(body.joints[j].parent)]) is[j] = 1;
+  return is;
+}
+
+Measures::Measures(const Body& body) : body_(body) {}
+
+std::vector<double> Measures::shares_of(const std::vector<char>& joints) const {
+  std::vector<double> share(body_.mesh.vertices.size(), 0.0);
+  if (body_.skin.offset.empty()) return share;
+  for (std::size_t i = 0; i < share.size(); ++i)
+    for (std::uint32_t k = body_.skin.offset[i]; k < body_.skin.offset[i + 1]; ++k)
+      if (joints[body_.skin.joint[k]]) share[i] += body_.skin.weight[k];
+  return share;
+}
+
+const std::vector<char>& Measures::follows_joints() {
+  if (!follows_.empty()) return follows_;
+  follows_.assign(body_.mesh.vertices.size(), 0);
+  if (body_.joints.empty()) return follows_;
+  std::vector<char> kinematic;
+  for (const JointUse& joint : body_.joints) kinematic.push_back(joint.is_kinematic ? 1 : 0);
+  const std::vector<double> share = shares_of(kinematic);
+  for (std::size_t i = 0; i < share.size(); ++i) follows_[i] = share[i] >= following_share;
+  return follows_;
+}
+
+const std::vector<NearestBone>& Measures::nearest_bones() {
+  if (!nearest_.empty()) return nearest_;
+  nearest_.reserve(body_.mesh.vertices.size());
+  for (std::size_t i = 0; i < body_.mesh.vertices.size(); ++i) nearest_.push_back(nearest_bone(body_, i));
+  return nearest_;
+}
+
+const std::vector<double>& Measures::bone_distances() {
+  if (!bone_distances_.empty()) return bone_distances_;
+  const std::vector<NearestBone>& nearest = nearest_bones();
+  const std::vector<char>& follows = follows_joints();
+  for (std::size_t i = 0; i < nearest.size(); ++i)
+    bone_distances_.push_back(follows[i] ? 0.0 : nearest[i].distance);
+  return bone_distances_;
+}
+
+const std::vector<double>& Measures::depths() {
+  if (!depths_.empty()) return depths_;
+  const std::vector<double>& from_bone = bone_distances();
+  const scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
+  std::vector<char> on_skin(from_bone.size(), 0);
+  for (const auto& t : skin.triangles)
+    for (const std::uint32_t corner : t) on_skin[corner] = 1;
+  const SurfaceSearch search(skin);
+  for (std::size_t i = 0; i < from_bone.size(); ++i) {
+    const double b = from_bone[i];
+    const double s = on_skin[i] || b == 0.0 ? 0.0 : search.nearest(skin.vertices[i]).distance;
+    depths_.push_back(b > 0.0 ? b / (b + s) : 0.0);
+  }
+  return depths_;
+}
+
+const std::vector<double>& Measures::inner_shares(bool by_distance) {
+  std::vector<double>& shares = inner_shares_[by_distance];
+  if (!shares.empty()) return shares;
+  const std::vector<double>& first = by_distance ? bone_distances() : depths();
+  const std::vector<double>& second = by_distance ? depths() : bone_distances();
+  const std::vector<char>& follows = follows_joints();
+  const std::vector<double> volume = lumped_volumes(body_.mesh);
+  std::vector<std::uint32_t> order;
+  double whole = 0.0;
+  for (std::uint32_t i = 0; i < volume.size(); ++i) {
+    if (follows[i]) continue;
+    order.push_back(i);
+    whole += volume[i];
+  }
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple(first[a], second[a], a) < std::tuple(first[b], second[b], b);
+  });
+  shares.assign(volume.size(), 0.0);
+  double inside = 0.0;
+  for (const std::uint32_t i : order) {
+    shares[i] = (inside + volume[i] / 2.0) / whole;
+    inside += volume[i];
+  }
+  return shares;
+}
+
+const std::vector<double>& Measures::painted(const std::string& name, const std::string& key,
+                                             const std::string& source) {
+  std::vector<double>& values = painted_[name];
+  if (!values.empty()) return values;
+  std::size_t channel = 0;
+  const scene::PaintedAttribute* attribute = find_painted(body_, name, channel);
+  if (attribute == nullptr)
+    fail(source, key + ": nothing called \"" + name + "\" is painted on the character (" +
+                     painted_names(body_) +
+                     "); one of several numbers is named with .r .g .b .a or .x .y .z .w");
+  const SurfaceSearch search(body_.painted_surface);
+  for (const Vector3d& p : body_.mesh.vertices) {
+    const SurfacePoint place = search.nearest(p);
+    double value = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t vertex = body_.painted_surface.triangles[place.triangle][c];
+      value += place.weights[c] * attribute->values[attribute->width * vertex + channel];
+    }
+    values.push_back(value);
+  }
+  return values;
+}
+
+}  // namespace fascicle::build

@@ -1,0 +1,256 @@
+// Which joints are bones, on a body made for it: a round column of skin that stands from y = 0 to 2.
+#include "host/build/bone_choice.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "host/scene/gltf.h"
+#include "tests/build/scenes.h"
+#include "tests/build/surfaces.h"
+#include "tests/support/assets.h"
+
+namespace fascicle::tests {
+namespace {
+
+using build::BoneChoice;
+using scene::Vector3d;
+
+constexpr double radius = 0.2, height = 2.0;
+
+enum Joint : std::uint32_t { floor_root, hip, chest, head, breast, twist, lid };
+
+// The weights of a place on the column: hip, chest and head one above the other. On the chest lies a breast,
+// and a twist joint shares what is around the bone; the middle of the head's top has a joint of its own.
+std::vector<std::pair<Joint, double>> weights_at(const Vector3d& p) {
+  if (p[1] < 1.0) return {{hip, 1.0}};
+  if (p[1] > 1.999 && std::hypot(p[0], p[2]) < 0.06) return {{lid, 1.0}};
+  if (p[1] >= 1.6) return {{head, 1.0}};
+  if (p[1] > 1.1 && p[1] < 1.45 && p[2] > 0.14) return {{breast, 1.0}};
+  return {{chest, 0.4}, {twist, 0.6}};
+}
+
+scene::Character column_of_flesh() {
+  constexpr std::uint32_t around = 32, up = 80, across = 8;
+  scene::Character c;
+  c.skeleton = {joint_at("floor", -1, {1, -1, 0}),     joint_at("hip", 0, {0, 0.3, 0}),
+                joint_at("chest", 1, {0, 1.0, 0}),     joint_at("head", 2, {0, 1.6, 0}),
+                joint_at("breast", 2, {0, 1.25, 0.1}), joint_at("twist", 2, {0, 1.0, 0}),
+                joint_at("lid", 3, {0, 1.95, 0})};
+  // Rings from the middle of the bottom, out, up, and to the middle of the top.
+  std::vector<std::pair<double, double>> profile;  // radius, y
+  for (std::uint32_t k = 1; k < across; ++k) profile.emplace_back(radius * k / across, 0.0);
+  for (std::uint32_t k = 0; k <= up; ++k) profile.emplace_back(radius, height * k / up);
+  for (std::uint32_t k = across; k-- > 1;) profile.emplace_back(radius * k / across, height);
+  auto& vertices = c.surface.vertices;
+  vertices.emplace_back(0, 0, 0);
+  for (const auto& [r, y] : profile)
+    for (std::uint32_t a = 0; a < around; ++a) {
+      const double angle = 2.0 * std::numbers::pi * a / around;
+      vertices.emplace_back(r * std::sin(angle), y, r * std::cos(angle));
+    }
+  vertices.emplace_back(0, height, 0);
+  const auto ring = [&](std::size_t k, std::uint32_t a) {
+    return static_cast<std::uint32_t>(1 + k * around + a % around);
+  };
+  const auto last = static_cast<std::uint32_t>(vertices.size() - 1);
+  for (std::uint32_t a = 0; a < around; ++a) {
+    c.surface.triangles.push_back({0, ring(0, a + 1), ring(0, a)});
+    for (std::size_t k = 0; k + 1 < profile.size(); ++k) {
+      c.surface.triangles.push_back({ring(k, a), ring(k, a + 1), ring(k + 1, a)});
+      c.surface.triangles.push_back({ring(k, a + 1), ring(k + 1, a + 1), ring(k + 1, a)});
+    }
+    c.surface.triangles.push_back({ring(profile.size() - 1, a), ring(profile.size() - 1, a + 1), last});
+  }
+  for (const Vector3d& p : vertices) {
+    std::array<std::uint32_t, 8> joints{};
+    std::array<double, 8> weights{};
+    std::size_t k = 0;
+    for (const auto& [joint, w] : weights_at(p)) joints[k] = joint, weights[k++] = w;
+    c.joints.push_back(joints);
+    c.weights.push_back(weights);
+  }
+  return c;
+}
+
+BoneChoice choose(const scene::SkeletonSettings& settings = {}, double scale = 1.0) {
+  return build::choose_bones(column_of_flesh(), settings, scale, "test");
+}
+
+TEST(BoneChoice, MeasuresTheSkin) {
+  const BoneChoice choice = choose();
+  const double whole = 2 * std::numbers::pi * radius * (height + radius);
+  // The head's tube and its lid; a polygon of 32 sides and a step of the rows at its lower end.
+  const double head_area = 2 * std::numbers::pi * radius * 0.4 + std::numbers::pi * radius * radius;
+  EXPECT_NEAR(choice.report[head].share, head_area / whole, 0.03 * head_area / whole + 0.01);
+  // The hole where the head is cut off, over its skin.
+  EXPECT_NEAR(choice.report[head].openness, std::numbers::pi * radius * radius / head_area, 0.02);
+  EXPECT_NEAR(choice.report[hip].share, 1.0, 1e-12);
+  // A closed surface has no hole: rounding of some thousand area vectors.
+  EXPECT_NEAR(choice.report[hip].openness, 0.0, 1e-12);
+  EXPECT_GT(choice.report[breast].share, 0.01);
+  EXPECT_GT(choice.report[breast].openness, 0.8);
+  EXPECT_LT(choice.report[lid].share, 0.01);
+}
+
+TEST(BoneChoice, TakesWhatSkinSurroundsAndNothingElse) {
+  const BoneChoice choice = choose();
+  const std::vector<char> expected{0, 1, 1, 1, 0, 0, 0};
+  for (std::size_t j = 0; j < expected.size(); ++j)
+    EXPECT_EQ(choice.report[j].is_bone, expected[j] != 0) << choice.report[j].name;
+  EXPECT_TRUE(choice.report[head].ends_chain);
+  EXPECT_FALSE(choice.report[chest].ends_chain);
+
+  ASSERT_EQ(choice.bones.size(), 3u);
+  EXPECT_EQ(choice.bones[0].from, Vector3d(0, 0.3, 0));
+  EXPECT_EQ(choice.bones[0].to, Vector3d(0, 1, 0));
+  EXPECT_EQ(choice.bones[0].owners, (std::array<std::int32_t, 3>{hip, -1, chest}));
+  EXPECT_EQ(choice.bones[1].owners, (std::array<std::int32_t, 3>{chest, hip, head}));
+  // The head's goes up into its skin, and stays in it.
+  EXPECT_EQ(choice.bones[2].owners, (std::array<std::int32_t, 3>{head, chest, -1}));
+  EXPECT_NEAR(choice.bones[2].to[0], 0.0, 1e-12);
+  EXPECT_GT(choice.bones[2].to[1], 1.8);
+  EXPECT_LT(choice.bones[2].to[1], 2.0);
+
+  // Weights on joints that are no bones count for the bone above.
+  EXPECT_EQ(choice.joints[breast].bone, chest);
+  EXPECT_EQ(choice.joints[twist].bone, chest);
+  EXPECT_EQ(choice.joints[lid].bone, head);
+  EXPECT_EQ(choice.joints[floor_root].bone, -1);
+}
+
+TEST(BoneChoice, EndsAreKinematicAndFleshOnTheTrunkIsNot) {
+  const BoneChoice choice = choose();
+  const std::vector<char> expected{0, 0, 0, 1, 0, 0, 1};
+  for (std::size_t j = 0; j < expected.size(); ++j)
+    EXPECT_EQ(choice.joints[j].is_kinematic, expected[j] != 0) << choice.report[j].name;
+}
+
+using Names = std::vector<std::string>;
+BoneChoice choose_with(Names scene::SkeletonSettings::*key, const Names& names) {
+  scene::SkeletonSettings settings;
+  settings.*key = names;
+  return choose(settings);
+}
+
+TEST(BoneChoice, CanBeOverridden) {
+  using Settings = scene::SkeletonSettings;
+  BoneChoice choice = choose_with(&Settings::bones, {"breast"});
+  EXPECT_TRUE(choice.report[breast].is_bone);
+  EXPECT_TRUE(choice.report[breast].is_kinematic);  // it ends a chain
+  choice = choose_with(&Settings::not_bones, {"head"});
+  EXPECT_FALSE(choice.report[head].is_bone);
+  EXPECT_TRUE(choice.report[chest].ends_chain);
+  choice = choose_with(&Settings::kinematic, {"breast"});
+  EXPECT_TRUE(choice.report[breast].is_kinematic);
+  choice = choose_with(&Settings::simulated, {"head"});
+  EXPECT_TRUE(choice.report[head].is_bone);
+  EXPECT_FALSE(choice.report[head].is_kinematic);
+  EXPECT_FALSE(choice.report[lid].is_kinematic);  // below the head
+  Settings coarse;
+  coarse.least_share = 0.3;
+  EXPECT_FALSE(choose(coarse).report[head].is_bone);
+  expect_refusal([] { choose_with(&Settings::bones, {"nose"}); },
+                 "skeleton.bones: no joint is called \"nose\"");
+  expect_refusal([] { choose_with(&Settings::simulated, {"nose"}); }, "skeleton.simulated");
+}
+
+TEST(BoneChoice, DoesNotDependOnTheUnit) {
+  const BoneChoice metres = choose(), millimetres = choose({}, 0.001);
+  ASSERT_EQ(metres.bones.size(), millimetres.bones.size());
+  for (std::size_t b = 0; b < metres.bones.size(); ++b)
+    EXPECT_LE((metres.bones[b].to * 0.001 - millimetres.bones[b].to).norm(), 1e-15);
+  for (std::size_t j = 0; j < metres.joints.size(); ++j)
+    EXPECT_EQ(metres.joints[j].is_kinematic, millimetres.joints[j].is_kinematic);
+}
+
+TEST(BoneChoice, LeadsThroughNodesThatDoNotSkin) {
+  scene::Character c = column_of_flesh();
+  c.skeleton[chest].skins = false;
+  for (auto& joints : c.joints)
+    for (std::uint32_t& joint : joints)
+      if (joint == chest) joint = hip;
+  const BoneChoice choice = build::choose_bones(c, {}, 1.0, "test");
+  EXPECT_FALSE(choice.report[chest].is_bone);
+  EXPECT_EQ(choice.bones[0].owners, (std::array<std::int32_t, 3>{hip, -1, head}));
+}
+
+TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
+  scene::Character c = column_of_flesh();
+  c.skeleton[hip].inverse_bind.setZero();
+  expect_refusal([&] { build::choose_bones(c, {}, 1.0, "test"); }, "\"hip\"");
+}
+
+// What people would point at, on characters that were not made for this. `bones` of them, and among these all
+// of `ends`; `free` and `kinematic` move flesh that is no bone.
+struct Expected {
+  std::string file;
+  std::size_t bones;
+  std::vector<std::string> ends, kinematic, free;
+};
+
+void expect_choice(const Expected& expected) {
+  FASCICLE_NEEDS_ASSET(asset(expected.file));
+  const scene::Character character = scene::read_gltf(asset(expected.file));
+  const BoneChoice choice = build::choose_bones(character, {}, 1.0, expected.file);
+  std::map<std::string, build::JointReport> named;
+  std::size_t bones = 0;
+  std::vector<std::string> ends;
+  for (const build::JointReport& joint : choice.report) {
+    named[joint.name] = joint;
+    bones += joint.is_bone ? 1 : 0;
+    if (joint.ends_chain) ends.push_back(joint.name);
+  }
+  EXPECT_EQ(bones, expected.bones);
+  std::vector<std::string> sorted = expected.ends;
+  std::sort(sorted.begin(), sorted.end());
+  std::sort(ends.begin(), ends.end());
+  EXPECT_EQ(ends, sorted);
+  for (const std::string& name : expected.kinematic) {
+    EXPECT_FALSE(named.at(name).is_bone) << name;
+    EXPECT_TRUE(named.at(name).is_kinematic) << name;
+  }
+  for (const std::string& name : expected.free) {
+    EXPECT_FALSE(named.at(name).is_bone) << name;
+    EXPECT_FALSE(named.at(name).is_kinematic) << name;
+  }
+}
+
+TEST(BoneChoice, OfAHeavyMan) {
+  expect_choice({"mh_fat.glb",
+                 36,
+                 {"head", "wrist.L", "wrist.R", "foot.L", "foot.R"},
+                 {"jaw", "metacarpal1.L", "finger1-1.R", "toe1-1.L"},
+                 {"breast.L", "breast.R"}});
+}
+
+TEST(BoneChoice, OfAMuscularMan) {
+  expect_choice({"mh_muscle.glb",
+                 36,
+                 {"head", "wrist.L", "wrist.R", "foot.L", "foot.R"},
+                 {"jaw", "metacarpal1.L", "finger1-1.R", "toe1-1.L"},
+                 {"breast.L", "breast.R"}});
+}
+
+TEST(BoneChoice, OfAFox) {
+  expect_choice({"animals_pack_Fox.glb",
+                 33,
+                 {"Head", "Tail7", "FrontLowerLeg.L", "FrontLowerLeg.R", "BackLowerLeg.L", "BackLowerLeg.R",
+                  "IKBackLeg.L", "IKBackLeg.R", "IKFrontLeg.L", "IKFrontLeg.R"},
+                 {"Ear1.L", "Ear1.R", "Tail8"},
+                 {"Body"}});
+}
+
+TEST(BoneChoice, OfAWalkingMan) {
+  expect_choice({"CesiumMan.glb",
+                 19,
+                 {"Skeleton_neck_joint_2", "Skeleton_arm_joint_L__2_", "Skeleton_arm_joint_R__3_",
+                  "leg_joint_L_5", "leg_joint_R_5"},
+                 {},
+                 {}});
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,302 @@
+// The fibre field: against a dense solve, a closed form and itself; and what it is held to.
+#include "host/build/fibre.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/QR>
+#include <gtest/gtest.h>
+
+#include "host/build/bar.h"
+#include "host/build/boundary.h"
+#include "host/model/model.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using build::FibreConstraint;
+using build::FibreSolution;
+using scene::Vector3d;
+
+struct Mesh {
+  scene::TetMesh tets;
+  build::OneRings rings;
+};
+
+Mesh bar_mesh(std::array<std::uint32_t, 3> vertices, double jitter) {
+  scene::Bar bar;
+  bar.vertices = vertices;
+  bar.jitter = jitter;
+  Mesh mesh{build::make_bar(bar, "test"), {}};
+  mesh.rings = build::one_rings(mesh.tets.vertices.size(), mesh.tets.tetrahedra);
+  return mesh;
+}
+
+FibreSolution solve(const Mesh& mesh, const std::vector<FibreConstraint>& constraints,
+                    const build::FibreOptions& options = {}) {
+  return build::solve_fibre_field(mesh.tets.vertices, mesh.rings, constraints, options);
+}
+
+// The direction at each end of the bar.
+std::vector<FibreConstraint> at_ends(const Mesh& mesh, const Vector3d& low, const Vector3d& high) {
+  std::vector<FibreConstraint> constraints;
+  for (std::uint32_t i = 0; i < mesh.tets.vertices.size(); ++i) {
+    const double x = mesh.tets.vertices[i][0];
+    if (x < 1e-9) constraints.push_back({i, low});
+    if (x > 0.4 - 1e-9) constraints.push_back({i, high});
+  }
+  return constraints;
+}
+
+// Equations (1) to (3) as they are printed, as one dense least-squares problem; unit rows.
+Eigen::MatrixX3d dense_solution(const Mesh& mesh, const std::vector<FibreConstraint>& constraints) {
+  const auto& q = mesh.tets.vertices;
+  double edge = 0.0;
+  for (std::size_t i = 0; i < q.size(); ++i)
+    for (const std::uint32_t j : mesh.rings[i]) edge += (q[j] - q[i]).norm();
+  edge /= static_cast<double>(mesh.rings.neighbour.size());
+  const auto n = static_cast<Eigen::Index>(q.size()), c = static_cast<Eigen::Index>(constraints.size());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n + c, n);
+  Eigen::MatrixX3d b = Eigen::MatrixX3d::Zero(n + c, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto ring = mesh.rings[static_cast<std::size_t>(i)];
+    double sum = 0.0;
+    for (const std::uint32_t j : ring)
+      sum += std::exp(-(q[j] - q[static_cast<std::size_t>(i)]).norm() / edge);
+    for (const std::uint32_t j : ring)
+      a(i, j) = -std::exp(-(q[j] - q[static_cast<std::size_t>(i)]).norm() / edge) / sum;
+    a(i, i) = 1.0;
+  }
+  const double root = std::sqrt(1.0e3);
+  for (Eigen::Index k = 0; k < c; ++k) {
+    const FibreConstraint& constraint = constraints[static_cast<std::size_t>(k)];
+    a(n + k, constraint.vertex) = root;
+    b.row(n + k) = root * constraint.direction.transpose();
+  }
+  return Eigen::MatrixX3d(a.colPivHouseholderQr().solve(b)).rowwise().normalized();
+}
+
+TEST(FibreField, IsTheDenseLeastSquaresSolution) {
+  const Mesh mesh = bar_mesh({7, 4, 4}, 0.3);
+  const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, Vector3d(1, 2, -1).normalized());
+  const Eigen::MatrixX3d dense = dense_solution(mesh, constraints);
+  const FibreSolution field = solve(mesh, constraints, {.tolerance = 1e-12, .most_rounds = 1});
+  // The residual is 1e-12 of the right side, and the least squares of a bar 7 vertices long lose 1e4 of it.
+  for (Eigen::Index i = 0; i < dense.rows(); ++i)
+    EXPECT_LE((dense.row(i).transpose() - field.direction[static_cast<std::size_t>(i)]).norm(), 1e-7);
+  // All to one side: there is no sign to settle, and the lines are the same field.
+  const FibreSolution lines = solve(mesh, constraints, {.tolerance = 1e-12});
+  EXPECT_EQ(lines.rounds, 1u);
+  for (std::size_t i = 0; i < lines.direction.size(); ++i)
+    EXPECT_LE((lines.direction[i] - field.direction[i]).norm(), 1e-12);
+}
+
+// The control: the comparison sees another lambda.
+TEST(FibreField, DiffersFromTheDenseSolutionWithAnotherLambda) {
+  const Mesh mesh = bar_mesh({7, 4, 4}, 0.3);
+  const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, Vector3d(1, 2, -1).normalized());
+  const Eigen::MatrixX3d dense = dense_solution(mesh, constraints);
+  const FibreSolution field = solve(mesh, constraints, {.lambda = 1.0, .most_rounds = 1});
+  double worst = 0.0;
+  for (Eigen::Index i = 0; i < dense.rows(); ++i)
+    worst = std::max(worst, (dense.row(i).transpose() - field.direction[static_cast<std::size_t>(i)]).norm());
+  EXPECT_GT(worst, 1e-4);
+}
+
+TEST(FibreField, IsStraightInAStraightBar) {
+  for (const double jitter : {0.0, 0.3}) {
+    const Mesh mesh = bar_mesh({21, 5, 5}, jitter);
+    const FibreSolution field = solve(mesh, at_ends(mesh, {1, 0, 0}, {1, 0, 0}));
+    EXPECT_TRUE(field.has_converged);
+    // Constant fields solve (1) exactly; 1e-8 of the residual over a bar 20 edges long.
+    for (const Vector3d& d : field.direction) EXPECT_LE((d - Vector3d(1, 0, 0)).norm(), 1e-5);
+  }
+}
+
+TEST(FibreField, KeepsItsConstraints) {
+  const Mesh mesh = bar_mesh({21, 5, 5}, 0.2);
+  const Vector3d low = Vector3d(1, 1, 0).normalized(), high = Vector3d(1, -1, 1).normalized();
+  const std::vector<FibreConstraint> constraints = at_ends(mesh, low, high);
+  const FibreSolution field = solve(mesh, constraints);
+  // lambda is 1e3 and the other terms are of size 1 at most: directions give way by a thousandth.
+  for (const FibreConstraint& c : constraints)
+    EXPECT_LE((field.direction[c.vertex] - c.direction).norm(), 2e-3);
+  for (const Vector3d& d : field.direction) EXPECT_NEAR(d.norm(), 1.0, 1e-12);
+}
+
+TEST(FibreField, DoesNotDependOnTheUnit) {
+  Mesh mesh = bar_mesh({11, 4, 4}, 0.3);
+  const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, {0, 1, 0});
+  const FibreSolution metres = solve(mesh, constraints);
+  for (Vector3d& p : mesh.tets.vertices) p *= 1024.0;
+  const FibreSolution scaled = solve(mesh, constraints);
+  for (std::size_t i = 0; i < metres.direction.size(); ++i)
+    EXPECT_EQ(metres.direction[i], scaled.direction[i]);  // a power of two rounds nothing
+  for (Vector3d& p : mesh.tets.vertices) p *= 0.001;
+  const FibreSolution other = solve(mesh, constraints);
+  for (std::size_t i = 0; i < metres.direction.size(); ++i)
+    EXPECT_LE((metres.direction[i] - other.direction[i]).norm(), 1e-6);
+}
+
+// Opposed directions that meet mean lines that lie close together: here 20 degrees apart, and each vertex
+// between lies between them. As printed, the equations turn the long way round, by 160 degrees: the control.
+TEST(FibreField, TakesOpposedDirectionsForLinesThatLieClose) {
+  const Mesh mesh = bar_mesh({22, 6, 6}, 0.1);
+  const double tilt = 20.0 / 180.0 * std::numbers::pi;
+  std::vector<FibreConstraint> constraints;
+  std::vector<char> on_skin(mesh.tets.vertices.size(), 0);
+  for (const auto& t : build::boundary_triangles(mesh.tets, "test"))
+    for (const std::uint32_t corner : t) on_skin[corner] = 1;
+  for (std::uint32_t i = 0; i < on_skin.size(); ++i)
+    if (on_skin[i])
+      constraints.push_back({i, mesh.tets.vertices[i][0] < 0.2
+                                    ? Vector3d(1, 0, 0)
+                                    : Vector3d(-std::cos(tilt), std::sin(tilt), 0)});
+  const auto least_along_x = [](const FibreSolution& field) {
+    double least = 1.0;
+    for (const Vector3d& d : field.direction) least = std::min(least, std::abs(d[0]));
+    return least;
+  };
+  const FibreSolution lines = solve(mesh, constraints);
+  EXPECT_GT(lines.rounds, 1u);
+  // The equations are of second differences and may overshoot a step by a few degrees.
+  EXPECT_GT(least_along_x(lines), std::cos(1.5 * tilt));
+  EXPECT_LT(least_along_x(solve(mesh, constraints, {.most_rounds = 1})), std::cos(2.0 * tilt));
+}
+
+TEST(FibreField, IsNothingWhereNothingIsSaid) {
+  Mesh mesh = bar_mesh({5, 3, 3}, 0.0);
+  const FibreSolution none = solve(mesh, {});
+  for (const Vector3d& d : none.direction) EXPECT_EQ(d, Vector3d(Vector3d::Zero()));
+  // A second bar, which touches nothing.
+  const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, {1, 0, 0});
+  const auto count = static_cast<std::uint32_t>(mesh.tets.vertices.size());
+  for (std::uint32_t i = 0; i < count; ++i)
+    mesh.tets.vertices.push_back(mesh.tets.vertices[i] + Vector3d(9, 0, 0));
+  const std::size_t tets = mesh.tets.tetrahedra.size();
+  for (std::size_t t = 0; t < tets; ++t) {
+    auto copy = mesh.tets.tetrahedra[t];
+    for (std::uint32_t& corner : copy) corner += count;
+    mesh.tets.tetrahedra.push_back(copy);
+  }
+  mesh.rings = build::one_rings(mesh.tets.vertices.size(), mesh.tets.tetrahedra);
+  const FibreSolution field = solve(mesh, constraints);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    EXPECT_NEAR(std::abs(field.direction[i][0]), 1.0, 1e-6);
+    EXPECT_EQ(field.direction[count + i], Vector3d(Vector3d::Zero()));
+  }
+}
+
+TEST(FibreField, HasTheSameBitsEveryTime) {
+  const Mesh mesh = bar_mesh({11, 5, 5}, 0.3);
+  const std::vector<FibreConstraint> constraints = at_ends(mesh, {1, 0, 0}, {0, 1, 0});
+  const FibreSolution a = solve(mesh, constraints), b = solve(mesh, constraints);
+  for (std::size_t i = 0; i < a.direction.size(); ++i) EXPECT_EQ(a.direction[i], b.direction[i]);
+}
+
+// A bar with a bone along it: the core is bone, the rest follows the field.
+scene::Scene boned_bar() {
+  scene::Scene scene = bar_scene();
+  scene.bones = {{"bone", {0.0, 0.04, 0.04}, {0.4, 0.05, 0.04}}};
+  scene.layers[0].fibre.reset();
+  scene.layers[0].fibre_field = true;
+  scene.layers.push_back({});
+  scene.layers[1].name = "bone";
+  scene.layers[1].kinematic = true;
+  scene.layers[1].where = {scene::BoneDistance{0.0, 0.01}};
+  return scene;
+}
+
+build::Body body_of(const scene::Scene& scene) {
+  build::Body body;
+  body.mesh = build::make_bar(std::get<scene::Bar>(scene.geometry), "test");
+  for (const scene::BoneSegment& bone : scene.bones) body.bones.push_back({bone.from, bone.to, {}});
+  return body;
+}
+
+TEST(FibreConstraints, FollowTheBoneInsideAndTheSkinOutside) {
+  const scene::Scene scene = boned_bar();
+  const build::Body body = body_of(scene);
+  build::Measures measures(body);
+  std::vector<std::uint32_t> layer_of;
+  for (const double distance : measures.bone_distances()) layer_of.push_back(distance <= 0.01 ? 1u : 0u);
+  std::vector<char> on_skin(layer_of.size(), 0);
+  for (const auto& t : build::boundary_triangles(body.mesh, "test"))
+    for (const std::uint32_t corner : t) on_skin[corner] = 1;
+  const Vector3d bone = Vector3d(0.4, 0.01, 0.0).normalized();
+  std::size_t inside = 0, flat = 0;
+  for (const FibreConstraint& c : build::fibre_constraints(scene, layer_of, 0.02, measures)) {
+    EXPECT_NEAR(c.direction.norm(), 1.0, 1e-12);
+    if (layer_of[c.vertex] == 1) {
+      EXPECT_LE((c.direction - bone).norm(), 1e-12);
+      ++inside;
+      continue;
+    }
+    ASSERT_TRUE(on_skin[c.vertex]);
+    const Vector3d& p = body.mesh.vertices[c.vertex];
+    // Away from edges and ends the skin's normal is y or z.
+    if (p[0] < 0.01 || p[0] > 0.39) continue;
+    const bool y = p[1] < 1e-9 || p[1] > 0.08 - 1e-9, z = p[2] < 1e-9 || p[2] > 0.08 - 1e-9;
+    if (y && z) continue;
+    EXPECT_NEAR(c.direction[y ? 1 : 2], 0.0, 1e-12);
+    ++flat;
+  }
+  EXPECT_GT(inside, 10u);
+  EXPECT_GT(flat, 100u);
+}
+
+TEST(FibreConstraints, FollowDrawnCurves) {
+  scene::Scene scene = boned_bar();
+  scene.fibres = {{"slant", {{0.1, 0.08, 0.08}, {0.2, 0.08, 0.04}, {0.3, 0.08, 0.08}}, 0.005}};
+  const build::Body body = body_of(scene);
+  build::Measures measures(body);
+  const std::vector<std::uint32_t> layer_of(body.mesh.vertices.size(), 0u);
+  const Vector3d down = Vector3d(0.1, 0, -0.04).normalized(), up = Vector3d(0.1, 0, 0.04).normalized();
+  std::size_t drawn = 0;
+  for (const FibreConstraint& c : build::fibre_constraints(scene, layer_of, 0.02, measures)) {
+    const Vector3d& p = body.mesh.vertices[c.vertex];
+    const double first = build::segment_distance(p, {0.1, 0.08, 0.08}, {0.2, 0.08, 0.04});
+    const double second = build::segment_distance(p, {0.2, 0.08, 0.04}, {0.3, 0.08, 0.08});
+    if (std::min(first, second) > 0.005) continue;
+    EXPECT_LE((c.direction - (first <= second ? down : up)).norm(), 1e-12);
+    ++drawn;
+  }
+  EXPECT_GE(drawn, 5u);
+}
+
+TEST(FibreDirections, OfAModelComeFromTheField) {
+  build::Report report;
+  const model::Model model = build::build_model(boned_bar(), report);
+  ASSERT_NO_THROW(model::check_model(model));
+  EXPECT_GT(report.fibres.constraints, 300u);
+  EXPECT_EQ(report.fibres.without, 0u);
+  EXPECT_LT(report.fibres.bent_edges, report.fibres.edges / 100);  // at the corners of the ends
+  std::size_t muscle = 0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d d(model.fibre[3 * i], model.fibre[3 * i + 1], model.fibre[3 * i + 2]);
+    if (model.layer_of(i) == 1) {
+      EXPECT_EQ(d, Vector3d(Vector3d::Zero()));  // bone asks for none
+      continue;
+    }
+    ++muscle;
+    EXPECT_EQ(model.beta[i], 0.6f);
+    EXPECT_NEAR(d.norm(), 1.0, 1e-6);
+    // Bone and skin run along x, within a few degrees; in the end faces nothing can.
+    const double x = model.rest_origin[0] + model.unit * double{model.rest[3 * i]};
+    if (x > 0.03 && x < 0.37) {
+      EXPECT_GT(std::abs(d[0]), 0.9);
+    }
+  }
+  EXPECT_GT(muscle, 300u);
+}
+
+TEST(FibreDirections, NeedSomethingThatLeadsThem) {
+  scene::Scene scene = boned_bar();
+  scene.bones.clear();
+  scene.layers.pop_back();
+  expect_refusal([&] { build_quietly(scene); }, "draw [fibres.NAME]");
+}
+
+}  // namespace
+}  // namespace fascicle::tests
