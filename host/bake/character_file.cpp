@@ -168,10 +168,11 @@ void add_baked_clip(scene::GltfDocument& document, const scene::Scene& scene,
   }
   json& animations = document.json["animations"];
   if (!animations.is_array()) animations = json::array();
-  animations.insert(animations.begin(), {{"name", clip->name.empty() ? "baked" : clip->name + " (baked)"},
-                                         {"extras", {{baked_mark, true}}},
-                                         {"samplers", samplers},
-                                         {"channels", channels}});
+  animations.insert(animations.begin(),
+                    json({{"name", clip->name.empty() ? "baked" : clip->name + " (baked)"},
+                          {"extras", {{baked_mark, true}}},
+                          {"samplers", samplers},
+                          {"channels", channels}}));
 }
 
 void add_scale(json& document, double scale) {

@@ -268,7 +268,7 @@ void GlbSink::add_targets(json& document) {
   drop_weight_channels(animations);
   if (!has_clip)
     animations.insert(animations.begin(),
-                      {{"name", "baked"}, {"samplers", json::array()}, {"channels", json::array()}});
+                      json({{"name", "baked"}, {"samplers", json::array()}, {"channels", json::array()}}));
   json& animation = animations[0];
   const std::size_t sampler = animation["samplers"].size();
   animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});

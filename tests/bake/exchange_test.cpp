@@ -38,14 +38,14 @@ std::vector<float> sheet_points(std::uint64_t k) {
   return points;
 }
 
-// By hand: face normals (0, 0, 1) of area 1 and (0, -1, 0) of area 2; on the seam their sum.
+// By hand: face normals (0, 0, 1) of area 1 and (0, 1, 0) of area 2; on the seam their sum.
 std::vector<float> sheet_normals() {
   const auto part = [](double x) { return static_cast<float>(x / std::sqrt(5.0)); };
   std::vector<float> normals;
   for (int copy = 0; copy < 2; ++copy) {
     for (int seam = 0; seam < 2; ++seam)
-      for (const float value : {0.0f, part(-2), part(1)}) normals.push_back(value);
-    for (const float value : {0.0f, copy == 0 ? 0.0f : -1.0f, copy == 0 ? 1.0f : 0.0f})
+      for (const float value : {0.0f, part(2), part(1)}) normals.push_back(value);
+    for (const float value : {0.0f, copy == 0 ? 0.0f : 1.0f, copy == 0 ? 1.0f : 0.0f})
       normals.push_back(value);
   }
   return normals;

@@ -88,6 +88,8 @@ void FakeSolver::submit(const model::Drive& drive, model::Read what, model::Prob
   if (what.positions) frame.positions = state_.positions;
   if (what.velocities) frame.velocities = state_.velocities;
   if (what.surface) frame.surface = bake::embed(model_, state_.positions);
+  // Of a skeleton it knows nothing: skinning leaves its body at rest.
+  if (what.skinned) frame.skinned = model_.rest;
   if (options_.not_finite_at == state_.frame) {
     frame.positions.at(3 * 1 + 2) = std::numeric_limits<float>::quiet_NaN();
     frame.positions.at(3 * 2) = -std::numeric_limits<float>::infinity();
