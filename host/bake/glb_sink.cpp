@@ -81,6 +81,7 @@ class GlbSink final : public FrameSink {
   scene::GltfDocument document_;
   scene::Rig rig_;
   std::optional<SurfaceNormals> normals_;
+  std::vector<float> file_normals_;  // smooth ones of the file's surface as it lies there, 3 a vertex
   std::vector<std::uint64_t> targets_;
   std::vector<Piece> pieces_;  // of all parts, target by target
   std::optional<SpoolFile> stream_;
@@ -121,6 +122,11 @@ void GlbSink::begin(const BakeInfo& info) {
   if (info.glb.stride == 0) throw BakeError("glb: the stride is 0; it must be at least 1");
   read_character(info);
   normals_.emplace(model);
+  std::vector<float> positions;
+  for (const scene::RigPart& part : rig_.parts)
+    for (const Vector3d& p : part.positions)
+      for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(p[axis]));
+  file_normals_ = normals_->of(positions);
   targets_ = target_frames(info.frames, info.glb.stride);
   if (targets_.size() > 65535)
     throw BakeError("glb: " + number_text(std::uint64_t{targets_.size()}) +
@@ -196,9 +202,13 @@ Piece GlbSink::write_part(const scene::RigPart& part, std::size_t first, const s
     const Matrix3d linear = blends[v].topLeftCorner<3, 3>();
     const Vector3d move = moved ? scene::solve(linear, away) : Vector3d::Zero();
     Vector3d turn = Vector3d::Zero();
-    if (turns_away)
-      turn = scene::solve(linear, scene::turn(linear * part.normals[i], before, now)).normalized() -
+    if (turns_away) {
+      // From what a viewer's skinning makes of the smooth normal, not from the skinned surface's own: where
+      // bones blend the two differ.
+      const Vector3d smooth = (linear * point_at(file_normals_, v)).normalized();
+      turn = scene::solve(linear, scene::turn(linear * part.normals[i], smooth, now)).normalized() -
              part.normals[i];
+    }
     for (int axis = 0; axis < 3; ++axis) {
       moves.push_back(static_cast<float>(move[axis]));
       turns.push_back(static_cast<float>(turn[axis]));
