@@ -1,33 +1,184 @@
 #include "host/build/body_mesh.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "host/build/bones.h"
+#include "host/build/box_tree.h"
 #include "host/build/check_mesh.h"
+#include "host/build/cut.h"
+#include "host/build/hold.h"
 #include "host/build/message.h"
+#include "host/build/spacing.h"
 #include "host/build/tetrahedralize.h"
+#include "host/build/wrap.h"
 
 namespace fascicle::build {
 
-BodyMesh make_body_mesh(const WeldedSurface& welded, const std::vector<Bone>& bones,
-                        const scene::Scene& scene, Report& report, const BuildOptions& options) {
-  const double spacing = scene.resolution.value_or(mean_edge(welded.surface));
+namespace {
+
+// Where nothing is asked for, a cage has about this many vertices.
+constexpr std::uint32_t default_vertices = 20000;
+// The largest evenness that a character's own skin may have: explicit stiffness follows spacing squared.
+constexpr double most_uneven = 4.0;
+// A cage's gaps need not be finer than this many of its edges.
+constexpr double alpha_in_edges = 1.0;
+// Skin of two limbs is cut apart where it is this many edges apart along the skin and has little in common:
+// well before 5 edges and nothing in common, where joining them would be wrong.
+constexpr double separate_edges = 3.0;
+constexpr double separate_shares = 0.2;
+// How far the cage's vertices may be moved to hold the skin, in edges.
+constexpr double farthest_in_edges = 1.5;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What keeps a skin from being filled as it is, in words; empty if nothing does.
+std::string defects_of(const SurfaceFindings& findings) {
+  std::string text;
+  const auto add = [&](const Finding& finding, const char* one, const char* many, std::uint64_t allowed = 0) {
+    if (finding.count <= allowed) return;
+    text += (text.empty() ? "" : ", ") + counted(finding.count, one, many);
+  };
+  add(findings.parts, "part", "parts", 1);
+  add(findings.open_edges, "open edge", "open edges");
+  add(findings.non_manifold_edges, "edge of more than two triangles", "edges of more than two triangles");
+  add(findings.non_manifold_vertices, "vertex where parts meet in a point",
+      "vertices where parts meet in a point");
+  add(findings.turned_edges, "edge between triangles that face opposite ways",
+      "edges between triangles that face opposite ways");
+  add(findings.intersections, "pair of triangles that cross", "pairs of triangles that cross");
+  add(findings.flat_triangles, "triangle without area", "triangles without area");
+  return text;
+}
+
+struct Choice {
+  bool is_cage = false;
+  std::string reason;
+};
+
+Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cage) {
+  if (scene.body.cage == "wrap") return {true, "asked for"};
+  if (scene.body.cage == "off") return {false, "asked for"};
+  const std::string defects = defects_of(cage.findings);
+  if (!defects.empty()) return {true, "the skin has " + defects};
+  if (skin.skeleton.empty()) return {false, "the skin encloses a volume"};
+  if (cage.skin_spacing.ratio() > most_uneven)
+    return {true, "the skin is uneven: its spacing differs by a factor of " +
+                      std::to_string(static_cast<int>(std::lround(cage.skin_spacing.ratio()))) +
+                      " from the 1st to the 99th percentile"};
+  if (skin.welded.surface.vertices.size() > scene.body.vertices.value_or(default_vertices))
+    return {true, "the skin alone has more vertices than wanted"};
+  return {false, "the skin encloses a volume and is even"};
+}
+
+// Edge length at which `vertices` fill a volume: TetGen makes about 1.3 to an edge's cube. By halving,
+// because the C library's roots differ between processors.
+double edge_to_fill(double volume, double vertices) {
+  constexpr double per_volume = 1.3;
+  const double cube = per_volume * volume / vertices;
+  double low = 0.0, high = 1.0 + cube;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = (low + high) / 2.0;
+    (middle * middle * middle > cube ? high : low) = middle;
+  }
+  return high;
+}
+
+// For a kept skin, only the inside can follow.
+double edge_of_kept(const scene::SurfaceMesh& surface, std::uint32_t vertices) {
+  constexpr double coarsest = 4.0;
+  const double mean = mean_edge(surface);
+  if (vertices <= surface.vertices.size()) return coarsest * mean;
+  const auto inner = static_cast<double>(vertices - surface.vertices.size());
+  return std::min(coarsest * mean, edge_to_fill(std::abs(enclosed_volume(surface)), inner));
+}
+
+BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
+  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const double spacing = scene.body.vertices ? edge_of_kept(surface, *scene.body.vertices)
+                                             : scene.resolution.value_or(mean_edge(surface));
+  const auto start = std::chrono::steady_clock::now();
+  BodyMesh body;
+  body.mesh = tetrahedralize(surface, spacing, points_along_bones(skin.bones, surface, spacing), options);
+  report.fill.cage.fill_seconds = seconds_since(start);
+  if (scene.body.vertices && body.mesh.vertices.size() > 2 * std::size_t{*scene.body.vertices})
+    warn(report, "the kept skin alone has " + std::to_string(surface.vertices.size()) +
+                     " vertices, so that only the inside could follow the resolution asked for; set cage = "
+                     "\"wrap\" to remesh it");
+  return body;
+}
+
+BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
+  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const BoundingBox box = box_around(surface.vertices);
+  WrapOrder order;
+  order.alpha = (box.high - box.low).norm() / scene.body.cage_detail;
+  if (!scene.body.vertices) order.edge = scene.resolution;
+  if (!order.edge) order.vertices = scene.body.vertices.value_or(default_vertices);
+  std::optional<double> wanted_edge = order.edge;
+  if (!wanted_edge && report.fill.cage.skin_volume > 0.0)
+    wanted_edge = edge_to_fill(report.fill.cage.skin_volume, *order.vertices);
+  if (wanted_edge) order.alpha = std::min(order.alpha, alpha_in_edges * *wanted_edge);
+  report.fill.cage.alpha = order.alpha;
+
+  auto start = std::chrono::steady_clock::now();
+  const scene::SurfaceMesh wrap = wrap_surface(surface, order, options);
+  report.fill.cage.wrap_seconds = seconds_since(start);
+  start = std::chrono::steady_clock::now();
+  const double edge = mean_edge(wrap);
+  const scene::TetMesh filled =
+      tetrahedralize(wrap, edge, points_along_bones(skin.bones, wrap, edge), options);
+  report.fill.cage.fill_seconds = seconds_since(start);
+
+  start = std::chrono::steady_clock::now();
+  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares});
+  CutMesh cut = cut_limbs(filled, surface, limbs);
+  Hold hold = hold_skin(cut, surface, farthest_in_edges * edge);
+  report.fill.cage.cut_tetrahedra = cut.cut_tetrahedra;
+  report.fill.cage.cut_seconds = seconds_since(start);
+  return {std::move(cut.mesh), false, std::move(cut.anchor), std::move(hold.home)};
+}
+
+}  // namespace
+
+BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& report,
+                        const BuildOptions& options) {
+  CageReport& cage = report.fill.cage;
+  const scene::SurfaceMesh& surface = skin.welded.surface;
+  cage.has_skin = true;
   BodyMesh body;
   try {
-    body.mesh =
-        tetrahedralize(welded.surface, spacing, points_along_bones(bones, welded.surface, spacing), options);
+    cage.findings = find_defects(surface, options);
+    cage.skin_spacing = vertex_spacing(surface);
+    if (cage.findings.open_edges.count == 0) cage.skin_volume = std::abs(enclosed_volume(surface));
+    const Choice choice = choose(skin, scene, cage);
+    cage.is_cage = choice.is_cage;
+    cage.reason = choice.reason;
+    body = choice.is_cage ? make_cage(skin, scene, report, options) : keep_skin(skin, scene, report, options);
   } catch (const scene::SceneError& error) {
-    const bool renumbered = welded.surface.vertices.size() != welded.of_vertex.size();
+    const bool renumbered = surface.vertices.size() != skin.welded.of_vertex.size();
     fail(scene.source, "mesh: " + std::string(error.what()) +
                            (renumbered ? " (vertices are counted after welding equal ones)" : ""));
   }
   check_and_orient(body.mesh, scene.source, report);
+  cage.spacing = vertex_spacing(body.mesh);
+  cage.edges = edge_lengths(body.mesh);
   return body;
 }
 
 void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene) {
   hash.add(scene.resolution.has_value());
   hash.add(scene.resolution.value_or(0.0));
+  hash.add(std::string_view(scene.body.cage));
+  hash.add(scene.body.cage_detail);
+  hash.add(scene.body.vertices.has_value());
+  hash.add(std::uint64_t{scene.body.vertices.value_or(0)});
 }
 
 }  // namespace fascicle::build

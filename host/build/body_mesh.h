@@ -37,10 +37,19 @@ struct BodyMesh {
   std::vector<std::uint32_t> home;
 };
 
-// Fills the welded skin of a scene's surface or character with tetrahedra, with points along `bones`. Throws
-// scene::SceneError.
-BodyMesh make_body_mesh(const WeldedSurface& welded, const std::vector<Bone>& bones,
-                        const scene::Scene& scene, Report& report, const BuildOptions& options);
+// The skin of a scene's surface or character.
+struct Skin {
+  const WeldedSurface& welded;
+  const SkinWeights& weights;                 // of the welded skin; empty without a skeleton
+  const std::vector<scene::Joint>& skeleton;  // empty for a surface
+  const std::vector<Bone>& bones;             // that get points along them
+};
+
+// Fills a skin with tetrahedra as the scene's body settings say: keeps it, or wraps it in a cage, cuts limbs
+// that touch apart and moves the cage out over all of the skin. What was found and chosen goes to the report.
+// Throws scene::SceneError.
+BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& report,
+                        const BuildOptions& options);
 
 // Adds to the key of the cache every setting of the scene that make_body_mesh reads.
 void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene);

@@ -46,17 +46,82 @@ struct LayerShare {
   double mass = 0.0;    // kg
 };
 
+// How often something is found on a surface, and the vertices of the first places.
+struct Finding {
+  std::uint64_t count = 0;
+  std::vector<std::uint32_t> vertices;
+};
+
+// What is wrong with a skin; vertices are those of the welded skin.
+struct SurfaceFindings {
+  Finding parts;                  // connected by shared vertices; one vertex of each
+  Finding loose_vertices;         // in no triangle
+  Finding flat_triangles;         // without area; vertices by threes
+  Finding open_edges;             // of one triangle; vertices by twos
+  Finding non_manifold_edges;     // of three or more; by twos
+  Finding non_manifold_vertices;  // where parts of the surface meet in a point
+  Finding turned_edges;           // whose two triangles face opposite ways; by twos
+  Finding inverted_parts;         // closed ones that face inward; one vertex of each
+  Finding intersections;          // pairs of triangles; one vertex of each triangle, by twos
+  std::int64_t genus = 0;         // handles, summed over closed parts
+};
+
+// Lengths at the first and the 99th percentile, m.
+struct Spread {
+  double low = 0.0, high = 0.0;
+  double ratio() const { return low > 0.0 ? high / low : 0.0; }
+};
+
+// How a skin was filled.
+struct CageReport {
+  bool has_skin = false;  // false: a bar or a tetrahedral file, and nothing else here holds
+  bool is_cage = false;
+  std::string reason;  // why a cage, or why not
+  SurfaceFindings findings;
+  double skin_volume = 0.0;          // that the skin encloses, m^3; 0 where it is open
+  Spread skin_spacing;               // mean edge of each of the skin's vertices
+  Spread spacing;                    // and of the tetrahedra's
+  Spread edges;                      // of the tetrahedra
+  double alpha = 0.0;                // gaps narrower than this were closed over, m
+  std::uint32_t cut_tetrahedra = 0;  // made once for each of the limbs that touch in them
+  double wrap_seconds = 0.0, fill_seconds = 0.0, cut_seconds = 0.0;
+};
+
 // What filling a surface found. It is kept with the body in the cache: all it says goes here or into the
 // warnings, and every field into for_each_field.
 struct FillReport {
   std::uint32_t riders_outside = 0;  // render vertices outside the tetrahedra that they ride on
   double least_barycentric = 0.0;    // how far: the least barycentric coordinate, 0 where none is outside
+  CageReport cage;
 };
 template <class Fill, class Visit>
 void for_each_field(Fill& fill, Visit& visit) {
-  auto& [riders_outside, least_barycentric] = fill;  // does not compile where a field is missing
+  auto& [riders_outside, least_barycentric, cage] = fill;  // does not compile where a field is missing
   visit(riders_outside);
   visit(least_barycentric);
+  auto& [has_skin, is_cage, reason, findings, skin_volume, skin_spacing, spacing, edges, alpha,
+         cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds] = cage;
+  visit(has_skin);
+  visit(is_cage);
+  visit(reason);
+  auto& [parts, loose_vertices, flat_triangles, open_edges, non_manifold_edges, non_manifold_vertices,
+         turned_edges, inverted_parts, intersections, genus] = findings;
+  for (auto* finding : {&parts, &loose_vertices, &flat_triangles, &open_edges, &non_manifold_edges,
+                        &non_manifold_vertices, &turned_edges, &inverted_parts, &intersections}) {
+    visit(finding->count);
+    visit(finding->vertices);
+  }
+  visit(genus);
+  visit(skin_volume);
+  for (auto* spread : {&skin_spacing, &spacing, &edges}) {
+    visit(spread->low);
+    visit(spread->high);
+  }
+  visit(alpha);
+  visit(cut_tetrahedra);
+  visit(wrap_seconds);
+  visit(fill_seconds);
+  visit(cut_seconds);
 }
 
 // What was found and repaired on the way.

@@ -9,8 +9,8 @@
 #include "host/build/cache.h"
 #include "host/build/check_mesh.h"
 #include "host/build/embedding.h"
+#include "host/build/mesher.h"
 #include "host/build/skin_weights.h"
-#include "host/build/tetrahedralize.h"
 #include "host/scene/content_hash.h"
 #include "host/scene/file.h"
 
@@ -52,15 +52,17 @@ std::optional<std::string> hash_of_programs(const BuildOptions& options) {
 }
 
 FilledBody make_filled_body(const FillInput& input, Report& report, const BuildOptions& options) {
-  BodyMesh mesh = make_body_mesh(input.welded, input.bones, input.scene, report, options);
-  FilledBody body;
+  const std::vector<scene::Joint> no_skeleton;
+  const std::vector<scene::Joint>& skeleton =
+      input.character != nullptr ? input.character->skeleton : no_skeleton;
   SkinWeights skin;
-  if (input.character != nullptr) {
+  if (input.character != nullptr)
     skin = welded_skin_weights(*input.character, input.welded.of_vertex, input.welded.surface.vertices.size(),
                                input.scene.source);
-    body.skin =
-        body_skin_weights(mesh, input.welded, skin, input.character->skeleton.size(), input.scene.source);
-  }
+  BodyMesh mesh = make_body_mesh({input.welded, skin, skeleton, input.bones}, input.scene, report, options);
+  FilledBody body;
+  if (input.character != nullptr)
+    body.skin = body_skin_weights(mesh, input.welded, skin, skeleton.size(), input.scene.source);
   body.render = embed_surface(input.surface, input.welded, mesh, body.skin, skin, report);
   body.mesh = std::move(mesh.mesh);
   return body;
@@ -142,6 +144,8 @@ std::string fill_key(const FillInput& input, const std::string& programs) {
   hash.add(input.character != nullptr);
   if (input.character != nullptr) {
     hash.add(std::uint64_t{input.character->skeleton.size()});
+    for (const scene::Joint& joint : input.character->skeleton)
+      hash.add(static_cast<std::uint64_t>(std::int64_t{joint.parent}));
     add_rows(hash, input.character->joints);
     add_rows(hash, input.character->weights);
   }

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -14,13 +11,11 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "host/build/boundary.h"
 #include "host/build/mass.h"
-#include "host/build/process.h"
+#include "host/build/mesher.h"
 #include "host/build/weld.h"
 #include "host/scene/mesh_file.h"
 
@@ -33,57 +28,12 @@ using scene::SurfaceMesh;
 using scene::TetMesh;
 using scene::Vector3d;
 
-// What fascicle-mesher --help says of its exit status.
-enum MesherStatus : int {
-  mesher_done = 0,
-  mesher_not_closed = 4,
-  mesher_self_intersecting = 5,
-  mesher_out_of_memory = 6,
-  mesher_failed = 7,
-  mesher_empty_result = 8,
-};
-
-constexpr const char* mesher_name = "fascicle-mesher";
-
-// A folder of our own that goes when this does.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "fascicle-mesh-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw std::system_error(errno, std::generic_category(), "cannot create a folder " + name);
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-bool is_program(const fs::path& path) {
-  std::error_code ignored;
-  return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
-}
-
 // The largest volume of a tetrahedron for which the mean edge comes out as `edge`. A regular tetrahedron has
 // edge^3/(6 sqrt 2). TetGen stays below its bound, so it gets 1.2 times that: measured on the Stanford bunny
 // at its own mean edge, factors of 1, 1.2 and 1.5 give 0.95, 1.00 and 1.06 of the wanted edge.
 double largest_volume(double edge) {
   constexpr double factor = 1.2;
   return factor * edge * edge * edge / (6.0 * std::sqrt(2.0));
-}
-
-std::string digits_of(double value) {
-  std::array<char, 32> digits;
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  return {digits.data(), end};
 }
 
 void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
@@ -95,26 +45,6 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
   file.close();
   if (!file)
     throw std::system_error(std::make_error_code(std::errc::io_error), "cannot write " + path.string());
-}
-
-// The last line the mesher wrote, without its name, for a message of one line.
-std::string last_line(const ProcessResult& result) {
-  std::string text = result.last_words;
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
-  text.erase(0, text.rfind('\n') + 1);  // npos + 1 is 0
-  const std::string prefix = std::string(mesher_name) + ": ";
-  if (text.rfind(prefix, 0) == 0) text.erase(0, prefix.size());
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  constexpr std::size_t longest = 300;
-  return text.substr(0, longest);
-}
-
-// ": text", or nothing.
-std::string reason(const ProcessResult& result) {
-  const std::string text = last_line(result);
-  return text.empty() ? "" : ": " + text;
 }
 
 [[noreturn]] void fail_crossing(const ProcessResult& found) {
@@ -160,11 +90,6 @@ std::string reason(const ProcessResult& result) {
   }
   throw SceneError(mesher.string() + " ended with exit status " + std::to_string(result.code) +
                    reason(result) + "; check that it belongs to this version of fascicle");
-}
-
-[[noreturn]] void fail_result(const std::string& what) {
-  throw SceneError(std::string(mesher_name) + " gave back a mesh that cannot be used: " + what +
-                   "; remesh the surface, or check that it belongs to this version of fascicle");
 }
 
 // TetGen turns all tetrahedra the same way; ours have positive volume. One that differs from the rest, or is
@@ -249,7 +174,7 @@ void check_result(TetMesh& mesh, const SurfaceMesh& surface) {
 TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
                    const BuildOptions& options) {
   const fs::path mesher = mesher_path(options);
-  const ProcessLimits limits{options.mesher_seconds, options.mesher_bytes};
+  const ProcessLimits limits = mesher_limits(options);
   const TemporaryFolder folder;
   const fs::path surface_file = folder.path() / "surface.off";
   const fs::path points_file = folder.path() / "inside.txt";
@@ -297,27 +222,6 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vecto
     throw SceneError(std::string("cannot run ") + mesher_name + ": " + error.what() +
                      "; check the free space and permissions of the folder for temporary files (TMPDIR)");
   }
-}
-
-fs::path mesher_path(const BuildOptions& options) {
-  if (!options.mesher.empty()) {
-    if (is_program(options.mesher)) return fs::absolute(options.mesher);
-    throw SceneError(options.mesher.string() + ": no such program; give the path of " + mesher_name);
-  }
-  std::error_code error;
-  const fs::path own_folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  if (!error && is_program(own_folder / mesher_name)) return own_folder / mesher_name;
-  const char* search_path = std::getenv("PATH");
-  const std::string folders = search_path == nullptr ? "" : search_path;
-  for (std::size_t start = 0; start < folders.size();) {
-    const std::size_t end = std::min(folders.find(':', start), folders.size());
-    const fs::path candidate = fs::path(folders.substr(start, end - start)) / mesher_name;
-    if (end > start && is_program(candidate)) return fs::absolute(candidate);
-    start = end + 1;
-  }
-  throw SceneError(
-      std::string(mesher_name) + ": not found in " + own_folder.string() +
-      " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
 }
 
 }  // namespace fascicle::build

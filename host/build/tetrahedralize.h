@@ -16,7 +16,4 @@ namespace fascicle::build {
 scene::TetMesh tetrahedralize(const scene::SurfaceMesh& surface, double edge,
                               const std::vector<scene::Vector3d>& inside, const BuildOptions& options);
 
-// Where the helper program lies. Throws scene::SceneError if it is not found.
-std::filesystem::path mesher_path(const BuildOptions& options);
-
 }  // namespace fascicle::build

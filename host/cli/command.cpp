@@ -95,6 +95,18 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_flag("--seamless", overrides.seamless,
                       "Play the clip before frame 0 until it ends as it began, then write one cycle");
   subcommand.add_option("--hold", overrides.hold, "Seconds in which the clip's last pose is held");
+  subcommand
+      .add_option("--cage", overrides.cage,
+                  "Surfaces and characters: fill the skin itself or a cage around it (auto, off, wrap)")
+      ->option_text("MODE");
+  subcommand
+      .add_option("--cage-detail", overrides.cage_detail,
+                  "A cage closes gaps narrower than the body's diagonal divided by N (100)")
+      ->option_text("N");
+  subcommand
+      .add_option("--resolution", overrides.resolution,
+                  "How fine: a number of vertices (20000), or an edge length with its unit (20mm)")
+      ->option_text("SIZE");
 }
 
 scene::Scene load(const SceneArguments& arguments) {

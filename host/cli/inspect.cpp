@@ -50,6 +50,41 @@ Json json_of(const build::FibreReport& fibres) {
           {"without_direction", fibres.without},   {"seconds", fibres.seconds}};
 }
 
+Json json_of(const build::Finding& finding) {
+  return {{"count", finding.count}, {"vertices", finding.vertices}};
+}
+
+Json json_of(const build::Spread& spread) {
+  return {{"percentile_1_m", spread.low}, {"percentile_99_m", spread.high}, {"ratio", spread.ratio()}};
+}
+
+// Null for bars and tetrahedral files, which have no skin to fill.
+Json json_of(const build::CageReport& cage) {
+  if (!cage.has_skin) return nullptr;
+  const build::SurfaceFindings& found = cage.findings;
+  return {{"cage", cage.is_cage},
+          {"reason", cage.reason},
+          {"parts", json_of(found.parts)},
+          {"loose_vertices", json_of(found.loose_vertices)},
+          {"flat_triangles", json_of(found.flat_triangles)},
+          {"open_edges", json_of(found.open_edges)},
+          {"non_manifold_edges", json_of(found.non_manifold_edges)},
+          {"non_manifold_vertices", json_of(found.non_manifold_vertices)},
+          {"turned_edges", json_of(found.turned_edges)},
+          {"inverted_parts", json_of(found.inverted_parts)},
+          {"intersections", json_of(found.intersections)},
+          {"genus", found.genus},
+          {"skin_volume_m3", cage.skin_volume},
+          {"skin_spacing", json_of(cage.skin_spacing)},
+          {"spacing", json_of(cage.spacing)},
+          {"edges", json_of(cage.edges)},
+          {"closed_gaps_m", cage.alpha},
+          {"cut_tetrahedra", cage.cut_tetrahedra},
+          {"wrap_seconds", cage.wrap_seconds},
+          {"fill_seconds", cage.fill_seconds},
+          {"cut_seconds", cage.cut_seconds}};
+}
+
 Json json_of(const scene::Scene& scene, const Built& built) {
   const build::Report& report = built.report;
   const model::Model& model = built.model;
@@ -87,6 +122,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"riders_outside", report.fill.riders_outside},
           {"least_barycentric", report.fill.least_barycentric},
           {"body_from_cache", report.body_from_cache},
+          {"skin", json_of(report.fill.cage)},
           {"region_fallbacks", report.region_fallbacks},
           {"vertex_fallbacks", report.vertex_fallbacks},
           {"skipped_regions", report.skipped_regions},
@@ -149,6 +185,44 @@ void print_fibres(const build::FibreReport& fibres) {
                              {"without a direction", count_text(fibres.without) + " vertices"}});
 }
 
+std::string spread_text(const build::Spread& spread) {
+  return millimetres(spread.low) + " to " + millimetres(spread.high) +
+         " (1st to 99th percentile, a factor of " + number_text(spread.ratio(), 3) + ")";
+}
+
+void print_skin(const build::CageReport& cage, double volume) {
+  if (!cage.has_skin) return;
+  std::vector<std::pair<std::string, std::string>> rows{
+      {"filled as", (cage.is_cage ? "a cage: " : "it is: ") + cage.reason}};
+  const auto add = [&rows](const char* what, const build::Finding& finding, std::uint64_t usual = 0) {
+    if (finding.count == usual) return;
+    std::string text = count_text(finding.count) + ", at vertices";
+    for (const std::uint32_t v : finding.vertices) text += " " + std::to_string(v);
+    rows.emplace_back(what, text);
+  };
+  const build::SurfaceFindings& found = cage.findings;
+  add("parts", found.parts, 1);
+  add("vertices in no triangle", found.loose_vertices);
+  add("triangles without area", found.flat_triangles);
+  add("open edges", found.open_edges);
+  add("edges of more than two triangles", found.non_manifold_edges);
+  add("points where parts meet", found.non_manifold_vertices);
+  add("edges whose triangles face opposite ways", found.turned_edges);
+  add("parts that face inward", found.inverted_parts);
+  add("pairs of triangles that cross", found.intersections);
+  if (found.genus != 0) rows.emplace_back("handles", std::to_string(found.genus));
+  rows.emplace_back("skin spacing", spread_text(cage.skin_spacing));
+  rows.emplace_back("body spacing", spread_text(cage.spacing));
+  if (cage.skin_volume > 0.0)
+    rows.emplace_back("volume", number_text(100.0 * volume / cage.skin_volume) + " % of the skin's " +
+                                    number_text(cage.skin_volume * 1e3) + " litres");
+  if (cage.is_cage) {
+    rows.emplace_back("gaps closed", "below " + millimetres(cage.alpha));
+    rows.emplace_back("cut apart", count_text(cage.cut_tetrahedra) + " tetrahedra between limbs that touch");
+  }
+  std::cout << "skin (vertices are counted after welding)\n" << columns_text(rows);
+}
+
 void print_text(const scene::Scene& scene, const Built& built) {
   const build::Report& report = built.report;
   const model::Model& model = built.model;
@@ -173,6 +247,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                  " a second, " + std::to_string(scene.solver.substeps) + " substeps each"},
                     {"weights", model::name_of(model.weight_form)},
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
+  print_skin(report.fill.cage, report.volume);
   std::cout << "layers\n";
   std::vector<std::pair<std::string, std::string>> rows;
   for (const build::LayerShare& layer : report.layers)

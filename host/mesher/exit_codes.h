@@ -13,6 +13,7 @@ enum ExitCode : int {
   tetgen_failed = 7,
   empty_result = 8,
   cannot_write = 9,
+  wrap_failed = 10,  // CGAL found no closed surface that does not cross itself
 };
 
 }  // namespace fascicle::mesher

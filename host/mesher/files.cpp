@@ -132,7 +132,22 @@ void write_volume(const std::string& path, const Volume& volume) {
     text += "0\n";
   }
   text += "End\n";
+  write_text(path, text);
+}
 
+void write_surface(const std::string& path, const Surface& surface) {
+  std::string text = "OFF\n" + std::to_string(surface.vertices.size()) + " " +
+                     std::to_string(surface.triangles.size()) + " 0\n";
+  for (const Point& vertex : surface.vertices) {
+    append_point(text, vertex);
+    text.back() = '\n';
+  }
+  for (const auto& t : surface.triangles)
+    text += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + "\n";
+  write_text(path, text);
+}
+
+void write_text(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".part-" + std::to_string(::getpid());
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0) throw Failure(cannot_write, path + ": " + std::strerror(errno));

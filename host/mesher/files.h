@@ -32,7 +32,9 @@ struct Volume {
   std::vector<std::array<int, 4>> tetrahedra;
 };
 
-// MEDIT .mesh with all digits, whole or not at all. Throws Failure (cannot_write).
-void write_volume(const std::string& path, const Volume& volume);
+// All of these appear whole or not at all, with all digits. Throw Failure (cannot_write).
+void write_volume(const std::string& path, const Volume& volume);     // MEDIT .mesh
+void write_surface(const std::string& path, const Surface& surface);  // OFF
+void write_text(const std::string& path, const std::string& text);
 
 }  // namespace fascicle::mesher

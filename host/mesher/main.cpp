@@ -1,4 +1,4 @@
-// fascicle-mesher: fills closed surfaces with tetrahedra.
+// fascicle-mesher: says what is wrong with surfaces, wraps them, and fills closed ones with tetrahedra.
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -7,16 +7,21 @@
 #include <string_view>
 #include <vector>
 
+#include <CGAL/version.h>
+
 #include "host/mesher/exit_codes.h"
 #include "host/mesher/files.h"
 #include "host/mesher/surface_check.h"
+#include "host/mesher/surface_report.h"
 #include "host/mesher/tetgen_run.h"
+#include "host/mesher/wrap.h"
 
 namespace fascicle::mesher {
 namespace {
 
 constexpr const char* help =
-    "fascicle-mesher fills closed surfaces with tetrahedra (TetGen). Licence of this program: AGPL-3.0.\n"
+    "fascicle-mesher fills closed surfaces with tetrahedra (TetGen), and wraps and examines any (CGAL).\n"
+    "Licence of this program: AGPL-3.0.\n"
     "\n"
     "  fascicle-mesher tetrahedralize IN.off OUT.mesh [--max-volume V] [--quality Q] [--points FILE]\n"
     "      Keeps the surface's vertices (first, in order) and triangles. V: largest tetrahedron, in the "
@@ -26,17 +31,31 @@ constexpr const char* help =
     "      x y z of points that become vertices where they lie inside.\n"
     "  fascicle-mesher intersections IN.off\n"
     "      Says where the surface crosses itself.\n"
+    "  fascicle-mesher report IN.off OUT.txt\n"
+    "      Writes what is wrong with any surface: parts, open, non-manifold and turned edges, crossings, "
+    "genus;\n"
+    "      a line each, with a count and vertices of the first places.\n"
+    "  fascicle-mesher wrap IN.off OUT.off --alpha A [--offset O] [--edge L | --vertices N]\n"
+    "      Writes a closed surface around any surface, at a distance of about O (default A/30), that closes "
+    "gaps\n"
+    "      and holes narrower than A; of triangles with sides of about L, or such that about N vertices fill "
+    "it.\n"
     "  fascicle-mesher --help | --version\n"
     "\n"
     "Exit status: 0 done, 2 bad usage, 3 a file cannot be read, 4 the surface is not closed, 5 it crosses "
     "itself,\n"
-    "6 out of memory, 7 TetGen failed, 8 no tetrahedra came out, 9 the result cannot be written.\n";
+    "6 out of memory, 7 TetGen failed, 8 no tetrahedra came out, 9 the result cannot be written, 10 the "
+    "surface\n"
+    "cannot be wrapped.\n";
 
 struct Options {
   std::string input, output, points;
   double max_volume = 0.0;
   double quality = 1.4;
+  WrapSettings wrap;
 };
+
+constexpr double smallest_length = 1e-30;
 
 double number_option(const std::string& name, std::string_view text, double minimum) {
   double value = 0.0;
@@ -64,6 +83,14 @@ Options parse_options(const std::vector<std::string>& arguments, std::size_t fil
       options.quality = number_option(word, value, 1.0);
     } else if (word == "--points") {
       options.points = value;
+    } else if (word == "--alpha") {
+      options.wrap.alpha = number_option(word, value, smallest_length);
+    } else if (word == "--offset") {
+      options.wrap.offset = number_option(word, value, smallest_length);
+    } else if (word == "--edge") {
+      options.wrap.edge = number_option(word, value, smallest_length);
+    } else if (word == "--vertices") {
+      options.wrap.vertices = static_cast<std::size_t>(number_option(word, value, 4.0));
     } else {
       throw Failure(bad_usage, "no option " + word + "; see --help");
     }
@@ -91,18 +118,36 @@ void run_intersections(const Options& options) {
   if (const auto where = find_intersection(surface)) throw Failure(self_intersecting, *where);
 }
 
+void run_report(const Options& options) {
+  write_text(options.output, text_of(report_surface(read_surface(options.input))));
+}
+
+void run_wrap(const Options& options) {
+  constexpr double offset_of_alpha = 1.0 / 30.0;
+  WrapSettings settings = options.wrap;
+  if (settings.alpha == 0.0) throw Failure(bad_usage, "wrap needs --alpha; see --help");
+  if (settings.offset == 0.0) settings.offset = offset_of_alpha * settings.alpha;
+  if (settings.edge && settings.vertices)
+    throw Failure(bad_usage, "--edge and --vertices exclude each other");
+  write_surface(options.output, wrap(read_surface(options.input), settings));
+}
+
 int run(const std::vector<std::string>& arguments) {
   const std::string command = arguments.empty() ? "" : arguments[0];
   if (command == "--help" || command == "-h") {
     std::fputs(help, stdout);
   } else if (command == "--version") {
-    std::puts("fascicle-mesher " FASCICLE_VERSION " (TetGen 1.5, AGPL-3.0)");
+    std::puts("fascicle-mesher " FASCICLE_VERSION " (TetGen 1.5 and CGAL " CGAL_VERSION_STR ", AGPL-3.0)");
   } else if (command == "tetrahedralize") {
     run_tetrahedralize(parse_options(arguments, 2));
   } else if (command == "intersections") {
     run_intersections(parse_options(arguments, 1));
+  } else if (command == "report") {
+    run_report(parse_options(arguments, 2));
+  } else if (command == "wrap") {
+    run_wrap(parse_options(arguments, 2));
   } else {
-    throw Failure(bad_usage, "expected tetrahedralize or intersections; see --help");
+    throw Failure(bad_usage, "expected tetrahedralize, intersections, report or wrap; see --help");
   }
   return done;
 }

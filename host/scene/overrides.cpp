@@ -123,7 +123,7 @@ std::string preroll_seconds(const std::string& text, const toml::table& root) {
 
 bool has_overrides(const SceneOverrides& o) {
   return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.preroll || o.settle || o.loop ||
-         o.seamless || o.hold;
+         o.seamless || o.hold || o.cage || o.cage_detail || o.resolution;
 }
 
 void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
@@ -159,6 +159,17 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     if (!root.contains("character"))
       throw SceneError(one_line(option + ": the scene has no character, so there is no clip to choose"));
     set(option, "character.clip", *overrides.clip);
+  }
+  const auto assign_text = [&](const char* option, const char* path,
+                               const std::optional<std::string>& value) {
+    if (value) set(std::string(option) + " " + *value, path, *value);
+  };
+  assign_text("--cage", "body.cage", overrides.cage);
+  assign_text("--cage-detail", "body.cage_detail", overrides.cage_detail);
+  assign_text("--resolution", "body.resolution", overrides.resolution);
+  if (overrides.resolution) {
+    for (const char* source : {"mesh", "character"})
+      if (toml::table* table = root.get_as<toml::table>(source)) table->erase("resolution");
   }
 }
 

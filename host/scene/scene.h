@@ -210,6 +210,15 @@ struct Force {
   double end = 1e30;
 };
 
+// How a surface or a character becomes tetrahedra.
+struct BodySettings {
+  // auto: the skin's own vertices where it encloses a volume and, of a character, is even enough; else a cage
+  // around it. off: the skin's or an error. wrap: always a cage.
+  std::string cage = "auto";
+  double cage_detail = 100.0;  // a cage closes gaps narrower than the body's diagonal divided by this
+  std::optional<std::uint32_t> vertices;  // wanted number of vertices; goes before Scene::resolution
+};
+
 struct SolverSettings {
   std::string integrator = "explicit";
   std::string rotation = "qcp";       // or "mueller2016"
@@ -250,6 +259,7 @@ struct Scene {
   Geometry geometry = Bar{};
   double scale = 1.0;                // metres per unit of the mesh file
   std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
+  BodySettings body;
   std::vector<BoneSegment> bones;
   SkeletonSettings skeleton;
   std::vector<Layer> layers;  // at least one
@@ -281,6 +291,7 @@ struct SceneOverrides {
   std::optional<double> settle = {}, hold = {};
   std::optional<std::uint32_t> loop = {};
   bool seamless = false;
+  std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};
 };
 
 bool has_overrides(const SceneOverrides& overrides);

@@ -1,6 +1,7 @@
 #include "host/scene/scene_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "host/scene/input_files.h"
@@ -321,6 +322,46 @@ void read_fibres(const toml::table& root, Scene& scene) {
                  });
 }
 
+// "20000" is a number of vertices, "20 mm" an edge length. It goes before the mesh's or character's own.
+void read_resolution(const toml::table& table, Scene& scene) {
+  const toml::node* node = table.get("resolution");
+  if (node == nullptr) return;
+  std::string text;
+  read(table, "resolution", text);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
+  const bool is_number = error == std::errc{} && std::isfinite(value);
+  constexpr double fewest = 10.0, most = 1e7, longest = 1e4;
+  const double metres = unit == "m"    ? value
+                        : unit == "cm" ? value / 100.0
+                        : unit == "mm" ? value / 1000.0
+                                       : 0.0;
+  if (is_number && unit.empty() && value >= fewest && value <= most && std::floor(value) == value) {
+    scene.body.vertices = static_cast<std::uint32_t>(value);
+  } else if (is_number && metres > 0.0 && metres <= longest) {
+    scene.resolution = metres;
+  } else {
+    fail(node->source(), "body.resolution",
+         "\"" + text +
+             "\" is neither a number of vertices from 10 to 10 million, as \"20000\", nor a length "
+             "with its unit, as \"20 mm\", \"2 cm\" or \"0.02 m\"");
+  }
+}
+
+void read_body(const toml::table& root, Scene& scene) {
+  const toml::table& table = table_at(root, "body");
+  read(table, "cage", scene.body.cage);
+  read(table, "cage_detail", scene.body.cage_detail);
+  read_resolution(table, scene);
+  if (root.contains("body") && std::holds_alternative<Bar>(scene.geometry))
+    fail(table.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
+  if (root.contains("body") && std::holds_alternative<TetMesh>(scene.geometry))
+    fail(table.source(), "body",
+         "the mesh file holds tetrahedra, they are taken as they are; leave this table out");
+}
+
 void read_bar(const toml::table& table, Scene& scene) {
   Bar bar;
   read(table, "size", bar.size);
@@ -507,6 +548,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   } else {
     read_character(table_at(root, "character"), input.folder, scene);
   }
+  read_body(root, scene);
   read_time(root, scene);
   read_motion(root, scene);
   return scene;

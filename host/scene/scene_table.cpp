@@ -233,6 +233,26 @@ struct Tables {
                 .range = positive(1e4)}},
       .choices = {{"file", "made"}}};
 
+  Table body{
+      .name = "body",
+      .doc = "How a surface or a character is filled with tetrahedra.",
+      .keys = {
+          {.name = "cage",
+           .type = KeyType::text,
+           .doc = "auto: a cage around skins that cannot be filled as they are, or of a character that is "
+                  "dense or uneven; off: never; wrap: always.",
+           .fallback = BodySettings{}.cage,
+           .allowed = {"auto", "off", "wrap"}},
+          {.name = "cage_detail",
+           .doc = "A cage closes gaps and holes narrower than the body's diagonal divided by this.",
+           .range = between(10.0, 2000.0),
+           .fallback = BodySettings{}.cage_detail},
+          {.name = "resolution",
+           .type = KeyType::text,
+           .doc = "How fine: a number of vertices (\"20000\") or an edge length with its unit (\"20 mm\", "
+                  "\"2 cm\", \"0.02 m\"). Where absent, 20000 vertices for a cage, else the surface's mean "
+                  "edge."}}};
+
   Table layer{
       .name = "layer",
       .doc = "A layer of the body. Where several claim a point, the last of the file has it.",
@@ -437,6 +457,10 @@ struct Tables {
             .type = KeyType::table,
             .doc = "The body: a character.",
             .table = &character},
+           {.name = "body",
+            .type = KeyType::table,
+            .doc = "How a surface or a character is filled with tetrahedra.",
+            .table = &body},
            {.name = "bones", .type = KeyType::named_tables, .doc = "Bones by name.", .table = &bone},
            {.name = "skeleton", .type = KeyType::table, .doc = "What joints are.", .table = &skeleton},
            {.name = "layers",

@@ -444,5 +444,36 @@ TEST(LoadScene, SaysWhatANameMayBe) {
             (folder.path() / "a.toml").string() + " is not a file");
 }
 
+TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "fascicle-resolution-test";
+  std::filesystem::create_directories(folder);
+  const std::string file = (folder / "tetrahedron.off").string();
+  write_tetrahedron_off(file);
+  const auto with = [&](const std::string& resolution) {
+    return load_scene(file, {.resolution = resolution});
+  };
+  EXPECT_EQ(with("20000").body.vertices, 20000u);
+  EXPECT_FALSE(with("20000").resolution);
+  for (const char* length : {"20mm", "20 mm", "2cm", "0.02m", "0.02 m"}) {
+    ASSERT_TRUE(with(length).resolution) << length;
+    // One division's rounding.
+    EXPECT_NEAR(*with(length).resolution, 0.02, 1e-17) << length;
+    EXPECT_FALSE(with(length).body.vertices) << length;
+  }
+  for (const char* wrong : {"", "0.02", "9", "-20mm", "20 inches", "mm", "nan", "1e30 m", "20mm2"}) {
+    try {
+      with(wrong);
+      ADD_FAILURE() << wrong;
+    } catch (const SceneError& error) {
+      EXPECT_NE(std::string(error.what()).find("body.resolution"), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage, "wrap");
+  EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage_detail, 250.0);
+  EXPECT_THROW(load_scene(file, {.cage = "maybe"}), SceneError);
+  EXPECT_THROW(load_scene(default_scene, {.cage = "wrap"}), SceneError) << "a bar has no skin";
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

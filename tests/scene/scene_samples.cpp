@@ -114,6 +114,11 @@ file = "tetrahedron.off"
 scale = 0.5
 resolution = 0.25
 
+[body]
+cage = "wrap"
+cage_detail = 50.0
+resolution = "400"
+
 [layers.body]
 alpha = 0.5
 )";
@@ -247,6 +252,8 @@ std::string describe(const Scene& scene) {
   Description d;
   d.line("name", scene.name, scene.source);
   d.line("geometry", scene.geometry.index(), scene.scale, scene.resolution);
+  d.line("body", scene.body.cage, scene.body.cage_detail,
+         scene.body.vertices ? std::to_string(*scene.body.vertices) : "");
   if (const auto* bar = std::get_if<Bar>(&scene.geometry)) {
     d.line("bar", bar->size, bar->vertices[0], bar->vertices[1], bar->vertices[2], bar->jitter, bar->seed);
   } else if (const auto* surface = std::get_if<SurfaceMesh>(&scene.geometry)) {

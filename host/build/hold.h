@@ -1,0 +1,23 @@
+// Moves the boundary of a cage outward until it holds all of the skin.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/build/cut.h"
+
+namespace fascicle::build {
+
+// Where the skin's vertices are in the cage.
+struct Hold {
+  std::vector<std::uint32_t> home;  // as in BodyMesh
+  std::vector<double> coordinate;   // the least barycentric one of each there; negative: it sticks out
+  double least = 0.0;               // of all
+};
+
+// A cage's boundary cuts off what bulges between its vertices, and thin parts. Faces are moved out over each
+// vertex of the skin that lies outside, at most `farthest` (m) a vertex; no tetrahedron loses more than
+// nine tenths of its volume.
+Hold hold_skin(CutMesh& cage, const scene::SurfaceMesh& skin, double farthest);
+
+}  // namespace fascicle::build

@@ -1,0 +1,153 @@
+#include "host/build/limbs.h"
+
+#include <algorithm>
+#include <map>
+#include <queue>
+#include <utility>
+
+#include "host/build/unions.h"
+
+namespace fascicle::build {
+
+namespace {
+
+constexpr double least_kin_share = 0.05;
+
+}  // namespace
+
+Limbs::Limbs(const scene::SurfaceMesh& skin, const SkinWeights& weights,
+             const std::vector<scene::Joint>& skeleton, Separation separation)
+    : skin_(skin), weights_(weights), skeleton_(skeleton), separation_(separation) {
+  if (weights_.offset.empty()) return;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  Unions unions(skin.vertices.size());
+  for (const auto& t : skin.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      edges.emplace_back(t[k], t[(k + 1) % 3]);
+      edges.emplace_back(t[(k + 1) % 3], t[k]);
+      unions.join(t[k], t[(k + 1) % 3]);
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edge_offset_.assign(skin.vertices.size() + 1, 0);
+  for (const auto& [from, to] : edges) {
+    ++edge_offset_[from + 1];
+    edge_end_.push_back(to);
+  }
+  for (std::size_t i = 1; i < edge_offset_.size(); ++i) edge_offset_[i] += edge_offset_[i - 1];
+  for (std::uint32_t v = 0; v < skin.vertices.size(); ++v) part_.push_back(unions.find(v));
+}
+
+std::vector<Limbs::Share> Limbs::shares_of(std::span<const std::uint32_t> triangles) const {
+  std::map<std::uint32_t, double> sum;
+  double whole = 0.0;
+  for (const std::uint32_t t : triangles)
+    for (const std::uint32_t v : skin_.triangles[t])
+      for (std::uint32_t k = weights_.offset[v]; k < weights_.offset[v + 1]; ++k) {
+        sum[weights_.joint[k]] += weights_.weight[k];
+        whole += weights_.weight[k];
+      }
+  std::vector<Share> shares;
+  for (const auto& [joint, weight] : sum) shares.push_back({joint, weight / whole});
+  return shares;
+}
+
+bool Limbs::are_kin(const std::vector<Share>& a, const std::vector<Share>& b) const {
+  for (const Share& i : a)
+    for (const Share& j : b) {
+      const auto parent_of = [&](std::uint32_t joint) { return skeleton_[joint].parent; };
+      const bool is_kin = parent_of(i.joint) == static_cast<std::int32_t>(j.joint) ||
+                          parent_of(j.joint) == static_cast<std::int32_t>(i.joint);
+      if (is_kin && i.weight >= least_kin_share && j.weight >= least_kin_share) return true;
+    }
+  return false;
+}
+
+bool Limbs::are_within_reach(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
+  std::vector<std::uint32_t> goal;
+  for (const std::uint32_t t : b)
+    goal.insert(goal.end(), skin_.triangles[t].begin(), skin_.triangles[t].end());
+  std::sort(goal.begin(), goal.end());
+  // Dijkstra, 1959, no farther than the distance.
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::map<std::uint32_t, double> reached;
+  for (const std::uint32_t t : a)
+    for (const std::uint32_t v : skin_.triangles[t])
+      if (reached.emplace(v, 0.0).second) queue.emplace(0.0, v);
+  while (!queue.empty()) {
+    const auto [length, v] = queue.top();
+    queue.pop();
+    if (length > reached[v]) continue;
+    if (std::binary_search(goal.begin(), goal.end(), v)) return true;
+    for (std::uint32_t k = edge_offset_[v]; k < edge_offset_[v + 1]; ++k) {
+      const std::uint32_t next = edge_end_[k];
+      const double farther = length + (skin_.vertices[next] - skin_.vertices[v]).norm();
+      if (farther > separation_.distance) continue;
+      const auto [place, is_new] = reached.emplace(next, farther);
+      if (!is_new && place->second <= farther) continue;
+      place->second = farther;
+      queue.emplace(farther, next);
+    }
+  }
+  return false;
+}
+
+bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
+  if (weights_.offset.empty()) return false;
+  const std::vector<Share> of_a = shares_of(a), of_b = shares_of(b);
+  double in_common = 0.0;
+  for (auto i = of_a.begin(), j = of_b.begin(); i != of_a.end() && j != of_b.end();) {
+    if (i->joint == j->joint)
+      in_common += std::min((i++)->weight, (j++)->weight);
+    else if (i->joint < j->joint)
+      ++i;
+    else
+      ++j;
+  }
+  if (in_common >= separation_.in_common) return false;
+  const bool is_one_part = part_[skin_.triangles[a[0]][0]] == part_[skin_.triangles[b[0]][0]];
+  if (!is_one_part) return !are_kin(of_a, of_b);
+  return !are_within_reach(a, b);
+}
+
+std::vector<std::vector<std::uint32_t>> Limbs::groups_of(std::span<const std::uint32_t> triangles) const {
+  std::vector<std::vector<std::uint32_t>> groups;
+  if (triangles.empty()) return groups;
+  if (weights_.offset.empty()) return {{triangles.begin(), triangles.end()}};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;  // vertex, place in `triangles`
+  for (std::uint32_t i = 0; i < triangles.size(); ++i)
+    for (const std::uint32_t v : skin_.triangles[triangles[i]]) corners.emplace_back(v, i);
+  std::sort(corners.begin(), corners.end());
+  Unions patches(triangles.size());
+  for (std::size_t k = 1; k < corners.size(); ++k)
+    if (corners[k].first == corners[k - 1].first) patches.join(corners[k].second, corners[k - 1].second);
+
+  std::map<std::uint32_t, std::vector<std::uint32_t>> found;
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) found[patches.find(i)].push_back(triangles[i]);
+  std::vector<std::vector<std::uint32_t>> patch;
+  for (auto& [first, members] : found) patch.push_back(std::move(members));
+  std::stable_sort(patch.begin(), patch.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  std::vector<std::vector<std::size_t>> group;  // of patches
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const auto home = std::find_if(group.begin(), group.end(), [&](const std::vector<std::size_t>& members) {
+      return std::none_of(members.begin(), members.end(),
+                          [&](std::size_t k) { return are_apart(patch[k], patch[i]); });
+    });
+    if (home == group.end())
+      group.push_back({i});
+    else
+      home->push_back(i);
+  }
+  for (const auto& members : group) {
+    std::vector<std::uint32_t> all;
+    for (const std::size_t k : members) all.insert(all.end(), patch[k].begin(), patch[k].end());
+    std::sort(all.begin(), all.end());
+    groups.push_back(std::move(all));
+  }
+  std::sort(groups.begin(), groups.end());
+  return groups;
+}
+
+}  // namespace fascicle::build

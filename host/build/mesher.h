@@ -1,0 +1,53 @@
+// What all calls of fascicle-mesher have in common: finding it, its exit status, its last words, a folder for
+// the files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/build/build.h"
+#include "host/build/process.h"
+
+namespace fascicle::build {
+
+// What fascicle-mesher --help says of its exit status.
+enum MesherStatus : int {
+  mesher_done = 0,
+  mesher_not_closed = 4,
+  mesher_self_intersecting = 5,
+  mesher_out_of_memory = 6,
+  mesher_failed = 7,
+  mesher_empty_result = 8,
+  mesher_wrap_failed = 10,
+};
+
+inline constexpr const char* mesher_name = "fascicle-mesher";
+
+// A folder of our own that goes when this does.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();  // throws std::system_error
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// The options' mesher, or the one beside this executable, or the first on PATH. Throws scene::SceneError.
+std::filesystem::path mesher_path(const BuildOptions& options);
+
+ProcessLimits mesher_limits(const BuildOptions& options);
+
+// The shortest text that reads back the same.
+std::string digits_of(double value);
+
+// ": " and the last line the mesher wrote, without its name, for a message of one line; or nothing.
+std::string reason(const ProcessResult& result);
+
+// Says that a result cannot be used, and what to do. Throws scene::SceneError.
+[[noreturn]] void fail_result(const std::string& what);
+
+}  // namespace fascicle::build

@@ -1,0 +1,18 @@
+// How even a mesh is.
+#pragma once
+
+#include "host/build/build.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// The mean length of the edges at each vertex: what explicit stiffness follows.
+Spread vertex_spacing(const scene::SurfaceMesh& surface);
+Spread vertex_spacing(const scene::TetMesh& mesh);
+
+Spread edge_lengths(const scene::TetMesh& mesh);
+
+// What a surface encloses, m^3; negative where it faces inward.
+double enclosed_volume(const scene::SurfaceMesh& surface);
+
+}  // namespace fascicle::build

@@ -1,0 +1,126 @@
+#include "host/build/wrap.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <string.h>
+
+#include "host/build/mesher.h"
+#include "host/scene/mesh_file.h"
+
+namespace fascicle::build {
+
+namespace {
+
+namespace fs = std::filesystem;
+using scene::SceneError;
+
+// Runs the mesher; `what` is what it does, for messages.
+void run(const std::string& what, const std::vector<std::string>& arguments, const BuildOptions& options) {
+  const fs::path mesher = mesher_path(options);
+  const ProcessLimits limits = mesher_limits(options);
+  const ProcessResult result = run_process(mesher, arguments, limits);
+  if (result.end == ProcessEnd::timed_out)
+    throw SceneError(what + " took longer than the " + digits_of(limits.seconds) +
+                     " s allowed; ask for less cage_detail or simplify the surface");
+  if (result.end == ProcessEnd::signalled)
+    throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
+                     "; simplify the surface");
+  if (result.code == mesher_out_of_memory)
+    throw SceneError(what + " needs more than the " + std::to_string(limits.bytes >> 20) +
+                     " MiB of memory allowed; ask for less cage_detail or simplify the surface");
+  if (result.code == mesher_wrap_failed)
+    throw SceneError(what + " failed" + reason(result) + "; ask for another resolution or cage_detail");
+  if (result.code != mesher_done)
+    throw SceneError(mesher.string() + " ended with exit status " + std::to_string(result.code) +
+                     reason(result) + "; check that it belongs to this version of fascicle");
+}
+
+Finding* finding_of(SurfaceFindings& findings, const std::string& name) {
+  if (name == "parts") return &findings.parts;
+  if (name == "loose_vertices") return &findings.loose_vertices;
+  if (name == "flat_triangles") return &findings.flat_triangles;
+  if (name == "open_edges") return &findings.open_edges;
+  if (name == "non_manifold_edges") return &findings.non_manifold_edges;
+  if (name == "non_manifold_vertices") return &findings.non_manifold_vertices;
+  if (name == "turned_edges") return &findings.turned_edges;
+  if (name == "inverted_parts") return &findings.inverted_parts;
+  if (name == "intersections") return &findings.intersections;
+  return nullptr;
+}
+
+SurfaceFindings parse_report(std::istream& file, std::size_t vertex_count) {
+  SurfaceFindings findings;
+  std::string line;
+  while (std::getline(file, line)) {
+    std::istringstream words(line);
+    std::string name;
+    words >> name;
+    if (name == "end") return findings;
+    if (name == "genus") {
+      words >> findings.genus;
+      if (!words) break;
+      continue;
+    }
+    Finding* finding = finding_of(findings, name);
+    if (finding == nullptr || !(words >> finding->count)) break;
+    for (std::uint32_t v = 0; words >> v;) {
+      if (v >= vertex_count) fail_result("its report names a vertex that is not there");
+      finding->vertices.push_back(v);
+    }
+  }
+  fail_result("its report ends early or cannot be read");
+}
+
+// Runs `call` and turns what the system refuses into one message.
+template <class Call>
+auto with_system_errors(Call call) {
+  try {
+    return call();
+  } catch (const std::system_error& error) {
+    throw SceneError(std::string("cannot run ") + mesher_name + ": " + error.what() +
+                     "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+  }
+}
+
+}  // namespace
+
+SurfaceFindings find_defects(const scene::SurfaceMesh& surface, const BuildOptions& options) {
+  return with_system_errors([&] {
+    const TemporaryFolder folder;
+    const fs::path in = folder.path() / "surface.off", out = folder.path() / "report.txt";
+    scene::write_off(in, surface);
+    run("examining the surface", {"report", in.string(), out.string()}, options);
+    std::ifstream file(out);
+    file.imbue(std::locale::classic());
+    return parse_report(file, surface.vertices.size());
+  });
+}
+
+scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrder& order,
+                                const BuildOptions& options) {
+  return with_system_errors([&] {
+    const TemporaryFolder folder;
+    const fs::path in = folder.path() / "surface.off", out = folder.path() / "wrap.off";
+    scene::write_off(in, surface);
+    std::vector<std::string> arguments{"wrap", in.string(), out.string(), "--alpha", digits_of(order.alpha)};
+    if (order.edge)
+      arguments.insert(arguments.end(), {"--edge", digits_of(*order.edge)});
+    else if (order.vertices)
+      arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
+    run("wrapping the surface", arguments, options);
+    try {
+      return scene::read_surface_mesh(out);
+    } catch (const SceneError& error) {
+      std::string what = error.what();
+      if (what.rfind(out.string(), 0) == 0) what.erase(0, out.string().size() + 1);
+      fail_result("line " + what);
+    }
+  });
+}
+
+}  // namespace fascicle::build

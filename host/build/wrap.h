@@ -1,0 +1,25 @@
+// The parent's side of fascicle-mesher's `report` and `wrap`.
+#pragma once
+
+#include <optional>
+
+#include "host/build/build.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// What is wrong with a surface whose equal vertices are welded. Throws scene::SceneError.
+SurfaceFindings find_defects(const scene::SurfaceMesh& surface, const BuildOptions& options);
+
+struct WrapOrder {
+  double alpha = 0.0;                     // gaps and holes narrower than this are closed over, m
+  std::optional<double> edge;             // sides of the triangles, m; else
+  std::optional<std::uint32_t> vertices;  // how many vertices shall fill the wrap
+};
+
+// A closed surface that does not cross itself around any surface, facing outward, at a thirtieth of alpha.
+// Throws scene::SceneError.
+scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrder& order,
+                                const BuildOptions& options);
+
+}  // namespace fascicle::build
