@@ -42,7 +42,7 @@ readers() { # PRESET
   cp tests/readers/*.mjs "$folder"
   if cmp -s tests/readers/package-lock.json "$folder/package-lock.json" && [ -d "$folder/node_modules" ]; then return 0; fi
   cp tests/readers/package.json tests/readers/package-lock.json "$folder"
-  (cd "$folder" && npm ci --ignore-scripts --no-audit --no-fund >&2) ||
+  (cd "$folder" && timeout 300 npm ci --ignore-scripts --no-audit --no-fund >&2) ||
     { rm -rf "$folder/node_modules"; echo "do: npm could not install the readers; their tests are skipped" >&2; }
 }
 
