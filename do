@@ -4,7 +4,7 @@
 #   ./do test [CTEST...]  build everything and run the tests
 #   ./do build [PRESET]   build a preset (release)
 #   ./do figures          bake the paper's scenes and draw docs/figures/*
-#   ./do lint             clang-format and clang-tidy over the sources
+#   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -42,7 +42,7 @@ readers() { # PRESET
   cp tests/readers/*.mjs "$folder"
   if cmp -s tests/readers/package-lock.json "$folder/package-lock.json" && [ -d "$folder/node_modules" ]; then return 0; fi
   cp tests/readers/package.json tests/readers/package-lock.json "$folder"
-  (cd "$folder" && npm ci --ignore-scripts --no-audit --no-fund >&2) ||
+  (cd "$folder" && timeout 300 npm ci --ignore-scripts --no-audit --no-fund >&2) ||
     { rm -rf "$folder/node_modules"; echo "do: npm could not install the readers; their tests are skipped" >&2; }
 }
 
@@ -82,7 +82,7 @@ case $command in
   lint)
     need $build_packages $test_packages $lint_packages
     cmake --preset release -DFASCICLE_TESTS=ON >&2
-    exec tests/house/lint.sh build/release
+    exec tests/house/lint.sh build/release "$@"
     ;;
   soak)
     need $build_packages $run_packages $test_packages

@@ -73,7 +73,11 @@ class Canvas:
                     self.pixels[3 * at:3 * at + 3] = rgb
 
     def png(self):
-        rows = b"".join(b"\0" + self.pixels[3 * self.w * y:3 * self.w * (y + 1)] for y in range(self.h))
+        above, rows = bytes(3 * self.w), b""
+        for y in range(self.h):
+            row = self.pixels[3 * self.w * y:3 * self.w * (y + 1)]
+            rows += b"\2" + bytes((a - b) & 255 for a, b in zip(row, above))  # 2: less the row above, which packs better
+            above = row
         chunk = lambda kind, body: (struct.pack(">I", len(body)) + kind + body +
                                     struct.pack(">I", zlib.crc32(kind + body)))
         return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", self.w, self.h, 8, 2, 0, 0, 0)) +
@@ -258,8 +262,8 @@ def read_png(path):
     return width, height, rows
 
 
-# Seconds of the jump: stand, crouch, push, apex, landing, the belly's lowest, recovered.
-JUMP = (0.0, 0.85, 1.13, 1.38, 1.7, 1.8, 2.1)
+# Seconds of the jump: stand, crouch, take-off, apex, the belly's lowest after landing, on the way up.
+JUMP = (0.0, 0.85, 1.13, 1.38, 1.8, 2.1)
 
 
 def figure_9(program):
@@ -272,7 +276,8 @@ def figure_9(program):
         for time in JUMP:
             path = os.path.join(OUT, f"jump-{mode}-{time}.png")
             subprocess.run([program, "render", folder, "-o", path, "--frame", str(round(time * fps)), "--mode", mode,
-                            "--turn", "-25", "--size", "200x300", "--overwrite", "-q"], check=True, stdout=subprocess.DEVNULL)
+                            "--lag-scale", "200", "--turn", "-10", "--size", "190x285", "--overwrite", "-q"],
+                           check=True, stdout=subprocess.DEVNULL)
             stills.append(read_png(path))
         strips += [b"".join(still[2][y] for still in stills) for y in range(stills[0][1])]
     canvas = Canvas(0, 0)

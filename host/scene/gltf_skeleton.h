@@ -23,7 +23,8 @@ std::vector<int> node_parents(const tinygltf::Model& model);
 // Fills the character's skeleton, root and clips: the joints of `skins` and all nodes between and above them,
 // less the chain at the top that neither skins nor moves, which becomes Character::root. Returns each node's
 // number in the skeleton, or -1. Inverse bind matrices are those of
-// the rest pose, until the skins say otherwise. Throws SceneError for joints scaled to nothing and for keys out of order.
+// the rest pose, until the skins say otherwise. Throws SceneError for joints scaled to nothing and for keys
+// out of order.
 std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
                                         const std::vector<int>& skins, Character& character);
 

@@ -125,7 +125,7 @@ class Exactness : public testing::TestWithParam<std::string> {};
 
 TEST_P(Exactness, NothingThatMustNotMatterDoes) {
   const bool large = GetParam().rfind("bar-layers", 0) == 0, bar = GetParam().rfind("bar-", 0) == 0;
-  const int frames = bar ? 600 : 60;
+  const int frames = bar ? 600 : 30;
   const Runs runs(GetParam(), frames_or(frames));
   runs.all_cpu();
   FASCICLE_NEEDS_VULKAN();
@@ -184,20 +184,20 @@ TEST(ExactnessRealInputs, Bunny) {
   const Folder folder;
   const fs::path scene = folder.path() / "bunny.toml";
   std::ofstream(scene) << text;
-  const Runs runs(scene.string(), frames_or(60));
+  const Runs runs(scene.string(), frames_or(30));
   runs.all_cpu();
   FASCICLE_NEEDS_VULKAN();
-  runs.all_vulkan(frames_or(60));
+  runs.all_vulkan(frames_or(30));
 }
 
 // A skeleton, its clip, skinning, weights carried inside, and a moving origin.
 TEST(ExactnessRealInputs, WalkingMan) {
   const fs::path man = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(man);
-  const Runs runs(man.string(), frames_or(60));
+  const Runs runs(man.string(), frames_or(30));
   runs.all_cpu();
   FASCICLE_NEEDS_VULKAN();
-  runs.all_vulkan(frames_or(60));
+  runs.all_vulkan(frames_or(30));
 }
 
 // A control: a build in which the compiler may contract a*b+c must be told apart. Without it the comparisons

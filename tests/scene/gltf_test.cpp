@@ -538,7 +538,8 @@ INSTANTIATE_TEST_SUITE_P(Cesium, WalkingMan, testing::Values("CesiumMan.glb"));
 
 class SkinnedAlike : public RealGltf {};
 
-// Products are of doubles, but the files' weights are floats and bytes, which sum to 1 to some of their rounding.
+// Products are of doubles, but the files' weights are floats and bytes, which sum to 1 to some of their
+// rounding.
 TEST_P(SkinnedAlike, as_an_independent_evaluation) {
   const Character c = scene::read_gltf(path_);
   const RealFile file(path_);
