@@ -32,7 +32,7 @@ constexpr double alpha_in_edges = 1.0;
 constexpr double separate_edges = 3.0;
 constexpr double separate_shares = 0.2;
 // How far the cage's vertices may be moved to hold the skin, in edges.
-constexpr double farthest_in_edges = 1.5;
+constexpr double farthest_in_edges = 2.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -78,7 +78,7 @@ class Sites {
         const std::vector<std::vector<std::uint32_t>>& skin_in)
       : skin_(skin), normals_(skin.vertices.size(), Vector3d::Zero()) {
     // Weighted by angle, so that the sign of a distance is right at edges and corners too (Baerentzen and
-    // Aanaes, 2005); by sines of half angles' doubles it would need no arc, but thin triangles mislead it.
+    // Aanaes, 2005).
     for (const auto& t : skin.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const Vector3d ab = (skin.vertices[t[(k + 1) % 3]] - skin.vertices[t[k]]).normalized();
@@ -87,26 +87,28 @@ class Sites {
         // (1 - cos)/sin is the tangent of half the angle: monotone in it, and made of + - * / sqrt alone.
         if (cross.norm() > 0.0) normals_[t[k]] += cross.normalized() * (1.0 - ab.dot(ac));
       }
-    std::vector<std::vector<std::uint32_t>> near(cage.vertices.size());
-    for (std::size_t i = 0; i < cage.tetrahedra.size(); ++i)
-      for (const std::uint32_t v : cage.tetrahedra[i])
+    turn_outward();
+    std::vector<std::vector<std::uint32_t>> star(cage.vertices.size()), near(cage.vertices.size());
+    for (std::uint32_t i = 0; i < cage.tetrahedra.size(); ++i)
+      for (const std::uint32_t v : cage.tetrahedra[i]) {
+        star[v].push_back(i);
         near[v].insert(near[v].end(), skin_in[i].begin(), skin_in[i].end());
-    of_vertex_.resize(cage.vertices.size());
-    for (std::size_t v = 0; v < near.size(); ++v) {
-      std::sort(near[v].begin(), near[v].end());
-      near[v].erase(std::unique(near[v].begin(), near[v].end()), near[v].end());
-      double deepest = std::numeric_limits<double>::infinity();
-      for (const auto& group : limbs.groups_of(near[v])) {
-        const SurfacePoint place = nearest(cage.vertices[v], group);
-        const double depth = signed_distance(cage.vertices[v], place);
-        if (!(depth < deepest)) continue;
-        deepest = depth;
-        of_vertex_[v] = place;
-        has_site_.resize(cage.vertices.size(), 0);
-        has_site_[v] = 1;
       }
-    }
+    for (auto& triangles : near) sort_out(triangles);
+    of_vertex_.resize(cage.vertices.size());
     has_site_.resize(cage.vertices.size(), 0);
+    for (std::size_t v = 0; v < near.size(); ++v) {
+      if (near[v].empty()) continue;
+      has_site_[v] = 1;
+      if (choose(cage.vertices[v], near[v], limbs, of_vertex_[v]) <= 0.0) continue;
+      // In front of all skin near: outside, or in a limb whose own skin is farther than one that crosses it.
+      std::vector<std::uint32_t> wide;
+      for (const std::uint32_t i : star[v])
+        for (const std::uint32_t other : cage.tetrahedra[i])
+          wide.insert(wide.end(), near[other].begin(), near[other].end());
+      sort_out(wide);
+      choose(cage.vertices[v], wide, limbs, of_vertex_[v]);
+    }
   }
 
   bool has(std::uint32_t vertex) const { return has_site_[vertex] != 0; }
@@ -126,6 +128,43 @@ class Sites {
   }
 
  private:
+  static void sort_out(std::vector<std::uint32_t>& triangles) {
+    std::sort(triangles.begin(), triangles.end());
+    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  }
+
+  // The place among the triangles, and its signed distance.
+  double choose(const Vector3d& point, const std::vector<std::uint32_t>& triangles, const Limbs& limbs,
+                SurfacePoint& site) const {
+    double deepest = std::numeric_limits<double>::infinity();
+    for (const auto& group : limbs.groups_of(triangles)) {
+      const SurfacePoint place = nearest(point, group);
+      const double depth = signed_distance(point, place);
+      if (!(depth < deepest)) continue;
+      deepest = depth;
+      site = place;
+    }
+    return deepest;
+  }
+
+  // Parts that face inward have normals that do.
+  void turn_outward() {
+    Unions parts(skin_.vertices.size());
+    for (const auto& t : skin_.triangles) {
+      parts.join(t[0], t[1]);
+      parts.join(t[1], t[2]);
+    }
+    std::vector<double> volume(skin_.vertices.size(), 0.0);
+    for (const auto& t : skin_.triangles) {
+      const std::uint32_t part = parts.find(t[0]);
+      const Vector3d& origin = skin_.vertices[part];
+      volume[part] += (skin_.vertices[t[0]] - origin)
+                          .dot((skin_.vertices[t[1]] - origin).cross(skin_.vertices[t[2]] - origin));
+    }
+    for (std::uint32_t v = 0; v < normals_.size(); ++v)
+      if (volume[parts.find(v)] < 0.0) normals_[v] = -normals_[v];
+  }
+
   double signed_distance(const Vector3d& point, const SurfacePoint& place) const {
     const auto& t = skin_.triangles[place.triangle];
     Vector3d normal = Vector3d::Zero();

@@ -22,10 +22,10 @@ using scene::Vector3d;
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 constexpr int most_passes = 6;
-constexpr int most_rounds = 25;
+constexpr int most_rounds = 40;
 // Faces are moved a little too far, so that the rounds end.
 constexpr double overshoot = 1.05;
-constexpr double least_volume_left = 0.1;
+constexpr double least_volume_left = 0.05;
 
 // The tetrahedron across from each corner, or none.
 std::vector<std::array<std::uint32_t, 4>> neighbours(const TetMesh& mesh) {

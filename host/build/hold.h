@@ -17,7 +17,7 @@ struct Hold {
 
 // A cage's boundary cuts off what bulges between its vertices, and thin parts. Faces are moved out over each
 // vertex of the skin that lies outside, at most `farthest` (m) a vertex; no tetrahedron loses more than
-// nine tenths of its volume.
+// nineteen twentieths of its volume.
 Hold hold_skin(CutMesh& cage, const scene::SurfaceMesh& skin, double farthest);
 
 }  // namespace fascicle::build

@@ -1,6 +1,7 @@
 #include "host/build/limbs.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <queue>
 #include <utility>
@@ -52,6 +53,19 @@ std::vector<Limbs::Share> Limbs::shares_of(std::span<const std::uint32_t> triang
   return shares;
 }
 
+double Limbs::in_common(const std::vector<Share>& a, const std::vector<Share>& b) {
+  double sum = 0.0;
+  for (auto i = a.begin(), j = b.begin(); i != a.end() && j != b.end();) {
+    if (i->joint == j->joint)
+      sum += std::min((i++)->weight, (j++)->weight);
+    else if (i->joint < j->joint)
+      ++i;
+    else
+      ++j;
+  }
+  return sum;
+}
+
 bool Limbs::are_kin(const std::vector<Share>& a, const std::vector<Share>& b) const {
   for (const Share& i : a)
     for (const Share& j : b) {
@@ -93,19 +107,16 @@ bool Limbs::are_within_reach(std::span<const std::uint32_t> a, std::span<const s
   return false;
 }
 
+bool Limbs::has_stranger(std::span<const std::uint32_t> triangles, const std::vector<Share>& shares) const {
+  return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t t) {
+    return in_common(shares_of(std::array{t}), shares) < separation_.in_common;
+  });
+}
+
 bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
   if (weights_.offset.empty()) return false;
   const std::vector<Share> of_a = shares_of(a), of_b = shares_of(b);
-  double in_common = 0.0;
-  for (auto i = of_a.begin(), j = of_b.begin(); i != of_a.end() && j != of_b.end();) {
-    if (i->joint == j->joint)
-      in_common += std::min((i++)->weight, (j++)->weight);
-    else if (i->joint < j->joint)
-      ++i;
-    else
-      ++j;
-  }
-  if (in_common >= separation_.in_common) return false;
+  if (!has_stranger(a, of_b) && !has_stranger(b, of_a)) return false;
   const bool is_one_part = part_[skin_.triangles[a[0]][0]] == part_[skin_.triangles[b[0]][0]];
   if (!is_one_part) return !are_kin(of_a, of_b);
   return !are_within_reach(a, b);

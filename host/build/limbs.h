@@ -24,8 +24,9 @@ class Limbs {
   Limbs(const scene::SurfaceMesh& skin, const SkinWeights& weights, const std::vector<scene::Joint>& skeleton,
         Separation separation);
 
-  // Whether two sets of triangles belong to different limbs, their weights averaged. Where there is no way at
-  // all, as between an eye and its head, neither may a joint of one be the parent of a joint of the other.
+  // Whether two sets of triangles belong to different limbs: any triangle of one has too little in common
+  // with the mean of the other, and the way between them is long enough. Where there is no way at all, as
+  // between an eye and its head, neither may a joint of one be the parent of a joint of the other.
   bool are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
 
   // Triangles put together by limb: first those that share corners; then each such patch, the largest first,
@@ -38,6 +39,9 @@ class Limbs {
     double weight;
   };
   std::vector<Share> shares_of(std::span<const std::uint32_t> triangles) const;
+  static double in_common(const std::vector<Share>& a, const std::vector<Share>& b);
+  // Whether any of the triangles has less in common with the shares than the separation asks.
+  bool has_stranger(std::span<const std::uint32_t> triangles, const std::vector<Share>& shares) const;
   bool are_kin(const std::vector<Share>& a, const std::vector<Share>& b) const;
   // Whether the way along edges from one set of triangles to the other is at most the distance.
   bool are_within_reach(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
