@@ -14,7 +14,7 @@ namespace fascicle::bake {
 
 namespace {
 
-constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t most_in_mdd = std::numeric_limits<std::int32_t>::max();
 
 void append_big_endian(std::string& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>((value >> shift) & 255u);
@@ -24,7 +24,7 @@ void append_big_endian(std::string& out, float value) {
   append_big_endian(out, std::bit_cast<std::uint32_t>(value));
 }
 
-std::uint64_t header_bytes(std::uint64_t samples) {
+std::uint64_t mdd_header_bytes(std::uint64_t samples) {
   return 8 + samples * sizeof(float);
 }
 
@@ -36,13 +36,13 @@ class MddSink final : public FrameSink {
     unit_ = info.model->unit;
     const std::uint64_t points = info.model->surface_count(), samples = info.frames + 1;
     if (points == 0) throw BakeError("mdd: the scene has no surface to write; leave out --format mdd");
-    if (points > most || samples > most)
-      throw BakeError("mdd: the format counts to " + number_text(most) +
+    if (points > most_in_mdd || samples > most_in_mdd)
+      throw BakeError("mdd: the format counts to " + number_text(most_in_mdd) +
                       " points and frames, and this bake has " + number_text(points) + " and " +
                       number_text(samples) + "; leave out --format mdd");
     const std::filesystem::path path = info.folder / "surface.mdd";
     if (info.first > 0) {
-      file_.emplace(PartFile::resume(path, header_bytes(samples) + info.first * points * 3 * sizeof(float)));
+      file_.emplace(PartFile::resume(path, mdd_header_bytes(samples) + info.first * points * 3 * sizeof(float)));
       return;
     }
     std::string header;
@@ -75,7 +75,7 @@ std::unique_ptr<FrameSink> make_mdd_sink() {
 }
 
 std::uint64_t mdd_bytes(const model::Model& model, std::uint64_t frames) {
-  return header_bytes(frames) + frames * model.surface_count() * 3 * sizeof(float);
+  return mdd_header_bytes(frames) + frames * model.surface_count() * 3 * sizeof(float);
 }
 
 }  // namespace fascicle::bake

@@ -12,8 +12,8 @@ namespace fascicle::bake {
 
 namespace {
 
-constexpr std::uint64_t header_bytes = 32;
-constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t pc2_header_bytes = 32;
+constexpr std::uint64_t most_in_pc2 = std::numeric_limits<std::int32_t>::max();
 
 class Pc2Sink final : public FrameSink {
  public:
@@ -23,13 +23,13 @@ class Pc2Sink final : public FrameSink {
     unit_ = info.model->unit;
     const std::uint64_t points = info.model->surface_count(), samples = info.frames + 1;
     if (points == 0) throw BakeError("pc2: the scene has no surface to write; leave out --format pc2");
-    if (points > most || samples > most)
-      throw BakeError("pc2: the format counts to " + number_text(most) +
+    if (points > most_in_pc2 || samples > most_in_pc2)
+      throw BakeError("pc2: the format counts to " + number_text(most_in_pc2) +
                       " points and frames, and this bake has " + number_text(points) + " and " +
                       number_text(samples) + "; leave out --format pc2");
     const std::filesystem::path path = info.folder / "surface.pc2";
     if (info.first > 0) {
-      file_.emplace(PartFile::resume(path, header_bytes + info.first * points * 3 * sizeof(float)));
+      file_.emplace(PartFile::resume(path, pc2_header_bytes + info.first * points * 3 * sizeof(float)));
       return;
     }
     std::string header("POINTCACHE2", 12);
@@ -60,7 +60,7 @@ std::unique_ptr<FrameSink> make_pc2_sink() {
 }
 
 std::uint64_t pc2_bytes(const model::Model& model, std::uint64_t frames) {
-  return header_bytes + frames * model.surface_count() * 3 * sizeof(float);
+  return pc2_header_bytes + frames * model.surface_count() * 3 * sizeof(float);
 }
 
 }  // namespace fascicle::bake

@@ -50,10 +50,10 @@ std::vector<VertexArea> vertex_areas(const scene::SurfaceMesh& surface) {
 }
 
 // Each joint's part in each vertex, with the joints below it: pairs (joint, weight) of every vertex.
-using Parts = std::vector<std::vector<std::pair<std::uint32_t, double>>>;
+using PartsWithBelow = std::vector<std::vector<std::pair<std::uint32_t, double>>>;
 
-Parts parts_with_below(const scene::Character& character) {
-  Parts parts(character.surface.vertices.size());
+PartsWithBelow parts_with_below(const scene::Character& character) {
+  PartsWithBelow parts(character.surface.vertices.size());
   std::vector<double> weight(character.skeleton.size(), 0.0);
   for (std::size_t v = 0; v < parts.size(); ++v) {
     std::vector<std::uint32_t> touched;
@@ -330,7 +330,7 @@ class Chooser {
   BoneChoice choice_;
   std::vector<Vector3d> place_;   // of a joint, m
   std::vector<Vector3d> middle_;  // of a joint's skin, m
-  Parts parts_;
+  PartsWithBelow parts_;
   std::vector<VertexArea> areas_;
   std::vector<char> is_bone_, ends_chain_, is_twist_;
   std::vector<char> is_cut_;  // the bone that leads to this joint runs outside the skin

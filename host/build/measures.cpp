@@ -15,7 +15,7 @@ namespace fascicle::build {
 
 namespace {
 
-constexpr double own_share = 0.02;
+constexpr double least_own_share = 0.02;
 constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
 // A vertex with this much of its weight on kinematic joints is part of a head, a hand or a foot.
 constexpr double following_share = 0.5;
@@ -35,7 +35,7 @@ double share_of(const Body& body, std::size_t vertex, std::int32_t joint) {
 bool is_own_bone(const Body& body, std::size_t vertex, const Bone& bone) {
   if (body.skin.offset.empty() || bone.owners == no_owners) return true;
   return std::any_of(bone.owners.begin(), bone.owners.end(), [&](std::int32_t owner) {
-    return owner >= 0 && share_of(body, vertex, owner) >= own_share;
+    return owner >= 0 && share_of(body, vertex, owner) >= least_own_share;
   });
 }
 

@@ -36,13 +36,13 @@ class Descriptor {
   int number_;
 };
 
-[[noreturn]] void fail(int error, const std::string& what) {
+[[noreturn]] void throw_error(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
 }
 
 std::pair<Descriptor, Descriptor> make_pipe() {
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail(errno, "pipe");
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw_error(errno, "pipe");
   return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
@@ -86,7 +86,7 @@ struct Launch {
 // A limit of ours, or the one that holds already if that is lower.
 rlimit limit_of(decltype(RLIMIT_AS) resource, rlim_t soft, rlim_t hard) {
   rlimit current{};
-  if (::getrlimit(resource, &current) != 0) fail(errno, "getrlimit");
+  if (::getrlimit(resource, &current) != 0) throw_error(errno, "getrlimit");
   return {std::min(soft, current.rlim_max), std::min(hard, current.rlim_max)};
 }
 
@@ -148,7 +148,7 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
       Clock::now() +
       std::chrono::milliseconds(static_cast<long long>(std::clamp(limits.seconds, 0.0, 1e9) * 1e3));
   const pid_t child = ::fork();
-  if (child < 0) fail(errno, "fork");
+  if (child < 0) throw_error(errno, "fork");
   if (child == 0) start_child(launch);
   ::setpgid(child, child);  // here too: whichever of the two comes first
   child_error.close();
@@ -170,7 +170,7 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
   }
   for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {
   }
-  if (reported == static_cast<ssize_t>(sizeof exec_error)) fail(exec_error, name);
+  if (reported == static_cast<ssize_t>(sizeof exec_error)) throw_error(exec_error, name);
   if (!ended || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) {
     result.end = ProcessEnd::timed_out;
   } else if (WIFSIGNALED(status)) {

@@ -46,6 +46,13 @@ void replace_file(const fs::path& path, const fs::path& temporary, std::string_v
 
 }  // namespace
 
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
 void rename_over(const fs::path& from, const fs::path& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) fail("cannot rename to", to);
 }

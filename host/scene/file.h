@@ -50,6 +50,9 @@ void sync_folder(const std::filesystem::path& folder);
 // The new name takes the place of what it named before.
 void rename_over(const std::filesystem::path& from, const std::filesystem::path& to);
 
+// With its dot; only ASCII letters are lowered.
+std::string lower_extension(const std::filesystem::path& path);
+
 // Suffix of what write_whole writes before the final name appears.
 inline constexpr const char* temporary_suffix = ".tmp";
 // `path` holds either its old content or all of `bytes`, whatever happens.

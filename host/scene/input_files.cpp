@@ -6,6 +6,8 @@
 #include <memory>
 #include <system_error>
 
+#include "host/scene/file.h"
+
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -49,13 +51,6 @@ std::string hash_of_file(const std::filesystem::path& path) {
 
 void add_hash(const std::filesystem::path& path, Scene& scene) {
   scene.input_hashes.emplace_back(path.string(), hash_of_file(path));
-}
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return extension;
 }
 
 }  // namespace

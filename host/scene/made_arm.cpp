@@ -10,12 +10,11 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double degree = 0.017453292519943295;  // rad
-constexpr double skin_spacing = 0.014;           // m
-constexpr double keys_a_second = 60.0;
+constexpr double arm_spacing = 0.014; // m
+constexpr double curl_keys_a_second = 60.0;
 constexpr double duration = 4.0;  // s
 
-const Vector3d elbow_place(0.30, 0.0, 0.0), hinge(0.0, 0.0, 1.0);
+const Vector3d elbow_place(0.30, 0.0, 0.0), elbow_axis(0.0, 0.0, 1.0);
 
 struct ArmJoints {
   std::uint32_t shoulder, upper_arm, forearm, hand;
@@ -58,12 +57,12 @@ double curl_degrees(double time) {
 Clip curl(const Character& arm, const ArmJoints& j, double bind_degrees) {
   std::vector<double> times;
   std::vector<WorldPose> poses;
-  const auto keys = static_cast<int>(std::round(duration * keys_a_second));
+  const auto keys = static_cast<int>(std::round(duration * curl_keys_a_second));
   for (int k = 0; k <= keys; ++k) {
-    times.push_back(k / keys_a_second);
+    times.push_back(k / curl_keys_a_second);
     WorldPose pose{bind_place(arm.skeleton[j.shoulder]),
                    std::vector<Matrix3d>(arm.skeleton.size(), Matrix3d::Identity())};
-    pose.turns[j.forearm] = turn_about(hinge, degree * (curl_degrees(times.back()) - bind_degrees));
+    pose.turns[j.forearm] = turn_about(elbow_axis, degree * (curl_degrees(times.back()) - bind_degrees));
     pose.turns[j.hand] = pose.turns[j.forearm];
     poses.push_back(pose);
   }
@@ -73,7 +72,7 @@ Clip curl(const Character& arm, const ArmJoints& j, double bind_degrees) {
 }  // namespace
 
 Character make_arm(double bind_degrees) {
-  const Matrix3d bend = turn_about(hinge, degree * bind_degrees);
+  const Matrix3d bend = turn_about(elbow_axis, degree * bind_degrees);
   Character arm;
   ArmJoints j{};
   j.shoulder = add_joint(arm, "shoulder", -1, {-0.06, 0.0, 0.0});
@@ -82,7 +81,7 @@ Character make_arm(double bind_degrees) {
   j.hand = add_joint(arm, "hand", static_cast<std::int32_t>(j.forearm),
                      elbow_place + bend * Vector3d(0.26, 0.0, 0.0));
   const Sculpture sculpture = arm_sculpture(j, bend);
-  arm.surface = polygonise(sculpture, skin_spacing);
+  arm.surface = polygonise(sculpture, arm_spacing);
   bind_skin(sculpture, arm);
   arm.clips.push_back(curl(arm, j, bind_degrees));
   return arm;

@@ -5,14 +5,13 @@
 namespace fascicle::scene {
 namespace {
 
-constexpr double skin_spacing = 0.03;  // m
-
-Vector3d mirrored(Vector3d place, std::size_t side) {
-  if (side == 1) place.x() = -place.x();
-  return place;
-}
+constexpr double bear_spacing = 0.03;  // m
 
 }  // namespace
+
+Vector3d mirrored(const Vector3d& place, std::size_t side) {
+  return side == 0 ? place : Vector3d(-place.x(), place.y(), place.z());
+}
 
 BearJoints add_bear_skeleton(Character& character) {
   BearJoints j{};
@@ -91,7 +90,7 @@ Character make_bear() {
   Character bear;
   const BearJoints joints = add_bear_skeleton(bear);
   const Sculpture sculpture = bear_sculpture(joints, bear);
-  bear.surface = polygonise(sculpture, skin_spacing);
+  bear.surface = polygonise(sculpture, bear_spacing);
   bind_skin(sculpture, bear);
   bear.clips.push_back(bear_jump(bear, joints, masses_of_joints(sculpture, bear.skeleton.size(), 0.04)));
   return bear;

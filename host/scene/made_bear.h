@@ -15,6 +15,9 @@ struct BearJoints {
   std::array<std::uint32_t, 2> shoulder, upper_arm, forearm, hand, thigh, shin, foot, toe;
 };
 
+// A place on the left side of the bear, or its mirror image: side 0 or 1.
+Vector3d mirrored(const Vector3d& place, std::size_t side);
+
 BearJoints add_bear_skeleton(Character& character);
 Sculpture bear_sculpture(const BearJoints& joints, const Character& character);
 

@@ -15,8 +15,7 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double degree = 0.017453292519943295;  // rad
-constexpr double keys_a_second = 120.0;
+constexpr double jump_keys_a_second = 120.0;
 constexpr double jump_duration = 3.2;
 constexpr double landing = jump_take_off + jump_flight;
 // Of the centre of mass over where it is in the bind pose, m: higher at take-off, because the arms are up.
@@ -26,13 +25,6 @@ constexpr double take_off_speed =
 constexpr double landing_speed = take_off_speed - jump_gravity * jump_flight;
 
 const Vector3d right_to_left(1.0, 0.0, 0.0), upwards(0.0, 1.0, 0.0), forwards(0.0, 0.0, 1.0);
-
-Vector3d unit(const Vector3d& v) {
-  return v / std::sqrt(v.squaredNorm());
-}
-Vector3d mirrored(const Vector3d& v, std::size_t side) {
-  return side == 0 ? v : Vector3d(-v.x(), v.y(), v.z());
-}
 
 // Heights of the centre of mass over where it stands in the bind pose.
 const std::vector<MotionKey>& heave() {
@@ -188,8 +180,8 @@ class BearPoser {
     const Vector3d bound = unit(place(lower) - place(upper));
     const Vector3d wanted = swing * (spread * Vector3d(0.0, -1.0, 0.0));
     pose.turns[upper] = pose.turns[joints_.chest] * shortest_turn(bound, wanted);
-    const Vector3d hinge = unit(bound.cross(forwards));
-    pose.turns[lower] = pose.turns[upper] * turn_about(hinge, degree * (curves_.elbow.at(time) - 14.0));
+    const Vector3d elbow_hinge = unit(bound.cross(forwards));
+    pose.turns[lower] = pose.turns[upper] * turn_about(elbow_hinge, degree * (curves_.elbow.at(time) - 14.0));
     pose.turns[hand] = pose.turns[lower];
   }
 
@@ -226,9 +218,9 @@ Clip bear_jump(const Character& character, const BearJoints& joints, const std::
   const BearPoser poser(character, joints, masses);
   std::vector<double> times;
   std::vector<WorldPose> poses;
-  const auto keys = static_cast<int>(std::round(jump_duration * keys_a_second));
+  const auto keys = static_cast<int>(std::round(jump_duration * jump_keys_a_second));
   for (int k = 0; k <= keys; ++k) {
-    times.push_back(k / keys_a_second);
+    times.push_back(k / jump_keys_a_second);
     poses.push_back(poser.pose(times.back()));
   }
   return clip_of_poses(character, "jump", times, poses);

@@ -72,11 +72,11 @@ Matrix3d shortest_turn(const Vector3d& from, const Vector3d& to) {
   return Matrix3d::Identity() + cross + cross * cross / (1.0 + from.dot(to));
 }
 
-namespace {
-
 Vector3d unit(const Vector3d& v) {
   return v / std::sqrt(v.squaredNorm());
 }
+
+namespace {
 
 // Axes of a bone: along it, across the limb's plane, and the third.
 Matrix3d frame(const Vector3d& along, const Vector3d& side) {

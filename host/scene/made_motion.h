@@ -32,6 +32,9 @@ struct MotionKey {
 };
 double motion_at(const std::vector<MotionKey>& keys, double time);
 
+inline constexpr double degree = 0.017453292519943295;  // rad
+
+Vector3d unit(const Vector3d& v);                                         // the same direction, length 1
 Eigen::Matrix3d turn_about(const Vector3d& axis, double radians);         // axis of length 1
 Eigen::Matrix3d shortest_turn(const Vector3d& from, const Vector3d& to);  // both of length 1, not opposite
 

@@ -135,7 +135,7 @@ std::vector<double> sample_grid(const Sculpture& sculpture, const Grid& grid) {
   return field;
 }
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
+constexpr std::uint32_t no_part = ~std::uint32_t{0};
 
 // The twelve edges of a cell, by axis and by where they lie along the next two; corners have a bit an axis.
 std::size_t cell_edge(std::size_t axis, std::size_t a, std::size_t b) {
@@ -182,7 +182,7 @@ std::array<std::size_t, 12> sheets_of_cell(const std::array<bool, 8>& inside) {
 // around each crossed edge of the grid one quadrilateral, cut along its shorter diagonal.
 SurfaceMesh surface_nets(const Grid& grid, const std::vector<double>& field) {
   SurfaceMesh mesh;
-  std::vector<std::uint32_t> slot_of_cell(field.size(), none);
+  std::vector<std::uint32_t> slot_of_cell(field.size(), no_part);
   std::vector<std::array<std::uint32_t, 12>> vertex_of_edge;  // a slot
   for (int k = 0; k + 1 < grid.points[2]; ++k)
     for (int j = 0; j + 1 < grid.points[1]; ++j)
@@ -197,7 +197,7 @@ SurfaceMesh surface_nets(const Grid& grid, const std::vector<double>& field) {
         if (std::all_of(inside.begin(), inside.end(), [&](bool in) { return in == inside[0]; })) continue;
         slot_of_cell[grid.index(i, j, k)] = static_cast<std::uint32_t>(vertex_of_edge.size());
         std::array<std::uint32_t, 12>& vertex = vertex_of_edge.emplace_back();
-        vertex.fill(none);
+        vertex.fill(no_part);
         const std::array<std::size_t, 12> sheet = sheets_of_cell(inside);
         for (std::size_t first = 0; first < 12; ++first) {
           Vector3d sum = Vector3d::Zero();

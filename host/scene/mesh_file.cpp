@@ -12,20 +12,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "host/scene/file.h"
 #include "host/scene/mesh_readers.h"
 
 namespace fascicle::scene {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return extension;
-}
 
 bool is_one_of(const std::string& extension, std::initializer_list<const char*> list) {
   return std::any_of(list.begin(), list.end(), [&](const char* each) { return extension == each; });

@@ -15,10 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 json manifest_of(const std::filesystem::path& folder) {
   return json::parse(read_text(folder / "manifest.json"), nullptr, false);
 }

@@ -13,10 +13,6 @@
 namespace fascicle::tests {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 std::vector<std::string> lines(const std::string& text) {
   std::vector<std::string> found;
   std::istringstream stream(text);
@@ -146,10 +142,10 @@ TEST(CommandLine, SchemaIsJson) {
 }
 
 TEST(CommandLine, DevicesNamesTheCpuAndEveryVulkanDevice) {
-  const Outcome text = fascicle({"devices"}), json = fascicle({"devices", "--json"});
+  const Outcome text = fascicle({"devices"}), as_json = fascicle({"devices", "--json"});
   EXPECT_EQ(text.status, 0);
-  EXPECT_EQ(json.status, 0);
-  const nlohmann::json devices = nlohmann::json::parse(json.out);
+  EXPECT_EQ(as_json.status, 0);
+  const nlohmann::json devices = nlohmann::json::parse(as_json.out);
   EXPECT_TRUE(contains(text.out, devices.at("cpu").at("name").get<std::string>()));
   EXPECT_GE(devices.at("cpu").at("threads").get<unsigned>(), 1u);
   for (const nlohmann::json& device : devices.at("vulkan")) {

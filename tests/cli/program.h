@@ -72,4 +72,8 @@ namespace fascicle::tests {
 std::string why_no_vulkan();
 bool vulkan_is_required();
 
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 }  // namespace fascicle::tests

@@ -14,10 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST(Validate, CpuAndVulkanAreIdentical) {
   NEEDS_VULKAN();
   const Outcome text = fascicle({"validate", "bar-hang-along", "--devices", "cpu,vulkan", "--frames", "4"});

@@ -18,7 +18,7 @@
 namespace fascicle::tests {
 namespace {
 
-constexpr model::Read everything{.positions = true, .velocities = true, .surface = true};
+constexpr model::Read all_but_skinned{.positions = true, .velocities = true, .surface = true};
 
 struct Counts {
   std::vector<std::uint64_t> slices;  // of each submission
@@ -48,8 +48,8 @@ class Submissions : public VulkanTest {
       BarMotion motion(model, 3);
       for (std::uint64_t k = 1; k <= 4; ++k) {
         const model::Drive drive = motion.drive(k);
-        vulkan->submit(drive, everything);
-        cpu->submit(drive, everything);
+        vulkan->submit(drive, all_but_skinned);
+        cpu->submit(drive, all_but_skinned);
         const model::Frame ours = vulkan->collect(), reference = cpu->collect();
         ASSERT_EQ(ours.positions, reference.positions) << "frame " << k;
         ASSERT_EQ(ours.velocities, reference.velocities) << "frame " << k;
@@ -70,7 +70,7 @@ TEST_F(Submissions, WithoutLimitsAFrameOfASmallBodyIsOne) {
   gpu::Device device(*index);
   const auto vulkan = gpu::make_experimental_solver(device, model, {}, counts.watching());
   BarMotion motion(model, 3);
-  vulkan->submit(motion.drive(1), everything);
+  vulkan->submit(motion.drive(1), all_but_skinned);
   EXPECT_EQ(counts.slices.size(), 1u);
   // skin, region and update of each substep; embed has 37 render vertices, two slices.
   EXPECT_EQ(counts.slices[0], 3 * 3 * slices_of_stage + 2);
@@ -108,8 +108,8 @@ TEST_F(Submissions, OnlySoManyFramesAreUnderWayAndTheOrderStays) {
   constexpr std::uint64_t frames = 3 * gpu::most_frames_in_flight;
   for (std::uint64_t k = 1; k <= frames; ++k) {
     const model::Drive drive = motion.drive(k);
-    vulkan->submit(drive, everything);
-    cpu->submit(drive, everything);
+    vulkan->submit(drive, all_but_skinned);
+    cpu->submit(drive, all_but_skinned);
   }
   EXPECT_EQ(counts.slots, gpu::most_frames_in_flight);
   for (std::uint64_t k = 1; k <= frames; ++k) {

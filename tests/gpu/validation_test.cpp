@@ -44,14 +44,14 @@ class Validation : public VulkanTest {
       EXPECT_TRUE(device.self_test());
       const auto solver = gpu::make_experimental_solver(device, m, {}, experiments);
       BarMotion motion(m, 3);
-      const model::Read everything{.positions = true, .velocities = true, .surface = true};
-      for (std::uint64_t k = 1; k <= 4; ++k) solver->submit(motion.drive(k), everything);
+      const model::Read read{.positions = true, .velocities = true, .surface = true};
+      for (std::uint64_t k = 1; k <= 4; ++k) solver->submit(motion.drive(k), read);
       for (std::uint64_t k = 1; k <= 4; ++k) solver->collect();
       const model::State state = solver->save();
       Ignore probe;
       solver->submit(motion.drive(5), {}, &probe);
       solver->load(state);
-      solver->submit(motion.drive(5), everything);
+      solver->submit(motion.drive(5), read);
     }
     return messages;
   }

@@ -43,7 +43,7 @@ bool is_shader(const std::string& path) {
 }
 
 // Every breach in one kernel or shader, as "path:line: why: text".
-std::vector<std::string> breaches(const Source& source) {
+std::vector<std::string> forbidden_words(const Source& source) {
   static const std::regex directive(R"re(^\s*#\s*include\b)re");
   // Whole numbers may be divided, by a constant that shows it is one.
   static const std::regex whole_division(R"re(/\s*(slice_width\b|[0-9]+u\b))re");
@@ -69,7 +69,7 @@ TEST(KernelWords, KernelsAndShadersUseExactArithmeticOnly) {
     if (!source.path.starts_with("shaders/") || (!is_kernel(source.path) && !is_shader(source.path)))
       continue;
     ++seen;
-    for (const std::string& breach : breaches(source)) ADD_FAILURE() << breach;
+    for (const std::string& breach : forbidden_words(source)) ADD_FAILURE() << breach;
   }
   EXPECT_GE(seen, 12u) << "a kernel and a shader for each of the six stages";
 }
@@ -88,15 +88,15 @@ TEST(KernelWords, PlantedBreachesAreSeen) {
                            "double d;",           "r = x + 0.0f;",
                            "r = 0.0 * x;",        "atomicAdd(total, 1u);",
                            "r = subgroupAdd(x);"}) {
-    EXPECT_FALSE(breaches({"shaders/kernel/bad.inc", std::string(line) + "\n"}).empty()) << line;
-    EXPECT_FALSE(breaches({"shaders/bad.comp", std::string(line) + "\n"}).empty()) << line;
+    EXPECT_FALSE(forbidden_words({"shaders/kernel/bad.inc", std::string(line) + "\n"}).empty()) << line;
+    EXPECT_FALSE(forbidden_words({"shaders/bad.comp", std::string(line) + "\n"}).empty()) << line;
   }
   for (const char* line : {"// r = sqrt(x) / 2", "/* a / b */", "r = reciprocal_sqrt(x);",
                            "for (int step = 0; step < 6; ++step)", "#include \"shaders/kernel/scalar.inc\"",
                            "r = a + 0.05f;", "sum.x = 0.0f;", "r = 10.0f * x;"})
-    EXPECT_TRUE(breaches({"shaders/kernel/good.inc", std::string(line) + "\n"}).empty()) << line;
-  EXPECT_TRUE(breaches({"shaders/good.comp", "uint s = i / slice_width + j / 4u;\n"}).empty());
-  EXPECT_FALSE(breaches({"shaders/kernel/bad.inc", "uint s = i / 4u;\n"}).empty());
+    EXPECT_TRUE(forbidden_words({"shaders/kernel/good.inc", std::string(line) + "\n"}).empty()) << line;
+  EXPECT_TRUE(forbidden_words({"shaders/good.comp", "uint s = i / slice_width + j / 4u;\n"}).empty());
+  EXPECT_FALSE(forbidden_words({"shaders/kernel/bad.inc", "uint s = i / 4u;\n"}).empty());
 }
 
 }  // namespace

@@ -102,9 +102,9 @@ TEST(Picture, EdgesAreMixedByArea) {
   for (int k = 0; k <= 16; ++k) {
     const float shift = static_cast<float>(k) / 16.0f;
     // In pixels of 1 cm; sides 22 + shift to 42 + shift across, and as far up.
-    render::Shape white = square({0.01f * shift, 0.01f * shift, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {1, 1, 1});
-    white.finish = render::Finish::ink;
-    const std::vector<render::Shape> shapes{white};
+    render::Shape panel = square({0.01f * shift, 0.01f * shift, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}, {1, 1, 1});
+    panel.finish = render::Finish::ink;
+    const std::vector<render::Shape> shapes{panel};
     render::Backdrop black;
     black.top = black.bottom = Vector3f::Zero();
     const Image image = render::render(shapes, camera_on_z(1.0, 100.0, 64, 64), black, 1);
