@@ -42,7 +42,8 @@ class MddSink final : public FrameSink {
                       number_text(samples) + "; leave out --format mdd");
     const std::filesystem::path path = info.folder / "surface.mdd";
     if (info.first > 0) {
-      file_.emplace(PartFile::resume(path, mdd_header_bytes(samples) + info.first * points * 3 * sizeof(float)));
+      file_.emplace(
+          PartFile::resume(path, mdd_header_bytes(samples) + info.first * points * 3 * sizeof(float)));
       return;
     }
     std::string header;

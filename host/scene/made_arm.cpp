@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double arm_spacing = 0.014; // m
+constexpr double arm_spacing = 0.014;  // m
 constexpr double curl_keys_a_second = 60.0;
 constexpr double duration = 4.0;  // s
 

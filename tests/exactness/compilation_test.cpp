@@ -1,6 +1,7 @@
 // What the exactness tests rest on: that the flavours of frame_hashes hold all code whose numbers reach a
 // result, compiled as their names say, and that no object with kernel arithmetic holds a fused multiply-add
 // (rule 3).
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -44,6 +45,20 @@ std::string optimisation(const std::string& command) {
   return last;
 }
 
+// The sources, from the project's folder, that a file of a unity build includes; none for any other file.
+std::vector<std::string> united_sources(const fs::path& file) {
+  std::vector<std::string> found;
+  if (file.parent_path().filename() != "Unity") return found;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t open = line.find('"'), close = line.rfind('"');
+    if (line.rfind("#include", 0) != 0 || open == close) continue;
+    found.push_back(
+        fs::path(line.substr(open + 1, close - open - 1)).lexically_relative(FASCICLE_SOURCE_DIR));
+  }
+  return found;
+}
+
 // Every source that turns input into numbers is compiled into every flavour, at the flavour's level.
 TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
   std::ifstream file(std::string(FASCICLE_BINARY_DIR) + "/compile_commands.json");
@@ -66,7 +81,9 @@ TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
       if (command.find(output) == std::string::npos) continue;
       EXPECT_EQ(optimisation(command), level) << entry["file"];
       EXPECT_NE(command.find("-ffp-contract=off"), std::string::npos) << entry["file"];
-      compiled.insert(fs::path(entry["file"].get<std::string>()).lexically_relative(FASCICLE_SOURCE_DIR));
+      const fs::path compiled_file(entry["file"].get<std::string>());
+      compiled.insert(compiled_file.lexically_relative(FASCICLE_SOURCE_DIR));
+      for (const std::string& source : united_sources(compiled_file)) compiled.insert(source);
     }
     for (const std::string& source : sources)
       EXPECT_TRUE(compiled.count(source)) << source << " is not compiled into frame_hashes_" << flavour;
@@ -89,14 +106,16 @@ std::vector<std::string> kernel_sources() {
 }
 
 // "cpu_reference/stages.cpp" in .../cpu_reference/CMakeFiles/ROOM.dir/stages.cpp.o, or in
-// .../FLAVOUR.dir/__/__/cpu_reference/stages.cpp.o.
+// .../FLAVOUR.dir/__/__/cpu_reference/stages.cpp.o, or in an object of a unity build.
 std::vector<std::string> objects_of(const std::string& source, const std::string& all) {
   const fs::path path(source);
   std::vector<std::string> found;
   for (const std::string& object : split(all)) {
     const bool own = ends_with(object, "/" + path.filename().string() + ".o") &&
                      object.find("/" + path.parent_path().string() + "/CMakeFiles/") != std::string::npos;
-    if (own || ends_with(object, "/__/" + source + ".o")) found.push_back(object);
+    const std::vector<std::string> united = united_sources(fs::path(object).replace_extension());
+    const bool is_united = std::find(united.begin(), united.end(), source) != united.end();
+    if (own || is_united || ends_with(object, "/__/" + source + ".o")) found.push_back(object);
   }
   return found;
 }
