@@ -17,6 +17,8 @@ namespace {
 constexpr double weight_steps = 8388608.0;  // 2^23: multiples up to 2 are floats, and so are their sums
 // A vertex's home is left where its joints have less than this in common with the vertex's.
 constexpr double enough_agreement = 0.5;
+// Of what the best tetrahedron near has in common with a vertex: this much, and they move together.
+constexpr double enough_part = 0.25;
 // Less than this, and the skin does not move with its own joints.
 constexpr double little_agreement = 0.1;
 // What sticking out by a whole barycentric coordinate costs, in agreement: at -0.25 the right limb is as bad
@@ -107,9 +109,16 @@ class Seating {
     // Where nothing near has the vertex's joints (an eye in a head), what has most of them agrees.
     double most = 0.0;
     for (const Seat& s : seats) most = std::max(most, s.agreement);
+    const auto part = [&](const Seat& s) { return most > 0.0 ? s.agreement / most : 1.0; };
+    // A place that holds the vertex comes first. Only where the vertex's own limb does not hold it, and what
+    // does moves with other joints altogether, sticking out of the limb is better than riding on another.
+    const auto holds = [](const Seat& s) { return least(s.weights) >= least_barycentric; };
+    const bool is_held = holds(at_home) || std::any_of(seats.begin(), seats.end(), [&](const Seat& s) {
+                           return holds(s) && part(s) >= enough_part;
+                         });
+    if (is_held) std::erase_if(seats, [&](const Seat& s) { return !holds(s); });
     const auto worth = [&](const Seat& s) {
-      return (most > 0.0 ? s.agreement / most : 1.0) -
-             cost_of_sticking_out * std::max(0.0, -least(s.weights));
+      return part(s) - cost_of_sticking_out * std::max(0.0, -least(s.weights));
     };
     // Ties go to the home, then to the lowest tetrahedron.
     return *std::min_element(seats.begin(), seats.end(), [&](const Seat& a, const Seat& b) {

@@ -43,13 +43,13 @@ std::vector<Vector3d> bone_directions(const std::vector<Bone>& bones) {
   return direction;
 }
 
-struct Skin {
+struct Boundary {
   scene::SurfaceMesh boundary;
   std::vector<Vector3d> normal;  // of a vertex: sum of its triangles' area vectors; 0 inside
 };
 
-Skin skin_of(const Body& body) {
-  Skin skin{{body.mesh.vertices, boundary_triangles(body.mesh, "mesh")}, {}};
+Boundary boundary_of(const Body& body) {
+  Boundary skin{{body.mesh.vertices, boundary_triangles(body.mesh, "mesh")}, {}};
   skin.normal.assign(body.mesh.vertices.size(), Vector3d::Zero());
   for (const auto& t : skin.boundary.triangles) {
     const Vector3d& a = skin.boundary.vertices[t[0]];
@@ -68,7 +68,7 @@ Vector3d in_tangent_plane(const Vector3d& direction, const Vector3d& normal) {
 }
 
 // What is painted at each boundary vertex, interpolated at the nearest place of the character's skin.
-std::vector<Vector3d> painted_directions(const Body& body, const Skin& skin) {
+std::vector<Vector3d> painted_directions(const Body& body, const Boundary& skin) {
   std::vector<Vector3d> direction(body.mesh.vertices.size(), Vector3d::Zero());
   const auto attribute =
       std::find_if(body.painted.begin(), body.painted.end(),
@@ -158,7 +158,7 @@ std::vector<FibreConstraint> fibre_constraints(const scene::Scene& scene,
                                                Measures& measures) {
   const Body& body = measures.body();
   const std::vector<Vector3d> along = bone_directions(body.bones);
-  const Skin skin = skin_of(body);
+  const Boundary skin = boundary_of(body);
   const std::vector<Vector3d> painted = painted_directions(body, skin);
   std::vector<FibreConstraint> constraints;
   for (std::uint32_t i = 0; i < layer_of.size(); ++i) {

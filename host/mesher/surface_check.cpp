@@ -15,13 +15,6 @@ struct HalfEdge {
   bool is_forward = false;  // its triangle passes it from low to high
 };
 
-bool has_area(const Point& a, const Point& b, const Point& c) {
-  const auto cross_part = [&](std::size_t i, std::size_t j) {
-    return (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
-  };
-  return cross_part(0, 1) != 0.0 || cross_part(1, 2) != 0.0 || cross_part(2, 0) != 0.0;
-}
-
 void check_triangles(const Surface& surface) {
   std::vector<bool> is_used(surface.vertices.size(), false);
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
@@ -81,6 +74,13 @@ void check_edges(const Surface& surface) {
 }
 
 }  // namespace
+
+bool has_area(const Point& a, const Point& b, const Point& c) {
+  const auto cross_part = [&](std::size_t i, std::size_t j) {
+    return (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
+  };
+  return cross_part(0, 1) != 0.0 || cross_part(1, 2) != 0.0 || cross_part(2, 0) != 0.0;
+}
 
 void check_closed(const Surface& surface) {
   check_places(surface);

@@ -10,4 +10,7 @@ namespace fascicle::mesher {
 // fails, counted from 0.
 void check_closed(const Surface& surface);
 
+// Whether three points are not in a line, as far as double precision tells.
+bool has_area(const Point& a, const Point& b, const Point& c);
+
 }  // namespace fascicle::mesher

@@ -7,6 +7,8 @@
 #include <tuple>
 #include <vector>
 
+#include "host/mesher/surface_check.h"
+
 namespace fascicle::mesher {
 namespace {
 
@@ -35,14 +37,14 @@ class Unions {
   std::vector<int> parent_;
 };
 
-struct HalfEdge {
+struct EdgeOfTriangle {
   int low, high;
   bool is_forward;
   int triangle;
 };
 
-std::vector<HalfEdge> sorted_half_edges(const Surface& surface) {
-  std::vector<HalfEdge> edges;
+std::vector<EdgeOfTriangle> sorted_half_edges(const Surface& surface) {
+  std::vector<EdgeOfTriangle> edges;
   edges.reserve(3 * surface.triangles.size());
   for (std::size_t i = 0; i < surface.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -50,17 +52,10 @@ std::vector<HalfEdge> sorted_half_edges(const Surface& surface) {
       const int to = surface.triangles[i][(k + 1) % 3];
       edges.push_back({std::min(from, to), std::max(from, to), from < to, static_cast<int>(i)});
     }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+  std::sort(edges.begin(), edges.end(), [](const EdgeOfTriangle& a, const EdgeOfTriangle& b) {
     return std::tuple(a.low, a.high, a.triangle) < std::tuple(b.low, b.high, b.triangle);
   });
   return edges;
-}
-
-bool has_area(const Point& a, const Point& b, const Point& c) {
-  const auto part = [&](std::size_t i, std::size_t j) {
-    return (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
-  };
-  return part(0, 1) != 0.0 || part(1, 2) != 0.0 || part(2, 0) != 0.0;
 }
 
 double six_volumes(const Point& a, const Point& b, const Point& c) {
@@ -77,14 +72,14 @@ struct Part {
 
 // Fans: triangles around a vertex that are joined by edges at it. More than one is a point where parts of the
 // surface meet. Corners are numbered 3 x triangle + place.
-std::vector<int> pinched_vertices(const Surface& surface, const std::vector<HalfEdge>& edges) {
+std::vector<int> pinched_vertices(const Surface& surface, const std::vector<EdgeOfTriangle>& edges) {
   Unions corners(3 * surface.triangles.size());
   const auto corner_at = [&](int triangle, int vertex) {
     const auto& t = surface.triangles[static_cast<std::size_t>(triangle)];
     return 3 * triangle + static_cast<int>(std::find(t.begin(), t.end(), vertex) - t.begin());
   };
   for (std::size_t i = 1; i < edges.size(); ++i) {
-    const HalfEdge &a = edges[i - 1], &b = edges[i];
+    const EdgeOfTriangle &a = edges[i - 1], &b = edges[i];
     if (a.low != b.low || a.high != b.high) continue;
     for (const int v : {a.low, a.high}) corners.join(corner_at(a.triangle, v), corner_at(b.triangle, v));
   }
@@ -140,7 +135,7 @@ SurfaceReport report_surface(const Surface& surface) {
     part.six_volumes += six_volumes(p[0], p[1], p[2]);
   }
 
-  const std::vector<HalfEdge> edges = sorted_half_edges(surface);
+  const std::vector<EdgeOfTriangle> edges = sorted_half_edges(surface);
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i;
     while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;

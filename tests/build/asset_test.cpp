@@ -21,12 +21,6 @@ namespace {
 using model::Model;
 using scene::Vector3d;
 
-build::BuildOptions with_mesher() {
-  build::BuildOptions options;
-  options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
-  return options;
-}
-
 Vector3d metres(const Model& m, std::uint32_t i) {
   Vector3d p;
   for (std::size_t a = 0; a < 3; ++a)

@@ -1,6 +1,7 @@
 // Scenes and checks that the build tests share.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -24,6 +25,12 @@ inline scene::Scene bar_scene() {
   scene.layers = {body};
   scene.pins = {{"end", {scene::HalfSpace{scene::Axis::x, true, true, 0.0}}}};
   return scene;
+}
+
+inline build::BuildOptions with_mesher() {
+  build::BuildOptions options;
+  options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+  return options;
 }
 
 inline model::Model build_with(const scene::Scene& scene, const build::BuildOptions& options) {
