@@ -471,7 +471,7 @@ TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
   EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage, "wrap");
   EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage_detail, 250.0);
   EXPECT_THROW(load_scene(file, {.cage = "maybe"}), SceneError);
-  EXPECT_THROW(load_scene(default_scene, {.cage = "wrap"}), SceneError) << "a bar has no skin";
+  EXPECT_THROW(load_scene("bar-hang-none", {.cage = "wrap"}), SceneError) << "a bar has no skin";
   std::filesystem::remove_all(folder);
 }
 
