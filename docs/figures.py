@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Bakes the built-in scenes and draws docs/figures/figure-{6,7,8}.svg and figure-9.png.
+"""Bakes the built-in scenes and draws docs/figures/figure-{6,7,8}.svg, figure-9.png and lag.svg.
 
-    python3 docs/figures.py build/release/fascicle
+    python3 docs/figures.py build/release/fascicle [CHARACTER.glb CLIP]
+
+With a character, the lag of its clip's flesh is drawn too, in lag-character.svg.
 
 Only Python's standard library is used. Pictures of bars are rasterised here (flat shading, depth buffer) and stand inside
 the SVG as PNG; curves and words are vectors. The bear is drawn by `fascicle render`.
@@ -20,9 +22,9 @@ OUT = "out/figures"
 MUSCLE, FAT, SINGLE = (0.74, 0.24, 0.22), (0.93, 0.76, 0.42), (0.45, 0.58, 0.78)
 
 
-def bake(program, name):
-    folder = os.path.join(OUT, name)
-    subprocess.run([program, "bake", name, "-o", folder, "--format", "pc2", "--device", "cpu", "--overwrite", "-q"],
+def bake(program, name, folder=None, more=()):
+    folder = os.path.join(OUT, folder or name)
+    subprocess.run([program, "bake", name, "-o", folder, "--format", "pc2", "--device", "cpu", "--overwrite", "-q", *more],
                    check=True, stdout=subprocess.DEVNULL)
     return folder
 
@@ -289,10 +291,42 @@ def figure_9(program):
     return {"belly, lowest and highest, m": [f([m["belly_y"] for m in metrics]) for f in (min, max)]}
 
 
+def lag(program, scene, figure, more=()):
+    """How far each layer is behind the skeleton; the clip's last pose is held for as long as the flesh may take to settle."""
+    hold = 1.5
+    metrics = read_bake(bake(program, scene, figure, ["--hold", str(hold), *more]))["metrics"]
+    layers = [(name, ink) for name, ink in (("fat", "#c98a00"), ("muscle", "#a52a2a")) if f"lag_{name}" in metrics[0]]
+    end, peak = metrics[-1]["time"], max(m[f"lag_{name}"] for name, _ in layers for m in metrics)
+    width, height, left, top, w, h = 960, 300, 70, 30, 860, 220
+    px = lambda t: left + w * t / end
+    py = lambda y: top + h - h * y / (1.05 * peak)
+    step = next(s for s in (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0) if peak / s < 8)
+    body = f'<rect x="{px(end - hold)}" y="{top}" width="{w * hold / end}" height="{h}" fill="#f4f4f4"/>\n'
+    body += text(px(end - hold / 2), top + h - 8, "last pose held", font_size=12)
+    for k in range(int(2 * end) + 1):
+        body += f'<line x1="{px(k / 2)}" x2="{px(k / 2)}" y1="{top}" y2="{top + h}" stroke="#e4e4e4"/>\n' + text(px(k / 2), top + h + 18, f"{k / 2:g} s")
+    for k in range(int(1.05 * peak / step) + 1):
+        body += f'<line x1="{left}" x2="{left + w}" y1="{py(k * step)}" y2="{py(k * step)}" stroke="#e4e4e4"/>\n' + text(left - 8, py(k * step) + 5, f"{1000 * k * step:g} mm", "end")
+    settled = {}
+    for k, (name, ink) in enumerate(layers):
+        curve = [m[f"lag_{name}"] for m in metrics]
+        points = " ".join(f"{px(m['time']):.1f},{py(y):.1f}" for m, y in zip(metrics, curve))
+        body += f'<polyline points="{points}" fill="none" stroke="{ink}" stroke-width="2"/>\n'
+        body += text(left + 60 + 80 * k, 20, name, fill=ink, font_weight="bold")
+        settled[name] = {"peak, m": max(curve), "at the end, m": curve[-1],
+                         "1.5 s before the end, less the end, of the peak": (next(y for m, y in zip(metrics, curve) if m["time"] >= end - hold) - curve[-1]) / max(curve)}
+    body += text(left + w, 20, "root mean square distance to where skinning alone has the layer", "end", font_size=12)
+    svg(figure, width, height, body)
+    return settled
+
+
 def main():
     program = sys.argv[1]
+    if len(sys.argv) > 3:
+        print(json.dumps({"lag, character": lag(program, sys.argv[2], "lag-character", ["--clip", sys.argv[3]])}, indent=2))
+        return
     print(json.dumps({"figure 6, stretch": figure_6(program), "figure 7, drop": figure_7(program),
-                      "figure 8, RMS distance of tips": figure_8(program), "figure 9": figure_9(program)}, indent=2))
+                      "figure 8, RMS distance of tips": figure_8(program), "figure 9": figure_9(program), "lag": lag(program, "jump", "lag")}, indent=2))
 
 
 if __name__ == "__main__":
