@@ -16,9 +16,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cpu_reference/cpu_solver.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/model/validate.h"
+#include "tests/bake/bending_bar.h"
 #include "tests/bake/fake_solver.h"
 
 namespace fascicle::tests {
@@ -163,6 +165,40 @@ TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
     EXPECT_EQ(second.frames_done, 9u);
     EXPECT_EQ(content_of(out), whole) << "stopped after frame " << last;
     EXPECT_EQ(manifest_in(out)["timings"]["runs"], 2);
+  }
+}
+
+// What leads in before frame 0 is not run again, and its end is the state that frame 0 starts from.
+TEST(BakeResume, GoesOnAfterALeadIn) {
+  const TemporaryFolder folder;
+  BendingBar bar = bending_bar(0.2);
+  bar.character().clips.push_back({"bent", 0.2, {turn_channel(1, {0.0, 0.2}, {1.0, 1.4})}});
+  // Three riders, each on a vertex, are all its skin.
+  bar.model.surface_vertex = {0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5};
+  bar.model.surface_weight = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  bar.model.surface_triangle = {0, 1, 2};
+  bar.character().surface = {{3, Eigen::Vector3d::Zero()}, {{0, 1, 2}}};
+  bar.character().joints.assign(3, {});
+  bar.character().weights.assign(3, {1.0});
+  bar.scene.motion.preroll = 0.1;
+  bar.scene.motion.settle = 0.3;
+  const auto bake_bar = [&](BakeOptions options, std::uint64_t last) {
+    std::atomic<bool> interrupted = false;
+    options.interrupted = &interrupted;
+    options.on_frame = [&](std::uint64_t frame, std::uint64_t) { interrupted = frame >= last; };
+    const auto solver = cpu_reference::make_cpu_solver(bar.model, {}, 2);
+    return bake(bar.scene, bar.model, *solver, options);
+  };
+  const std::uint64_t frames = bake_bar(options_for(folder / "whole"), 1000).frames_done;
+  EXPECT_EQ(frames, 12u);
+  const auto whole = content_of(folder / "whole");
+  for (const std::uint64_t last : {1u, 7u}) {
+    const fs::path out = folder / ("cut" + std::to_string(last));
+    EXPECT_TRUE(bake_bar(options_for(out), last).interrupted);
+    BakeOptions options = options_for(out);
+    options.resume = true;
+    EXPECT_EQ(bake_bar(options, 1000).frames_done, frames);
+    EXPECT_EQ(content_of(out), whole) << "stopped after frame " << last;
   }
 }
 

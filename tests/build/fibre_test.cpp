@@ -265,6 +265,39 @@ TEST(FibreConstraints, FollowDrawnCurves) {
   EXPECT_GE(drawn, 5u);
 }
 
+TEST(FibreConstraints, FollowPaint) {
+  const scene::Scene scene = boned_bar();
+  build::Body body = body_of(scene);
+  body.painted_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
+  // Slanted, and a little out of the top face, over one half; the other half is left unpainted. The second is
+  // the first turned round: a direction is a line.
+  const Vector3d slanted(0.3, 0.1, 0.2), in_the_top = Vector3d(0.3, 0.0, 0.2).normalized();
+  body.painted = {{"_FIBER", 3, {}}};
+  const auto is_painted = [](const Vector3d& p) { return p[0] < 0.21; };
+  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i) {
+    const bool painted = is_painted(body.mesh.vertices[i]);
+    for (int k = 0; k < 3; ++k)
+      body.painted[0].values.push_back(painted ? (i % 2 ? 1 : -1) * slanted[k] : 0.0);
+  }
+  build::Measures measures(body);
+  const std::vector<std::uint32_t> layer_of(body.mesh.vertices.size(), 0u);
+  std::size_t painted = 0, others = 0;
+  for (const FibreConstraint& c : build::fibre_constraints(scene, layer_of, 0.02, measures)) {
+    const Vector3d& p = body.mesh.vertices[c.vertex];
+    // Inside the top face, where its normal is y.
+    if (p[1] < 0.08 - 1e-9 || p[0] < 0.01 || p[0] > 0.39 || p[2] < 0.01 || p[2] > 0.07) continue;
+    if (is_painted(p)) {
+      EXPECT_GE(std::abs(c.direction.dot(in_the_top)), 1.0 - 1e-12);
+      ++painted;
+    } else {
+      EXPECT_LT(std::abs(c.direction.dot(in_the_top)), 0.95);
+      ++others;
+    }
+  }
+  EXPECT_GT(painted, 20u);
+  EXPECT_GT(others, 20u);
+}
+
 TEST(FibreDirections, OfAModelComeFromTheField) {
   build::Report report;
   const model::Model model = build::build_model(boned_bar(), report);
