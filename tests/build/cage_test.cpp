@@ -361,28 +361,52 @@ TEST(Legs, AreNotFused) {
   }
 }
 
-class CagesOfAssets : public ::testing::TestWithParam<const char*> {};
+// The measure of limbs that were fused: edges whose ends lie at skin with nothing in common and
+// farther apart along it than five edges.
+std::size_t fused_edges(const Filled& filled, const std::vector<scene::Joint>& skeleton) {
+  const double edge = (filled.report.fill.cage.edges.low + filled.report.fill.cage.edges.high) / 2.0;
+  constexpr double nothing = 1e-9;
+  const build::Limbs limbs(filled.welded.surface, filled.skin, skeleton, {5.0 * edge, nothing});
+  std::set<std::array<std::uint32_t, 2>> edges;
+  for (const auto& t : filled.body.mesh.tetrahedra)
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(t[i], t[j]), std::max(t[i], t[j])});
+  return static_cast<std::size_t>(std::count_if(edges.begin(), edges.end(), [&](const auto& e) {
+    return limbs.are_apart(std::array{filled.body.anchor[e[0]].triangle},
+                           std::array{filled.body.anchor[e[1]].triangle});
+  }));
+}
+
+class CagesOfAssets : public ::testing::TestWithParam<std::pair<const char*, std::uint32_t>> {};
 
 TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
-  const std::filesystem::path file = asset(GetParam());
+  const std::filesystem::path file = asset(GetParam().first);
   FASCICLE_NEEDS_ASSET(file);
   scene::Scene scene = scene_of(scene::read_gltf(file));
-  // A quarter of the default, for the tests' time.
-  scene.body.vertices = 5000;
+  scene.body.vertices = GetParam().second;
   Filled filled = fill(scene);
   EXPECT_FALSE(filled.body.keeps_skin);
   // The bounds. The skin's own volume is below that of a fine wrap around it.
   EXPECT_LE(filled.report.fill.cage.spacing.ratio(), 4.0);
   build::embed_surface(std::get<scene::Character>(scene.geometry).surface, filled.welded, filled.body,
                        filled.weights, filled.skin, filled.report);
-  EXPECT_GE(filled.report.fill.least_barycentric, -0.05);
+  // Toes thinner than the cage's edges: where a cut between two of them ends, a few edges still join them,
+  // and single vertices stick out further than -0.05.
+  const bool has_toes = std::string(GetParam().first).rfind("mh_", 0) == 0;
+  EXPECT_GE(filled.report.fill.least_barycentric, has_toes ? -0.1 : -0.05);
   EXPECT_LE(build::total_volume(filled.body.mesh), 1.08 * filled.report.fill.cage.skin_volume);
   EXPECT_EQ(parts_of(filled.body.mesh), 1u);
-  EXPECT_NEAR(static_cast<double>(filled.body.mesh.vertices.size()), 5000.0, 0.3 * 5000.0);
+  EXPECT_LE(fused_edges(filled, std::get<scene::Character>(scene.geometry).skeleton), has_toes ? 5u : 0u);
+  const double wanted = GetParam().second;
+  EXPECT_NEAR(static_cast<double>(filled.body.mesh.vertices.size()), wanted, 0.3 * wanted);
   EXPECT_NO_THROW(build::boundary_triangles(filled.body.mesh, "test"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, CagesOfAssets, ::testing::Values("CesiumMan.glb", "animals_pack_Fox.glb"));
+// A quarter of the default, for the tests' time, where the thinnest parts allow it.
+INSTANTIATE_TEST_SUITE_P(Files, CagesOfAssets,
+                         ::testing::Values(std::pair{"CesiumMan.glb", 5000u},
+                                           std::pair{"animals_pack_Fox.glb", 5000u},
+                                           std::pair{"mh_fat_selfint.glb", 20000u}));
 
 }  // namespace
 }  // namespace fascicle::tests
