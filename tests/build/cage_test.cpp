@@ -251,7 +251,7 @@ void expect_cage(const SurfaceMesh& surface, const std::string& reason) {
   EXPECT_GE(least_at_home(filled), -0.05);
   for (const auto& t : filled.body.mesh.tetrahedra) ASSERT_GT(build::signed_volume(filled.body.mesh, t), 0.0);
   EXPECT_NO_THROW(build::boundary_triangles(filled.body.mesh, "test"));
-  // The bound on unevenness.
+  // The bound on unevenness.
   EXPECT_LE(filled.report.fill.cage.spacing.ratio(), 4.0);
 }
 
@@ -277,7 +277,7 @@ TEST(Cage, OfCrossingBallsIsOneSolid) {
   const double d = Vector3d(0.6, 0.013, 0.007).norm();
   const double lens = pi * (4.0 * r + d) * (2.0 * r - d) * (2.0 * r - d) / 12.0;
   const double both = 2.0 * 4.0 / 3.0 * pi * r * r * r - lens;
-  // Below: balls of 24 facets around enclose 2.5 % less. Above: the 8 %.
+  // Below: balls of 24 facets around enclose 2.5 % less. Above: the 8 % a cage may add.
   EXPECT_GT(build::total_volume(filled.body.mesh), 0.97 * both);
   EXPECT_LT(build::total_volume(filled.body.mesh), 1.08 * both);
 }
@@ -361,7 +361,7 @@ TEST(Legs, AreNotFused) {
   }
 }
 
-// The measure of limbs that were fused: edges whose ends lie at skin with nothing in common and
+// The measure of limbs that were fused: edges whose ends lie at skin with nothing in common and
 // farther apart along it than five edges.
 std::size_t fused_edges(const Filled& filled, const std::vector<scene::Joint>& skeleton) {
   const double edge = (filled.report.fill.cage.edges.low + filled.report.fill.cage.edges.high) / 2.0;
@@ -386,7 +386,7 @@ TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   scene.body.vertices = GetParam().second;
   Filled filled = fill(scene);
   EXPECT_FALSE(filled.body.keeps_skin);
-  // The bounds. The skin's own volume is below that of a fine wrap around it.
+  // The bounds a cage must keep. The skin's own volume is below that of a fine wrap around it.
   EXPECT_LE(filled.report.fill.cage.spacing.ratio(), 4.0);
   build::embed_surface(std::get<scene::Character>(scene.geometry).surface, filled.welded, filled.body,
                        filled.weights, filled.skin, filled.report);
