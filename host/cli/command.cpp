@@ -25,8 +25,7 @@ std::string warning_text(const build::Warning& warning) {
 std::string nearest_scene_hint(const std::string& name) {
   std::vector<std::string> names;
   for (const scene::BuiltinScene& scene : scene::builtin_scenes()) names.push_back(scene.name);
-  const std::string nearest = scene::nearest_name(name, names);
-  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+  return scene::nearest_name_hint(name, names);
 }
 
 void add_log_options(CLI::App& subcommand, LogOptions& log) {

@@ -36,8 +36,9 @@ std::string usage_text(const CLI::ParseError& error, const CLI::App& app, int ar
   std::vector<std::string> names;
   for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(subcommand->get_name());
-  return "there is no command \"" + std::string(argv[1]) + "\"; did you mean " +
-         scene::nearest_name(argv[1], names) + "? See fascicle --help";
+  const std::string hint = scene::nearest_name_hint(argv[1], names);
+  return "there is no command \"" + std::string(argv[1]) + "\"" + hint + (hint.empty() ? "; see" : " See") +
+         " fascicle --help";
 }
 
 ExitCode report(Log& log, const std::string& message, ExitCode code) {

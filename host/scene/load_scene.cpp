@@ -25,8 +25,8 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
   throw SceneError(name +
                    ": no such scene; give a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj "
                    ".ply .stl), a "
-                   "character (.glb .gltf) or a built-in scene; did you mean " +
-                   nearest_name(name, names) + "?");
+                   "character (.glb .gltf) or a built-in scene" +
+                   nearest_name_hint(name, names));
 }
 
 }  // namespace

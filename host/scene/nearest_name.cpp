@@ -34,7 +34,14 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
       std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
         return edit_distance(given, a) < edit_distance(given, b);
       });
-  return nearest == names.end() ? std::string{} : *nearest;
+  if (nearest == names.end()) return {};
+  const bool is_near = 2 * edit_distance(given, *nearest) <= std::max(given.size(), nearest->size());
+  return is_near ? *nearest : std::string{};
+}
+
+std::string nearest_name_hint(std::string_view given, const std::vector<std::string>& names) {
+  const std::string nearest = nearest_name(given, names);
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
 }
 
 }  // namespace fascicle::scene

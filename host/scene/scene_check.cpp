@@ -116,8 +116,7 @@ void check_text(const toml::node& node, const Key& key, const std::string& path)
   const auto& allowed = key.allowed;
   if (allowed.empty() || std::find(allowed.begin(), allowed.end(), text->get()) != allowed.end()) return;
   fail(node.source(), path,
-       in_quotes(text->get()) + " is not one of " + list(allowed) + "; did you mean " +
-           nearest_name(text->get(), allowed) + "?");
+       in_quotes(text->get()) + " is not one of " + list(allowed) + nearest_name_hint(text->get(), allowed));
 }
 
 void check_texts(const toml::node& node, const Key& key, const std::string& path) {
@@ -283,10 +282,11 @@ void fail(const toml::source_region& source, std::string_view path, std::string_
 
 void fail_unknown(const toml::source_region& source, std::string_view path, std::string_view name,
                   const std::vector<std::string>& names) {
-  const std::string there_is =
-      names.empty() ? "there is none here"
-                    : "did you mean " + nearest_name(name, names) + "? Known here: " + list(names);
-  fail(source, join_path(path, name.substr(0, longest_name)), "unknown; " + there_is);
+  const std::string hint = nearest_name_hint(name, names);
+  const std::string there_is = names.empty()  ? "; there is none here"
+                               : hint.empty() ? "; known here: " + list(names)
+                                              : hint + " Known here: " + list(names);
+  fail(source, join_path(path, name.substr(0, longest_name)), "unknown" + there_is);
 }
 
 std::vector<Entry> in_order(const toml::table& table) {

@@ -436,6 +436,7 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
 
 TEST(LoadScene, SaysWhatANameMayBe) {
   EXPECT_NE(refusal("bar-layer-iii").find("did you mean bar-layers-iii?"), std::string::npos);
+  EXPECT_EQ(refusal("no-such-thing-at-all").find("did you mean"), std::string::npos);
   EXPECT_EQ(refusal("/nowhere/a.toml"), "/nowhere/a.toml does not exist");
   EXPECT_EQ(refusal("/nowhere/a.glb"), "/nowhere/a.glb does not exist");
   const TemporaryFolder folder;
