@@ -161,14 +161,22 @@ void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Forc
   }
 }
 
-// (15)(16)(17), the identity outside the muscles.
+// (15)(16)(17) of all muscles of a region, then the shear of their twist; the identity outside the muscles.
 Matrix3d Oracle::Impl::scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const {
-  if (model.muscle_count == 0 || model.region_muscle[r] == shader::no_muscle) return Matrix3d::Identity();
-  const float* values = &model.region_normal[4 * std::size_t{r}];
-  const Vector3d n = Vector3d(values[0], values[1], values[2]).stableNormalized();
-  const shader::Muscle& muscle = muscles[model.region_muscle[r]];
-  const Vector3d tau(muscle.tau_x, muscle.tau_y, muscle.tau_z);
-  return muscle_scale(n, muscle_stretch(values[3], muscle.activation, n, tau));
+  if (model.muscle_count == 0) return Matrix3d::Identity();
+  const shader::RegionFrame& directions = model.region_frame[r];
+  const Vector3d n =
+      Vector3d(directions.normal_x, directions.normal_y, directions.normal_z).stableNormalized();
+  const Vector3d axis(directions.axis_x, directions.axis_y, directions.axis_z);
+  const Vector3d around(directions.around_x, directions.around_y, directions.around_z);
+  double bulge = 0.0, shear = 0.0;
+  for (std::uint32_t e = model.muscle_offset[r]; e < model.muscle_offset[r + 1]; ++e) {
+    const shader::RegionMuscle& entry = model.region_muscle[e];
+    const shader::Muscle& muscle = muscles[entry.muscle];
+    bulge += double(entry.bulge) * (n.dot(Vector3d(muscle.tau_x, muscle.tau_y, muscle.tau_z)) + muscle.swell);
+    shear += double(entry.shear) * muscle.twist;
+  }
+  return muscle_twist(axis, around, shear) * muscle_scale(n, muscle_stretch(bulge));
 }
 
 // (8) and (9). A moment below 2^-40 of the rest moment keeps the last rotation, and so does a region without

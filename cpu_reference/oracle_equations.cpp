@@ -104,8 +104,8 @@ Vector3d moved_position(const Vector3d& q, const Vector3d& v, double h) {
 }
 
 // (17) c = 1 + gain beta_r sin(theta) (n_r . tau), kept in [0.25, 4]
-double muscle_stretch(double gain, double activation, const Vector3d& n, const Vector3d& tau) {
-  return std::clamp(1.0 + gain * activation * n.dot(tau), 0.25, 4.0);
+double muscle_stretch(double bulge) {
+  return std::clamp(1.0 + bulge, 0.25, 4.0);
 }
 
 // (15) T_r = D M D^T with D = [d1 d2 d3] orthonormal, d1 = n_r
@@ -118,6 +118,10 @@ Matrix3d muscle_scale(const Vector3d& n, double c) {
   D.col(2) = D.col(0).cross(D.col(1));
   const Vector3d M(c, 1.0 / std::sqrt(c), 1.0 / std::sqrt(c));
   return D * M.asDiagonal() * D.transpose();
+}
+
+Matrix3d muscle_twist(const Vector3d& axis, const Vector3d& around, double shear) {
+  return Matrix3d::Identity() + shear * around * axis.transpose();
 }
 
 }  // namespace fascicle::cpu_reference

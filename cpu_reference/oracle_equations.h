@@ -57,10 +57,14 @@ Eigen::Vector3d damped_velocity(const Eigen::Vector3d& v, const Eigen::Vector3d&
 // (5)
 Eigen::Vector3d moved_position(const Eigen::Vector3d& q, const Eigen::Vector3d& v, double h);
 
-// (17) c, the stretch along n_r; `gain` holds beta_r, `activation` the function of the joint angle.
-double muscle_stretch(double gain, double activation, const Eigen::Vector3d& n, const Eigen::Vector3d& tau);
+// (17) c, the stretch along n_r, from what is added to 1: gain beta_r sin(theta) (n_r . tau), of all muscles.
+double muscle_stretch(double bulge);
 
 // (15)(16) T_r from the unit vector n_r (zero: no direction, identity) and the stretch c.
 Eigen::Matrix3d muscle_scale(const Eigen::Vector3d& n, double c);
+
+// What twisting a limb does to a place in it beside turning it: `around` stands across `axis`, the bone's,
+// and away from it; shear is the twist per length times the distance from the axis. Determinant 1.
+Eigen::Matrix3d muscle_twist(const Eigen::Vector3d& axis, const Eigen::Vector3d& around, double shear);
 
 }  // namespace fascicle::cpu_reference

@@ -75,6 +75,26 @@ Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fiel
   return kernel::predict_velocity<float>(velocity, acceleration, in.step.h);
 }
 
+// The region has a muscle.
+Matrix scale_of_muscles(const Model& model, const SubstepInput& in, std::uint32_t r) {
+  const shader::RegionFrame& frame = model.region_frame[r];
+  const Vector n{frame.normal_x, frame.normal_y, frame.normal_z};
+  float bulge = 0.0f, shear = 0.0f;
+  for (std::uint32_t e = model.muscle_offset[r]; e < model.muscle_offset[r + 1]; ++e) {
+    const shader::RegionMuscle& entry = model.region_muscle[e];
+    const shader::Muscle& m = in.muscles[entry.muscle];
+    const float bulge_term =
+        kernel::muscle_bulge<float>(n, entry.bulge, {m.tau_x, m.tau_y, m.tau_z}, m.swell);
+    const float shear_term = entry.shear * m.twist;
+    const bool is_first = e == model.muscle_offset[r];
+    bulge = is_first ? bulge_term : bulge + bulge_term;
+    shear = is_first ? shear_term : shear + shear_term;
+  }
+  return kernel::muscle_twist<float>(kernel::muscle_scale<float>(n, bulge),
+                                     {frame.axis_x, frame.axis_y, frame.axis_z},
+                                     {frame.around_x, frame.around_y, frame.around_z}, shear);
+}
+
 Vector blended_goal(const Model& model, const Fields& fields, std::uint32_t i) {
   const Transform own = load_transform(fields.transforms, i);
   Transform blend = own;
@@ -156,12 +176,9 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
     }
     Matrix moment = kernel::region_moment<float>(sum, o);
     Matrix scale{};
-    const bool has_muscle = model.muscle_count > 0 && model.region_muscle[r] != shader::no_muscle;
+    const bool has_muscle = model.muscle_count > 0 && model.muscle_offset[r] < model.muscle_offset[r + 1];
     if (has_muscle) {
-      const float* normal = model.region_normal.data() + 4 * std::size_t{r};
-      const shader::Muscle& m = in.muscles[model.region_muscle[r]];
-      scale = kernel::muscle_scale<float>({normal[0], normal[1], normal[2]}, normal[3],
-                                          {m.tau_x, m.tau_y, m.tau_z}, m.activation);
+      scale = scale_of_muscles(model, in, r);
       moment = kernel::multiply_transposed<float>(moment, scale);
     }
     float* rotation = fields.rotations.data() + 4 * std::size_t{r};
@@ -172,7 +189,7 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
     rotation[2] = q.y;
     rotation[3] = q.z;
     Matrix linear = kernel::matrix_of<float>(q);
-    if (has_muscle) linear = kernel::multiply_transposed<float>(linear, scale);
+    if (has_muscle) linear = kernel::multiply_matrices<float>(linear, scale);
     store_transform(fields.transforms, r,
                     kernel::region_transform<float>(linear, sum, o, inverse_weight, position, rest));
   }

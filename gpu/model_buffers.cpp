@@ -31,7 +31,7 @@ std::vector<shader::VertexRecord> vertex_records(const Model& model) {
 
 std::vector<PlannedBuffer> plan_buffers(const Model& model) {
   const std::uint64_t n = model.vertex_count, m = model.surface_count();
-  const std::uint64_t skinned = model.has_skeleton() ? n : 0, muscled = model.muscle_count > 0 ? n : 0;
+  const std::uint64_t skinned = model.has_skeleton() ? n : 0;
   const std::uint64_t entries = sliced_entry_count(model);
   const auto words = [](const auto& v) { return std::uint64_t{4} * v.size(); };
   return {
@@ -52,8 +52,10 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_share_taken, "share taken", 4 * entries},
       {shader::buffer_share_given, "share given", 4 * entries},
       {shader::buffer_region_rest, "region rest", 16 * n},
-      {shader::buffer_region_muscle, "region muscle", 4 * muscled},
-      {shader::buffer_region_normal, "region normal", 16 * muscled},
+      {shader::buffer_muscle_offset, "muscle offset", words(model.muscle_offset)},
+      {shader::buffer_region_muscle, "region muscle",
+       sizeof(shader::RegionMuscle) * model.region_muscle.size()},
+      {shader::buffer_region_frame, "region frame", sizeof(shader::RegionFrame) * model.region_frame.size()},
       {shader::buffer_skin_offset, "skin offset", words(model.skin_offset)},
       {shader::buffer_skin_joint, "skin joint", words(model.skin_joint)},
       {shader::buffer_skin_weight, "skin weight", words(model.skin_weight)},
@@ -99,10 +101,9 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
     fill(shader::buffer_share_given, rings.share_given);
   }
   fill(shader::buffer_region_rest, model.region_rest);
-  if (model.muscle_count > 0) {
-    fill(shader::buffer_region_muscle, model.region_muscle);
-    fill(shader::buffer_region_normal, model.region_normal);
-  }
+  fill(shader::buffer_muscle_offset, model.muscle_offset);
+  fill(shader::buffer_region_muscle, model.region_muscle);
+  fill(shader::buffer_region_frame, model.region_frame);
   fill(shader::buffer_skin_offset, model.skin_offset);
   fill(shader::buffer_skin_joint, model.skin_joint);
   fill(shader::buffer_skin_weight, model.skin_weight);

@@ -33,8 +33,8 @@ BUFFERS_CONSTANT uint buffer_ring = 13u;           // entries, sliced
 BUFFERS_CONSTANT uint buffer_share_taken = 14u;    // entries, sliced
 BUFFERS_CONSTANT uint buffer_share_given = 15u;    // entries, sliced
 BUFFERS_CONSTANT uint buffer_region_rest = 16u;    // c0_r - q0_r, 1/W_r
-BUFFERS_CONSTANT uint buffer_region_muscle = 17u;  // one uint a region
-BUFFERS_CONSTANT uint buffer_region_normal = 18u;  // n_r, gain
+BUFFERS_CONSTANT uint buffer_muscle_offset = 17u;  // first RegionMuscle of each region, and the count
+BUFFERS_CONSTANT uint buffer_region_frame = 18u;   // RegionFrame
 BUFFERS_CONSTANT uint buffer_skin_offset = 19u;
 BUFFERS_CONSTANT uint buffer_skin_joint = 20u;
 BUFFERS_CONSTANT uint buffer_skin_weight = 21u;
@@ -50,11 +50,13 @@ BUFFERS_CONSTANT uint buffer_muscle = 28u;
 BUFFERS_CONSTANT uint buffer_force = 29u;
 BUFFERS_CONSTANT uint buffer_decay = 30u;
 
+BUFFERS_CONSTANT uint buffer_region_muscle = 33u;  // RegionMuscle
+
 // The self-test's table: inputs, results.
 BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
-BUFFERS_CONSTANT uint buffer_count = 33u;
+BUFFERS_CONSTANT uint buffer_count = 34u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016

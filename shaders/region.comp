@@ -25,14 +25,41 @@ RegionSum neighbour_term(uint entry, Vector q, Vector q0) {
   return region_term(share_taken[entry] * record.w, subtract(vector_of(position[i]), q), subtract(vector_of(record), q0));
 }
 
-Matrix scale_of_muscle(uint r) {
-  vec4 normal = region_normal[r];
-  Muscle m = muscle[push.substep.first_muscle + region_muscle[r]];
+Muscle muscle_of(uint entry) { return muscle[push.substep.first_muscle + region_muscle[entry].muscle]; }
+
+float bulge_of(Vector n, uint entry) {
+  Muscle m = muscle_of(entry);
   Vector tau;
   tau.x = m.tau_x;
   tau.y = m.tau_y;
   tau.z = m.tau_z;
-  return muscle_scale(vector_of(normal), normal.w, tau, m.activation);
+  return muscle_bulge(n, region_muscle[entry].bulge, tau, m.swell);
+}
+
+float shear_of(uint entry) { return region_muscle[entry].shear * muscle_of(entry).twist; }
+
+// `first` is less than `end`.
+Matrix scale_of_muscles(uint r, uint first, uint end) {
+  RegionFrame frame = region_frame[r];
+  Vector n;
+  n.x = frame.normal_x;
+  n.y = frame.normal_y;
+  n.z = frame.normal_z;
+  Vector axis;
+  axis.x = frame.axis_x;
+  axis.y = frame.axis_y;
+  axis.z = frame.axis_z;
+  Vector around;
+  around.x = frame.around_x;
+  around.y = frame.around_y;
+  around.z = frame.around_z;
+  float bulge = bulge_of(n, first);
+  float shear = shear_of(first);
+  for (uint entry = first + 1u; entry < end; ++entry) {
+    bulge += bulge_of(n, entry);
+    shear += shear_of(entry);
+  }
+  return muscle_twist(muscle_scale(n, bulge), axis, around, shear);
 }
 
 void main() {
@@ -63,15 +90,19 @@ void main() {
   Vector o = vector_of(centre);
   Matrix a = region_moment(sum, o);
   bool scaled = false;
-  if (with_muscles) scaled = region_muscle[r] != no_muscle;
   Matrix t;
+  if (with_muscles) {
+    uint first = muscle_offset[r];
+    uint end = muscle_offset[r + 1u];
+    scaled = first < end;
+    if (scaled) t = scale_of_muscles(r, first, end);
+  }
   if (scaled) {
-    t = scale_of_muscle(r);
     a = multiply_transposed(a, t);
   }
   turn = extract_rotation(turn, a, rotation_method == rotation_mueller2016);
   Matrix linear = matrix_of(turn);
-  if (scaled) linear = multiply_transposed(linear, t);
+  if (scaled) linear = multiply_matrices(linear, t);
   rotation[r] = vec4(turn.w, turn.x, turn.y, turn.z);
   store_transform(r, region_transform(linear, sum, o, centre.w, q, q0));
 }

@@ -24,11 +24,30 @@ struct Bone {
   float unused;
 };
 
-// One muscle's values in one substep, equation (17): the direction tau, carried back to the rest frame, and
-// the activation that the joint angle gives (sines and cosines are taken on the host).
+// One muscle's values in one substep, equation (17): tau, carried back to the rest frame, times the
+// activation that the joint angle gives (sines and cosines are taken on the host); the part of the activation
+// that has no direction; and the angle by which the far end of its bone is turned about the bone against the
+// near end.
 struct Muscle {
   float tau_x, tau_y, tau_z;
-  float activation;
+  float swell;
+  float twist;
+};
+
+// What a region takes of one muscle: bulge of tau and swell (the muscle's gain x profile x beta_r), and shear
+// of the twist (its gain x distance from the bone's axis over the bone's length).
+struct RegionMuscle {
+  uint muscle;
+  float bulge;
+  float shear;
+};
+
+// The unit directions, at rest, in which muscles change a region: away from the nearest bone and across the
+// fibre (n_r), along that bone, and around it.
+struct RegionFrame {
+  float normal_x, normal_y, normal_z;
+  float axis_x, axis_y, axis_z;
+  float around_x, around_y, around_z;
 };
 
 // One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex
@@ -59,9 +78,6 @@ SHARED_CONSTANT uint slice_width = 32u;
 // A vertex's tag: the layer in the low byte, and whether it is kinematic (moved by skinning or pinned).
 SHARED_CONSTANT uint tag_layer_mask = 0xffu;
 SHARED_CONSTANT uint tag_kinematic = 0x100u;
-
-// Model::region_muscle of a region that belongs to no muscle.
-SHARED_CONSTANT uint no_muscle = 0xffffffffu;
 
 // Rotation extraction, the specialisation constant of region.comp.
 SHARED_CONSTANT uint rotation_qcp = 0u;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/bake/muscle_drive.h"
 #include "host/bake/timeline.h"
 #include "host/model/rotation.h"
 #include "host/scene/trigonometry.h"
@@ -24,7 +25,9 @@ struct DriveSource::Impl {
   Vector3d rest_origin() const { return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]}; }
   Vector3d origin(std::uint64_t count);  // of the pose at the end of substep `count`
   void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const;
+  void append_pose(const Pose& pose, const Vector3d& origin, double time);
   void append_forces(double time);
+  void clear();
   Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
   Pose followed_back(std::uint64_t count);
   Pose followed_on(std::uint64_t count);
@@ -35,8 +38,10 @@ struct DriveSource::Impl {
   const scene::Scene& scene;
   const model::Model& model;
   std::uint64_t substeps;
-  std::optional<Timeline> timeline;  // nothing without a skeleton
+  std::optional<Timeline> timeline;         // nothing without a skeleton
+  std::optional<MuscleDrive> muscle_drive;  // nothing without muscles
   std::vector<shader::Bone> bones;
+  std::vector<shader::Muscle> muscles;
   std::vector<shader::Force> forces;
   std::vector<float> decay;
   std::vector<std::vector<shader::Bone>> cut_poses;  // four a cut
@@ -85,8 +90,9 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
   if (model.has_skeleton()) character = std::get_if<scene::Character>(&scene.geometry);
   must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
   must_fit("forces", scene.forces.size(), model.force_count);
-  must_fit("muscles", 0, model.muscle_count);
+  must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
   if (character != nullptr) timeline.emplace(scene, *character, extent_of(model));
+  if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
     decay.push_back(static_cast<float>(scene::exact_exp(-layer.damping * h())));
 }
@@ -117,6 +123,20 @@ void DriveSource::Impl::append_bones(const Pose& pose, const Vector3d& origin,
                   f(l(2, 0)), f(l(2, 1)), f(l(2, 2)), f(t[2]),  //
                   f(g[0]), f(g[1]), f(g[2]), 0.0f});
   }
+}
+
+// A substep's end: the bones, and what the pose at this time of the clip makes of the muscles.
+void DriveSource::Impl::append_pose(const Pose& pose, const Vector3d& origin, double time) {
+  append_bones(pose, origin, bones);
+  if (muscle_drive) muscle_drive->append(pose, time, muscles);
+}
+
+void DriveSource::Impl::clear() {
+  bones.clear();
+  muscles.clear();
+  forces.clear();
+  cut_poses.clear();
+  cuts.clear();
 }
 
 void DriveSource::Impl::append_forces(double time) {
@@ -195,6 +215,7 @@ model::Drive DriveSource::Impl::drive_to(const Vector3d& end) {
     cuts[k].after = cut_poses[4 * k + 3];
   }
   drive.bones = bones;
+  drive.muscles = muscles;
   drive.forces = forces;
   drive.decay = decay;
   drive.cuts = cuts;
@@ -210,10 +231,7 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
   if (frame == 0)
     throw std::invalid_argument("DriveSource: frame 0 is the initial state; drives begin with frame 1");
   Impl& impl = *impl_;
-  impl.bones.clear();
-  impl.forces.clear();
-  impl.cut_poses.clear();
-  impl.cuts.clear();
+  impl.clear();
   const std::uint64_t substeps = impl.substeps, first = (frame - 1) * substeps;
   const Vector3d before = impl.origin(first), end = impl.origin(first + substeps);
   // Without a cut the frame is seen from its end's origin; the first cut takes the body there.
@@ -228,7 +246,7 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
       impl.append_cut(static_cast<std::uint32_t>(s), count, origin, end);
       origin = end;
     }
-    if (impl.timeline) impl.append_bones(impl.timeline->pose(count), origin, impl.bones);
+    if (impl.timeline) impl.append_pose(impl.timeline->pose(count), origin, impl.timeline->clip_time(count));
     // A force acts through a substep or not at all: whether it does is settled where the substep begins.
     impl.append_forces(impl.scene.start +
                        static_cast<double>(count - 1) / (static_cast<double>(substeps) * impl.scene.fps));
@@ -269,16 +287,14 @@ model::State DriveSource::preroll_state() const {
 
 model::Drive DriveSource::preroll_drive(std::uint64_t frame) {
   Impl& impl = *impl_;
-  impl.bones.clear();
-  impl.forces.clear();
-  impl.cuts.clear();
+  impl.clear();
   const Vector3d origin = impl.origin(0);
   const double last = static_cast<double>(preroll_frames() * impl.substeps);
   for (std::uint64_t s = 1; s <= impl.substeps; ++s) {
     const double x = static_cast<double>((frame - 1) * impl.substeps + s) / last;
     // Begins and ends without speed.
     if (impl.timeline)
-      impl.append_bones(impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)), origin, impl.bones);
+      impl.append_pose(impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)), origin, impl.scene.start);
     impl.append_forces(impl.scene.start);
   }
   return impl.drive_to(origin);
@@ -286,12 +302,10 @@ model::Drive DriveSource::preroll_drive(std::uint64_t frame) {
 
 model::Drive DriveSource::settle_drive() {
   Impl& impl = *impl_;
-  impl.bones.clear();
-  impl.forces.clear();
-  impl.cuts.clear();
+  impl.clear();
   const Vector3d origin = impl.origin(0);
   for (std::uint64_t s = 0; s < impl.substeps; ++s) {
-    if (impl.timeline) impl.append_bones(impl.timeline->pose(0), origin, impl.bones);
+    if (impl.timeline) impl.append_pose(impl.timeline->pose(0), origin, impl.scene.start);
     impl.append_forces(impl.scene.start);
   }
   return impl.drive_to(origin);

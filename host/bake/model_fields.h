@@ -36,8 +36,9 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit("share_given", model.share_given);
   visit("region_rest", model.region_rest);
   visit("muscle_count", model.muscle_count);
+  visit("muscle_offset", model.muscle_offset);
   visit("region_muscle", model.region_muscle);
-  visit("region_normal", model.region_normal);
+  visit("region_frame", model.region_frame);
   visit("joint_count", model.joint_count);
   visit("skin_offset", model.skin_offset);
   visit("skin_joint", model.skin_joint);

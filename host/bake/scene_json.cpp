@@ -169,11 +169,37 @@ Json json_of(const scene::Motion& motion) {
           {"cut_distance", motion.cut_distance ? Json(*motion.cut_distance) : Json(nullptr)}};
 }
 
+Json json_of_curve(const scene::KeyedCurve& curve) {
+  Json keys = Json::array();
+  for (const auto& [x, value] : curve) keys.push_back({x, value});
+  return keys;
+}
+
+Json json_of_muscle(const scene::Muscle& muscle) {
+  return {{"name", muscle.name},
+          {"joint", muscle.joint},
+          {"parent", muscle.parent},
+          {"child", muscle.child},
+          {"bone", muscle.bone},
+          {"layer", muscle.layer},
+          {"where", json_of(muscle.where)},
+          {"gain", muscle.gain},
+          {"axis", muscle.axis},
+          {"activation", muscle.activation},
+          {"curve", json_of_curve(muscle.curve)},
+          {"contraction", json_of_curve(muscle.contraction)},
+          {"contraction_channel", muscle.contraction_channel},
+          {"twist", muscle.twist},
+          {"twist_joint", muscle.twist_joint}};
+}
+
 Json json_of(const scene::Scene& scene) {
-  Json bones = Json::array(), layers = Json::array(), pins = Json::array(), probes = Json::array();
+  Json bones = Json::array(), layers = Json::array(), muscles = Json::array(), pins = Json::array(),
+       probes = Json::array();
   for (const scene::BoneSegment& bone : scene.bones)
     bones.push_back({{"name", bone.name}, {"from", json_of(bone.from)}, {"to", json_of(bone.to)}});
   for (const scene::Layer& layer : scene.layers) layers.push_back(json_of_layer(layer));
+  for (const scene::Muscle& muscle : scene.muscles) muscles.push_back(json_of_muscle(muscle));
   for (const scene::Pin& pin : scene.pins)
     pins.push_back({{"name", pin.name}, {"where", json_of(pin.where)}});
   for (const scene::ProbeSet& probe : scene.probes)
@@ -203,6 +229,7 @@ Json json_of(const scene::Scene& scene) {
           {"skeleton", json_of_skeleton(scene.skeleton)},
           {"layers", std::move(layers)},
           {"fibres", json_of_fibres(scene.fibres)},
+          {"muscles", std::move(muscles)},
           {"pins", std::move(pins)},
           {"probes", std::move(probes)},
           {"forces", json_of(scene.forces)},

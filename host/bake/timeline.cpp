@@ -27,7 +27,7 @@ Timeline::Timeline(const scene::Scene& scene, const scene::Character& character,
   }
 }
 
-double Timeline::time(std::uint64_t count) const {
+double Timeline::clip_time(std::uint64_t count) const {
   const scene::Motion& motion = scene_.motion;
   if (motion.loop == 1 && !motion.seamless) {
     // One rounding, so that times that are whole frames or tenths of a second come out as written.
@@ -45,7 +45,7 @@ double Timeline::time(std::uint64_t count) const {
 const Pose& Timeline::pose(std::uint64_t count) {
   Kept& kept = kept_[count % kept_.size()];
   if (kept.count != count || kept.pose.empty()) {
-    kept.pose = scene::joint_transforms_at(character_, clip_, time(count));
+    kept.pose = scene::joint_transforms_at(character_, clip_, clip_time(count));
     kept.count = count;
   }
   return kept.pose;
@@ -70,7 +70,7 @@ bool Timeline::begins_cycle(std::uint64_t count) const {
 
 bool Timeline::is_marked(std::uint64_t count) const {
   if (begins_cycle(count)) return false;
-  const double from = time(count - 1), to = time(count);
+  const double from = clip_time(count - 1), to = clip_time(count);
   const auto& cuts = scene_.motion.cuts;
   return std::any_of(cuts.begin(), cuts.end(), [&](double t) { return from < t && t <= to; });
 }

@@ -26,6 +26,9 @@ class Timeline {
   // the first pose; `share` from 0 to 1.
   Pose preroll_pose(double share);
 
+  // The clip's time at the end of substep `count`, s.
+  double clip_time(std::uint64_t count) const;
+
   // Where the joint stands that the body goes with, metres of the scene.
   scene::Vector3d root(const Pose& pose) const;
 
@@ -36,7 +39,6 @@ class Timeline {
   bool returns() const { return returns_; }
 
  private:
-  double time(std::uint64_t count) const;
   bool is_marked(std::uint64_t count) const;
   bool begins_cycle(std::uint64_t count) const;
   double root_step(std::uint64_t from, std::uint64_t to);

@@ -14,6 +14,7 @@
 #include "host/build/mass.h"
 #include "host/build/measures.h"
 #include "host/build/message.h"
+#include "host/build/muscles.h"
 #include "host/build/one_ring.h"
 #include "host/build/order.h"
 #include "host/build/shares.h"
@@ -241,6 +242,7 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
   warn_of_parts(rings, model, report);
   write_weights(std::move(rings), model, report);
   write_skin(body, model);
+  write_muscles(scene, body, test, model, report);
   write_render_mesh(body.render, model);
   write_probes(scene, test, model);
 

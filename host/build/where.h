@@ -15,6 +15,8 @@ class WhereTest {
   // The measures and their body must outlive it.
   explicit WhereTest(Measures& measures);
 
+  Measures& measures() { return measures_; }
+
   // One flag a vertex. Throws scene::SceneError, naming `key`, where a distance from bones is asked for and
   // there are no bones, and for names that no joint or painted attribute has.
   std::vector<char> contains(const scene::Where& where, const std::string& key, const std::string& source);

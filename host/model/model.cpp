@@ -100,16 +100,27 @@ void check_one_rings(const Model& m) {
 
 void check_muscles(const Model& m) {
   if (m.muscle_count == 0) {
+    check_size("muscle_offset", m.muscle_offset, 0);
     check_size("region_muscle", m.region_muscle, 0);
-    check_size("region_normal", m.region_normal, 0);
+    check_size("region_frame", m.region_frame, 0);
     return;
   }
-  check_size("region_muscle", m.region_muscle, m.vertex_count);
-  check_size("region_normal", m.region_normal, 4 * std::size_t{m.vertex_count});
-  check_finite("region_normal", m.region_normal);
-  for (std::size_t r = 0; r < m.region_muscle.size(); ++r)
-    if (m.region_muscle[r] != shader::no_muscle && m.region_muscle[r] >= m.muscle_count)
-      broken("region_muscle", r, "names no muscle");
+  check_offsets("muscle_offset", m.muscle_offset, m.vertex_count, m.region_muscle.size());
+  check_size("region_frame", m.region_frame, m.vertex_count);
+  const auto is_factor = [](float x) {
+    return std::isfinite(x) && (x == 0.0f || std::abs(x) >= least_factor);
+  };
+  for (std::size_t k = 0; k < m.region_muscle.size(); ++k) {
+    const shader::RegionMuscle& entry = m.region_muscle[k];
+    if (entry.muscle >= m.muscle_count) broken("region_muscle", k, "names no muscle");
+    if (!is_factor(entry.bulge) || !is_factor(entry.shear)) broken("region_muscle", k, "is no factor");
+  }
+  for (std::size_t r = 0; r < m.region_frame.size(); ++r) {
+    const shader::RegionFrame& f = m.region_frame[r];
+    for (const float x : {f.normal_x, f.normal_y, f.normal_z, f.axis_x, f.axis_y, f.axis_z, f.around_x,
+                          f.around_y, f.around_z})
+      if (!is_factor(x)) broken("region_frame", r, "has a number that is no factor");
+  }
 }
 
 void check_skin(const Model& m) {
@@ -198,12 +209,12 @@ void check_model(const Model& m) {
 std::uint64_t solver_bytes(const Model& m) {
   const auto bytes = [](const auto& array) { return std::uint64_t{array.size()} * sizeof(array[0]); };
   const std::uint64_t n = m.vertex_count;
-  const std::uint64_t fixed = bytes(m.rest) + bytes(m.alpha) + bytes(m.tag) + bytes(m.ring_offset) +
-                              bytes(m.ring) + bytes(m.pull) + bytes(m.share_taken) + bytes(m.share_given) +
-                              bytes(m.region_rest) + bytes(m.region_muscle) + bytes(m.region_normal) +
-                              bytes(m.skin_offset) + bytes(m.skin_joint) + bytes(m.skin_weight) +
-                              bytes(m.carried) + bytes(m.force_offset) + bytes(m.force_index) +
-                              bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
+  const std::uint64_t fixed =
+      bytes(m.rest) + bytes(m.alpha) + bytes(m.tag) + bytes(m.ring_offset) + bytes(m.ring) + bytes(m.pull) +
+      bytes(m.share_taken) + bytes(m.share_given) + bytes(m.region_rest) + bytes(m.muscle_offset) +
+      bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.skin_offset) + bytes(m.skin_joint) +
+      bytes(m.skin_weight) + bytes(m.carried) + bytes(m.force_offset) + bytes(m.force_index) +
+      bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
   const std::uint64_t floats_of_state =
       3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) + (m.carried.empty() ? 0 : 3);
   return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);

@@ -76,10 +76,12 @@ struct Model {
   std::vector<float> share_given;  // e: entry (i, r) holds f_ir: what vertex i gives to region r
   std::vector<float> region_rest;  // 4n: c0_r - q0_r, then 1/W_r (0 where W_r = 0: the region is skipped)
 
-  // Muscles (15)-(17): empty, or one entry a region.
+  // Muscles (15)-(17), CSR; empty without. What a region takes of its muscles adds up. Every number is 0 or
+  // at least least_factor in size.
   std::uint32_t muscle_count = 0;
-  std::vector<std::uint32_t> region_muscle;  // n or 0: muscle, or shader::no_muscle
-  std::vector<float> region_normal;          // 4n or 0: n_r, then gain (muscle's gain x profile x beta_r)
+  std::vector<std::uint32_t> muscle_offset;         // n + 1 or 0
+  std::vector<shader::RegionMuscle> region_muscle;  // of each region by ascending muscle
+  std::vector<shader::RegionFrame> region_frame;    // n or 0; unit vectors, or 0 where there is no direction
 
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;

@@ -95,7 +95,7 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
          "where = { above = { axis = \"y\", fraction = 0.95 } }\n";
 }
 
-std::string scene_for_character(const std::filesystem::path& path, const Character& character) {
+std::string layers_for_character(const Character& character) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
@@ -110,15 +110,7 @@ std::string scene_for_character(const std::filesystem::path& path, const Charact
     if (has_layers) return "where = [" + shape + ", " + painted + "]\n";
     return number == rest ? std::string() : "where = " + shape + "\n";
   };
-  return "[scene]\n"
-         "fps = 60\n"
-         "\n"
-         "[character]\n"
-         "file = " +
-         in_quotes(path) +
-         "\n"
-         "\n"
-         "[layers.fat]\n"
+  return "[layers.fat]\n"
          "alpha = 0.3\n"
          "beta = 0.0\n"
          "damping = 6.0\n" +
@@ -137,6 +129,15 @@ std::string scene_for_character(const std::filesystem::path& path, const Charact
          "\n"
          "[solver]\n"
          "substeps = 8\n";
+}
+
+std::string scene_for_character(const std::filesystem::path& path, const Character& character) {
+  return "[scene]\n"
+         "fps = 60\n"
+         "\n"
+         "[character]\n"
+         "file = " +
+         in_quotes(path) + "\n\n" + layers_for_character(character);
 }
 
 }  // namespace fascicle::scene

@@ -189,6 +189,29 @@ struct FibreCurve {
   std::optional<double> radius;  // m: how far around it holds; the mean edge where absent
 };
 
+// A curve through keys (x, value), x ascending: straight between them, held before the first and after the
+// last.
+using KeyedCurve = std::vector<std::pair<double, double>>;
+
+// A muscle, section 3.6 of the paper: flesh on a bone that bulges as a joint bends, or as it is told to.
+// Joints by name; muscle_bones.h says which bones and flesh that makes.
+struct Muscle {
+  std::string name;
+  std::string joint;             // the joint that bends; empty: none
+  std::string parent, child;     // where the upper bone begins and the lower one ends; empty: the next joints
+  std::string bone;              // the joint whose bone carries the muscle; empty: that of the upper bone
+  std::string layer;             // its flesh is of this layer; empty: of any that is not kinematic
+  Where where;                   // and here; empty: all along the bone
+  double gain = 1.5;             // of equation (17)
+  std::string axis = "flexion";  // tau: the side to which the joint folds, or "plane-normal"
+  std::string activation = "cosine";  // of the angle: (1 - cos)/2, or "sine", as printed; 0 in the bind pose
+  KeyedCurve curve;        // of the angle in degrees instead; its value in the bind pose is taken off
+  KeyedCurve contraction;  // over the time of the clip, s: bulges on all sides, whatever the joint does
+  std::string contraction_channel;  // the same, from the clip: "JOINT.translation.x"
+  double twist = 0.0;               // share of the bone's twist that carries the fibres around it
+  std::string twist_joint;  // the joint whose turn about the bone twists it; empty: where the bone ends
+};
+
 struct Pin {
   std::string name;
   Where where;
@@ -264,6 +287,7 @@ struct Scene {
   SkeletonSettings skeleton;
   std::vector<Layer> layers;  // at least one
   std::vector<FibreCurve> fibres;
+  std::vector<Muscle> muscles;
   std::vector<Pin> pins;
   std::vector<ProbeSet> probes;
   std::vector<Force> forces;

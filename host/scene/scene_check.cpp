@@ -61,6 +61,8 @@ const char* type_wanted(KeyType type) {
       return "an array of texts in quotes";
     case KeyType::points:
       return "an array of two or more points, each of three numbers";
+    case KeyType::curve:
+      return "an array of pairs of numbers";
     case KeyType::named_numbers:
       return "a table of numbers";
     case KeyType::table:
@@ -137,6 +139,26 @@ void check_points(const toml::node& node, const Key& key, const std::string& pat
     check_vector((*array)[i], key, path + "[" + std::to_string(i) + "]");
 }
 
+void check_curve(const toml::node& node, const Key& key, const std::string& path) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail_type(node, key, path);
+  if (array->empty()) fail(node.source(), path, "is empty; leave it out, or give a pair");
+  double before = 0.0;
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const std::string inner = path + "[" + std::to_string(i) + "]";
+    const toml::array* pair = (*array)[i].as_array();
+    if (pair == nullptr) fail_type((*array)[i], key, inner);
+    if (pair->size() != 2)
+      fail(pair->source(), inner,
+           "has " + std::to_string(pair->size()) + " entries; takes a pair, [x, value]");
+    for (std::size_t k = 0; k < 2; ++k) check_number((*pair)[k], key, inner + "[" + std::to_string(k) + "]");
+    const double x = *(*pair)[0].value<double>();
+    if (i > 0 && !(x > before))
+      fail(pair->source(), inner, "does not come after the pair before it; sort them");
+    before = x;
+  }
+}
+
 void check_named_numbers(const toml::node& node, const Key& key, const std::string& path) {
   const toml::table* table = node.as_table();
   if (table == nullptr) fail_type(node, key, path);
@@ -205,6 +227,8 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
       return check_texts(node, key, path);
     case KeyType::points:
       return check_points(node, key, path);
+    case KeyType::curve:
+      return check_curve(node, key, path);
     case KeyType::named_numbers:
       return check_named_numbers(node, key, path);
     case KeyType::table:

@@ -4,211 +4,16 @@
 #include <charconv>
 #include <cmath>
 
+#include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
 #include "host/scene/made_character.h"
 #include "host/scene/overrides.h"
 #include "host/scene/pose.h"
 #include "host/scene/scene_check.h"
+#include "host/scene/scene_values.h"
 
 namespace fascicle::scene {
 namespace {
-
-// The read functions take the value if the key is there and else leave what stands. check_scene has seen the
-// types.
-
-double number_of(const toml::node& node) {
-  const auto* integer = node.as_integer();
-  return integer != nullptr ? static_cast<double>(integer->get()) : node.as_floating_point()->get();
-}
-
-Vector3d vector_of(const toml::node& node) {
-  const toml::array& array = *node.as_array();
-  return {number_of(array[0]), number_of(array[1]), number_of(array[2])};
-}
-
-void read(const toml::table& table, const char* key, double& out) {
-  if (const toml::node* node = table.get(key)) out = number_of(*node);
-}
-
-void read(const toml::table& table, const char* key, std::optional<double>& out) {
-  if (const toml::node* node = table.get(key)) out = number_of(*node);
-}
-
-void read(const toml::table& table, const char* key, std::uint32_t& out) {
-  if (const toml::node* node = table.get(key)) out = static_cast<std::uint32_t>(node->as_integer()->get());
-}
-
-void read(const toml::table& table, const char* key, std::uint64_t& out) {
-  if (const toml::node* node = table.get(key)) out = static_cast<std::uint64_t>(node->as_integer()->get());
-}
-
-void read(const toml::table& table, const char* key, bool& out) {
-  if (const toml::node* node = table.get(key)) out = node->as_boolean()->get();
-}
-
-void read(const toml::table& table, const char* key, std::string& out) {
-  if (const toml::node* node = table.get(key)) out = node->as_string()->get();
-}
-
-void read(const toml::table& table, const char* key, Vector3d& out) {
-  if (const toml::node* node = table.get(key)) out = vector_of(*node);
-}
-
-void read(const toml::table& table, const char* key, std::vector<std::string>& out) {
-  const toml::node* node = table.get(key);
-  if (node == nullptr) return;
-  for (const toml::node& text : *node->as_array()) out.push_back(text.as_string()->get());
-}
-
-const toml::table& table_at(const toml::table& table, const char* key) {
-  static const toml::table empty;
-  const toml::node* node = table.get(key);
-  return node != nullptr ? *node->as_table() : empty;
-}
-
-// Calls use(name, table, path) for each table of a named_tables key, in the file's order.
-template <class Use>
-void for_each_named(const toml::table& root, const char* key, const Use& use) {
-  for (const auto& [name, node] : in_order(table_at(root, key))) {
-    use(std::string(name->str()), *node->as_table(), join_path(key, name->str()));
-  }
-}
-
-// What shapes may refer to.
-struct Surroundings {
-  bool has_bones = false;
-  bool has_joints = false;
-};
-
-// The two bounds of a shape, in order.
-template <class Range>
-void read_bounds(const toml::table& table, const std::string& path, Range& range) {
-  read(table, "minimum", range.minimum);
-  read(table, "maximum", range.maximum);
-  if (range.minimum > range.maximum) fail(table.source(), path, "minimum is above maximum; swap them");
-}
-
-template <class Range>
-void read_per_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path,
-                   Range& range) {
-  const toml::node* node = table.get("per_bone");
-  if (node == nullptr) return;
-  if (!surroundings.has_joints)
-    fail(node->source(), join_path(path, "per_bone"), "names joints, and only a [character] has them");
-  for (const auto& [name, value] : in_order(*node->as_table()))
-    range.per_bone.emplace_back(std::string(name->str()), number_of(*value));
-}
-
-void need_bones(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
-  if (surroundings.has_bones) return;
-  fail(table.source(), path,
-       "the scene has no bones; add [bones.NAME] with from and to, or use a [character]");
-}
-
-void need_character(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
-  if (surroundings.has_joints) return;
-  fail(table.source(), path, "only a [character] has these; use another shape");
-}
-
-HalfSpace read_half_space(const toml::table& table, bool below) {
-  HalfSpace half_space;
-  half_space.below = below;
-  std::string axis = "y";
-  read(table, "axis", axis);
-  half_space.axis = axis == "x" ? Axis::x : axis == "y" ? Axis::y : Axis::z;
-  half_space.is_fraction = table.contains("fraction");
-  read(table, half_space.is_fraction ? "fraction" : "value", half_space.value);
-  return half_space;
-}
-
-Shape read_shape(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
-  const std::string kind(table.begin()->first.str());
-  if (kind == "everywhere") {
-    bool everywhere = false;
-    read(table, "everywhere", everywhere);
-    if (!everywhere) fail(table.source(), join_path(path, kind), "is false; leave it out, or say true");
-    return Everywhere{};
-  }
-  const toml::table& inner = *table.begin()->second.as_table();
-  const std::string inner_path = join_path(path, kind);
-  if (kind == "box") {
-    Box box;
-    read(inner, "minimum", box.minimum);
-    read(inner, "maximum", box.maximum);
-    if ((box.minimum.array() > box.maximum.array()).any()) {
-      fail(inner.source(), inner_path, "minimum is above maximum; swap them");
-    }
-    return box;
-  }
-  if (kind == "sphere") {
-    Sphere sphere{Vector3d::Zero(), 0.0};
-    read(inner, "center", sphere.center);
-    read(inner, "radius", sphere.radius);
-    return sphere;
-  }
-  if (kind == "capsule") {
-    Capsule capsule{Vector3d::Zero(), Vector3d::Zero(), 0.0};
-    read(inner, "from", capsule.from);
-    read(inner, "to", capsule.to);
-    read(inner, "radius", capsule.radius);
-    return capsule;
-  }
-  if (kind == "bone_distance") {
-    BoneDistance distance;
-    read_bounds(inner, inner_path, distance);
-    read_per_bone(inner, surroundings, inner_path, distance);
-    need_bones(inner, surroundings, inner_path);
-    return distance;
-  }
-  if (kind == "depth") {
-    Depth depth;
-    read_bounds(inner, inner_path, depth);
-    read_per_bone(inner, surroundings, inner_path, depth);
-    need_bones(inner, surroundings, inner_path);
-    return depth;
-  }
-  if (kind == "volume_share") {
-    VolumeShare share;
-    read_bounds(inner, inner_path, share);
-    std::string by = "depth";
-    read(inner, "by", by);
-    share.by_distance = by == "distance";
-    need_bones(inner, surroundings, inner_path);
-    return share;
-  }
-  if (kind == "joints") {
-    JointSet set;
-    read(inner, "names", set.names);
-    read(inner, "share", set.share);
-    need_character(inner, surroundings, inner_path);
-    return set;
-  }
-  if (kind == "painted") {
-    Painted painted;
-    read(inner, "attribute", painted.attribute);
-    read_bounds(inner, inner_path, painted);
-    need_character(inner, surroundings, inner_path);
-    return painted;
-  }
-  return read_half_space(inner, kind == "below");
-}
-
-Where read_where(const toml::table& owner, const Surroundings& surroundings, const std::string& path) {
-  Where where;
-  const toml::node* node = owner.get("where");
-  if (node == nullptr) return where;
-  const std::string where_path = join_path(path, "where");
-  if (const toml::table* table = node->as_table()) {
-    where.push_back(read_shape(*table, surroundings, where_path));
-    return where;
-  }
-  const toml::array& array = *node->as_array();
-  for (std::size_t i = 0; i < array.size(); ++i) {
-    where.push_back(
-        read_shape(*array[i].as_table(), surroundings, where_path + "[" + std::to_string(i) + "]"));
-  }
-  return where;
-}
 
 void read_layers(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
   std::string rest_of_body;
@@ -505,17 +310,44 @@ toml::table parse_toml(const SceneText& input) {
   }
 }
 
+// A character whose scene says nothing of layers gets those that it has without a scene file; whether there
+// was need. Comes before overrides, which may change them.
+bool add_layers(toml::table& root, const std::filesystem::path& folder) {
+  const toml::table* table = root["character"].as_table();
+  if (table == nullptr || root.contains("layers")) return false;
+  Scene loaded;
+  loaded.geometry = Character{};
+  if (const auto file = (*table)["file"].value<std::string>()) {
+    try {
+      load_character(folder / *file, loaded);
+    } catch (const std::runtime_error&) {
+      // Is found again, and told with its place, when the character is read.
+      loaded.geometry = Character{};
+    }
+  }
+  toml::table defaults = toml::parse(layers_for_character(std::get<Character>(loaded.geometry)),
+                                     std::string_view("default layers"));
+  root.insert("layers", defaults["layers"]);
+  // Where something else is called solver, the checker will say so.
+  if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())
+    solver->insert("substeps", defaults["solver"]["substeps"]);
+  return true;
+}
+
 }  // namespace
 
 Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   toml::table root = parse_toml(input);
+  const bool has_added = add_layers(root, input.folder);
   apply_overrides(root, overrides);
   check_scene(root);
+  if (table_at(root, "layers").empty())
+    fail(root.source(), "layers", "is missing; give at least one [layers.NAME]");
 
   Scene scene;
   scene.name = input.name;
   scene.source = input.source;
-  scene.text = has_overrides(overrides) ? write_scene(root) : input.text;
+  scene.text = has_added || has_overrides(overrides) ? write_scene(root) : input.text;
 
   const toml::table& solver = table_at(root, "solver");
   read(solver, "integrator", scene.solver.integrator);
@@ -530,6 +362,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read_skeleton_settings(root, scene);
   read_layers(root, surroundings, scene);
   read_fibres(root, scene);
+  read_muscles(root, surroundings, scene);
   for_each_named(root, "pin",
                  [&](const std::string& name, const toml::table& table, const std::string& path) {
                    scene.pins.push_back({name, read_where(table, surroundings, path)});

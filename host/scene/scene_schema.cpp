@@ -63,6 +63,14 @@ Json schema_of(const Key& key) {
                 {"minItems", 2}};
       break;
     }
+    case KeyType::curve: {
+      Json numbers{{"type", "number"}};
+      add_range(numbers, key);
+      schema = {{"type", "array"},
+                {"items", {{"type", "array"}, {"items", numbers}, {"minItems", 2}, {"maxItems", 2}}},
+                {"minItems", 1}};
+      break;
+    }
     case KeyType::named_numbers: {
       Json number{{"type", "number"}};
       add_range(number, key);

@@ -443,6 +443,66 @@ struct Tables {
                               .doc = "How far around the line it holds, m; where absent, the mean edge.",
                               .range = positive(farthest)}}};
 
+  Table muscle{
+      .name = "muscle",
+      .doc =
+          "A muscle on a bone: it bulges as a joint bends, or as a curve tells it: equations (15) to (17).",
+      .keys = {
+          {.name = "joint", .type = KeyType::text, .doc = "The joint whose bending makes it bulge."},
+          {.name = "parent",
+           .type = KeyType::text,
+           .doc = "The joint where the upper bone begins; where absent, the next joint above `joint`."},
+          {.name = "child",
+           .type = KeyType::text,
+           .doc = "The joint where the lower bone ends; where absent, the next one below `joint` that moves "
+                  "the most skin."},
+          {.name = "bone",
+           .type = KeyType::text,
+           .doc = "The joint whose bone carries the muscle; where absent, that of the upper bone."},
+          {.name = "layer",
+           .type = KeyType::text,
+           .doc = "Only flesh of this layer; where absent, of any that is not kinematic."},
+          where_key(shape, false, "Only what lies here; where absent, all along the bone."),
+          {.name = "gain",
+           .doc = "How much it bulges, equation (17).",
+           .range = between(-10.0, 10.0),
+           .fallback = Muscle{}.gain},
+          {.name = "axis",
+           .type = KeyType::text,
+           .doc = "Where it bulges: flexion: on the side to which the joint folds, and thins on the other; "
+                  "plane-normal: along the normal of the plane of the two bones.",
+           .fallback = Muscle{}.axis,
+           .allowed = {"flexion", "plane-normal"}},
+          {.name = "activation",
+           .type = KeyType::text,
+           .doc =
+               "Of the joint's angle, less its value in the bind pose: cosine: (1 - cos)/2, which rises all "
+               "the way; sine: as printed, which turns back beyond 90 degrees.",
+           .fallback = Muscle{}.activation,
+           .allowed = {"cosine", "sine"}},
+          {.name = "curve",
+           .type = KeyType::curve,
+           .doc = "Activation over the joint's angle in place of `activation`: [[degrees, value], ...].",
+           .range = between(-1e3, 1e3)},
+          {.name = "contraction",
+           .type = KeyType::curve,
+           .doc = "Activation over the clip's time, whatever the joint does: [[seconds, value], ...].",
+           .range = between(-1e5, 1e5)},
+          {.name = "contraction_channel",
+           .type = KeyType::text,
+           .doc = "Activation from the clip: a joint, translation or scale, and an axis, as "
+                  "flex.translation.x; its value at rest counts as 0.",
+           .fallback = Muscle{}.contraction_channel},
+          {.name = "twist",
+           .doc = "Share of the bone's twist by which the fibres wind around it.",
+           .range = between(-1.0, 1.0),
+           .fallback = Muscle{}.twist},
+          {.name = "twist_joint",
+           .type = KeyType::text,
+           .doc =
+               "The joint whose turn about the bone, relative to its parent, is the twist; where absent, the "
+               "one where the bone ends."}}};
+
   Table root{
       .name = "root",
       .doc = "A fascicle scene. Metres, kilograms, seconds, Y up.",
@@ -465,13 +525,13 @@ struct Tables {
            {.name = "skeleton", .type = KeyType::table, .doc = "What joints are.", .table = &skeleton},
            {.name = "layers",
             .type = KeyType::named_tables,
-            .doc = "Layers by name; at least one.",
-            .required = true,
+            .doc = "Layers by name, at least one; where absent, a character gets fat, muscle and bone by depth.",
             .table = &layer},
            {.name = "fibres",
             .type = KeyType::named_tables,
             .doc = "Drawn fibres by name.",
             .table = &fibre_curve},
+           {.name = "muscle", .type = KeyType::named_tables, .doc = "Muscles by name.", .table = &muscle},
            {.name = "solver", .type = KeyType::table, .doc = "How the motion is computed.", .table = &solver},
            {.name = "motion",
             .type = KeyType::table,

@@ -21,6 +21,7 @@ enum class KeyType {
   numbers,         // any count of numbers
   texts,           // an array of at least one text
   points,          // an array of at least two vectors
+  curve,           // an array of at least one pair [x, value], x ascending
   named_numbers,   // a table of at least one number, under names the user chooses; any text will do
   table,
   tables,        // one table, or an array of at least one
@@ -70,8 +71,8 @@ inline constexpr std::size_t longest_name = 64;
 inline constexpr std::size_t most_named = 256;  // shader::tag_layer_mask leaves a byte for the layer
 bool is_valid_name(std::string_view name);
 
-// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near: one that
-// shares less than half of its letters is a guess, not a hint.
+// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near:
+// one that shares less than half of its letters is a guess, not a hint.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
 
 // "; did you mean NAME?", or empty if none is near.

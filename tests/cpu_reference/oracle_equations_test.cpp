@@ -166,8 +166,7 @@ TEST(OracleMuscle, ScaleKeepsVolume) {
   Random random(10);
   for (int k = 0; k < 1000; ++k) {
     const Vector3d n = random.direction();
-    const double c =
-        cpu_reference::muscle_stretch(random.between(0, 3), random.between(-1, 1), n, random.direction());
+    const double c = cpu_reference::muscle_stretch(random.between(0, 3) * random.between(-1, 1));
     const Matrix3d T = cpu_reference::muscle_scale(n, c);
     EXPECT_NEAR(T.determinant(), 1.0, 1e-14);  // some ten roundings of 2^-53, by c <= 4
     EXPECT_LT((T - T.transpose()).norm(), 1e-15);
@@ -180,19 +179,36 @@ TEST(OracleMuscle, ScaleKeepsVolume) {
 TEST(OracleMuscle, SlackMuscleIsTheIdentity) {
   Random random(11);
   const Vector3d n = random.direction();
-  EXPECT_EQ(cpu_reference::muscle_stretch(1.5, 0.0, n, random.direction()), 1.0);
+  EXPECT_EQ(cpu_reference::muscle_stretch(0.0), 1.0);
   EXPECT_LT((cpu_reference::muscle_scale(n, 1.0) - Matrix3d::Identity()).norm(), 1e-15);
   EXPECT_EQ(cpu_reference::muscle_scale(Vector3d::Zero(), 1.7), Matrix3d::Identity());
+  EXPECT_EQ(cpu_reference::muscle_twist(n, n.unitOrthogonal(), 0.0), Matrix3d::Identity());
 }
 
 // (17) by hand, and its clamp.
 TEST(OracleMuscle, StretchByHand) {
-  const Vector3d n(0, 0.6, 0.8);
-  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(1.5, 0.5, n, n), 1.75);
-  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.5, 0.5, n, -n), 0.75);
-  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.5, 0.5, n, Vector3d(1, 0, 0)), 1.0);
-  EXPECT_EQ(cpu_reference::muscle_stretch(9.0, 1.0, n, n), 4.0);
-  EXPECT_EQ(cpu_reference::muscle_stretch(9.0, 1.0, n, -n), 0.25);
+  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(0.75), 1.75);
+  EXPECT_DOUBLE_EQ(cpu_reference::muscle_stretch(-0.25), 0.75);
+  EXPECT_EQ(cpu_reference::muscle_stretch(9.0), 4.0);
+  EXPECT_EQ(cpu_reference::muscle_stretch(-9.0), 0.25);
+}
+
+// Twisting a cylinder moves (rho, phi, s) to (rho, phi + k s, s). Its gradient, turned back by k s, is the
+// shear.
+TEST(OracleMuscle, TwistIsThatOfACylinder) {
+  const double k = 1.7, rho = 0.3, s = 0.4, phi = 0.9;
+  const Vector3d axis(0, 0, 1), radial(std::cos(phi), std::sin(phi), 0.0), around = axis.cross(radial);
+  const auto twisted = [&](const Vector3d& p) -> Vector3d { return Eigen::AngleAxisd(k * p.z(), axis) * p; };
+  const Vector3d p = rho * radial + s * axis;
+  Matrix3d gradient;
+  const double step = 1e-6;  // central differences: error about step^2, and 1e-16 over the step
+  for (int c = 0; c < 3; ++c)
+    gradient.col(c) =
+        (twisted(p + step * Vector3d::Unit(c)) - twisted(p - step * Vector3d::Unit(c))) / (2 * step);
+  const Matrix3d shear = Eigen::AngleAxisd(-k * s, axis).toRotationMatrix() * gradient;
+  const Matrix3d T = cpu_reference::muscle_twist(axis, around, k * rho);
+  EXPECT_LT((shear - T).norm(), 1e-9);
+  EXPECT_NEAR(T.determinant(), 1.0, 1e-15);
 }
 
 }  // namespace

@@ -131,11 +131,7 @@ struct Drift {
 Drift momentum_drift(unsigned seed, bool momentum_scaled) {
   const Scene scene = make_scene(seed, false);
   Model model = model_of(scene, momentum_scaled);
-  model.muscle_count = 1;
-  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
-    model.region_muscle.push_back(r % 2 == 0 ? 0 : shader::no_muscle);
-    model.region_normal.insert(model.region_normal.end(), {0.6f, 0.0f, 0.8f, 0.5f});
-  }
+  add_muscle(model, {0.6, 0.0, 0.8}, 0.5, 0.25, 2);
   Oracle oracle(model, {});
   // Around its own centre and on the spot: the farther from the origin, the coarser double's positions, and
   // 1/h times that is what a velocity can be held to.
@@ -153,7 +149,7 @@ Drift momentum_drift(unsigned seed, bool momentum_scaled) {
   for (Vector3d& v : velocities) v -= velocity / mass;
   set_state(model, oracle, start, velocities);
   TestDrive drive = quiet_drive(model, h);
-  drive.muscles.assign(1, shader::Muscle{1, 0, 0, 0.75f});
+  drive.muscles.assign(1, shader::Muscle{0.75f, 0, 0, 0.125f, 0.5f});
   const Momentum before = momentum_of(model, oracle);
   Drift drift;
   double linear_scale = before.linear_scale;

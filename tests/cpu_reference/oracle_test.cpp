@@ -163,14 +163,11 @@ TEST(OracleRest, BulgedBodyRestsInItsBulgedShape) {
   BodyOptions options;
   options.beta = 0.5f;
   Model model = make_model(kuhn_bar(2, 2, 2, 0.125), options);
-  model.muscle_count = 1;
-  model.region_muscle.assign(model.vertex_count, 0);
-  for (std::uint32_t r = 0; r < model.vertex_count; ++r)
-    model.region_normal.insert(model.region_normal.end(), {0.0f, 1.0f, 0.0f, 1.5f});
+  add_muscle(model, Vector3d::UnitY(), 1.5);
   Oracle oracle(model, {});
   TestDrive drive = quiet_drive(model, h);
   // c = 1 + 1.5 x 2 x 1 = 4: T = diag(1/2, 4, 1/2), exact in float.
-  drive.muscles.assign(1, shader::Muscle{0, 1, 0, 2});
+  drive.muscles.assign(1, shader::Muscle{0, 2, 0, 0, 0});
   Points bulged;
   for (const Vector3d& p : rest_points(model)) bulged.emplace_back(p.x() / 2, 4 * p.y(), p.z() / 2);
   set_state(model, oracle, bulged, Points(model.vertex_count, Vector3d::Zero()));
@@ -178,7 +175,7 @@ TEST(OracleRest, BulgedBodyRestsInItsBulgedShape) {
   EXPECT_LT(largest_distance(oracle.positions(), bulged), 1e-13);  // rounding, as for any free body at rest
   // The control: slack, that shape is no rest.
   set_state(model, oracle, bulged, Points(model.vertex_count, Vector3d::Zero()));
-  drive.muscles.assign(1, shader::Muscle{0, 1, 0, 0});
+  drive.muscles.assign(1, shader::Muscle{0, 0, 0, 0, 0});
   advance(oracle, drive, 1);
   EXPECT_GT(largest_distance(oracle.positions(), bulged), 1e-2);
 }
@@ -190,12 +187,7 @@ TEST(OracleRest, SlackMuscleChangesNothing) {
   for (Vector3d& p : pulled) p.x() *= 1.25;
   Points ends[2];
   for (bool muscle : {false, true}) {
-    if (muscle) {
-      model.muscle_count = 1;
-      model.region_muscle.assign(model.vertex_count, 0);
-      for (std::uint32_t r = 0; r < model.vertex_count; ++r)
-        model.region_normal.insert(model.region_normal.end(), {0.6f, 0.8f, 0.0f, 1.5f});
-    }
+    if (muscle) add_muscle(model, {0.6, 0.8, 0.0}, 1.5);
     Oracle oracle(model, {});
     set_state(model, oracle, pulled, Points(model.vertex_count, Vector3d::Zero()));
     TestDrive drive = quiet_drive(model, h);

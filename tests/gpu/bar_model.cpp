@@ -128,9 +128,11 @@ Model make_bar(const BarOptions& o) {
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) m.carried.push_back(0.5f * static_cast<float>(i % 3));
   if (o.muscle) {
     m.muscle_count = 2;
+    m.muscle_offset.push_back(0);
     for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
-      m.region_muscle.push_back(i % 3 == 2 ? shader::no_muscle : i % 3);
-      m.region_normal.insert(m.region_normal.end(), {0.0f, 0.6f, 0.8f, 0.5f});
+      for (std::uint32_t k = 0; k < i % 3; ++k) m.region_muscle.push_back({k, 0.5f, 0.25f});
+      m.muscle_offset.push_back(static_cast<std::uint32_t>(m.region_muscle.size()));
+      m.region_frame.push_back({0.0f, 0.6f, 0.8f, 1.0f, 0.0f, 0.0f, 0.0f, -0.8f, 0.6f});
     }
   }
   if (o.forces) {
@@ -173,7 +175,7 @@ model::Drive BarMotion::drive(std::uint64_t frame) {
     const bool jumped = cuts_ && (frame % 5 == 4 || (frame % 5 == 3 && s > 0));
     append_pose(static_cast<double>((frame - 1) * substeps_ + s + 1), jumped ? 0.25f : 0.0f, bones_);
     for (std::uint32_t k = 0; k < model_.muscle_count; ++k)
-      muscles_.push_back({0.1f, 0.8f, 0.6f, 0.1f * t * static_cast<float>(k + 1)});
+      muscles_.push_back({0.01f * t, 0.08f * t, 0.06f * t, 0.05f * t * static_cast<float>(k + 1), 0.1f * t});
     for (std::uint32_t f = 0; f < model_.force_count; ++f)
       forces_.push_back({0.3f * t, -0.2f, 0.1f * static_cast<float>(f), 0.0f});
   }

@@ -384,6 +384,39 @@ TEST_F(SceneKeys, BonesJointsAndPaintNeedWhatHasThem) {
             std::string::npos);
 }
 
+TEST_F(SceneKeys, MusclesNeedAJointOrABone) {
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {"", "muscle.m.joint: is missing; name the joint"},
+      {"bone = \"hand\"\naxis = \"flexion\"", "muscle.m.axis: says how the muscle follows a joint"},
+      {"joint = \"hand\"\nlayer = \"bodi\"",
+       "muscle.m.layer: there is no layer \"bodi\"; did you mean body?"},
+      {"joint = \"hand\"\nactivation = \"sine\"\ncurve = [[0, 0]]",
+       "muscle.m.curve: stands beside activation"},
+      {"joint = \"hand\"\ncurve = [[1, 0], [1, 0]]", "muscle.m.curve[1]: does not come after"},
+      {"joint = \"hand\"\ncurve = [[1, 0, 2]]", "muscle.m.curve[0]: has 3 entries"},
+      {"joint = \"hand\"\ncurve = []", "muscle.m.curve: is empty"},
+      {"joint = \"hand\"\ncontraction = [[0, 1]]\ncontraction_channel = \"a.scale.x\"",
+       "muscle.m.contraction_channel: stands beside contraction"}};
+  for (const auto& [keys, reason] : refused)
+    EXPECT_NE(refusal("[character]\nmade = \"arm\"\n[layers.body]\n[muscle.m]\n" + keys + "\n").find(reason),
+              std::string::npos)
+        << keys << ": " << refusal("[character]\nmade = \"arm\"\n[layers.body]\n[muscle.m]\n" + keys + "\n");
+  EXPECT_NE(refusal("[bar]\n[layers.body]\n[muscle.m]\njoint = \"a\"\n").find("only a [character]"),
+            std::string::npos);
+}
+
+TEST_F(SceneKeys, ACharacterNeedsNoLayers) {
+  const Scene scene =
+      parse("[character]\nmade = \"arm\"\n[muscle.m]\njoint = \"forearm\"\nlayer = \"muscle\"\n");
+  ASSERT_EQ(scene.layers.size(), 3u);
+  EXPECT_EQ(scene.layers[1].name, "muscle");
+  EXPECT_EQ(scene.solver.substeps, 8u);
+  EXPECT_EQ(describe(parse(scene.text)), describe(scene)) << "the text names what was added";
+  EXPECT_EQ(parse("[character]\nmade = \"arm\"\n", {.set = {"layers.fat.alpha=0.125"}}).layers[0].alpha,
+            0.125);
+  EXPECT_NE(refusal("[bar]\n").find("layers: is missing"), std::string::npos);
+}
+
 TEST_F(SceneKeys, NamesThatNeedQuotesAreWrittenBack) {
   FASCICLE_NEEDS_ASSET(character_);
   const Scene once = parse(character_sample(), {.set = {"character.resolution=0.1"}});

@@ -181,6 +181,28 @@ made = "arm"
 
 [layers.body]
 alpha = 0.5
+
+[muscle.biceps]
+joint = "forearm"
+parent = "upper_arm"
+child = "hand"
+bone = "forearm"
+layer = "body"
+gain = 0.75
+axis = "plane-normal"
+activation = "sine"
+contraction = [[0.0, 0.25], [1.0, 0.5]]
+twist = 0.5
+twist_joint = "hand"
+
+[muscle.biceps.where.sphere]
+center = [0.3, 0.0, 0.0]
+radius = 0.2
+
+[muscle.other]
+joint = "hand"
+curve = [[0.0, 0.0], [90.0, 1.0]]
+contraction_channel = "hand.scale.x"
 )";
 }
 
@@ -272,6 +294,12 @@ std::string describe(const Scene& scene) {
   for (const Layer& l : scene.layers) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
            l.fibre_field, l.kinematic, l.inertia_scale, l.where);
+  }
+  for (const Muscle& m : scene.muscles) {
+    d.line("muscle", m.name, m.joint, m.parent, m.child, m.bone, m.layer, m.where, m.gain, m.axis,
+           m.activation, m.contraction_channel, m.twist, m.twist_joint);
+    for (const auto& [x, value] : m.curve) d.line("curve", x, value);
+    for (const auto& [x, value] : m.contraction) d.line("contraction", x, value);
   }
   for (const Pin& pin : scene.pins) d.line("pin", pin.name, pin.where);
   for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);

@@ -71,8 +71,25 @@ TEST(SharedLayout, Bone) {
 TEST(SharedLayout, Muscle) {
   const Layout layout = layout_in(shader::region_module(), "Muscle");
   EXPECT_EQ(layout.members, (Members{MEMBER(Muscle, tau_x), MEMBER(Muscle, tau_y), MEMBER(Muscle, tau_z),
-                                     MEMBER(Muscle, activation)}));
+                                     MEMBER(Muscle, swell), MEMBER(Muscle, twist)}));
   EXPECT_EQ(layout.stride, sizeof(shader::Muscle));
+}
+
+TEST(SharedLayout, RegionMuscle) {
+  const Layout layout = layout_in(shader::region_module(), "RegionMuscle");
+  EXPECT_EQ(layout.members, (Members{MEMBER(RegionMuscle, muscle), MEMBER(RegionMuscle, bulge),
+                                     MEMBER(RegionMuscle, shear)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::RegionMuscle));
+}
+
+TEST(SharedLayout, RegionFrame) {
+  const Layout layout = layout_in(shader::region_module(), "RegionFrame");
+  EXPECT_EQ(
+      layout.members,
+      (Members{MEMBER(RegionFrame, normal_x), MEMBER(RegionFrame, normal_y), MEMBER(RegionFrame, normal_z),
+               MEMBER(RegionFrame, axis_x), MEMBER(RegionFrame, axis_y), MEMBER(RegionFrame, axis_z),
+               MEMBER(RegionFrame, around_x), MEMBER(RegionFrame, around_y), MEMBER(RegionFrame, around_z)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::RegionFrame));
 }
 
 TEST(SharedLayout, Force) {

@@ -267,12 +267,15 @@ Model random_model(unsigned seed) {
   fill_weights(model);
   if (chance(0.5)) add_skeleton(model);
   if (chance(0.5)) {
-    model.muscle_count = 1;
+    model.muscle_count = 2;
+    model.muscle_offset.push_back(0);
     for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
-      model.region_muscle.push_back(chance(0.5) ? 0 : shader::no_muscle);
-      const Vector3d n = direction();
-      for (int k = 0; k < 3; ++k) model.region_normal.push_back(float(n[k]));
-      model.region_normal.push_back(float(1.5 * unit(random)));
+      for (std::uint32_t muscle = 0; muscle < 2; ++muscle)
+        if (chance(0.5))
+          model.region_muscle.push_back({muscle, float(1.5 * unit(random)), float(0.5 * unit(random))});
+      model.muscle_offset.push_back(std::uint32_t(model.region_muscle.size()));
+      const Vector3d axis = direction();
+      model.region_frame.push_back(region_frame(direction(), axis, axis.unitOrthogonal()));
     }
   }
   if (chance(0.5)) {
@@ -293,6 +296,28 @@ Model random_model(unsigned seed) {
   return model;
 }
 
+shader::RegionFrame region_frame(const Vector3d& normal, const Vector3d& axis, const Vector3d& around) {
+  shader::RegionFrame frame{};
+  float* const numbers[9] = {&frame.normal_x, &frame.normal_y, &frame.normal_z, &frame.axis_x,  &frame.axis_y,
+                             &frame.axis_z,   &frame.around_x, &frame.around_y, &frame.around_z};
+  for (int k = 0; k < 9; ++k) {
+    const float x = float(k < 3 ? normal[k] : k < 6 ? axis[k - 3] : around[k - 6]);
+    *numbers[k] = std::abs(x) < model::least_factor ? 0.0f : x;
+  }
+  return frame;
+}
+
+void add_muscle(Model& model, const Vector3d& normal, double bulge, double shear, std::uint32_t every) {
+  model.muscle_count = 1;
+  model.muscle_offset = {0};
+  const Vector3d axis = normal.unitOrthogonal();
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    if (r % every == 0) model.region_muscle.push_back({0, float(bulge), float(shear)});
+    model.muscle_offset.push_back(std::uint32_t(model.region_muscle.size()));
+    model.region_frame.push_back(region_frame(normal, axis, normal.cross(axis)));
+  }
+}
+
 model::Drive TestDrive::get() {
   drive.bones = bones;
   drive.muscles = muscles;
@@ -308,7 +333,7 @@ TestDrive quiet_drive(const Model& model, double h, std::uint32_t substeps, cons
   d.drive.origin = model.rest_origin;
   d.drive.gravity = {float(gravity.x()), float(gravity.y()), float(gravity.z())};
   d.bones.assign(std::size_t{substeps} * model.joint_count, identity_bone);
-  d.muscles.assign(std::size_t{substeps} * model.muscle_count, shader::Muscle{1, 0, 0, 0});
+  d.muscles.assign(std::size_t{substeps} * model.muscle_count, shader::Muscle{0, 0, 0, 0, 0});
   d.forces.assign(std::size_t{substeps} * model.force_count, shader::Force{0, 0, 0, 0});
   for (const model::Layer& layer : model.layers) d.decay.push_back(float(std::exp(-layer.damping * h)));
   return d;

@@ -1,0 +1,175 @@
+#include "host/bake/muscle_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include "host/model/model.h"
+#include "host/model/rotation.h"
+#include "host/scene/pose.h"
+#include "host/scene/pose_interpolation.h"
+#include "host/scene/trigonometry.h"
+
+namespace fascicle::bake {
+
+using scene::Vector3d;
+
+namespace {
+
+// Sines of 5 and 10 degrees: below the first a joint's folding has no direction of its own, and tau is that
+// of the clip's hinge; up to the second it goes over.
+constexpr double sine_without_side = 0.08715574274765817, sine_with_side = 0.17364817766693036;
+
+double activation_of(const scene::Muscle& muscle, double cosine, double sine) {
+  if (!muscle.curve.empty()) {
+    // pi/180 as a quotient of doubles, not from the library.
+    constexpr double degrees = 180.0 / std::numbers::pi;
+    return scene::value_at(muscle.curve, scene::exact_acos(cosine) * degrees);
+  }
+  return muscle.activation == "sine" ? sine : (1.0 - cosine) / 2.0;
+}
+
+model::Matrix3 rotation_of(const Eigen::Matrix4d& from_bind) {
+  model::Matrix3 rows{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = from_bind(r, c);
+  return model::nearest_rotation(rows);
+}
+
+Vector3d vector_of(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+float as_float(double x) {
+  const auto value = static_cast<float>(x);
+  return std::abs(value) < model::least_factor ? 0.0f : value;
+}
+
+}  // namespace
+
+MuscleDrive::MuscleDrive(const scene::Scene& scene, const scene::Character& character)
+    : scene_(scene), character_(character) {
+  const scene::Clip* clip = scene::find_clip(character, scene.clip);
+  for (std::size_t m = 0; m < scene.muscles.size(); ++m) {
+    const scene::Muscle& muscle = scene.muscles[m];
+    Prepared prepared;
+    prepared.bones = scene::muscle_bones(character, muscle);
+    if (prepared.bones.bend) {
+      const scene::BendingJoint& joint = *prepared.bones.bend;
+      const Bend bound = bend_of(muscle, prepared.bones, scene::joint_place(character.skeleton[joint.upper]),
+                                 scene::joint_place(character.skeleton[joint.joint]), joint.tip);
+      prepared.resting = activation_of(muscle, bound.cosine, bound.sine);
+    }
+    if (!muscle.contraction_channel.empty()) {
+      const scene::ContractionChannel wanted = scene::contraction_channel(character, muscle);
+      const scene::Joint& joint = character.skeleton[wanted.joint];
+      prepared.axis = wanted.axis;
+      prepared.at_rest =
+          (wanted.path == scene::ChannelPath::scale ? joint.rest_scale : joint.rest_translation)[wanted.axis];
+      for (const scene::Channel& channel : clip != nullptr ? clip->channels : std::vector<scene::Channel>{})
+        if (channel.joint == wanted.joint && channel.path == wanted.path) prepared.channel = &channel;
+    }
+    prepared_.push_back(std::move(prepared));
+    if (prepared_.back().bones.bend) prepared_.back().hinge = hinge_of(m, clip);
+  }
+}
+
+MuscleDrive::Bend MuscleDrive::bend_of(const scene::Muscle& muscle, const scene::MuscleBones& bones,
+                                       const Vector3d& upper, const Vector3d& joint,
+                                       const Vector3d& end) const {
+  const Vector3d above = joint - upper, below = end - joint;
+  const double lengths = std::sqrt(above.squaredNorm() * below.squaredNorm());
+  if (!(lengths > 0.0)) return {};
+  const Vector3d u = above / std::sqrt(above.squaredNorm()), l = below / std::sqrt(below.squaredNorm());
+  Bend bend;
+  bend.cosine = std::clamp(u.dot(l), -1.0, 1.0);
+  const Vector3d normal = u.cross(l);
+  bend.sine = std::sqrt(normal.squaredNorm());
+  // Across the bone that carries the muscle, towards the other one.
+  const bool is_on_lower = bones.moves[bones.bend->joint] != 0;
+  bend.tau = muscle.axis == "plane-normal" ? normal
+             : is_on_lower                 ? Vector3d(u.dot(l) * l - u)
+                                           : Vector3d(l - u.dot(l) * u);
+  return bend;
+}
+
+MuscleDrive::Bend MuscleDrive::bend_in(std::size_t m, const Pose& pose) const {
+  const scene::BendingJoint& bend = *prepared_[m].bones.bend;
+  const auto place = [&](std::uint32_t joint) -> Vector3d { return pose[joint].topRightCorner<3, 1>(); };
+  Vector3d end;
+  if (bend.lower_end) {
+    end = place(*bend.lower_end);
+  } else {
+    const Eigen::Matrix4d map = pose[bend.joint] * character_.skeleton[bend.joint].inverse_bind;
+    end = map.topLeftCorner<3, 3>() * bend.tip + map.topRightCorner<3, 1>();
+  }
+  return bend_of(scene_.muscles[m], prepared_[m].bones, place(bend.upper), place(bend.joint), end);
+}
+
+// Of a direction in the world, as the muscle's bone had it in the bind pose.
+Vector3d MuscleDrive::at_rest(std::size_t m, const Pose& pose, const Vector3d& direction) const {
+  const std::uint32_t carrier = prepared_[m].bones.carrier;
+  const model::Matrix3 turn = rotation_of(pose[carrier] * character_.skeleton[carrier].inverse_bind);
+  return vector_of(
+      model::multiply(model::transposed(turn), std::array{direction[0], direction[1], direction[2]}));
+}
+
+Vector3d MuscleDrive::hinge_of(std::size_t m, const scene::Clip* clip) const {
+  Bend most;
+  Pose at;
+  const auto frames = std::max<std::uint64_t>(scene::cycle_frames(scene_), 1);
+  for (std::uint64_t k = 0; k <= frames; ++k) {
+    const double time = scene_.start + static_cast<double>(k) / scene_.fps;
+    Pose pose = scene::joint_transforms_at(character_, clip, time);
+    const Bend bend = bend_in(m, pose);
+    if (!(bend.sine > most.sine)) continue;
+    most = bend;
+    at = std::move(pose);
+  }
+  if (most.sine < sine_without_side) return Vector3d::Zero();
+  return at_rest(m, at, most.tau / most.sine);
+}
+
+// The angle by which the twisted joint has turned about the bone, in (-pi, pi].
+double MuscleDrive::twist_in(std::size_t m, const Pose& pose) const {
+  const scene::MuscleBones& bones = prepared_[m].bones;
+  const auto turn_of = [&](std::uint32_t joint) {
+    return rotation_of(pose[joint] * character_.skeleton[joint].inverse_bind);
+  };
+  model::Matrix3 turn = turn_of(bones.twisted);
+  if (bones.against) turn = model::multiply(model::transposed(turn_of(*bones.against)), turn);
+  const model::Quaternion q = model::quaternion_of(turn);
+  const Vector3d along = bones.to - bones.from;
+  const double p = (q[1] * along[0] + q[2] * along[1] + q[3] * along[2]) / std::sqrt(along.squaredNorm());
+  const double length = std::sqrt(q[0] * q[0] + p * p);
+  if (!(length > 0.0)) return 0.0;
+  const double angle = 2.0 * scene::exact_acos(std::abs(q[0]) / length);
+  return p * q[0] < 0.0 ? -angle : angle;
+}
+
+void MuscleDrive::append(const Pose& pose, double time, std::vector<shader::Muscle>& to) const {
+  for (std::size_t m = 0; m < prepared_.size(); ++m) {
+    const scene::Muscle& muscle = scene_.muscles[m];
+    const Prepared& prepared = prepared_[m];
+    Vector3d tau = Vector3d::Zero();
+    if (prepared.bones.bend) {
+      const Bend bend = bend_in(m, pose);
+      const double side =
+          std::clamp((bend.sine - sine_without_side) / (sine_with_side - sine_without_side), 0.0, 1.0);
+      tau = (1.0 - side) * prepared.hinge;
+      if (side > 0.0) tau += side * at_rest(m, pose, bend.tau / bend.sine);
+      const double length = std::sqrt(tau.squaredNorm());
+      if (length > 0.0) tau *= (activation_of(muscle, bend.cosine, bend.sine) - prepared.resting) / length;
+    }
+    double swell = 0.0;
+    if (!muscle.contraction.empty()) swell = scene::value_at(muscle.contraction, time);
+    if (prepared.channel != nullptr)
+      swell = scene::sample(*prepared.channel, time)[prepared.axis] - prepared.at_rest;
+    const double twist = muscle.twist != 0.0 ? twist_in(m, pose) : 0.0;
+    to.push_back({as_float(tau[0]), as_float(tau[1]), as_float(tau[2]), as_float(swell), as_float(twist)});
+  }
+}
+
+}  // namespace fascicle::bake

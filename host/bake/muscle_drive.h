@@ -1,0 +1,48 @@
+// What a pose makes of the muscles: equation (17)'s tau and activation, contraction and twist.
+#pragma once
+
+#include <vector>
+
+#include "host/bake/timeline.h"
+#include "host/scene/muscle_bones.h"
+#include "shaders/shared.h"
+
+namespace fascicle::bake {
+
+class MuscleDrive {
+ public:
+  // The scene and its character must outlive it. Throws scene::SceneError for muscles that fit no bones.
+  MuscleDrive(const scene::Scene& scene, const scene::Character& character);
+
+  // Appends one record a muscle, for the pose at `time` of the clip.
+  void append(const Pose& pose, double time, std::vector<shader::Muscle>& to) const;
+
+ private:
+  // A muscle with what does not change. Directions are of length 1, in the carrier's rest frame.
+  struct Prepared {
+    scene::MuscleBones bones;
+    double resting = 0.0;  // activation in the bind pose
+    scene::Vector3d hinge =
+        scene::Vector3d::Zero();              // tau where the clip bends the joint most; 0: it never does
+    const scene::Channel* channel = nullptr;  // of the contraction
+    std::uint32_t axis = 0;
+    double at_rest = 0.0;  // the channel's value without the clip
+  };
+  // How a joint stands: cosine and sine of its angle, 0 when straight, and tau times the sine, in the world.
+  struct Bend {
+    double cosine = 1.0, sine = 0.0;
+    scene::Vector3d tau = scene::Vector3d::Zero();
+  };
+  Bend bend_of(const scene::Muscle& muscle, const scene::MuscleBones& bones, const scene::Vector3d& upper,
+               const scene::Vector3d& joint, const scene::Vector3d& end) const;
+  Bend bend_in(std::size_t muscle, const Pose& pose) const;
+  scene::Vector3d at_rest(std::size_t muscle, const Pose& pose, const scene::Vector3d& direction) const;
+  scene::Vector3d hinge_of(std::size_t muscle, const scene::Clip* clip) const;
+  double twist_in(std::size_t muscle, const Pose& pose) const;
+
+  const scene::Scene& scene_;
+  const scene::Character& character_;
+  std::vector<Prepared> prepared_;
+};
+
+}  // namespace fascicle::bake

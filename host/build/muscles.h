@@ -1,0 +1,25 @@
+// Which regions belong to which muscles, and what they take of them: the constant part of equations (15) to
+// (17).
+#pragma once
+
+#include <vector>
+
+#include "host/build/measures.h"
+#include "host/build/where.h"
+#include "host/model/model.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// A vertex is a muscle's if the joints of the muscle's bone hold at least this share of its weights, if it
+// lies beside the bone (0 < s < 1 along it), in the muscle's layer and where it says. Its profile is sin(pi
+// s), times its beta.
+inline constexpr double least_muscle_share = 0.3;
+
+// Fills Model::muscle_*, region_muscle and region_frame; tags, layers, beta and fibres are there already.
+// Throws scene::SceneError for muscles that fit no bones or hold no vertex; warns of those that hold none
+// with a fibre.
+void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test, model::Model& model,
+                   Report& report);
+
+}  // namespace fascicle::build

@@ -1,0 +1,63 @@
+#include <algorithm>
+
+#include "host/scene/scene_table.h"
+#include "host/scene/scene_values.h"
+
+namespace fascicle::scene {
+namespace {
+
+Muscle read_muscle(const std::string& name, const toml::table& table, const Surroundings& surroundings,
+                   const std::string& path) {
+  Muscle muscle;
+  muscle.name = name;
+  read(table, "joint", muscle.joint);
+  read(table, "parent", muscle.parent);
+  read(table, "child", muscle.child);
+  read(table, "bone", muscle.bone);
+  read(table, "layer", muscle.layer);
+  muscle.where = read_where(table, surroundings, path);
+  read(table, "gain", muscle.gain);
+  read(table, "axis", muscle.axis);
+  read(table, "activation", muscle.activation);
+  read(table, "curve", muscle.curve);
+  read(table, "contraction", muscle.contraction);
+  read(table, "contraction_channel", muscle.contraction_channel);
+  read(table, "twist", muscle.twist);
+  read(table, "twist_joint", muscle.twist_joint);
+  return muscle;
+}
+
+void check_muscle(const Muscle& muscle, const toml::table& table, const std::string& path,
+                  const std::vector<Layer>& layers) {
+  const auto refuse = [&](const char* key, const std::string& what) {
+    fail(table.contains(key) ? table.get(key)->source() : table.source(), join_path(path, key), what);
+  };
+  if (muscle.joint.empty() && muscle.bone.empty())
+    refuse("joint", "is missing; name the joint that bends, or the `bone` of a muscle that only contracts");
+  for (const char* key : {"parent", "child", "axis", "activation", "curve"})
+    if (muscle.joint.empty() && table.contains(key))
+      refuse(key, "says how the muscle follows a joint, and it names none; add `joint`, or leave this out");
+  if (!muscle.curve.empty() && table.contains("activation"))
+    refuse("curve", "stands beside activation; give one of them");
+  if (!muscle.contraction.empty() && !muscle.contraction_channel.empty())
+    refuse("contraction_channel", "stands beside contraction; give one of them");
+  std::vector<std::string> names;
+  for (const Layer& layer : layers) names.push_back(layer.name);
+  if (!muscle.layer.empty() && std::find(names.begin(), names.end(), muscle.layer) == names.end())
+    refuse("layer", "there is no layer \"" + muscle.layer + "\"" + nearest_name_hint(muscle.layer, names));
+}
+
+}  // namespace
+
+void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
+  for_each_named(root, "muscle",
+                 [&](const std::string& name, const toml::table& table, const std::string& path) {
+                   if (!surroundings.has_joints)
+                     fail(table.source(), path,
+                          "only a [character] has joints and bones that carry muscles; leave it out");
+                   scene.muscles.push_back(read_muscle(name, table, surroundings, path));
+                   check_muscle(scene.muscles.back(), table, path, scene.layers);
+                 });
+}
+
+}  // namespace fascicle::scene

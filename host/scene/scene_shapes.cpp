@@ -1,0 +1,138 @@
+#include "host/scene/scene_values.h"
+
+namespace fascicle::scene {
+namespace {
+
+// The two bounds of a shape, in order.
+template <class Range>
+void read_bounds(const toml::table& table, const std::string& path, Range& range) {
+  read(table, "minimum", range.minimum);
+  read(table, "maximum", range.maximum);
+  if (range.minimum > range.maximum) fail(table.source(), path, "minimum is above maximum; swap them");
+}
+
+template <class Range>
+void read_per_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path,
+                   Range& range) {
+  const toml::node* node = table.get("per_bone");
+  if (node == nullptr) return;
+  if (!surroundings.has_joints)
+    fail(node->source(), join_path(path, "per_bone"), "names joints, and only a [character] has them");
+  for (const auto& [name, value] : in_order(*node->as_table()))
+    range.per_bone.emplace_back(std::string(name->str()), number_of(*value));
+}
+
+void need_bones(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
+  if (surroundings.has_bones) return;
+  fail(table.source(), path,
+       "the scene has no bones; add [bones.NAME] with from and to, or use a [character]");
+}
+
+void need_character(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
+  if (surroundings.has_joints) return;
+  fail(table.source(), path, "only a [character] has these; use another shape");
+}
+
+HalfSpace read_half_space(const toml::table& table, bool below) {
+  HalfSpace half_space;
+  half_space.below = below;
+  std::string axis = "y";
+  read(table, "axis", axis);
+  half_space.axis = axis == "x" ? Axis::x : axis == "y" ? Axis::y : Axis::z;
+  half_space.is_fraction = table.contains("fraction");
+  read(table, half_space.is_fraction ? "fraction" : "value", half_space.value);
+  return half_space;
+}
+
+Shape read_shape(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
+  const std::string kind(table.begin()->first.str());
+  if (kind == "everywhere") {
+    bool everywhere = false;
+    read(table, "everywhere", everywhere);
+    if (!everywhere) fail(table.source(), join_path(path, kind), "is false; leave it out, or say true");
+    return Everywhere{};
+  }
+  const toml::table& inner = *table.begin()->second.as_table();
+  const std::string inner_path = join_path(path, kind);
+  if (kind == "box") {
+    Box box;
+    read(inner, "minimum", box.minimum);
+    read(inner, "maximum", box.maximum);
+    if ((box.minimum.array() > box.maximum.array()).any()) {
+      fail(inner.source(), inner_path, "minimum is above maximum; swap them");
+    }
+    return box;
+  }
+  if (kind == "sphere") {
+    Sphere sphere{Vector3d::Zero(), 0.0};
+    read(inner, "center", sphere.center);
+    read(inner, "radius", sphere.radius);
+    return sphere;
+  }
+  if (kind == "capsule") {
+    Capsule capsule{Vector3d::Zero(), Vector3d::Zero(), 0.0};
+    read(inner, "from", capsule.from);
+    read(inner, "to", capsule.to);
+    read(inner, "radius", capsule.radius);
+    return capsule;
+  }
+  if (kind == "bone_distance") {
+    BoneDistance distance;
+    read_bounds(inner, inner_path, distance);
+    read_per_bone(inner, surroundings, inner_path, distance);
+    need_bones(inner, surroundings, inner_path);
+    return distance;
+  }
+  if (kind == "depth") {
+    Depth depth;
+    read_bounds(inner, inner_path, depth);
+    read_per_bone(inner, surroundings, inner_path, depth);
+    need_bones(inner, surroundings, inner_path);
+    return depth;
+  }
+  if (kind == "volume_share") {
+    VolumeShare share;
+    read_bounds(inner, inner_path, share);
+    std::string by = "depth";
+    read(inner, "by", by);
+    share.by_distance = by == "distance";
+    need_bones(inner, surroundings, inner_path);
+    return share;
+  }
+  if (kind == "joints") {
+    JointSet set;
+    read(inner, "names", set.names);
+    read(inner, "share", set.share);
+    need_character(inner, surroundings, inner_path);
+    return set;
+  }
+  if (kind == "painted") {
+    Painted painted;
+    read(inner, "attribute", painted.attribute);
+    read_bounds(inner, inner_path, painted);
+    need_character(inner, surroundings, inner_path);
+    return painted;
+  }
+  return read_half_space(inner, kind == "below");
+}
+
+}  // namespace
+
+Where read_where(const toml::table& owner, const Surroundings& surroundings, const std::string& path) {
+  Where where;
+  const toml::node* node = owner.get("where");
+  if (node == nullptr) return where;
+  const std::string where_path = join_path(path, "where");
+  if (const toml::table* table = node->as_table()) {
+    where.push_back(read_shape(*table, surroundings, where_path));
+    return where;
+  }
+  const toml::array& array = *node->as_array();
+  for (std::size_t i = 0; i < array.size(); ++i) {
+    where.push_back(
+        read_shape(*array[i].as_table(), surroundings, where_path + "[" + std::to_string(i) + "]"));
+  }
+  return where;
+}
+
+}  // namespace fascicle::scene

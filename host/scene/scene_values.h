@@ -1,0 +1,50 @@
+// From checked TOML to values: what the readers of the scene file share. check_scene has seen the types.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/scene/scene.h"
+#include "host/scene/scene_check.h"
+
+namespace fascicle::scene {
+
+double number_of(const toml::node& node);
+Vector3d vector_of(const toml::node& node);
+
+// These take the value if the key is there and else leave what stands.
+void read(const toml::table& table, const char* key, double& out);
+void read(const toml::table& table, const char* key, std::optional<double>& out);
+void read(const toml::table& table, const char* key, std::uint32_t& out);
+void read(const toml::table& table, const char* key, std::uint64_t& out);
+void read(const toml::table& table, const char* key, bool& out);
+void read(const toml::table& table, const char* key, std::string& out);
+void read(const toml::table& table, const char* key, Vector3d& out);
+void read(const toml::table& table, const char* key, std::vector<std::string>& out);
+void read(const toml::table& table, const char* key, KeyedCurve& out);
+
+// Empty where there is none.
+const toml::table& table_at(const toml::table& table, const char* key);
+
+// Calls use(name, table, path) for each table of a named_tables key, in the file's order.
+template <class Use>
+void for_each_named(const toml::table& root, const char* key, const Use& use) {
+  for (const auto& [name, node] : in_order(table_at(root, key))) {
+    use(std::string(name->str()), *node->as_table(), join_path(key, name->str()));
+  }
+}
+
+// What shapes may refer to.
+struct Surroundings {
+  bool has_bones = false;
+  bool has_joints = false;
+};
+
+// The shapes under `where` of the table at `path`; none where there is no such key.
+Where read_where(const toml::table& owner, const Surroundings& surroundings, const std::string& path);
+
+// Adds [muscle.NAME] to the scene, whose layers have been read.
+void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene);
+
+}  // namespace fascicle::scene
