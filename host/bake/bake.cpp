@@ -25,6 +25,7 @@
 #include "host/bake/lead_in.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
+#include "host/bake/muscle_drive.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/bake/surface.h"
 #include "host/bake/text.h"
@@ -97,6 +98,7 @@ class Run {
   void begin_sinks(std::uint64_t first);
   void step_frames(std::uint64_t first);
   bool checkpoint_due(std::uint64_t frame) const;
+  void note_clamped(const model::Drive& drive, std::uint64_t frame);
   void check_finite(const model::Frame& frame);
   void write(const model::Frame& frame);
   void checkpoint(const model::State& state);
@@ -202,6 +204,7 @@ BakeResult Run::go() {
   result.frames_done = progress_.position_hashes.empty() ? 0 : progress_.position_hashes.size() - 1;
   result.lead_in = progress_.lead_in;
   result.loop_jump = progress_.loop_jump;
+  result.clamped = progress_.clamped;
   result.interrupted = interrupted_;
   result.missing_images = missing_images_;
   for (const std::string& name : files)
@@ -277,7 +280,9 @@ void Run::step_frames(std::uint64_t first) {
   if (first > frames_) return;
   const auto submit = [&](std::uint64_t frame) {
     const Stopwatch time(seconds_solver_);
-    solver_.submit(drives_.drive(frame), needs_);
+    const model::Drive drive = drives_.drive(frame);
+    note_clamped(drive, frame);
+    solver_.submit(drive, needs_);
   };
   const auto stopped = [&] { return options_.interrupted != nullptr && options_.interrupted->load(); };
   if (stopped()) {
@@ -310,6 +315,12 @@ void Run::step_frames(std::uint64_t first) {
 bool Run::checkpoint_due(std::uint64_t frame) const {
   return frame == frames_ || frame % options_.checkpoint_frames == 0 ||
          seconds_since(last_checkpoint_) >= options_.checkpoint_seconds;
+}
+
+void Run::note_clamped(const model::Drive& drive, std::uint64_t frame) {
+  if (model_.muscle_count == 0) return;
+  const std::uint64_t regions = clamped_regions(model_, drive.muscles.last(model_.muscle_count));
+  if (regions > progress_.clamped.regions) progress_.clamped = {regions, frame};
 }
 
 void Run::check_finite(const model::Frame& frame) {

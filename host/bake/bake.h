@@ -54,6 +54,12 @@ struct BakeOptions {
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
 };
 
+// Regions whose stretch of equation (17) had to be kept in [0.25, 4]: their most in one frame, and that
+// frame.
+struct ClampedMuscles {
+  std::uint64_t regions = 0, frame = 0;
+};
+
 struct BakeResult {
   std::uint64_t frames_done = 0;  // of frame_count(scene)
   bool interrupted = false;
@@ -63,6 +69,7 @@ struct BakeResult {
   LeadInSummary lead_in;
   std::optional<double>
       loop_jump;  // m: of a seamless loop, the furthest that a vertex ends from its beginning
+  ClampedMuscles clamped;
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 

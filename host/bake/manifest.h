@@ -31,6 +31,7 @@ struct Progress {
   std::vector<std::uint64_t> position_hashes;  // of frames 0, 1, ... written so far (model::position_hash)
   Timings timings;
   LeadInSummary lead_in;
+  ClampedMuscles clamped;
   std::optional<double> loop_jump;  // m, of a seamless loop that is complete
 };
 

@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include "host/model/model.h"
 #include "host/model/rotation.h"
 #include "host/scene/pose.h"
 #include "host/scene/pose_interpolation.h"
@@ -48,6 +47,23 @@ float as_float(double x) {
 }
 
 }  // namespace
+
+std::uint64_t clamped_regions(const model::Model& model, std::span<const shader::Muscle> muscles) {
+  std::uint64_t clamped = 0;
+  for (std::uint32_t r = 0; r < model.vertex_count && model.muscle_count > 0; ++r) {
+    const shader::RegionFrame& frame = model.region_frame[r];
+    double c = 1.0;
+    for (std::uint32_t e = model.muscle_offset[r]; e < model.muscle_offset[r + 1]; ++e) {
+      const shader::Muscle& m = muscles[model.region_muscle[e].muscle];
+      c += static_cast<double>(model.region_muscle[e].bulge) *
+           (static_cast<double>(frame.normal_x * m.tau_x + frame.normal_y * m.tau_y +
+                                frame.normal_z * m.tau_z) +
+            static_cast<double>(m.swell));
+    }
+    clamped += c < 0.25 || c > 4.0 ? 1u : 0u;
+  }
+  return clamped;
+}
 
 MuscleDrive::MuscleDrive(const scene::Scene& scene, const scene::Character& character)
     : scene_(scene), character_(character) {

@@ -1,13 +1,19 @@
 // What a pose makes of the muscles: equation (17)'s tau and activation, contraction and twist.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host/bake/timeline.h"
+#include "host/model/model.h"
 #include "host/scene/muscle_bones.h"
 #include "shaders/shared.h"
 
 namespace fascicle::bake {
+
+// Regions whose stretch (17) one substep's muscles would drive out of [0.25, 4].
+std::uint64_t clamped_regions(const model::Model& model, std::span<const shader::Muscle> muscles);
 
 class MuscleDrive {
  public:

@@ -188,6 +188,10 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   const bake::BakeResult result = bake::bake(scene, built.model, *simulation.solver, options);
   log.clear_bar();
+  if (result.clamped.regions > 0)
+    log.warning("muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
+                std::to_string(result.clamped.frame) +
+                " would bulge or thin by more than four times and were kept there; a lower gain avoids it");
   for (const std::string& image : result.missing_images)
     log.warning("the character's image " + image + " is not there; character.glb has a white pixel for it");
   if (result.interrupted) {

@@ -197,19 +197,20 @@ using KeyedCurve = std::vector<std::pair<double, double>>;
 // Joints by name; muscle_bones.h says which bones and flesh that makes.
 struct Muscle {
   std::string name;
-  std::string joint;             // the joint that bends; empty: none
-  std::string parent, child;     // where the upper bone begins and the lower one ends; empty: the next joints
-  std::string bone;              // the joint whose bone carries the muscle; empty: that of the upper bone
-  std::string layer;             // its flesh is of this layer; empty: of any that is not kinematic
-  Where where;                   // and here; empty: all along the bone
+  std::string joint = {};  // the joint that bends; empty: none
+  // Where the upper bone begins and the lower one ends; empty: the next joints.
+  std::string parent = {}, child = {};
+  std::string bone = {};         // the joint whose bone carries the muscle; empty: that of the upper bone
+  std::string layer = {};        // its flesh is of this layer; empty: of any that is not kinematic
+  Where where = {};              // and here; empty: all along the bone
   double gain = 1.5;             // of equation (17)
   std::string axis = "flexion";  // tau: the side to which the joint folds, or "plane-normal"
   std::string activation = "cosine";  // of the angle: (1 - cos)/2, or "sine", as printed; 0 in the bind pose
-  KeyedCurve curve;        // of the angle in degrees instead; its value in the bind pose is taken off
-  KeyedCurve contraction;  // over the time of the clip, s: bulges on all sides, whatever the joint does
-  std::string contraction_channel;  // the same, from the clip: "JOINT.translation.x"
-  double twist = 0.0;               // share of the bone's twist that carries the fibres around it
-  std::string twist_joint;  // the joint whose turn about the bone twists it; empty: where the bone ends
+  KeyedCurve curve = {};        // of the angle in degrees instead; its value in the bind pose is taken off
+  KeyedCurve contraction = {};  // over the time of the clip, s: bulges on all sides, whatever the joint does
+  std::string contraction_channel = {};  // the same, from the clip: "JOINT.translation.x"
+  double twist = 0.0;                    // share of the bone's twist that carries the fibres around it
+  std::string twist_joint = {};  // the joint whose turn about the bone twists it; empty: where the bone ends
 };
 
 struct Pin {

@@ -6,6 +6,7 @@
 #include <random>
 #include <set>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "cpu_reference/oracle.h"

@@ -71,10 +71,11 @@ struct TestDrive {
 inline constexpr shader::Bone identity_bone = model::bone_at_rest;
 
 // Numbers too small to be factors become 0.
-shader::RegionFrame region_frame(const Vector3d& normal, const Vector3d& axis, const Vector3d& around);
+shader::RegionFrame region_frame(const Eigen::Vector3d& normal, const Eigen::Vector3d& axis,
+                                 const Eigen::Vector3d& around);
 
 // One muscle in every `every`-th region, each with this normal; the bone lies across it.
-void add_muscle(model::Model& model, const Vector3d& normal, double bulge, double shear = 0.0,
+void add_muscle(model::Model& model, const Eigen::Vector3d& normal, double bulge, double shear = 0.0,
                 std::uint32_t every = 1);
 
 // Bones at rest, muscles slack, no forces, decay by the layers' damping.

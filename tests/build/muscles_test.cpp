@@ -1,0 +1,130 @@
+// Which regions of the built-in arm are its muscle's, and what they take of it.
+#include "host/build/muscles.h"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "host/build/build.h"
+#include "host/scene/made_character.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double upper_arm_length = 0.3;
+
+struct BuiltArm {
+  scene::Scene scene;
+  model::Model model;
+  build::Report report;
+};
+
+BuiltArm arm_with(const std::vector<std::string>& set) {
+  BuiltArm arm;
+  arm.scene = scene::load_scene("arm", {.set = set});
+  build::BuildOptions options;
+  options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+  arm.model = build::build_model(arm.scene, arm.report, options);
+  return arm;
+}
+
+Vector3d place(const model::Model& m, std::uint32_t i) {
+  return m.unit * Vector3d(m.rest[3 * i], m.rest[3 * i + 1], m.rest[3 * i + 2]) +
+         Vector3d(m.rest_origin[0], m.rest_origin[1], m.rest_origin[2]);
+}
+
+TEST(Muscles, TakeTheBulgeAlongTheirBone) {
+  const BuiltArm arm = arm_with({});
+  const model::Model& m = arm.model;
+  ASSERT_NO_THROW(model::check_model(m));
+  ASSERT_EQ(m.muscle_count, 1u);
+  std::size_t bulging = 0;
+  for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
+    const double x = place(m, r).x();
+    const std::uint32_t entries = m.muscle_offset[r + 1] - m.muscle_offset[r];
+    ASSERT_LE(entries, 1u);
+    if (entries == 0) continue;
+    EXPECT_FALSE(m.is_kinematic(r));
+    EXPECT_GT(x, 0.0);
+    EXPECT_LT(x, upper_arm_length);
+    const shader::RegionMuscle& entry = m.region_muscle[m.muscle_offset[r]];
+    // gain 1.5, sin(pi s), beta 1 in muscle and 0 in fat; floats.
+    const double expected = 1.5 * std::sin(std::numbers::pi * x / upper_arm_length) * m.beta[r];
+    EXPECT_NEAR(entry.bulge, expected, 1e-6);
+    EXPECT_EQ(entry.shear, 0.0f);
+    bulging += entry.bulge != 0.0f ? 1u : 0u;
+  }
+  EXPECT_GT(bulging, 300u);
+}
+
+TEST(Muscles, FramesLeadAwayFromTheBoneAndAcrossTheFibre) {
+  const BuiltArm arm = arm_with({});
+  const model::Model& m = arm.model;
+  for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
+    if (m.muscle_offset[r] == m.muscle_offset[r + 1]) continue;
+    const shader::RegionFrame& f = m.region_frame[r];
+    const Vector3d n(f.normal_x, f.normal_y, f.normal_z), axis(f.axis_x, f.axis_y, f.axis_z),
+        around(f.around_x, f.around_y, f.around_z);
+    const Vector3d fibre(m.fibre[3 * r], m.fibre[3 * r + 1], m.fibre[3 * r + 2]);
+    EXPECT_EQ(axis, Vector3d::UnitX());
+    EXPECT_NEAR(n.norm(), 1.0, 1e-6);  // floats
+    EXPECT_NEAR(n.dot(fibre), 0.0, 1e-6);
+    EXPECT_NEAR(around.norm(), 1.0, 1e-6);
+    EXPECT_NEAR(around.dot(axis), 0.0, 1e-6);
+    const Vector3d radial(0.0, place(m, r).y(), place(m, r).z());
+    EXPECT_GT(n.dot(radial), 0.0);
+    EXPECT_NEAR(around.dot(axis.cross(radial.normalized())), 1.0, 1e-5);  // positions are floats, too
+  }
+}
+
+TEST(Muscles, ShareRegionsAndJoints) {
+  const BuiltArm arm = arm_with({"muscle.upper-arm.layer=muscle", "muscle.second.joint=forearm",
+                                 "muscle.second.gain=-0.5", "muscle.second.where={above={value=0.0}}",
+                                 "muscle.twisted.bone=forearm", "muscle.twisted.twist=0.5"});
+  const model::Model& m = arm.model;
+  ASSERT_EQ(m.muscle_count, 3u);
+  std::set<std::vector<std::uint32_t>> sets;
+  for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
+    std::vector<std::uint32_t> muscles;
+    for (std::uint32_t e = m.muscle_offset[r]; e < m.muscle_offset[r + 1]; ++e) {
+      const shader::RegionMuscle& entry = m.region_muscle[e];
+      muscles.push_back(entry.muscle);
+      if (entry.muscle == 0) EXPECT_EQ(m.layers[m.layer_of(r)].name, "muscle");
+      if (entry.muscle == 1) EXPECT_GE(place(m, r).y(), -1e-6);
+      if (entry.muscle == 2) {
+        // Half of the distance from the axis over the forearm's 0.26 m.
+        const double distance = Vector3d(0.0, place(m, r).y(), place(m, r).z()).norm();
+        EXPECT_NEAR(entry.shear, 0.5 * distance / 0.26, 1e-5);
+      }
+    }
+    sets.insert(muscles);
+  }
+  EXPECT_TRUE(sets.contains({0, 1})) << "both, by ascending number";
+  EXPECT_TRUE(sets.contains({0}));
+  EXPECT_TRUE(sets.contains({2}));
+}
+
+TEST(Muscles, AreRefusedWhereTheyHoldNothing) {
+  try {
+    arm_with({"muscle.upper-arm.where={sphere={center=[9.0,0.0,0.0],radius=0.1}}"});
+    ADD_FAILURE();
+  } catch (const scene::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("muscle.upper-arm: holds no vertex"), std::string::npos)
+        << error.what();
+  }
+  const BuiltArm silent = arm_with({"layers.muscle.beta=0"});
+  bool warned = false;
+  for (const build::Warning& warning : silent.report.warnings)
+    warned =
+        warned || warning.text.find("muscle.upper-arm: none of its flesh has a fibre") != std::string::npos;
+  EXPECT_TRUE(warned);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
