@@ -8,6 +8,8 @@ namespace fascicle::bake {
 
 // Calls visit(name, field) for each field, in a fixed order. Lists of structs are shown as their length
 // (visit.count, which may change the list's size when the model is being read) and then element by element.
+// visit.optional is for arrays that most models lack: an empty one leaves no trace, neither in the hash nor in
+// the file.
 template <class ModelType, class Visitor>
 void visit_fields(ModelType& model, Visitor& visit) {
   visit("unit", model.unit);
@@ -38,6 +40,8 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit("muscle_count", model.muscle_count);
   visit("region_muscle", model.region_muscle);
   visit("region_normal", model.region_normal);
+  visit.optional("volume_gain", model.volume_gain);
+  visit.optional("region_volume", model.region_volume);
   visit("joint_count", model.joint_count);
   visit("skin_offset", model.skin_offset);
   visit("skin_joint", model.skin_joint);

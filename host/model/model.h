@@ -81,6 +81,11 @@ struct Model {
   std::vector<std::uint32_t> region_muscle;  // n or 0: muscle, or shader::no_muscle
   std::vector<float> region_normal;          // 4n or 0: n_r, then gain (muscle's gain x profile x beta_r)
 
+  // The volume term (shaders/kernel/volume.inc): empty, or one entry a region.
+  std::vector<float> volume_gain;    // n or 0: G, at least 0; no solver reads it
+  std::vector<float> region_volume;  // 3n or 0: b = det(A0_r)^(-1/3), then |A0^-1|^2 and
+                                     // G |A0^-1|^2 / trace(A0^-1) with A0 = b A0_r; 0 1 0 where G is 0
+
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
   std::vector<std::uint32_t> skin_offset;  // n + 1 or 0

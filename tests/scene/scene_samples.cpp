@@ -142,6 +142,7 @@ connect = false
 [layers.body]
 alpha = 0.5
 inertia_scale = 0.5
+volume = 0.75
 
 [motion]
 rest = "sculpted"
@@ -271,7 +272,7 @@ std::string describe(const Scene& scene) {
   }
   for (const Layer& l : scene.layers) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
-           l.fibre_field, l.kinematic, l.inertia_scale, l.where);
+           l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.where);
   }
   for (const Pin& pin : scene.pins) d.line("pin", pin.name, pin.where);
   for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);
