@@ -138,7 +138,7 @@ Model make_bar(const BarOptions& o) {
       // A moment's size from its trace: half of them are a little off, and push at rest too.
       float size = 0.0f;
       for (std::uint32_t e = m.ring_offset[i]; e < m.ring_offset[i + 1]; ++e)
-        size += m.share_taken[e] * m.pull[m.ring[e]] * spacing * spacing;
+        size += m.share_taken[e] * m.pull[m.ring[e]] * static_cast<float>(spacing * spacing);
       const bool some = i % 3 != 2 && size > 0.0f;
       m.volume_gain.push_back(some ? 2.0f : 0.0f);
       m.region_volume.insert(m.region_volume.end(),
