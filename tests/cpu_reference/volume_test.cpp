@@ -150,7 +150,7 @@ Model held_bar(float beta, float gain, bool both_ends) {
 
 // How far the volume of a body at rest in this drive is from that of the rest shape, as a share of it.
 double strained(const Model& model, double stretch, double gravity) {
-  const auto solver = make_cpu_solver(model, {}, 2);
+  const auto solver = make_cpu_solver(model, {}, 1);
   model::State state = solver->save();
   for (std::size_t i = 0; i < model.vertex_count; ++i)
     state.positions[3 * i] = static_cast<float>(stretch * state.positions[3 * i]);
@@ -163,8 +163,9 @@ double strained(const Model& model, double stretch, double gravity) {
   return volume_of(model, solver->save().positions) / volume_of(model, model.rest) - 1.0;
 }
 
-// A bar stretched by a fifth between two walls would have a fifth more volume, and one that bends under its
-// weight some 1 %. Measured with gain 3, whatever beta: XXX of it remain, and XXX.
+// A bar stretched by a fifth between two walls would have nearly a fifth more volume, and one that hangs from
+// a wall far down more still. Measured with gain 3, at beta 0 and 1: of the first 0.36 and 0.35 remain, of
+// the second 0.27 and 0.26.
 TEST(Volume, StretchedAndBentBarsAreNearerToTheirVolume) {
   for (const float beta : {0.0f, 1.0f}) {
     const double stretched = strained(held_bar(beta, 0.0f, true), 1.2, 0.0);
@@ -186,7 +187,7 @@ TEST(Volume, StretchedAndBentBarsAreNearerToTheirVolume) {
 TEST(Volume, BarAtRestDoesNotDrift) {
   Model model = make_model(kuhn_bar(20, 4, 4, 0.05), {.alpha = 1.0f, .beta = 0.7f, .damping = 12.1});
   add_volume(model, full_gain);
-  const auto solver = make_cpu_solver(model, {}, 2);
+  const auto solver = make_cpu_solver(model, {}, 1);
   const model::State before = solver->save();
   TestDrive quiet = quiet_drive(model, 1.0 / 600.0, 20);
   for (int k = 0; k < 100; ++k) solver->submit(quiet.get(), {});
@@ -203,7 +204,7 @@ TEST(Volume, ScrambledBodyOpensAgain) {
   for (const float beta : {0.0f, 1.0f}) {
     Model model = make_model(kuhn_bar(8, 4, 4, 0.125), {.alpha = 1.0f, .beta = beta, .damping = 3.0});
     add_volume(model, full_gain);
-    const auto solver = make_cpu_solver(model, {}, 2);
+    const auto solver = make_cpu_solver(model, {}, 1);
     model::State state = solver->save();
     std::mt19937 random(3);
     std::uniform_real_distribution<float> anywhere(-0.1875f, 0.1875f);
@@ -226,7 +227,7 @@ double growth(float alpha, float gain) {
   Model model = make_model(jittered(kuhn_bar(8, 3, 3, 0.125), 1.0 / 1024, 8, 5),
                            {.alpha = alpha, .beta = 0.7f, .fibre = {0.6, 0.8, 0}});
   if (gain > 0.0f) add_volume(model, gain);
-  const auto solver = make_cpu_solver(model, {}, 2);
+  const auto solver = make_cpu_solver(model, {}, 1);
   model::State state = solver->save();
   std::mt19937 random(3);
   std::uniform_real_distribution<float> shaken(-1.25e-4f, 1.25e-4f);
