@@ -1,10 +1,11 @@
 #include "host/build/volume.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
+
+#include "host/build/cube_root.h"
 
 namespace fascicle::build {
 
@@ -15,7 +16,7 @@ using Eigen::Vector3d;
 using model::Model;
 
 constexpr double largest_gain = 8.0;
-constexpr double flat = 1e-3;
+constexpr double flat_moment = 1e-3;
 // The threshold of extract_rotation in shaders/kernel/rotation.inc.
 constexpr double least_turned = 0x1p-40;
 
@@ -36,15 +37,6 @@ Matrix3d rest_moment(const Model& model, std::uint32_t r) {
     second += w * (offset * offset.transpose());
   }
   return second - first * o.transpose();
-}
-
-// Newton's steps, because the C library's cbrt may differ between processors. From a seed at most a
-// factor of two too small, eight steps reach what a double can hold.
-double cube_root(double x) {
-  const int exponent = std::ilogb(x);
-  double y = std::ldexp(1.0, (exponent - (exponent % 3 + 3) % 3) / 3);
-  for (int step = 0; step < 8; ++step) y -= (y - x / (y * y)) / 3.0;
-  return y;
 }
 
 double largest_alpha(const Model& model, std::uint32_t r) {
@@ -71,7 +63,7 @@ void write_volume(const std::vector<double>& volume, Model& model) {
     if (!(gain > 0.0) || !(model.region_rest[4 * std::size_t{r} + 3] > 0.0f)) continue;
     const Vector3d sizes =
         Eigen::SelfAdjointEigenSolver<Matrix3d>(rest_moment(model, r), Eigen::EigenvaluesOnly).eigenvalues();
-    if (!(sizes[0] > flat * sizes[2]) || !(sizes[2] > least_turned)) continue;
+    if (!(sizes[0] > flat_moment * sizes[2]) || !(sizes[2] > least_turned)) continue;
     const double size = cube_root(sizes[0] * sizes[1] * sizes[2]);
     const Vector3d inverse = size * sizes.cwiseInverse();
     gains[r] = static_cast<float>(gain);

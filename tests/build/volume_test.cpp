@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using model::Model;
 
-scene::Scene two_layers(double lower, double upper) {
+scene::Scene stiff_and_soft(double lower, double upper) {
   scene::Scene scene = bar_scene();
   scene::Layer soft = scene.layers[0];
   soft.name = "soft";
@@ -30,7 +30,7 @@ scene::Scene two_layers(double lower, double upper) {
 }
 
 // The moment (8) at rest about the weighted centre, from all members, the vertex itself too.
-Matrix3d moment(const Model& m, std::uint32_t r) {
+Matrix3d moment_at_rest(const Model& m, std::uint32_t r) {
   const auto rest = [&](std::uint32_t i) {
     return Vector3d(double{m.rest[3 * i]}, double{m.rest[3 * i + 1]}, double{m.rest[3 * i + 2]});
   };
@@ -52,10 +52,10 @@ Matrix3d moment(const Model& m, std::uint32_t r) {
 }
 
 TEST(Volume, WithoutItTheModelIsAsItWas) {
-  const Model none = build_quietly(two_layers(0.0, 0.0));
+  const Model none = build_quietly(stiff_and_soft(0.0, 0.0));
   EXPECT_TRUE(none.volume_gain.empty());
   EXPECT_TRUE(none.region_volume.empty());
-  const Model some = build_quietly(two_layers(0.0, 1.0));
+  const Model some = build_quietly(stiff_and_soft(0.0, 1.0));
   EXPECT_EQ(some.pull, none.pull);
   EXPECT_EQ(some.share_given, none.share_given);
   EXPECT_EQ(some.region_rest, none.region_rest);
@@ -70,7 +70,7 @@ TEST(Volume, GainIsWhatStiffnessLeavesRoomFor) {
   EXPECT_EQ(build::volume_gain(1.0, 0.3), 8.0);
   EXPECT_EQ(build::volume_gain(1.0, 3.0), 0.0);
 
-  const Model m = build_quietly(two_layers(0.0, 0.5));
+  const Model m = build_quietly(stiff_and_soft(0.0, 0.5));
   ASSERT_EQ(m.volume_gain.size(), m.vertex_count);
   int at_the_border = 0, inside = 0;
   for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
@@ -89,11 +89,11 @@ TEST(Volume, GainIsWhatStiffnessLeavesRoomFor) {
 // The build's numbers are rounded to floats; the moment is summed in another order, about a centre of its
 // own, from weights that are floats: 1e-5 is a hundred roundings.
 TEST(Volume, RegionsHoldTheRestShape) {
-  const Model m = build_quietly(two_layers(1.0, 1.0));
+  const Model m = build_quietly(stiff_and_soft(1.0, 1.0));
   EXPECT_NO_THROW(model::check_model(m));
   for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
     ASSERT_GT(m.volume_gain[r], 0.0f) << r;
-    const Matrix3d A0 = double{m.region_volume[3 * r]} * moment(m, r);
+    const Matrix3d A0 = double{m.region_volume[3 * r]} * moment_at_rest(m, r);
     EXPECT_NEAR(A0.determinant(), 1.0, 1e-5);
     EXPECT_NEAR(double{m.region_volume[3 * r + 1]} / A0.inverse().squaredNorm(), 1.0, 1e-5);
     EXPECT_NEAR(double{m.region_volume[3 * r + 2]} * A0.inverse().trace() / A0.inverse().squaredNorm() /
