@@ -64,15 +64,15 @@ struct Oracle::Impl {
       : model(of), rest(points_of(of.rest)), weights(region_weights(of)), regions(of.vertex_count) {
     for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
       regions[r].c0 = region_centre(weights, r, rest);
-      rest_moment.push_back(
-          region_moment(weights, r, Matrix3d::Identity(), rest, regions[r].c0, rest, regions[r].c0).norm());
+      const Vector3d& c0 = regions[r].c0;
+      rest_moment.push_back(region_moment(weights, r, Matrix3d::Identity(), rest, c0, rest, c0));
     }
   }
 
   const model::Model& model;
   const Points rest;
   const Weights weights;
-  std::vector<double> rest_moment;  // |A_r| at rest
+  std::vector<Matrix3d> rest_moment;  // A_r at rest
 
   // History.
   std::uint64_t frame = 0;
@@ -179,15 +179,19 @@ Matrix3d Oracle::Impl::scale_of_region(std::uint32_t r, std::span<const shader::
   return muscle_twist(axis, around, shear) * muscle_scale(n, muscle_stretch(bulge));
 }
 
-// (8) and (9). A moment below 2^-40 of the rest moment keeps the last rotation, and so does a region without
-// weights.
+// (8), (9) and the volume term. A moment below 2^-40 of the rest moment keeps the last rotation, and so does
+// a region without weights.
 void Oracle::Impl::region(std::span<const shader::Muscle> muscles) {
   for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
     RegionPose& pose = regions[r];
     pose.T = scale_of_region(r, muscles);
     pose.c = region_centre(weights, r, q);
     const Matrix3d A = region_moment(weights, r, pose.T, rest, pose.c0, q, pose.c);
-    if (A.norm() > std::ldexp(rest_moment[r], -40)) pose.R = best_rotation(A, pose.R);
+    if (A.norm() > std::ldexp(rest_moment[r].norm(), -40)) pose.R = best_rotation(A, pose.R);
+    if (!model.volume_gain.empty() && model.volume_gain[r] > 0.0f) {
+      const Matrix3d untouched = region_moment(weights, r, Matrix3d::Identity(), rest, pose.c0, q, pose.c);
+      pose.V = volume_push(untouched, rest_moment[r], double(model.volume_gain[r]));
+    }
   }
 }
 
@@ -238,7 +242,7 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
       return floats_of(v);
     case Stage::region:
       for (const RegionPose& pose : regions) {
-        const Matrix3d L = pose.R.toRotationMatrix() * pose.T;
+        const Matrix3d L = pose.R.toRotationMatrix() * pose.T + pose.V;
         for (int row = 0; row < 3; ++row) append(values, Vector3d(L.row(row)));
         append(values, Vector3d(pose.c - L * pose.c0));
         append(values, pose.R);

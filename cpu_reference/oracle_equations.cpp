@@ -78,10 +78,22 @@ Vector3d blended_goal(const Weights& weights, std::uint32_t i, const std::vector
   double W = 0.0;
   for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator w(weights.of_vertex, int(i)); w; ++w) {
     const RegionPose& region = regions[std::size_t(w.col())];
-    sum += w.value() * region_goal(region.R.toRotationMatrix(), region.T, rest[i], region.c0, region.c);
+    sum += w.value() * (region_goal(region.R.toRotationMatrix(), region.T, rest[i], region.c0, region.c) +
+                        region.V * (rest[i] - region.c0));
     W += w.value();
   }
   return W > 0.0 ? Vector3d(sum / W) : positions[i];
+}
+
+Matrix3d volume_push(const Matrix3d& A, const Matrix3d& A0, double G) {
+  const double size = std::cbrt(A0.determinant());
+  const Matrix3d inverse = (A0 / size).inverse();
+  const Matrix3d a = A / size;
+  Matrix3d C;
+  for (int k = 0; k < 3; ++k) C.col(k) = a.col((k + 1) % 3).cross(a.col((k + 2) % 3));
+  const double x = 1.0 - a.determinant();
+  const double bounded = x / (1.0 + std::abs(x)) * std::min(1.0, inverse.squaredNorm() / C.squaredNorm());
+  return G / inverse.trace() * bounded * C;
 }
 
 // (4) v_i <- v_i + h f_i/m_i + alpha (g_i - q_i)/h; the sum's two halves are separate stages

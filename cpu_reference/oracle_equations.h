@@ -39,7 +39,14 @@ struct RegionPose {
   Eigen::Matrix3d T = Eigen::Matrix3d::Identity();
   Eigen::Vector3d c0 = Eigen::Vector3d::Zero();
   Eigen::Vector3d c = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d V = Eigen::Matrix3d::Zero();  // volume_push
 };
+
+// What the volume term adds to R_r T_r in (10), of a region whose moment with T = I is A, and A0 at rest.
+// With both divided by det(A0)^(1/3), J = det(A), C = cof(A), the gradient of J, and x = 1 - J:
+//   V = G / trace(A0^-1) x / (1 + |x|) min(1, |A0^-1|^2 / |C|^2) C.
+// Near rest the map L = R + V moves J by G x of itself, as trace(C^T C A0) = trace(A0^-1) there.
+Eigen::Matrix3d volume_push(const Eigen::Matrix3d& A, const Eigen::Matrix3d& A0, double G);
 
 // (11) The goal of vertex i, the mean of its regions' goals. A vertex without weights has its position as its
 // goal.

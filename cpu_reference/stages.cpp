@@ -6,6 +6,7 @@
 #include "shaders/kernel/predict.inc"
 #include "shaders/kernel/region.inc"
 #include "shaders/kernel/skin.inc"
+#include "shaders/kernel/volume.inc"
 
 namespace fascicle::cpu_reference {
 
@@ -175,6 +176,12 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
       }
     }
     Matrix moment = kernel::region_moment<float>(sum, o);
+    Matrix push{};
+    const bool has_volume = !model.region_volume.empty();
+    if (has_volume) {
+      const float* volume = model.region_volume.data() + 3 * std::size_t{r};
+      push = kernel::volume_push<float>(moment, volume[0], volume[1], volume[2]);
+    }
     Matrix scale{};
     const bool has_muscle = model.muscle_count > 0 && model.muscle_offset[r] < model.muscle_offset[r + 1];
     if (has_muscle) {
@@ -190,6 +197,7 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
     rotation[3] = q.z;
     Matrix linear = kernel::matrix_of<float>(q);
     if (has_muscle) linear = kernel::multiply_matrices<float>(linear, scale);
+    if (has_volume) linear = kernel::add<float>(linear, push);
     store_transform(fields.transforms, r,
                     kernel::region_transform<float>(linear, sum, o, inverse_weight, position, rest));
   }

@@ -56,6 +56,7 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_region_muscle, "region muscle",
        sizeof(shader::RegionMuscle) * model.region_muscle.size()},
       {shader::buffer_region_frame, "region frame", sizeof(shader::RegionFrame) * model.region_frame.size()},
+      {shader::buffer_region_volume, "region volume", 16 * (model.region_volume.size() / 3)},
       {shader::buffer_skin_offset, "skin offset", words(model.skin_offset)},
       {shader::buffer_skin_joint, "skin joint", words(model.skin_joint)},
       {shader::buffer_skin_weight, "skin weight", words(model.skin_weight)},
@@ -104,6 +105,7 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
   fill(shader::buffer_muscle_offset, model.muscle_offset);
   fill(shader::buffer_region_muscle, model.region_muscle);
   fill(shader::buffer_region_frame, model.region_frame);
+  fill(shader::buffer_region_volume, widened(model.region_volume));
   fill(shader::buffer_skin_offset, model.skin_offset);
   fill(shader::buffer_skin_joint, model.skin_joint);
   fill(shader::buffer_skin_weight, model.skin_weight);

@@ -47,6 +47,7 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   constants[shader::constant_muscles] = model.muscle_count > 0 ? 1 : 0;
   constants[shader::constant_forces] = model.force_count > 0 ? 1 : 0;
   constants[shader::constant_carried] = model.carried.empty() ? 0 : 1;
+  constants[shader::constant_volume] = model.region_volume.empty() ? 0 : 1;
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
     if (alter)

@@ -56,14 +56,17 @@ BUFFERS_CONSTANT uint buffer_region_muscle = 33u;  // RegionMuscle
 BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
-BUFFERS_CONSTANT uint buffer_count = 34u;
+BUFFERS_CONSTANT uint buffer_region_volume = 34u;  // b, |A0^-1|^2, gain of kernel/volume.inc
+
+BUFFERS_CONSTANT uint buffer_count = 35u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
 BUFFERS_CONSTANT uint constant_muscles = 1u;   // the model has muscles
 BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces beside gravity
 BUFFERS_CONSTANT uint constant_carried = 3u;   // some vertices do not feel all of the skeleton's acceleration
-BUFFERS_CONSTANT uint constant_count = 4u;
+BUFFERS_CONSTANT uint constant_volume = 4u;    // some regions have a volume term
+BUFFERS_CONSTANT uint constant_count = 5u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;

@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/buffers.glsl"
 #include "shaders/kernel/region.inc"
+#include "shaders/kernel/volume.inc"
 
 RegionSum no_terms() {
   RegionSum sum;
@@ -89,6 +90,11 @@ void main() {
 
   Vector o = vector_of(centre);
   Matrix a = region_moment(sum, o);
+  Matrix push_of_volume;
+  if (with_volume) {
+    vec4 record = region_volume[r];
+    push_of_volume = volume_push(a, record.x, record.y, record.z);
+  }
   bool scaled = false;
   Matrix t;
   if (with_muscles) {
@@ -103,6 +109,7 @@ void main() {
   turn = extract_rotation(turn, a, rotation_method == rotation_mueller2016);
   Matrix linear = matrix_of(turn);
   if (scaled) linear = multiply_matrices(linear, t);
+  if (with_volume) linear = add(linear, push_of_volume);
   rotation[r] = vec4(turn.w, turn.x, turn.y, turn.z);
   store_transform(r, region_transform(linear, sum, o, centre.w, q, q0));
 }

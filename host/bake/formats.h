@@ -39,10 +39,14 @@ std::uint64_t cache_bytes(const model::Model& model, std::uint64_t frames);
 //   inverted_skinned          those that skinning alone leaves so; with a skeleton only, and so are
 //   lag_NAME                  m: the root mean square distance of a layer's free vertices to their skinned
 //                             places; 0 where it has none
+//   volume_NAME               m^3: a layer's, of each tetrahedron the quarters of the layer's vertices; and
+//   volume_ratio_NAME         over that of the rest shape
 //   NAME_x, NAME_y, NAME_z    m: mean position of each probe's vertices
 std::unique_ptr<FrameSink> make_metrics_sink();
 inline constexpr const char* metrics_name = "metrics.csv";
 inline constexpr const char* lag_column = "lag_";
+inline constexpr const char* volume_column = "volume_";
+inline constexpr const char* volume_ratio_column = "volume_ratio_";
 
 // The largest lag of each layer that ever lags, from a bake's metrics.csv; nothing without a skeleton.
 struct PeakLag {

@@ -56,6 +56,12 @@ struct FieldHash {
     hash.add_array(std::span<const double>(field));
   }
   template <class T>
+  void optional(const char* name, const std::vector<T>& list) {
+    // The name goes in too: else one such array would hash like another.
+    if (!list.empty()) hash.add(std::string(name));
+    if (!list.empty()) hash.add(list);
+  }
+  template <class T>
   void count(const char*, const std::vector<T>& list) {
     hash.add(std::uint64_t{list.size()});
   }

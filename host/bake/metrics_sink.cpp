@@ -50,6 +50,17 @@ double volume(const model::Model& model, const std::vector<float>& positions) {
   return sum / 6.0 * (model.unit * model.unit * model.unit);
 }
 
+// m^3, a layer: of each tetrahedron the quarters that belong to the layer's vertices.
+std::vector<double> layer_volumes(const model::Model& model, const std::vector<float>& positions) {
+  std::vector<double> sum(model.layers.size(), 0.0);
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const double six = six_volumes(model, positions, t);
+    for (std::size_t k = 0; k < 4; ++k) sum[model.layer_of(model.tetrahedron[t + k])] += six;
+  }
+  for (double& volume : sum) volume = volume / 24.0 * (model.unit * model.unit * model.unit);
+  return sum;
+}
+
 // J
 double kinetic_energy(const model::Model& model, const std::vector<float>& velocities) {
   double sum = 0.0;
@@ -123,6 +134,7 @@ class MetricsSink final : public FrameSink {
     info_ = info;
 
     rest_volume_ = volume(*info.model, info.model->rest);
+    rest_layer_volumes_ = layer_volumes(*info.model, info.model->rest);
     const std::filesystem::path path = info.folder / metrics_name;
     const std::string header = header_line();
     if (info.first == 0) {
@@ -148,6 +160,11 @@ class MetricsSink final : public FrameSink {
       line += ',' + number_text(inverted(model, frame.skinned));
       for (const double lag : lags(model, frame)) add(lag);
     }
+    const std::vector<double> volumes = layer_volumes(model, frame.positions);
+    for (std::size_t l = 0; l < volumes.size(); ++l) {
+      add(volumes[l]);
+      add(rest_layer_volumes_[l] > 0.0 ? volumes[l] / rest_layer_volumes_[l] : 1.0);
+    }
     for (const model::ProbeSet& probe : model.probes)
       for (const double coordinate : mean_position(model, frame, probe)) add(coordinate);
     file_->write(line + '\n');
@@ -162,6 +179,9 @@ class MetricsSink final : public FrameSink {
       line += ",inverted_skinned";
       for (const model::Layer& layer : info_.model->layers) line += ',' + csv_text(lag_column + layer.name);
     }
+    for (const model::Layer& layer : info_.model->layers)
+      for (const char* column : {volume_column, volume_ratio_column})
+        line += ',' + csv_text(column + layer.name);
     for (const model::ProbeSet& probe : info_.model->probes)
       for (const char* axis : {"_x", "_y", "_z"}) line += ',' + csv_text(probe.name + axis);
     return line + '\n';
@@ -169,7 +189,8 @@ class MetricsSink final : public FrameSink {
 
   BakeInfo info_;
 
-  double rest_volume_ = 0.0;  // m^3
+  double rest_volume_ = 0.0;                // m^3
+  std::vector<double> rest_layer_volumes_;  // m^3
   std::optional<PartFile> file_;
 };
 
@@ -215,7 +236,8 @@ std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model:
 std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames) {
   // A number takes up to 24 characters and a comma, mostly about 19.
   return (frames + 1) *
-         (std::uint64_t{7} + (model.has_skeleton() ? 1 + model.layers.size() : 0) + 3 * model.probes.size()) *
+         (std::uint64_t{7} + 2 * model.layers.size() + (model.has_skeleton() ? 1 + model.layers.size() : 0) +
+          3 * model.probes.size()) *
          20;
 }
 

@@ -8,6 +8,8 @@ namespace fascicle::bake {
 
 // Calls visit(name, field) for each field, in a fixed order. Lists of structs are shown as their length
 // (visit.count, which may change the list's size when the model is being read) and then element by element.
+// visit.optional is for arrays that most models lack: an empty one leaves no trace, neither in the hash nor in
+// the file.
 template <class ModelType, class Visitor>
 void visit_fields(ModelType& model, Visitor& visit) {
   visit("unit", model.unit);
@@ -36,9 +38,11 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit("share_given", model.share_given);
   visit("region_rest", model.region_rest);
   visit("muscle_count", model.muscle_count);
-  visit("muscle_offset", model.muscle_offset);
-  visit("region_muscle", model.region_muscle);
-  visit("region_frame", model.region_frame);
+  visit.optional("muscle_offset", model.muscle_offset);
+  visit.optional("region_muscle", model.region_muscle);
+  visit.optional("region_frame", model.region_frame);
+  visit.optional("volume_gain", model.volume_gain);
+  visit.optional("region_volume", model.region_volume);
   visit("joint_count", model.joint_count);
   visit("skin_offset", model.skin_offset);
   visit("skin_joint", model.skin_joint);

@@ -53,6 +53,10 @@ class Writer {
     out_.append(bytes.data(), bytes.size());
   }
   template <class T>
+  void optional(std::string_view name, const std::vector<T>& list) {
+    if (!list.empty()) (*this)(name, list);
+  }
+  template <class T>
   void count(std::string_view name, const std::vector<T>& list) {
     head(name, 0, list.size());
   }
@@ -74,6 +78,10 @@ class Sizer {
   template <class T>
   void operator()(std::string_view name, const T& field) {
     bytes_ += head_bytes + name.size() + Elements<T>::bytes(field).size();
+  }
+  template <class T>
+  void optional(std::string_view name, const std::vector<T>& list) {
+    if (!list.empty()) (*this)(name, list);
   }
   template <class T>
   void count(std::string_view name, const std::vector<T>&) {
@@ -100,6 +108,10 @@ class Reader {
     if (!bytes.empty()) std::memcpy(data_of(field), bytes.data(), bytes.size());
   }
   template <class T>
+  void optional(std::string_view name, std::vector<T>& list) {
+    if (next_is(name)) (*this)(name, list);
+  }
+  template <class T>
   void count(std::string_view name, std::vector<T>& list) {
     const std::uint64_t count = head(name, 0);
     // Each has at least a head of its own.
@@ -120,6 +132,12 @@ class Reader {
     T value;
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
+  }
+  bool next_is(std::string_view name) const {
+    std::uint32_t length = 0;
+    if (rest_.size() < sizeof length) return false;
+    std::memcpy(&length, rest_.data(), sizeof length);
+    return length == name.size() && rest_.substr(sizeof length, length) == name;
   }
   std::uint64_t head(std::string_view name, std::size_t element) {
     const std::string_view found = take(number<std::uint32_t>());

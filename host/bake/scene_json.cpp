@@ -93,7 +93,7 @@ struct GeometryJson {
 };
 
 Json json_of_layer(const scene::Layer& layer) {
-  return {{"name", layer.name},
+  Json object{{"name", layer.name},
           {"alpha", layer.alpha},
           {"alpha_outer", layer.alpha_outer ? Json(*layer.alpha_outer) : Json(nullptr)},
           {"alpha_attribute", layer.alpha_attribute},
@@ -105,6 +105,8 @@ Json json_of_layer(const scene::Layer& layer) {
           {"kinematic", layer.kinematic},
           {"inertia_scale", layer.inertia_scale},
           {"where", json_of(layer.where)}};
+  if (layer.volume > 0.0) object["volume"] = layer.volume;
+  return object;
 }
 
 Json json_of_skeleton(const scene::SkeletonSettings& skeleton) {

@@ -18,6 +18,7 @@
 #include "host/build/one_ring.h"
 #include "host/build/order.h"
 #include "host/build/shares.h"
+#include "host/build/volume.h"
 #include "host/build/weights.h"
 #include "host/build/where.h"
 
@@ -241,6 +242,9 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
                model, report);
   warn_of_parts(rings, model, report);
   write_weights(std::move(rings), model, report);
+  std::vector<double> volume_terms;
+  for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
+  write_volume(volume_terms, model);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);
   write_render_mesh(body.render, model);

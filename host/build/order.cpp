@@ -5,6 +5,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "host/build/cube_root.h"
 #include "host/build/mass.h"
 
 namespace fascicle::build {
@@ -13,15 +14,6 @@ namespace {
 
 constexpr double slab_spacings = 2.0;
 constexpr std::size_t degree_window = 256;
-
-// By Newton's iteration: the C library's cbrt may differ between machines, and numbering is part of the bits.
-double cube_root(double x) {
-  int exponent = 0;
-  const double mantissa = std::frexp(x, &exponent);
-  double root = std::ldexp(mantissa, exponent / 3);
-  for (int step = 0; step < 40; ++step) root -= (root - x / (root * root)) / 3.0;
-  return root;
-}
 
 // An even exchange of corners that puts the two lowest first, in order.
 std::array<std::uint32_t, 4> lowest_first(std::array<std::uint32_t, 4> t) {

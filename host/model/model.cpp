@@ -123,6 +123,17 @@ void check_muscles(const Model& m) {
   }
 }
 
+void check_volume(const Model& m) {
+  if (m.volume_gain.empty() && m.region_volume.empty()) return;
+  check_size("volume_gain", m.volume_gain, m.vertex_count);
+  check_range("volume_gain", m.volume_gain, 0.0f, 1.0e3f);
+  check_size("region_volume", m.region_volume, 3 * std::size_t{m.vertex_count});
+  check_range("region_volume", m.region_volume, 0.0f, 3.0e38f);
+  for (std::size_t r = 0; r < m.vertex_count; ++r)
+    if (!(m.region_volume[3 * r + 1] >= least_factor))
+      broken("region_volume", 3 * r + 1, "is a norm that is not positive");
+}
+
 void check_skin(const Model& m) {
   if (m.joint_count == 0) {
     check_size("skin_offset", m.skin_offset, 0);
@@ -191,6 +202,7 @@ void check_model(const Model& m) {
   check_size("region_rest", m.region_rest, 4 * n);
   check_finite("region_rest", m.region_rest);
   check_muscles(m);
+  check_volume(m);
   check_skin(m);
   check_forces(m);
   check_size("surface_weight", m.surface_weight, m.surface_vertex.size());
@@ -212,9 +224,9 @@ std::uint64_t solver_bytes(const Model& m) {
   const std::uint64_t fixed =
       bytes(m.rest) + bytes(m.alpha) + bytes(m.tag) + bytes(m.ring_offset) + bytes(m.ring) + bytes(m.pull) +
       bytes(m.share_taken) + bytes(m.share_given) + bytes(m.region_rest) + bytes(m.muscle_offset) +
-      bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.skin_offset) + bytes(m.skin_joint) +
-      bytes(m.skin_weight) + bytes(m.carried) + bytes(m.force_offset) + bytes(m.force_index) +
-      bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
+      bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.region_volume) + bytes(m.skin_offset) +
+      bytes(m.skin_joint) + bytes(m.skin_weight) + bytes(m.carried) + bytes(m.force_offset) +
+      bytes(m.force_index) + bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
   const std::uint64_t floats_of_state =
       3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) + (m.carried.empty() ? 0 : 3);
   return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);

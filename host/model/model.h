@@ -83,6 +83,11 @@ struct Model {
   std::vector<shader::RegionMuscle> region_muscle;  // of each region by ascending muscle
   std::vector<shader::RegionFrame> region_frame;    // n or 0; unit vectors, or 0 where there is no direction
 
+  // The volume term (shaders/kernel/volume.inc): empty, or one entry a region.
+  std::vector<float> volume_gain;    // n or 0: G, at least 0; no solver reads it
+  std::vector<float> region_volume;  // 3n or 0: b = det(A0_r)^(-1/3), then |A0^-1|^2 and
+                                     // G |A0^-1|^2 / trace(A0^-1) with A0 = b A0_r; 0 1 0 where G is 0
+
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
   std::vector<std::uint32_t> skin_offset;  // n + 1 or 0

@@ -169,6 +169,7 @@ struct Layer {
   bool fibre_field = false;           // the direction comes from the fibre field; not beside `fibre`
   bool kinematic = false;             // a bone layer: moved by skinning, pinned without a skeleton
   double inertia_scale = 1.0;         // [0, 1]: share of the skeleton's acceleration that the flesh feels
+  double volume = 0.0;                // [0, 1]: how strongly volume is drawn back to rest
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 

@@ -33,6 +33,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    read(table, "density", layer.density);
                    read(table, "kinematic", layer.kinematic);
                    read(table, "inertia_scale", layer.inertia_scale);
+                   read(table, "volume", layer.volume);
                    if (const toml::node* node = table.get("fibre")) {
                      const Vector3d fibre = vector_of(*node);
                      // Scaled first: a square of the smallest doubles is 0.

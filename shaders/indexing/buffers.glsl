@@ -12,6 +12,7 @@ layout(constant_id = constant_rotation) const uint rotation_method = rotation_qc
 layout(constant_id = constant_muscles) const bool with_muscles = false;
 layout(constant_id = constant_forces) const bool with_forces = false;
 layout(constant_id = constant_carried) const bool with_carried = false;
+layout(constant_id = constant_volume) const bool with_volume = false;
 
 layout(std430, binding = buffer_position) buffer PositionBuffer { vec4 position[]; };
 layout(std430, binding = buffer_velocity) buffer VelocityBuffer { vec4 velocity[]; };
@@ -34,6 +35,7 @@ layout(std430, binding = buffer_region_rest) readonly buffer RegionRestBuffer { 
 layout(std430, binding = buffer_muscle_offset) readonly buffer MuscleOffsetBuffer { uint muscle_offset[]; };
 layout(std430, binding = buffer_region_muscle) readonly buffer RegionMuscleBuffer { RegionMuscle region_muscle[]; };
 layout(std430, binding = buffer_region_frame) readonly buffer RegionFrameBuffer { RegionFrame region_frame[]; };
+layout(std430, binding = buffer_region_volume) readonly buffer RegionVolumeBuffer { vec4 region_volume[]; };
 layout(std430, binding = buffer_skin_offset) readonly buffer SkinOffsetBuffer { uint skin_offset[]; };
 layout(std430, binding = buffer_skin_joint) readonly buffer SkinJointBuffer { uint skin_joint[]; };
 layout(std430, binding = buffer_skin_weight) readonly buffer SkinWeightBuffer { float skin_weight[]; };

@@ -125,11 +125,12 @@ TEST(Metrics, AgainstClosedForms) {
   std::string line;
   std::getline(in, line);
   EXPECT_EQ(line,
-            "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement,inverted,tip_x,tip_y,tip_z");
+            "frame,time,kinetic_energy,volume,volume_ratio,largest_displacement,inverted,volume_fat,"
+            "volume_ratio_fat,volume_bone,volume_ratio_bone,tip_x,tip_y,tip_z");
   for (int k = 0; k < 3; ++k) {
     ASSERT_TRUE(std::getline(in, line));
     const std::vector<std::string> cells = split(line, ',');
-    ASSERT_EQ(cells.size(), 10u);
+    ASSERT_EQ(cells.size(), 14u);
     const auto cell = [&](std::size_t c) { return std::stod(cells[c]); };
     const double s = 1.0 + 0.25 * k;
     // All inputs are small multiples of powers of two; what rounds are the division by 6 and by the rest
@@ -146,9 +147,14 @@ TEST(Metrics, AgainstClosedForms) {
     EXPECT_NEAR(cell(5), 0.5 * (s - 1.0) * std::sqrt(3.0), few_ulps);
     // Mean of (1, 0, 0) and (0, 0, 1).
     EXPECT_EQ(cells[6], "0");
-    EXPECT_EQ(cell(7), 12.0 + 0.25 * s);
-    EXPECT_EQ(cell(8), -1.0);
-    EXPECT_EQ(cell(9), 4.0 + 0.25 * s);
+    // Of the bone there is one corner of four, of the larger tetrahedron.
+    EXPECT_NEAR(cell(7), 5.0 / 12.0 / 8.0 * s * s * s, few_ulps);
+    EXPECT_NEAR(cell(8), s * s * s, 10 * few_ulps);
+    EXPECT_NEAR(cell(9), 1.0 / 12.0 / 8.0 * s * s * s, few_ulps);
+    EXPECT_NEAR(cell(10), s * s * s, 10 * few_ulps);
+    EXPECT_EQ(cell(11), 12.0 + 0.25 * s);
+    EXPECT_EQ(cell(12), -1.0);
+    EXPECT_EQ(cell(13), 4.0 + 0.25 * s);
   }
   EXPECT_FALSE(std::getline(in, line));
 }
@@ -217,7 +223,10 @@ TEST(Metrics, LagAndInversionBesideSkinningAlone) {
   std::istringstream in(read_text(folder / "metrics.csv"));
   std::string line;
   std::getline(in, line);
-  EXPECT_NE(line.find(",inverted,inverted_skinned,lag_fat,lag_bone,tip_x"), std::string::npos) << line;
+  EXPECT_NE(line.find(",inverted,inverted_skinned,lag_fat,lag_bone,volume_fat,volume_ratio_fat,volume_bone,"
+                      "volume_ratio_bone,tip_x"),
+            std::string::npos)
+      << line;
   const auto cells_of_next = [&] {
     std::getline(in, line);
     return split(line, ',');

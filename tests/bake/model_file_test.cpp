@@ -58,6 +58,22 @@ TEST_F(ModelFile, ComesBackAsItWas) {
   EXPECT_EQ(bake::encoded_bytes(model_), bytes_.size());
 }
 
+// Arrays that most models lack are in the file and in the hash of those alone that have them.
+TEST_F(ModelFile, AVolumeTermIsInTheFileOfThoseThatHaveOne) {
+  EXPECT_EQ(bytes_.find("region_volume"), std::string::npos);
+  model_.volume_gain.assign(model_.vertex_count, 2.0f);
+  model_.region_volume.assign(3 * std::size_t{model_.vertex_count}, 1.5f);
+  const std::string bytes = bake::encode_model(model_);
+  EXPECT_EQ(bake::encoded_bytes(model_), bytes.size());
+  EXPECT_NE(bake::model_hash(model_), hash_);
+  hash_ = bake::model_hash(model_);
+  write(bytes);
+  const model::Model read = bake::read_model_file(path_, hash_);
+  EXPECT_EQ(read.volume_gain, model_.volume_gain);
+  EXPECT_EQ(read.region_volume, model_.region_volume);
+  EXPECT_EQ(bake::encode_model(read), bytes);
+}
+
 TEST_F(ModelFile, WhatIsCutShortOrChangedIsRefused) {
   for (std::size_t length = 0; length < bytes_.size(); length += 1 + length / 7)
     EXPECT_NE(refusal(bytes_.substr(0, length)), "") << length;

@@ -135,6 +135,18 @@ Model make_bar(const BarOptions& o) {
       m.region_frame.push_back({0.0f, 0.6f, 0.8f, 1.0f, 0.0f, 0.0f, 0.0f, -0.8f, 0.6f});
     }
   }
+  if (o.volume) {
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      // A moment's size from its trace: half of them are a little off, and push at rest too.
+      float size = 0.0f;
+      for (std::uint32_t e = m.ring_offset[i]; e < m.ring_offset[i + 1]; ++e)
+        size += m.share_taken[e] * m.pull[m.ring[e]] * static_cast<float>(spacing * spacing);
+      const bool some = i % 3 != 2 && size > 0.0f;
+      m.volume_gain.push_back(some ? 2.0f : 0.0f);
+      m.region_volume.insert(m.region_volume.end(),
+                             {some ? 1.5f / size : 0.0f, some ? 4.0f : 1.0f, some ? 2.5f : 0.0f});
+    }
+  }
   if (o.forces) {
     m.force_count = 2;
     m.force_offset.push_back(0);

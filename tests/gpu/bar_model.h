@@ -17,6 +17,7 @@ struct BarOptions {
   bool cuts = false;                  // the motion jumps in some frames, twice in some
   bool muscle = false;
   bool forces = false;
+  bool volume = false;  // a volume term in two of three regions
   bool surface = true;
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
 };

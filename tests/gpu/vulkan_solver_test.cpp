@@ -45,8 +45,11 @@ const Case cases[] = {
     {"carried_cuts", {.skeleton = true, .carried = true, .cuts = true}},
     {"muscle", {.skeleton = true, .muscle = true}},
     {"forces", {.forces = true}},
+    {"volume", {.skeleton = true, .volume = true}},
+    {"volume_of_muscle", {.skeleton = true, .muscle = true, .volume = true}},
     {"without_surface", {.surface = false}},
-    {"odd_vertices", {.skeleton = true, .muscle = true, .forces = true, .odd_vertices = true}},
+    {"odd_vertices",
+     {.skeleton = true, .muscle = true, .forces = true, .volume = true, .odd_vertices = true}},
     {"mueller2016", {.skeleton = true, .muscle = true}, model::Rotation::mueller2016},
     {"one_tetrahedron_strip", {.x = 2, .y = 2, .z = 2}},
 };

@@ -49,8 +49,23 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"pull", [](Model& m) { m.pull[0] = -1.0f; }},
       {"pull", [](Model& m) { m.pull[0] = 1e-40f; }},
       {"region_rest", [](Model& m) { m.region_rest[3] = std::numeric_limits<float>::infinity(); }},
-      {"region_muscle", [](Model& m) { m.region_muscle.push_back({0, 1.0f, 0.0f}); }},
+      {"region_muscle",
+       [](Model& m) {
+         m.region_muscle.push_back({0, 1.0f, 0.0f});
+       }},
       {"muscle_offset", [](Model& m) { m.muscle_count = 1; }},
+      {"volume_gain", [](Model& m) { m.region_volume.assign(3 * m.vertex_count, 1.0f); }},
+      {"region_volume", [](Model& m) { m.volume_gain.assign(m.vertex_count, 1.0f); }},
+      {"volume_gain",
+       [](Model& m) {
+         add_volume(m, 1.0f);
+         m.volume_gain[3] = -1.0f;
+       }},
+      {"region_volume",
+       [](Model& m) {
+         add_volume(m, 1.0f);
+         m.region_volume[4] = 0.0f;
+       }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
       {"force_index", [](Model& m) { m.force_index.push_back(0); }},
       {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},

@@ -55,6 +55,7 @@ Scene random_scene(scene::Geometry geometry) {
     layer.beta = fraction();
     layer.damping = *rc::gen::element(0.0, 1.0, 13.4, 1e4);
     layer.density = *rc::gen::element(1.0, 1000.0, 2e4);
+    layer.volume = fraction();
     if (const Vector3d d = direction(); d.norm() > 0.1 && *rc::gen::arbitrary<bool>())
       layer.fibre = d.normalized();
     layer.kinematic = *rc::gen::inRange(0, 6) == 0;

@@ -348,6 +348,8 @@ TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
                                          "scene.fps=0",
                                          "layers.fat.fibre=[0, 0, 0]",
                                          "layers.fat.inertia_scale=1.01",
+                                         "layers.fat.volume=1.01",
+                                         "layers.fat.volume=-0.01",
                                          "motion.loop=0",
                                          "motion.preroll=-0.1",
                                          "motion.settle=-1",

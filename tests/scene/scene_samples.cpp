@@ -142,6 +142,7 @@ connect = false
 [layers.body]
 alpha = 0.5
 inertia_scale = 0.5
+volume = 0.75
 
 [motion]
 rest = "sculpted"
@@ -293,7 +294,7 @@ std::string describe(const Scene& scene) {
   }
   for (const Layer& l : scene.layers) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
-           l.fibre_field, l.kinematic, l.inertia_scale, l.where);
+           l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.where);
   }
   for (const Muscle& m : scene.muscles) {
     d.line("muscle", m.name, m.joint, m.parent, m.child, m.bone, m.layer, m.where, m.gain, m.axis,

@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include "cpu_reference/oracle.h"
 
@@ -211,6 +212,29 @@ void fill_weights(Model& model) {
   for (std::uint32_t r = 0; r < n; ++r) fill_region(r, model.pull);
 }
 
+void add_volume(Model& model, float gain) {
+  const std::uint32_t n = model.vertex_count;
+  model.volume_gain.assign(n, 0.0f);
+  model.region_volume.assign(3 * std::size_t{n}, 0.0f);
+  for (std::uint32_t r = 0; r < n; ++r) {
+    model.region_volume[3 * r + 1] = 1.0f;
+    const Vector3d o(model.region_rest[4 * r], model.region_rest[4 * r + 1], model.region_rest[4 * r + 2]);
+    Matrix3d A = Matrix3d::Zero();
+    for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) {
+      const Vector3d b = rest_of(model, model.ring[e]) - rest_of(model, r);
+      A += double(model.share_taken[e] * model.pull[model.ring[e]]) * b * (b - o).transpose();
+    }
+    const Eigen::JacobiSVD<Matrix3d> svd(A);
+    if (!(svd.singularValues()[2] > 1e-3 * svd.singularValues()[0])) continue;
+    const double size = std::cbrt(A.determinant());
+    const Matrix3d inverse = size * A.inverse();
+    model.volume_gain[r] = gain;
+    model.region_volume[3 * r] = float(1.0 / size);
+    model.region_volume[3 * r + 1] = float(inverse.squaredNorm());
+    model.region_volume[3 * r + 2] = float(gain * inverse.squaredNorm() / inverse.trace());
+  }
+}
+
 void add_skeleton(Model& model) {
   double low = rest_of(model, 0).x();
   double high = low;
@@ -294,6 +318,7 @@ Model random_model(unsigned seed) {
   if (model.has_skeleton() && chance(0.5))
     for (std::uint32_t i = 0; i < model.vertex_count; ++i)
       model.carried.push_back(chance(0.2) ? 0.0f : chance(0.2) ? 1.0f : float(unit(random)));
+  if (chance(0.5)) add_volume(model, float(3.0 * unit(random)));
   return model;
 }
 

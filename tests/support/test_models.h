@@ -49,13 +49,16 @@ void fill_weights(model::Model& model);
 
 void make_kinematic(model::Model& model, std::uint32_t i);
 
+// A volume term of this gain in every region that is not flat. After fill_weights.
+void add_volume(model::Model& model, float gain);
+
 // Two joints, weights blended linearly along x from the first joint to the second over the middle half of the
 // body.
 void add_skeleton(model::Model& model);
 
 // Bars of random size, shape and material: alpha, beta and fibre of each vertex, two layers, some kinematic
-// vertices, either weight form, momentum-scaled or not, with or without skeleton, muscle and force. Passes
-// check_model.
+// vertices, either weight form, momentum-scaled or not, with or without skeleton, muscle, force and volume
+// term. Passes check_model.
 model::Model random_model(unsigned seed);
 
 // A drive that owns what its spans point to. get() after filling in.
