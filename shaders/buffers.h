@@ -43,6 +43,8 @@ BUFFERS_CONSTANT uint buffer_force_index = 23u;
 BUFFERS_CONSTANT uint buffer_force_coefficient = 24u;
 BUFFERS_CONSTANT uint buffer_surface_vertex = 25u;  // uvec4 a render vertex
 BUFFERS_CONSTANT uint buffer_surface_weight = 26u;
+BUFFERS_CONSTANT uint buffer_region_muscle = 33u;  // RegionMuscle
+BUFFERS_CONSTANT uint buffer_region_volume = 34u;  // b, |A0^-1|^2, gain of kernel/volume.inc
 
 // A frame's drive.
 BUFFERS_CONSTANT uint buffer_bone = 27u;
@@ -50,13 +52,9 @@ BUFFERS_CONSTANT uint buffer_muscle = 28u;
 BUFFERS_CONSTANT uint buffer_force = 29u;
 BUFFERS_CONSTANT uint buffer_decay = 30u;
 
-BUFFERS_CONSTANT uint buffer_region_muscle = 33u;  // RegionMuscle
-
 // The self-test's table: inputs, results.
 BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
-
-BUFFERS_CONSTANT uint buffer_region_volume = 34u;  // b, |A0^-1|^2, gain of kernel/volume.inc
 
 BUFFERS_CONSTANT uint buffer_count = 35u;
 
