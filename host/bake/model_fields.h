@@ -8,8 +8,8 @@ namespace fascicle::bake {
 
 // Calls visit(name, field) for each field, in a fixed order. Lists of structs are shown as their length
 // (visit.count, which may change the list's size when the model is being read) and then element by element.
-// visit.optional is for arrays that most models lack: an empty one leaves no trace, neither in the hash nor in
-// the file.
+// visit.optional is for arrays that most models lack: an empty one leaves no trace, neither in the hash nor
+// in the file.
 template <class ModelType, class Visitor>
 void visit_fields(ModelType& model, Visitor& visit) {
   visit("unit", model.unit);

@@ -94,17 +94,17 @@ struct GeometryJson {
 
 Json json_of_layer(const scene::Layer& layer) {
   Json object{{"name", layer.name},
-          {"alpha", layer.alpha},
-          {"alpha_outer", layer.alpha_outer ? Json(*layer.alpha_outer) : Json(nullptr)},
-          {"alpha_attribute", layer.alpha_attribute},
-          {"beta", layer.beta},
-          {"damping", layer.damping},
-          {"density", layer.density},
-          {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
-          {"fibre_field", layer.fibre_field},
-          {"kinematic", layer.kinematic},
-          {"inertia_scale", layer.inertia_scale},
-          {"where", json_of(layer.where)}};
+              {"alpha", layer.alpha},
+              {"alpha_outer", layer.alpha_outer ? Json(*layer.alpha_outer) : Json(nullptr)},
+              {"alpha_attribute", layer.alpha_attribute},
+              {"beta", layer.beta},
+              {"damping", layer.damping},
+              {"density", layer.density},
+              {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
+              {"fibre_field", layer.fibre_field},
+              {"kinematic", layer.kinematic},
+              {"inertia_scale", layer.inertia_scale},
+              {"where", json_of(layer.where)}};
   if (layer.volume > 0.0) object["volume"] = layer.volume;
   return object;
 }
