@@ -52,6 +52,11 @@ shader::RegionFrame frame_at(const Vector3d& place, const Vector3d& fibre, const
 
 }  // namespace
 
+double muscle_profile(double s) {
+  const double x = std::numbers::pi * s;
+  return (scene::exact_sin(x) - 3.0 * scene::exact_sin(3.0 * x)) / 4.0;
+}
+
 void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test, model::Model& model,
                    Report& report) {
   const auto* character = std::get_if<scene::Character>(&scene.geometry);
@@ -77,9 +82,8 @@ void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test,
       const double s = offset.dot(carrier.along) / (carrier.length * carrier.length);
       if (!(s > 0.0 && s < 1.0)) continue;
       const double from_axis = std::sqrt((offset - s * carrier.along).squaredNorm());
-      const double profile = scene::exact_sin(std::numbers::pi * s);
       const auto beta = static_cast<double>(model.beta[r]);
-      of_region[r].push_back({m, as_direction(muscle.gain * profile * beta),
+      of_region[r].push_back({m, as_direction(muscle.gain * muscle_profile(s) * beta),
                               as_direction(muscle.twist * from_axis / carrier.length)});
       ++count;
       with_fibre += beta > 0.0 ? 1u : 0u;

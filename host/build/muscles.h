@@ -12,9 +12,13 @@
 namespace fascicle::build {
 
 // A vertex is a muscle's if the joints of the muscle's bone hold at least this share of its weights, if it
-// lies beside the bone (0 < s < 1 along it), in the muscle's layer and where it says. Its profile is sin(pi
-// s), times its beta.
+// lies beside the bone (0 < s < 1 along it), in the muscle's layer and where it says.
 inline constexpr double least_muscle_share = 0.3;
+
+// How much of a muscle's gain acts at s along its bone: 1 in the middle, 0 at both ends, and less than 0 near
+// them, so that its mean is 0. Flesh that is fast to the bone cannot slide towards the belly of a muscle;
+// what the belly gains its ends must lose.
+double muscle_profile(double s);
 
 // Fills Model::muscle_*, region_muscle and region_frame; tags, layers, beta and fibres are there already.
 // Throws scene::SceneError for muscles that fit no bones or hold no vertex; warns of those that hold none

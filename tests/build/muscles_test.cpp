@@ -1,16 +1,15 @@
-// Which regions of the built-in arm are its muscle's, and what they take of it.
+// Which regions of the built-in arm are its muscles', and what they take of it.
 #include "host/build/muscles.h"
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <set>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "host/build/build.h"
-#include "host/scene/made_character.h"
+#include "host/scene/scene_file.h"
+#include "tests/build/scenes.h"
 
 namespace fascicle::tests {
 namespace {
@@ -18,6 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double upper_arm_length = 0.3;
+const std::string upper_arm = "[muscle.upper-arm]\njoint = \"forearm\"\n";
 
 struct BuiltArm {
   scene::Scene scene;
@@ -25,12 +25,16 @@ struct BuiltArm {
   build::Report report;
 };
 
-BuiltArm arm_with(const std::vector<std::string>& set) {
+// The built-in arm's body with these muscles.
+BuiltArm arm_with(const std::string& muscles, const std::vector<std::string>& set = {}) {
   BuiltArm arm;
-  arm.scene = scene::load_scene("arm", {.set = set});
-  build::BuildOptions options;
-  options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
-  arm.model = build::build_model(arm.scene, arm.report, options);
+  std::string text;
+  for (const scene::BuiltinScene& builtin : scene::builtin_scenes())
+    if (builtin.name == "arm") text = builtin.text;
+  const std::size_t first = text.find("[muscle."), end = text.find("[solver]");
+  const std::string changed = text.substr(0, first) + muscles + text.substr(end);
+  arm.scene = scene::parse_scene({"arm", "test", changed, {}}, {.set = set});
+  arm.model = build::build_model(arm.scene, arm.report, with_mesher());
   return arm;
 }
 
@@ -40,7 +44,7 @@ Vector3d place(const model::Model& m, std::uint32_t i) {
 }
 
 TEST(Muscles, TakeTheBulgeAlongTheirBone) {
-  const BuiltArm arm = arm_with({});
+  const BuiltArm arm = arm_with(upper_arm);
   const model::Model& m = arm.model;
   ASSERT_NO_THROW(model::check_model(m));
   ASSERT_EQ(m.muscle_count, 1u);
@@ -54,8 +58,9 @@ TEST(Muscles, TakeTheBulgeAlongTheirBone) {
     EXPECT_GT(x, 0.0);
     EXPECT_LT(x, upper_arm_length);
     const shader::RegionMuscle& entry = m.region_muscle[m.muscle_offset[r]];
-    // gain 1.5, sin(pi s), beta 1 in muscle and 0 in fat; floats.
-    const double expected = 1.5 * std::sin(std::numbers::pi * x / upper_arm_length) * m.beta[r];
+    // Gain 1.5, beta 1 in muscle and 0 in fat; floats.
+    const double angle = std::numbers::pi * x / upper_arm_length;
+    const double expected = 1.5 * (std::sin(angle) - 3.0 * std::sin(3.0 * angle)) / 4.0 * m.beta[r];
     EXPECT_NEAR(entry.bulge, expected, 1e-6);
     EXPECT_EQ(entry.shear, 0.0f);
     bulging += entry.bulge != 0.0f ? 1u : 0u;
@@ -64,7 +69,7 @@ TEST(Muscles, TakeTheBulgeAlongTheirBone) {
 }
 
 TEST(Muscles, FramesLeadAwayFromTheBoneAndAcrossTheFibre) {
-  const BuiltArm arm = arm_with({});
+  const BuiltArm arm = arm_with(upper_arm);
   const model::Model& m = arm.model;
   for (std::uint32_t r = 0; r < m.vertex_count; ++r) {
     if (m.muscle_offset[r] == m.muscle_offset[r + 1]) continue;
@@ -83,10 +88,21 @@ TEST(Muscles, FramesLeadAwayFromTheBoneAndAcrossTheFibre) {
   }
 }
 
+TEST(Muscles, TheProfileTakesFromTheEndsWhatItGivesTheBelly) {
+  EXPECT_NEAR(build::muscle_profile(0.5), 1.0, 1e-15);
+  double mean = 0.0;
+  constexpr int steps =
+      3000;  // midpoints of a smooth function that is 0 at both ends: error about 1 / steps^2
+  for (int k = 0; k < steps; ++k) mean += build::muscle_profile((k + 0.5) / steps) / steps;
+  EXPECT_NEAR(mean, 0.0, 1e-5);
+  EXPECT_LT(build::muscle_profile(0.1), 0.0);
+}
+
 TEST(Muscles, ShareRegionsAndJoints) {
-  const BuiltArm arm = arm_with({"muscle.upper-arm.layer=muscle", "muscle.second.joint=forearm",
-                                 "muscle.second.gain=-0.5", "muscle.second.where={above={value=0.0}}",
-                                 "muscle.twisted.bone=forearm", "muscle.twisted.twist=0.5"});
+  const BuiltArm arm = arm_with(upper_arm + "layer = \"muscle\"\n" +
+                                "[muscle.second]\njoint = \"forearm\"\ngain = -0.5\n"
+                                "where = { above = { value = 0.0 } }\n"
+                                "[muscle.twisted]\nbone = \"forearm\"\ntwist = 0.5\n");
   const model::Model& m = arm.model;
   ASSERT_EQ(m.muscle_count, 3u);
   std::set<std::vector<std::uint32_t>> sets;
@@ -112,13 +128,13 @@ TEST(Muscles, ShareRegionsAndJoints) {
 
 TEST(Muscles, AreRefusedWhereTheyHoldNothing) {
   try {
-    arm_with({"muscle.upper-arm.where={sphere={center=[9.0,0.0,0.0],radius=0.1}}"});
+    arm_with(upper_arm + "where = { sphere = { center = [9.0, 0.0, 0.0], radius = 0.1 } }\n");
     ADD_FAILURE();
   } catch (const scene::SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("muscle.upper-arm: holds no vertex"), std::string::npos)
         << error.what();
   }
-  const BuiltArm silent = arm_with({"layers.muscle.beta=0"});
+  const BuiltArm silent = arm_with(upper_arm, {"layers.muscle.beta=0"});
   bool warned = false;
   for (const build::Warning& warning : silent.report.warnings)
     warned =
