@@ -1,4 +1,5 @@
 // The scene file's JSON Schema, written out from the table of keys.
+#include <algorithm>
 #include <cmath>
 
 #include "host/scene/scene.h"
@@ -31,6 +32,7 @@ Json schema_of(const Key& key) {
     case KeyType::integer:
       schema["type"] = key.type == KeyType::number ? "number" : "integer";
       add_range(schema, key);
+      if (!key.allowed.empty()) schema = {{"anyOf", {schema, {{"enum", key.allowed}}}}};
       break;
     case KeyType::text:
       schema["type"] = "string";
@@ -103,6 +105,13 @@ Json schema_of(const Table& table) {
     for (const std::string& name : choice) one_of.push_back({{"required", {name}}});
     schema["allOf"].push_back({{"oneOf", one_of}});
   }
+  for (const auto& group : table.alternatives)
+    for (std::size_t a = 0; a < group.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        const Json both{{"not", {{"required", {group[b], group[a]}}}}};
+        Json& all = schema["allOf"];
+        if (std::find(all.begin(), all.end(), both) == all.end()) all.push_back(both);
+      }
   return schema;
 }
 

@@ -43,7 +43,8 @@ struct Key {
   Range range = {};
   nlohmann::ordered_json fallback =
       {};  // what holds where the key is absent; null where that is nothing or depends
-  std::vector<std::string> allowed = {};  // text: all values there are; empty: any
+  std::vector<std::string> allowed =
+      {};  // text: all values there are; empty: any. integer: words beside numbers
   bool required = false;
   const Table* table = nullptr;  // of the types that are tables
 };
@@ -54,6 +55,7 @@ struct Table {
   std::vector<Key> keys;
   std::vector<std::vector<std::string>> choices =
       {};  // of each group exactly one key is given; --set of one drops the others
+  std::vector<std::vector<std::string>> alternatives = {};  // the same, but none need be given
 };
 
 // The root of the scene file.
@@ -70,8 +72,8 @@ inline constexpr std::size_t longest_name = 64;
 inline constexpr std::size_t most_named = 256;  // shader::tag_layer_mask leaves a byte for the layer
 bool is_valid_name(std::string_view name);
 
-// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near: one that
-// shares less than half of its letters is a guess, not a hint.
+// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near:
+// one that shares less than half of its letters is a guess, not a hint.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
 
 // "; did you mean NAME?", or empty if none is near.

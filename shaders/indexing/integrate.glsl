@@ -21,4 +21,18 @@ void move_kinematic(uint i) {
   if (has_skeleton()) position[i] = skinned[i];
 }
 
+// The implicit integrator's: the position is there, the velocity follows, and now becomes before.
+void finish_implicit(uint i) {
+  Vector u = velocity_of_skin(i);
+  if (with_carried) skinned_velocity_before[i] = record_of(u);
+  vec4 now = begun[i];
+  vec4 v = record_of(u);
+  if (!is_kinematic(i))
+    v = record_of(differentiate_position(vector_of(position[i]), vector_of(now), vector_of(position_before[i]),
+                                         push.implicit.velocity_now, push.implicit.velocity_before));
+  velocity_before[i] = velocity[i];
+  velocity[i] = v;
+  position_before[i] = now;
+}
+
 #endif

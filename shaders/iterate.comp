@@ -1,0 +1,11 @@
+// Stages goal and relax in one dispatch, for runs that nobody probes: the same kernels, the same bits.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/indexing/goal.glsl"
+#include "shaders/indexing/relax.glsl"
+
+void main() {
+  uint i = item_index();
+  if (i >= push.substep.vertex_count) return;
+  if (!is_kinematic(i)) relax_free(i, blended_goal(i));
+}
