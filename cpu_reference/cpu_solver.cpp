@@ -25,7 +25,6 @@ class CpuSolver : public model::Solver {
   CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads)
       : model_(model), options_(options), pool_(threads) {
     check_options(model, options);
-    relaxations_ = model::relaxations(options.iterations);
     const std::size_t n = model.vertex_count;
     fields_.predicted.resize(3 * n);
     fields_.transforms.resize(12 * n);
@@ -172,17 +171,16 @@ class CpuSolver : public model::Solver {
       if (probe) probe->on_stage(where, values);
     };
     if (step_before_ != h) forget_history();
-    if (response_step_ != h) {
-      responses_ = model::responses(model_, h);
-      response_step_ = h;
-    }
+    if (tables_.h != h) tables_ = model::implicit_tables(model_, options_, h);
     in.implicit = model::implicit_step(model_, h, step_before_ == h);
-    in.responses = std::span(responses_).subspan(in.implicit.first_response, n);
+    const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
+    in.responses =
+        std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
     run(n, &predict, in);
     show(Stage::predict, fields_.predicted);
-    for (where.iteration = 0; where.iteration < relaxations_.size(); ++where.iteration) {
-      in.implicit.gain = relaxations_[where.iteration].gain;
-      in.implicit.omega = relaxations_[where.iteration].omega;
+    for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
+      in.implicit.gain = relaxations[where.iteration].gain;
+      in.implicit.omega = relaxations[where.iteration].omega;
       run(n, &region, in);
       if (!probe) {
         run(n, &iterate, in);
@@ -204,9 +202,7 @@ class CpuSolver : public model::Solver {
   model::SolverOptions options_;
   ThreadPool pool_;
   Fields fields_;
-  std::vector<model::Relaxation> relaxations_;  // implicit: of each iteration
-  std::vector<shader::Response> responses_;     // implicit: for response_step_
-  double response_step_ = 0.0;
+  model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;
   std::array<double, 3> origin_{0, 0, 0};

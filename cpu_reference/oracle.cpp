@@ -1,5 +1,6 @@
 #include "cpu_reference/oracle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <optional>
@@ -112,6 +113,7 @@ struct Oracle::Impl {
   void begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces, const Stepping& step);
   void relax(double gain, double omega, const Stepping& step);
   void finish_implicit(const Stepping& step);
+  double stiffest(const Stepping& step) const;
   void embed();
 
   Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
@@ -271,6 +273,18 @@ void Oracle::Impl::relax(double gain, double omega, const Stepping& step) {
   }
 }
 
+// The largest a of a free vertex: how far x_hat goes with the goal.
+double Oracle::Impl::stiffest(const Stepping& step) const {
+  double largest = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const double d = model.layers[model.layer_of(i)].damping;
+    const Vector3d x_hat =
+        pulled_position(Vector3d::Zero(), Vector3d::UnitX(), model.mass[i], stiffness[i], d, step);
+    if (!model.is_kinematic(i)) largest = std::max(largest, x_hat.x());
+  }
+  return largest;
+}
+
 void Oracle::Impl::finish_implicit(const Stepping& step) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     const Vector3d u = skinned_velocity(i, step.h);
@@ -362,13 +376,13 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
       const Stepping step{h, s.step_before == drive.h};
       s.begin_implicit(gravity, forces, step);
       show(Stage::predict);
-      const Chebyshev chebyshev(s.options.iterations);
+      const Chebyshev chebyshev(s.options.iterations, s.stiffest(step));
       for (std::uint32_t k = 0; k < s.options.iterations; ++k) {
         s.region(muscles);
         show(Stage::region, k);
         s.goal();
         show(Stage::goal, k);
-        s.relax(chebyshev.gain(), chebyshev.omega(k), step);
+        s.relax(chebyshev.gain(k), chebyshev.omega(k), step);
         show(Stage::relax, k);
       }
       s.finish_implicit(step);

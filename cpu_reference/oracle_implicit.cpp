@@ -121,19 +121,22 @@ Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, c
   return (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
 }
 
-// [0, a_N] lies on [-rho, rho] after the shift that the gain makes, and T_N(1/rho) = 20.
-Chebyshev::Chebyshev(std::uint32_t iterations)
-    : rho(1.0 / std::cosh(std::acosh(20.0) / double(iterations))) {}
+// [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20.
+Chebyshev::Chebyshev(std::uint32_t steps, double stiffest)
+    : iterations(steps),
+      rho(std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), stiffest / (2.0 - stiffest))) {}
 
-double Chebyshev::gain() const {
-  return 1.0 + rho;
+double Chebyshev::gain(std::uint32_t k) const {
+  return k + 1 == iterations ? 1.0 : 1.0 + rho;
 }
 
-// omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev.
+// omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev. With 1/rho = cosh
+// t that is the following.
 double Chebyshev::omega(std::uint32_t k) const {
-  if (k == 0) return 1.0;
+  if (k == 0 || k + 1 == iterations) return 1.0;
   const double t = std::acosh(1.0 / rho);
-  return 2.0 / rho * std::cosh(double(k) * t) / std::cosh(double(k + 1) * t);
+  const auto power = [&](double n) { return std::exp(-2.0 * n * t); };
+  return (1.0 + power(1)) * (1.0 + power(k)) / (1.0 + power(k + 1));
 }
 
 }  // namespace fascicle::cpu_reference

@@ -46,12 +46,14 @@ Eigen::Vector3d pulled_position(const Eigen::Vector3d& y, const Eigen::Vector3d&
 Eigen::Vector3d differentiated_position(const Eigen::Vector3d& q, const VertexHistory& past,
                                         const Stepping& step);
 
-// Chebyshev's semi-iteration of N steps, for a matrix with eigenvalues in [0, a_N]: the change that step k =
-// 0, 1, ... makes, x - x_prev = omega (gain (x_hat - x) + x - x_prev).
+// Chebyshev's semi-iteration, for a matrix with eigenvalues in [0, a], a the least of a_N and `stiffest`: the
+// change that step k = 0, 1, ... makes is x - x_prev = omega (gain (x_hat - x) + x - x_prev). The last step
+// is a plain one.
 struct Chebyshev {
-  explicit Chebyshev(std::uint32_t iterations);
+  Chebyshev(std::uint32_t steps, double stiffest);
   double omega(std::uint32_t k) const;
-  double gain() const;
+  double gain(std::uint32_t k) const;
+  std::uint32_t iterations;
   double rho;
 };
 

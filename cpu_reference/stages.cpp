@@ -132,11 +132,14 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
   }
   const shader::Response& answer = in.responses[i];
   const Vector v = load_vector(fields.velocities, i), v_before = load_vector(fields.velocities_before, i);
-  store_vector(
-      fields.predicted, i,
-      kernel::predict_position<float>(q, load_vector(fields.positions_before, i), in.implicit.history,
-                                      kernel::with_history<float>(v, v_before, in.implicit.history),
-                                      acceleration, u, in.implicit.step, answer.kept, answer.dragged));
+  const Vector v_y =
+      kernel::predict_damped<float>(kernel::with_history<float>(v, v_before, in.implicit.history),
+                                    acceleration, u, in.implicit.step, answer.kept, answer.dragged);
+  store_vector(fields.predicted, i,
+               kernel::predict_position<float>(q, load_vector(fields.positions_before, i),
+                                               in.implicit.history, v_y, in.implicit.step));
+  store_vector(fields.velocities_before, i, v);
+  store_vector(fields.velocities, i, v_y);
   start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
                                          answer.kept, answer.dragged));
 }
@@ -155,15 +158,13 @@ void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const V
 void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
   const Vector u = velocity_of_skin(model, in, fields, i);
   if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
-  const Vector now = load_vector(fields.begun, i);
   Vector v = u;
   if (!model.is_kinematic(i))
-    v = kernel::differentiate_position<float>(load_vector(fields.positions, i), now,
-                                              load_vector(fields.positions_before, i),
-                                              in.implicit.velocity_now, in.implicit.velocity_before);
-  store_vector(fields.velocities_before, i, load_vector(fields.velocities, i));
+    v = kernel::pulled_velocity<float>(load_vector(fields.velocities, i), load_vector(fields.positions, i),
+                                       load_vector(fields.predicted, i), load_vector(fields.goals, i),
+                                       in.responses[i].to_goal, in.implicit.velocity_now);
   store_vector(fields.velocities, i, v);
-  store_vector(fields.positions_before, i, now);
+  store_vector(fields.positions_before, i, load_vector(fields.begun, i));
 }
 
 }  // namespace
@@ -271,8 +272,12 @@ void relax(const Model& model, const SubstepInput& in, Fields& fields, Range ran
 }
 
 void iterate(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  for (std::uint32_t i = range.first; i < range.last; ++i)
-    if (!model.is_kinematic(i)) relax_free(in, fields, i, blended_goal(model, fields, i));
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    if (model.is_kinematic(i)) continue;
+    const Vector g = blended_goal(model, fields, i);
+    store_vector(fields.goals, i, g);
+    relax_free(in, fields, i, g);
+  }
 }
 
 void update(const Model& model, const SubstepInput& in, Fields& fields, Range range) {

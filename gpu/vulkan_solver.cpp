@@ -50,7 +50,7 @@ class VulkanSolver : public model::Solver {
             experiments.alter_module),
         buffers_(device_, model),
         pace_(device.info().software),
-        relaxations_(model::relaxations(options.iterations)) {
+        options_(options) {
     VulkanSolver::load(model::rest_state(model));
     warm_up();
   }
@@ -69,7 +69,7 @@ class VulkanSolver : public model::Solver {
     if (pending_.size() == most_frames_in_flight) finish_oldest();
     // Cuts are carried on the host.
     while (!drive.cuts.empty() && !pending_.empty()) finish_oldest();
-    if (model_.is_implicit() && (step_before_ != drive.h || response_step_ != drive.h)) take_step(drive.h);
+    if (model_.is_implicit() && (step_before_ != drive.h || tables_.h != drive.h)) take_step(drive.h);
     FrameSlot& slot = free_slot();
     what.skinned = what.skinned && model_.has_skeleton();
     slot.prepare(drive, what, model_.vertex_count, model_.surface_count());
@@ -170,10 +170,9 @@ class VulkanSolver : public model::Solver {
       state.step_before = 0.0;
       set_history(state);
     }
-    if (response_step_ == h) return;
-    const std::vector<shader::Response> responses = model::responses(model_, h);
-    write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(responses)));
-    response_step_ = h;
+    if (tables_.h == h) return;
+    tables_ = model::implicit_tables(model_, options_, h);
+    write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(tables_.responses)));
   }
 
   // Waits for the frame longest under way and keeps it for collect().
@@ -224,11 +223,12 @@ class VulkanSolver : public model::Solver {
     if (model_.has_skeleton()) show(Stage::skin);
     if (model_.is_implicit()) {
       implicit = model::implicit_step(model_, h, step_before_ == h);
+      const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
       run(StageKernel::predict);
       show(Stage::predict);
-      for (where.iteration = 0; where.iteration < relaxations_.size(); ++where.iteration) {
-        implicit.omega = relaxations_[where.iteration].omega;
-        implicit.gain = relaxations_[where.iteration].gain;
+      for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
+        implicit.omega = relaxations[where.iteration].omega;
+        implicit.gain = relaxations[where.iteration].gain;
         run(StageKernel::region);
         show(Stage::region);
         if (!probe) {
@@ -319,9 +319,9 @@ class VulkanSolver : public model::Solver {
   StageKernels kernels_;
   ModelBuffers buffers_;
   SubmissionPace pace_;
-  std::vector<model::Relaxation> relaxations_;  // implicit: of each iteration
-  double response_step_ = 0.0;                  // s: what the responses on the device are for
-  double step_before_ = 0.0;                    // s: of the last substep; 0 where it is no history
+  model::SolverOptions options_;
+  model::ImplicitTables tables_;  // implicit: what the device has for its step length
+  double step_before_ = 0.0;      // s: of the last substep; 0 where it is no history
   std::vector<std::unique_ptr<FrameSlot>> slots_;
   std::vector<FrameSlot*> free_;
   std::deque<FrameSlot*> pending_;  // at most most_frames_in_flight

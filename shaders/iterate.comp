@@ -7,5 +7,8 @@
 void main() {
   uint i = item_index();
   if (i >= push.substep.vertex_count) return;
-  if (!is_kinematic(i)) relax_free(i, blended_goal(i));
+  if (is_kinematic(i)) return;
+  Vector g = blended_goal(i);
+  goal[i] = record_of(g);
+  relax_free(i, g);
 }

@@ -92,7 +92,7 @@ struct GeometryJson {
   }
 };
 
-Json json_of(const std::optional<double>& number) {
+Json number_or_null(const std::optional<double>& number) {
   return number ? Json(*number) : Json(nullptr);
 }
 
@@ -101,12 +101,12 @@ Json json_of_layer(const scene::Layer& layer) {
           {"alpha", layer.alpha},
           {"alpha_outer", layer.alpha_outer ? Json(*layer.alpha_outer) : Json(nullptr)},
           {"alpha_attribute", layer.alpha_attribute},
-          {"youngs_modulus", json_of(layer.youngs_modulus)},
-          {"frequency", json_of(layer.frequency)},
+          {"youngs_modulus", number_or_null(layer.youngs_modulus)},
+          {"frequency", number_or_null(layer.frequency)},
           {"material", layer.material},
           {"beta", layer.beta},
           {"damping", layer.damping},
-          {"damping_ratio", json_of(layer.damping_ratio)},
+          {"damping_ratio", number_or_null(layer.damping_ratio)},
           {"density", layer.density},
           {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
           {"fibre_field", layer.fibre_field},

@@ -1,5 +1,6 @@
 #include "host/model/implicit.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace fascicle::model {
@@ -21,12 +22,12 @@ float or_nothing(double x) {
   return factor < least_factor ? 0.0f : factor;
 }
 
-// The x > 1 at which Chebyshev's polynomial T_N is `reduction`, by bisection: rho = 1/x.
-double beyond_band(std::uint32_t iterations) {
+// The x > 1 at which Chebyshev's polynomial of that degree is `reduction`, by bisection: rho = 1/x.
+double beyond_band(std::uint32_t degree) {
   constexpr double reduction = 20.0;
   const auto chebyshev = [&](double x) {
     double before = 1.0, now = x;
-    for (std::uint32_t k = 1; k < iterations && now < reduction; ++k) {
+    for (std::uint32_t k = 1; k < degree && now < reduction; ++k) {
       const double next = 2.0 * x * now - before;
       before = now;
       now = next;
@@ -56,36 +57,43 @@ shader::ImplicitStep implicit_step(const Model& model, double h, bool with_histo
   return step;
 }
 
-std::vector<shader::Response> responses(const Model& model, double h) {
-  std::vector<shader::Response> all;
-  all.reserve(2 * std::size_t{model.vertex_count});
+ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h) {
+  ImplicitTables tables;
+  tables.h = h;
+  tables.responses.reserve(2 * std::size_t{model.vertex_count});
   for (const bool with_history : {false, true}) {
     const double H = step_of(h, with_history);
+    double stiffest = 0.0;
     for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
       const double damped = 1.0 + model.layers[model.layer_of(i)].damping * H;
       const double pull = model.stiffness[i] * (H * H);
-      all.push_back({or_nothing(pull / (damped + pull)), at_least_least(damped / (damped + pull)),
-                     at_least_least(1.0 / damped), or_nothing((damped - 1.0) / damped)});
+      tables.responses.push_back({or_nothing(pull / (damped + pull)),
+                                  at_least_least(damped / (damped + pull)), at_least_least(1.0 / damped),
+                                  or_nothing((damped - 1.0) / damped)});
+      if (!model.is_kinematic(i)) stiffest = std::max(stiffest, pull / (damped + pull));
     }
+    tables.relaxations[with_history ? 1 : 0] = relaxations(options.iterations, stiffest);
   }
-  return all;
+  return tables;
 }
 
-std::vector<Relaxation> relaxations(std::uint32_t iterations) {
-  const double rho = 1.0 / beyond_band(iterations);
+std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest) {
+  const std::uint32_t over_relaxed = iterations - 1;
+  const double rho = std::min(1.0 / beyond_band(over_relaxed), stiffest / (2.0 - stiffest));
   std::vector<Relaxation> all;
   double omega = 1.0;
-  for (std::uint32_t k = 0; k < iterations; ++k) {
+  for (std::uint32_t k = 0; k < over_relaxed; ++k) {
     if (k == 1) omega = 2.0 / (2.0 - rho * rho);
     if (k > 1) omega = 4.0 / (4.0 - rho * rho * omega);
     all.push_back({static_cast<float>(omega), static_cast<float>(1.0 + rho)});
   }
+  all.push_back({});
   return all;
 }
 
 // The band [0, a_N] is mapped to [-rho, rho]: a_N = 2 rho/(1 + rho), and a = K H^2/(m + K H^2).
 double resolved_stiffness(std::uint32_t iterations) {
-  const double x = beyond_band(iterations);
+  const double x = beyond_band(iterations - 1);
   return std::sqrt(2.0 / (x - 1.0));
 }
 

@@ -3,6 +3,7 @@
 // + - * / only, rounded once: the same on every machine.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -15,22 +16,28 @@ namespace fascicle::model {
 // The substep's numbers for h seconds: BDF2 with history, backward Euler without. omega and gain are left 1.
 shader::ImplicitStep implicit_step(const Model& model, double h, bool with_history);
 
-// Each vertex's Response: n for backward Euler, then n for BDF2. ImplicitStep::first_response points into
-// them.
-std::vector<shader::Response> responses(const Model& model, double h);
-
 // How far an iteration goes: x <- x_prev + omega (gain (x_hat - x) + x - x_prev).
 struct Relaxation {
   float omega = 1.0f, gain = 1.0f;
 };
 
-// Each iteration's. The error's modes shrink by factors from 0 (rough) to a (smooth) an iteration;
-// Chebyshev's polynomial that is small on all of [0, a_N], with a_N so that it is 1/20 there, is the best
-// that N iterations can do. Modes beyond a_N, of bodies so stiff that N iterations do not reach across them,
-// converge over several substeps.
-std::vector<Relaxation> relaxations(std::uint32_t iterations);
+// What the solvers keep for a step length. Of backward Euler first, then of BDF2;
+// ImplicitStep::first_response points to the one or the other.
+struct ImplicitTables {
+  double h = 0.0;                                      // s; 0: not made yet
+  std::vector<shader::Response> responses;             // 2n
+  std::array<std::vector<Relaxation>, 2> relaxations;  // of each iteration
+};
+ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h);
 
-// The square root of the largest K H^2 / m whose modes N iterations reduce to 1/20.
+// The error's modes shrink by factors from 0 (rough) to `stiffest`, the largest a of a vertex (smooth), an
+// iteration. Chebyshev's polynomial that is small on all of [0, a_N], with a_N so that it is 1/20 there, is
+// the best that iterations can do, and more than is needed where no a reaches a_N. Modes beyond a_N, of
+// bodies so stiff that the iterations do not reach across them, converge over several substeps. The last
+// iteration is a plain one, which takes away what rounding left in rough modes.
+std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest);
+
+// The square root of the largest K H^2 / m whose modes the iterations reduce to 1/20.
 double resolved_stiffness(std::uint32_t iterations);
 
 }  // namespace fascicle::model

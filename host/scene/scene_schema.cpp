@@ -32,7 +32,13 @@ Json schema_of(const Key& key) {
     case KeyType::integer:
       schema["type"] = key.type == KeyType::number ? "number" : "integer";
       add_range(schema, key);
-      if (!key.allowed.empty()) schema = {{"anyOf", {schema, {{"enum", key.allowed}}}}};
+      // A pattern binds text alone, as the range binds numbers.
+      if (!key.allowed.empty()) {
+        std::string words;
+        for (const std::string& word : key.allowed) words += (words.empty() ? "" : "|") + word;
+        schema["type"] = {schema["type"], "string"};
+        schema["pattern"] = "^(" + words + ")$";
+      }
       break;
     case KeyType::text:
       schema["type"] = "string";

@@ -25,14 +25,13 @@ void move_kinematic(uint i) {
 void finish_implicit(uint i) {
   Vector u = velocity_of_skin(i);
   if (with_carried) skinned_velocity_before[i] = record_of(u);
-  vec4 now = begun[i];
   vec4 v = record_of(u);
   if (!is_kinematic(i))
-    v = record_of(differentiate_position(vector_of(position[i]), vector_of(now), vector_of(position_before[i]),
-                                         push.implicit.velocity_now, push.implicit.velocity_before));
-  velocity_before[i] = velocity[i];
+    v = record_of(pulled_velocity(vector_of(velocity[i]), vector_of(position[i]), vector_of(predicted[i]),
+                                  vector_of(goal[i]), response[push.implicit.first_response + i].to_goal,
+                                  push.implicit.velocity_now));
   velocity[i] = v;
-  position_before[i] = now;
+  position_before[i] = begun[i];
 }
 
 #endif

@@ -55,10 +55,12 @@ void begin_implicit(uint i) {
   Vector v = vector_of(velocity[i]);
   Vector v_before = vector_of(velocity_before[i]);
   Vector q_before = vector_of(position_before[i]);
+  Vector v_y = predict_damped(with_history(v, v_before, push.implicit.history), a, u, push.implicit.step, answer.kept,
+                              answer.dragged);
   predicted[i] =
-      record_of(predict_position(vector_of(q), q_before, push.implicit.history,
-                                 with_history(v, v_before, push.implicit.history), a, u, push.implicit.step,
-                                 answer.kept, answer.dragged));
+      record_of(predict_position(vector_of(q), q_before, push.implicit.history, v_y, push.implicit.step));
+  velocity_before[i] = velocity[i];
+  velocity[i] = record_of(v_y);
   Vector start = start_position(vector_of(q), v, v_before, a, u, push.substep.h, push.substep.inverse_h,
                                 answer.kept, answer.dragged);
   position[i] = record_of(start);
