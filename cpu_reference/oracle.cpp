@@ -110,7 +110,8 @@ struct Oracle::Impl {
   void integrate(std::span<const float> decay, double h);
   Vector3d acceleration_of(std::uint32_t i, const Vector3d& gravity,
                            std::span<const shader::Force> forces) const;
-  void begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces, const Stepping& step);
+  void begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces, const Stepping& step,
+                      double share);
   void relax(double gain, double omega, const Stepping& step);
   void finish_implicit(const Stepping& step);
   double stiffest(const Stepping& step) const;
@@ -239,7 +240,7 @@ void Oracle::Impl::integrate(std::span<const float> decay, double h) {
 // relative to is the skinned one at the substep's end, and what the vertex does not feel of the skeleton's
 // acceleration is an acceleration.
 void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces,
-                                  const Stepping& step) {
+                                  const Stepping& step, double share) {
   history.resize(model.vertex_count);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     history[i] = {q[i], step.has_history ? q_before[i] : q[i], v[i], step.has_history ? v_before[i] : v[i]};
@@ -256,7 +257,7 @@ void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shade
     }
     const double d = model.layers[model.layer_of(i)].damping;
     y[i] = predicted_position(history[i], step, f, d, u);
-    q[i] = start_of_iterations(history[i], step, f, d, u);
+    q[i] = start_of_iterations(history[i], step, f, d, u, share);
   }
   iterate_before = q;
 }
@@ -374,9 +375,9 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
     const auto muscles = drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count);
     if (m.is_implicit()) {
       const Stepping step{h, s.step_before == drive.h};
-      s.begin_implicit(gravity, forces, step);
-      show(Stage::predict);
       const Chebyshev chebyshev(s.options.iterations, s.stiffest(step));
+      s.begin_implicit(gravity, forces, step, chebyshev.extrapolated());
+      show(Stage::predict);
       for (std::uint32_t k = 0; k < s.options.iterations; ++k) {
         s.region(muscles);
         show(Stage::region, k);

@@ -94,15 +94,16 @@ Vector3d predicted_position(const VertexHistory& past, const Stepping& step, con
   return continued(past.q, past.q_before) + H * v_y;
 }
 
-// q + h v + h^2 p f/|f|,  p = clamp((v - v_prev) . f / (h |f|), 0, |f|); p = 0 without history. The velocity
-// that this holds is damped, as that of y is.
+// q + h v_s with v_s = v + t (v - v_prev)/2 + (1 - t) h/2 p f/|f|,  p = clamp((v - v_prev) . f / (h |f|), 0,
+// |f|), damped as v_y is. Without history v.
 Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
-                             const Vector3d& u) {
+                             const Vector3d& u, double share) {
   Vector3d v = past.v;
+  if (step.has_history) v += share * (past.v - past.v_before) / 2.0;
   // Below 2^-20 an acceleration counts as none.
   if (step.has_history && f.squaredNorm() >= std::ldexp(1.0, -40)) {
     const double p = std::clamp((past.v - past.v_before).dot(f) / (step.h * f.norm()), 0.0, f.norm());
-    v += step.h / 2.0 * p * f.normalized();
+    v += (1.0 - share) * step.h / 2.0 * p * f.normalized();
   }
   return past.q + step.h * (v + d * step.H() * u) / (1.0 + d * step.H());
 }
@@ -122,12 +123,19 @@ Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, c
 }
 
 // [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20.
-Chebyshev::Chebyshev(std::uint32_t steps, double stiffest)
+Chebyshev::Chebyshev(std::uint32_t steps, double largest)
     : iterations(steps),
-      rho(std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), stiffest / (2.0 - stiffest))) {}
+      stiffest(largest),
+      rho(std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), largest / (2.0 - largest))) {}
 
 double Chebyshev::gain(std::uint32_t k) const {
   return k + 1 == iterations ? 1.0 : 1.0 + rho;
+}
+
+double Chebyshev::extrapolated() const {
+  const double rho_N = 1.0 / std::cosh(std::acosh(20.0) / double(iterations - 1));
+  const double a_N = 2.0 * rho_N / (1.0 + rho_N);
+  return std::min(1.0, a_N / (1.0 - a_N) / (stiffest / (1.0 - stiffest)));
 }
 
 // omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev. With 1/rho = cosh

@@ -34,9 +34,9 @@ struct VertexHistory {
 Eigen::Vector3d predicted_position(const VertexHistory& past, const Stepping& step, const Eigen::Vector3d& f,
                                    double d, const Eigen::Vector3d& u);
 
-// Where the iterations start.
+// Where the iterations start; `share` of the acceleration that there was goes on.
 Eigen::Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Eigen::Vector3d& f,
-                                    double d, const Eigen::Vector3d& u);
+                                    double d, const Eigen::Vector3d& u, double share);
 
 // x_hat = y + a (g - y)
 Eigen::Vector3d pulled_position(const Eigen::Vector3d& y, const Eigen::Vector3d& g, double mass,
@@ -50,10 +50,14 @@ Eigen::Vector3d differentiated_position(const Eigen::Vector3d& q, const VertexHi
 // change that step k = 0, 1, ... makes is x - x_prev = omega (gain (x_hat - x) + x - x_prev). The last step
 // is a plain one.
 struct Chebyshev {
-  Chebyshev(std::uint32_t steps, double stiffest);
+  Chebyshev(std::uint32_t steps, double largest);
   double omega(std::uint32_t k) const;
   double gain(std::uint32_t k) const;
+  // The share of the last acceleration that the iterations start with: 1 where a_N reaches `stiffest`, and
+  // falling with the stiffness a / (1 - a) where it does not.
+  double extrapolated() const;
   std::uint32_t iterations;
+  double stiffest;
   double rho;
 };
 

@@ -141,7 +141,7 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
   store_vector(fields.velocities_before, i, v);
   store_vector(fields.velocities, i, v_y);
   start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
-                                         answer.kept, answer.dragged));
+                                         in.implicit.velocity_before, answer.kept, answer.dragged));
 }
 
 void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& goal) {

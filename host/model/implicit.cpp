@@ -50,7 +50,6 @@ shader::ImplicitStep implicit_step(const Model& model, double h, bool with_histo
   step.history = with_history ? static_cast<float>(1.0 / 3.0) : 0.0f;
   step.skin_history = with_history ? 0.5f : 0.0f;
   step.velocity_now = static_cast<float>((with_history ? 1.5 : 1.0) / h);
-  step.velocity_before = with_history ? static_cast<float>(0.5 / h) : 0.0f;
   step.omega = 1.0f;
   step.gain = 1.0f;
   step.first_response = with_history ? model.vertex_count : 0;
@@ -73,8 +72,14 @@ ImplicitTables implicit_tables(const Model& model, const SolverOptions& options,
       if (!model.is_kinematic(i)) stiffest = std::max(stiffest, pull / (damped + pull));
     }
     tables.relaxations[with_history ? 1 : 0] = relaxations(options.iterations, stiffest);
+    if (with_history) tables.extrapolated = extrapolated_share(options.iterations, stiffest);
   }
   return tables;
+}
+
+double extrapolated_share(std::uint32_t iterations, double stiffest) {
+  const double resolved = resolved_stiffness(iterations) * resolved_stiffness(iterations);
+  return std::min(1.0, resolved * (1.0 - stiffest) / stiffest);
 }
 
 std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest) {
@@ -93,6 +98,7 @@ std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest) {
 
 // The band [0, a_N] is mapped to [-rho, rho]: a_N = 2 rho/(1 + rho), and a = K H^2/(m + K H^2).
 double resolved_stiffness(std::uint32_t iterations) {
+  if (iterations < 2) return 0.0;
   const double x = beyond_band(iterations - 1);
   return std::sqrt(2.0 / (x - 1.0));
 }

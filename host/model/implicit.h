@@ -27,6 +27,7 @@ struct ImplicitTables {
   double h = 0.0;                                      // s; 0: not made yet
   std::vector<shader::Response> responses;             // 2n
   std::array<std::vector<Relaxation>, 2> relaxations;  // of each iteration
+  double extrapolated = 0.0;                           // with history
 };
 ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h);
 
@@ -36,6 +37,10 @@ ImplicitTables implicit_tables(const Model& model, const SolverOptions& options,
 // bodies so stiff that the iterations do not reach across them, converge over several substeps. The last
 // iteration is a plain one, which takes away what rounding left in rough modes.
 std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest);
+
+// The share of the last substep's acceleration from which the iterations go on: 1 where they resolve the
+// largest a, `stiffest`, and falling with the stiffness K H^2 / m = a / (1 - a) where they do not.
+double extrapolated_share(std::uint32_t iterations, double stiffest);
 
 // The square root of the largest K H^2 / m whose modes the iterations reduce to 1/20.
 double resolved_stiffness(std::uint32_t iterations);

@@ -18,6 +18,7 @@ struct BarOptions {
   bool muscle = false;
   bool forces = false;
   bool surface = true;
+  bool implicit = false;      // for the implicit integrator, from soft to stiff
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
 };
 
