@@ -172,9 +172,8 @@ class CpuSolver : public model::Solver {
     };
     if (step_before_ != h) forget_history();
     if (tables_.h != h) tables_ = model::implicit_tables(model_, options_, h);
-    in.implicit = model::implicit_step(model_, h, step_before_ == h);
+    in.implicit = model::implicit_step(model_, tables_, step_before_ == h);
     const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
-    in.implicit.velocity_before = step_before_ == h ? static_cast<float>(tables_.extrapolated) : 0.0f;
     in.responses =
         std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
     run(n, &predict, in);

@@ -141,7 +141,7 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
   store_vector(fields.velocities_before, i, v);
   store_vector(fields.velocities, i, v_y);
   start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
-                                         in.implicit.velocity_before, answer.kept, answer.dragged));
+                                         in.implicit.extrapolated, answer.kept, answer.dragged));
 }
 
 void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& goal) {
@@ -162,7 +162,7 @@ void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields,
   if (!model.is_kinematic(i))
     v = kernel::pulled_velocity<float>(load_vector(fields.velocities, i), load_vector(fields.positions, i),
                                        load_vector(fields.predicted, i), load_vector(fields.goals, i),
-                                       in.responses[i].to_goal, in.implicit.velocity_now);
+                                       in.responses[i].to_goal, in.implicit.inverse_step);
   store_vector(fields.velocities, i, v);
   store_vector(fields.positions_before, i, load_vector(fields.begun, i));
 }

@@ -222,8 +222,7 @@ class VulkanSolver : public model::Solver {
     };
     if (model_.has_skeleton()) show(Stage::skin);
     if (model_.is_implicit()) {
-      implicit = model::implicit_step(model_, h, step_before_ == h);
-      implicit.velocity_before = step_before_ == h ? static_cast<float>(tables_.extrapolated) : 0.0f;
+      implicit = model::implicit_step(model_, tables_, step_before_ == h);
       const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
       run(StageKernel::predict);
       show(Stage::predict);

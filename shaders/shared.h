@@ -52,17 +52,17 @@ struct Substep {
   uint first_force;   // index of this substep's first Force
 };
 
-// What an implicit substep needs beside: method "Time step". With history (BDF2) H = 2h/3, without (backward
-// Euler, the first step) H = h and the shares of history are 0.
+// What an implicit substep needs beside. With history (BDF2) H = 2h/3, without (backward Euler, the first
+// step) H = h and the shares of history are 0.
 struct ImplicitStep {
-  float step;             // H
-  float history;          // 1/3: what the change from the substep before counts in (4 q - q_prev)/3
-  float skin_history;     // 1/2: the same in the skinned velocity at the substep's end
-  float velocity_now;     // 3/(2h): v = velocity_now (q - q_now) - velocity_before (q_now - q_before)
-  float velocity_before;  // 1/(2h)
-  float omega;            // this iteration's over-relaxation
-  float gain;             // what x_hat - x is multiplied by
-  uint first_response;    // index of vertex 0's Response
+  float step;           // H
+  float history;        // 1/3: what the change from the substep before counts in (4 q - q_prev)/3
+  float skin_history;   // 1/2: the same in the skinned velocity at the substep's end
+  float inverse_step;   // 1/H
+  float extrapolated;   // the share of the last acceleration with which the iterations start
+  float omega;          // this iteration's over-relaxation
+  float gain;           // what x_hat - x is multiplied by
+  uint first_response;  // index of vertex 0's Response
 };
 
 // How a vertex answers in an implicit substep, with d its damping and K its stiffness.

@@ -44,12 +44,13 @@ double beyond_band(std::uint32_t degree) {
 
 }  // namespace
 
-shader::ImplicitStep implicit_step(const Model& model, double h, bool with_history) {
+shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history) {
   shader::ImplicitStep step{};
-  step.step = static_cast<float>(step_of(h, with_history));
+  step.step = static_cast<float>(step_of(tables.h, with_history));
   step.history = with_history ? static_cast<float>(1.0 / 3.0) : 0.0f;
   step.skin_history = with_history ? 0.5f : 0.0f;
-  step.velocity_now = static_cast<float>((with_history ? 1.5 : 1.0) / h);
+  step.inverse_step = static_cast<float>((with_history ? 1.5 : 1.0) / tables.h);
+  step.extrapolated = with_history ? static_cast<float>(tables.extrapolated) : 0.0f;
   step.omega = 1.0f;
   step.gain = 1.0f;
   step.first_response = with_history ? model.vertex_count : 0;

@@ -13,9 +13,6 @@
 
 namespace fascicle::model {
 
-// The substep's numbers for h seconds: BDF2 with history, backward Euler without. omega and gain are left 1.
-shader::ImplicitStep implicit_step(const Model& model, double h, bool with_history);
-
 // How far an iteration goes: x <- x_prev + omega (gain (x_hat - x) + x - x_prev).
 struct Relaxation {
   float omega = 1.0f, gain = 1.0f;
@@ -30,6 +27,9 @@ struct ImplicitTables {
   double extrapolated = 0.0;                           // with history
 };
 ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h);
+
+// A substep's numbers: BDF2's with history, backward Euler's without. omega and gain are left 1.
+shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history);
 
 // The error's modes shrink by factors from 0 (rough) to `stiffest`, the largest a of a vertex (smooth), an
 // iteration. Chebyshev's polynomial that is small on all of [0, a_N], with a_N so that it is 1/20 there, is

@@ -29,7 +29,7 @@ void finish_implicit(uint i) {
   if (!is_kinematic(i))
     v = record_of(pulled_velocity(vector_of(velocity[i]), vector_of(position[i]), vector_of(predicted[i]),
                                   vector_of(goal[i]), response[push.implicit.first_response + i].to_goal,
-                                  push.implicit.velocity_now));
+                                  push.implicit.inverse_step));
   velocity[i] = v;
   position_before[i] = begun[i];
 }

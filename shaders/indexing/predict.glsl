@@ -62,7 +62,7 @@ void begin_implicit(uint i) {
   velocity_before[i] = velocity[i];
   velocity[i] = record_of(v_y);
   Vector start = start_position(vector_of(q), v, v_before, a, u, push.substep.h, push.substep.inverse_h,
-                                push.implicit.velocity_before, answer.kept, answer.dragged);
+                                push.implicit.extrapolated, answer.kept, answer.dragged);
   position[i] = record_of(start);
   iterate_before[i] = record_of(start);
 }
