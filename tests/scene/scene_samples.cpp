@@ -195,11 +195,17 @@ damping_ratio = 0.25
 
 [layers.deep]
 frequency = 3.5
-where = { below = { axis = "x", fraction = 0.5 } }
+
+[layers.deep.where.below]
+axis = "x"
+fraction = 0.5
 
 [layers.skin]
 material = "skin"
-where = { above = { axis = "x", fraction = 0.9 } }
+
+[layers.skin.where.above]
+axis = "x"
+fraction = 0.9
 
 [solver]
 integrator = "implicit"
