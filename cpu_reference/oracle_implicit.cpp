@@ -89,7 +89,7 @@ Vector3d predicted_position(const VertexHistory& past, const Stepping& step, con
   const auto continued = [&](const Vector3d& now, const Vector3d& before) {
     return step.has_history ? Vector3d((4.0 * now - before) / 3.0) : now;
   };
-  const double H = step.H();
+  const double H = step.length();
   const Vector3d v_y = (continued(past.v, past.v_before) + H * (f + d * u)) / (1.0 + d * H);
   return continued(past.q, past.q_before) + H * v_y;
 }
@@ -105,13 +105,13 @@ Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, co
     const double p = std::clamp((past.v - past.v_before).dot(f) / (step.h * f.norm()), 0.0, f.norm());
     v += (1.0 - share) * step.h / 2.0 * p * f.normalized();
   }
-  return past.q + step.h * (v + d * step.H() * u) / (1.0 + d * step.H());
+  return past.q + step.h * (v + d * step.length() * u) / (1.0 + d * step.length());
 }
 
 // a = K H^2 / (m (1 + d H) + K H^2)
 Vector3d pulled_position(const Vector3d& y, const Vector3d& g, double mass, double stiffness, double d,
                          const Stepping& step) {
-  const double H = step.H();
+  const double H = step.length();
   const double inertia = mass * (1.0 + d * H), pull = stiffness * H * H;
   return (inertia * y + pull * g) / (inertia + pull);
 }
@@ -133,9 +133,9 @@ double Chebyshev::gain(std::uint32_t k) const {
 }
 
 double Chebyshev::extrapolated() const {
-  const double rho_N = 1.0 / std::cosh(std::acosh(20.0) / double(iterations - 1));
-  const double a_N = 2.0 * rho_N / (1.0 + rho_N);
-  return std::min(1.0, a_N / (1.0 - a_N) / (stiffest / (1.0 - stiffest)));
+  const double least_rho = 1.0 / std::cosh(std::acosh(20.0) / double(iterations - 1));
+  const double reached = 2.0 * least_rho / (1.0 + least_rho);
+  return std::min(1.0, reached / (1.0 - reached) / (stiffest / (1.0 - stiffest)));
 }
 
 // omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev. With 1/rho = cosh

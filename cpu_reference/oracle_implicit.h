@@ -22,7 +22,9 @@ std::vector<double> vertex_stiffness(const model::Model& model, const std::vecto
 struct Stepping {
   double h;
   bool has_history;
-  double H() const { return has_history ? 2.0 * h / 3.0 : h; }
+  double length() const {  // H
+    return has_history ? 2.0 * h / 3.0 : h;
+  }
 };
 
 // What a vertex was: now and a substep before.

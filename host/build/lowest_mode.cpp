@@ -47,7 +47,7 @@ class Stiffness {
   Stiffness(const ElasticBody& body, const std::vector<char>& is_free);
   // y = L x on the free vertices, 0 elsewhere; x is 0 on the held ones.
   void apply(const Field& x, Field& y) const;
-  double diagonal(std::size_t i) const { return K_[i]; }
+  double diagonal(std::size_t i) const { return pull_[i]; }
 
  private:
   struct Region {
@@ -63,7 +63,7 @@ class Stiffness {
 
   const OneRings& rings_;
   const std::vector<char>& is_free_;
-  std::vector<double> K_;
+  std::vector<double> pull_;
   std::vector<double> own_, taken_;  // w_ir, scaled, as in RegionWeights
   Field offset_own_, offset_;        // q0_i - c0_r, likewise
   std::vector<Region> regions_;
@@ -73,10 +73,10 @@ class Stiffness {
 Stiffness::Stiffness(const ElasticBody& body, const std::vector<char>& is_free)
     : rings_(body.rings), is_free_(is_free) {
   const std::size_t n = rings_.size();
-  K_.assign(body.k.begin(), body.k.end());
+  pull_.assign(body.k.begin(), body.k.end());
   for (std::size_t i = 0; i < n; ++i) {
-    for (const std::uint32_t r : rings_[i]) K_[i] += body.k[r];
-    K_[i] *= body.state.mass[i];
+    for (const std::uint32_t r : rings_[i]) pull_[i] += body.k[r];
+    pull_[i] *= body.state.mass[i];
   }
   own_ = body.weights.own;
   taken_ = body.weights.taken;
@@ -85,9 +85,9 @@ Stiffness::Stiffness(const ElasticBody& body, const std::vector<char>& is_free)
   for (std::size_t r = 0; r < n; ++r)
     for (std::uint32_t e = rings_.offset[r]; e < rings_.offset[r + 1]; ++e)
       given[rings_.neighbour[e]] += taken_[e] *= body.k[r];
-  for (std::size_t r = 0; r < n; ++r) own_[r] *= K_[r] / given[r];
+  for (std::size_t r = 0; r < n; ++r) own_[r] *= pull_[r] / given[r];
   for (std::size_t e = 0; e < taken_.size(); ++e)
-    taken_[e] *= K_[rings_.neighbour[e]] / given[rings_.neighbour[e]];
+    taken_[e] *= pull_[rings_.neighbour[e]] / given[rings_.neighbour[e]];
 
   const auto rest = [&](std::size_t i) {
     return Vector3d(double{body.state.rest[3 * i]}, double{body.state.rest[3 * i + 1]},
@@ -181,8 +181,8 @@ std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<cha
   std::vector<double> quotients;
   for (int k = 0; k < most_iterations; ++k) {
     const Field Mx = weighed(x);
-    const double xMx = inner(x, Mx, is_free), xLx = inner(x, Lx, is_free);
-    const double quotient = xLx / xMx;
+    const double xmx = inner(x, Mx, is_free), xlx = inner(x, Lx, is_free);
+    const double quotient = xlx / xmx;
     quotients.push_back(quotient);
     if (k >= settled_iterations &&
         quotients[static_cast<std::size_t>(k - settled_iterations)] - quotient <= settled * quotient)
@@ -200,11 +200,11 @@ std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<cha
       if (is_free[i]) p[i] = beta * p[i] - w[i];
     stiffness.apply(p, Lp);
     const Field Mp = weighed(p);
-    const double t = best_step(xLx, inner(x, Lp, is_free), inner(p, Lp, is_free), xMx, inner(x, Mp, is_free),
+    const double t = best_step(xlx, inner(x, Lp, is_free), inner(p, Lp, is_free), xmx, inner(x, Mp, is_free),
                                inner(p, Mp, is_free));
     // Of length 1, so that nothing grows out of the numbers.
     const double scale =
-        1.0 / std::sqrt(xMx + 2.0 * t * inner(x, Mp, is_free) + t * t * inner(p, Mp, is_free));
+        1.0 / std::sqrt(xmx + 2.0 * t * inner(x, Mp, is_free) + t * t * inner(p, Mp, is_free));
     for (std::size_t i = 0; i < n; ++i) {
       if (!is_free[i]) continue;
       x[i] = scale * (x[i] + t * p[i]);

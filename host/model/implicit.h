@@ -1,6 +1,5 @@
-// What the host computes for the implicit integrator, once a step length: method "Time step". Double
-// precision,
-// + - * / only, rounded once: the same on every machine.
+// What the host computes for the implicit integrator, once a step length. Double precision, + - * / and sqrt,
+// rounded once: the same on every machine.
 #pragma once
 
 #include <array>
