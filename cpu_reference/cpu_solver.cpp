@@ -6,6 +6,7 @@
 
 #include "cpu_reference/stages.h"
 #include "cpu_reference/thread_pool.h"
+#include "host/model/implicit.h"
 
 namespace fascicle::cpu_reference {
 
@@ -23,11 +24,16 @@ class CpuSolver : public model::Solver {
  public:
   CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads)
       : model_(model), options_(options), pool_(threads) {
+    check_options(model, options);
     const std::size_t n = model.vertex_count;
     fields_.predicted.resize(3 * n);
     fields_.transforms.resize(12 * n);
     fields_.goals.resize(3 * n);
     if (model.has_skeleton()) fields_.gravity.resize(3 * n);
+    if (model.is_implicit()) {
+      fields_.begun.resize(3 * n);
+      fields_.iterate_before.resize(3 * n);
+    }
     fields_.surface.resize(3 * std::size_t{model.surface_count()});
     CpuSolver::load(model::rest_state(model));
   }
@@ -57,13 +63,18 @@ class CpuSolver : public model::Solver {
   }
 
   State save() const override {
-    return {.frame = frame_,
-            .origin = origin_,
-            .positions = fields_.positions,
-            .velocities = fields_.velocities,
-            .rotations = fields_.rotations,
-            .skinned = fields_.skinned,
-            .skinned_velocities = fields_.skinned_velocities};
+    State state{.frame = frame_,
+                .origin = origin_,
+                .positions = fields_.positions,
+                .velocities = fields_.velocities,
+                .rotations = fields_.rotations,
+                .skinned = fields_.skinned,
+                .skinned_velocities = fields_.skinned_velocities};
+    if (step_before_ == 0.0) return state;
+    state.positions_before = fields_.positions_before;
+    state.velocities_before = fields_.velocities_before;
+    state.step_before = step_before_;
+    return state;
   }
 
   void load(const State& state) override {
@@ -82,6 +93,21 @@ class CpuSolver : public model::Solver {
     fields_.skinned = state.skinned;
     fields_.skinned_before = state.skinned;
     fields_.skinned_velocities = state.skinned_velocities;
+    step_before_ = state.step_before;
+    if (!model_.is_implicit()) return;
+    if (state.positions_before.empty()) {
+      forget_history();
+    } else {
+      fields_.positions_before = state.positions_before;
+      fields_.velocities_before = state.velocities_before;
+    }
+  }
+
+  // The next substep has none before it: what it takes for that is where the body is.
+  void forget_history() {
+    fields_.positions_before = fields_.positions;
+    fields_.velocities_before = fields_.velocities;
+    step_before_ = 0.0;
   }
 
   using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
@@ -107,7 +133,7 @@ class CpuSolver : public model::Solver {
       if (cut.substep == s) set_history(model::carried(model_, save(), drive.h, cut));
     const SubstepInput in = input_of(drive, s);
     const std::uint32_t n = model_.vertex_count;
-    const model::Where where{frame_ + 1, s, Stage::skin};
+    const model::Where where{.frame = frame_ + 1, .substep = s};
     const auto show = [&](Stage stage, std::span<const float> values) {
       if (probe) probe->on_stage({where.frame, where.substep, stage}, values);
     };
@@ -117,6 +143,10 @@ class CpuSolver : public model::Solver {
       std::swap(fields_.skinned, fields_.skinned_before);
       run(n, &skin, in);
       show(Stage::skin, model::side_by_side(fields_.skinned, 3, fields_.gravity, 3));
+    }
+    if (model_.is_implicit()) {
+      implicit_substep(in, drive.h, where, probe);
+      return;
     }
     if (!probe) {
       run(n, &region, in);
@@ -133,10 +163,47 @@ class CpuSolver : public model::Solver {
     show(Stage::integrate, model::side_by_side(fields_.positions, 3, fields_.velocities, 3));
   }
 
+  // From predict on.
+  void implicit_substep(SubstepInput in, double h, model::Where where, Probe* probe) {
+    const std::uint32_t n = model_.vertex_count;
+    const auto show = [&](Stage stage, std::span<const float> values) {
+      where.stage = stage;
+      if (probe) probe->on_stage(where, values);
+    };
+    if (step_before_ != h) forget_history();
+    if (tables_.h != h) tables_ = model::implicit_tables(model_, options_, h);
+    in.implicit = model::implicit_step(model_, tables_, step_before_ == h);
+    const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
+    in.responses =
+        std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
+    run(n, &predict, in);
+    show(Stage::predict, fields_.predicted);
+    for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
+      in.implicit.gain = relaxations[where.iteration].gain;
+      in.implicit.omega = relaxations[where.iteration].omega;
+      run(n, &region, in);
+      if (!probe) {
+        run(n, &iterate, in);
+        continue;
+      }
+      show(Stage::region, model::side_by_side(fields_.transforms, 12, fields_.rotations, 4));
+      run(n, &goal, in);
+      show(Stage::goal, fields_.goals);
+      run(n, &relax, in);
+      show(Stage::relax, fields_.positions);
+    }
+    where.iteration = 0;
+    run(n, &integrate, in);
+    show(Stage::integrate, model::side_by_side(fields_.positions, 3, fields_.velocities, 3));
+    step_before_ = h;
+  }
+
   const Model& model_;
   model::SolverOptions options_;
   ThreadPool pool_;
   Fields fields_;
+  model::ImplicitTables tables_;
+  double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;
   std::array<double, 3> origin_{0, 0, 0};
   std::deque<Frame> done_;

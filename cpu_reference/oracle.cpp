@@ -1,5 +1,6 @@
 #include "cpu_reference/oracle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <optional>
@@ -8,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "cpu_reference/oracle_equations.h"
+#include "cpu_reference/oracle_implicit.h"
 #include "cpu_reference/oracle_weights.h"
 
 namespace fascicle::cpu_reference {
@@ -60,8 +62,13 @@ Quaterniond rotation_in(const Eigen::Affine3d& map) {
 }  // namespace
 
 struct Oracle::Impl {
-  explicit Impl(const model::Model& of)
-      : model(of), rest(points_of(of.rest)), weights(region_weights(of)), regions(of.vertex_count) {
+  Impl(const model::Model& of, const model::SolverOptions& with)
+      : model(of),
+        options(with),
+        rest(points_of(of.rest)),
+        weights(region_weights(of)),
+        regions(of.vertex_count) {
+    if (model.is_implicit()) stiffness = vertex_stiffness(model, region_stiffness(model));
     for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
       regions[r].c0 = region_centre(weights, r, rest);
       const Vector3d& c0 = regions[r].c0;
@@ -70,9 +77,11 @@ struct Oracle::Impl {
   }
 
   const model::Model& model;
+  const model::SolverOptions options;
   const Points rest;
   const Weights weights;
   std::vector<Matrix3d> rest_moment;  // A_r at rest
+  std::vector<double> stiffness;      // K_i; empty with the explicit integrator
 
   // History.
   std::uint64_t frame = 0;
@@ -81,12 +90,16 @@ struct Oracle::Impl {
   Points skinned;                   // of the last substep; empty without a skeleton
   Points skinned_velocities;        // u of the last substep; empty where the model carries nothing
   std::vector<RegionPose> regions;  // of these only R is history
+  Points q_before, v_before;        // implicit: a substep before
+  double step_before = 0.0;         // s: the length of that substep; 0 if there was none
 
   // Between the stages of a substep.
   Points skinned_before;
   Points turned_gravity;  // the bones' change of gravity
   Points goals;
   Points surface;
+  Points y, iterate_before;            // implicit
+  std::vector<VertexHistory> history;  // implicit: as the substep began
 
   std::deque<model::Frame> frames;
 
@@ -95,6 +108,13 @@ struct Oracle::Impl {
   void region(std::span<const shader::Muscle> muscles);
   void goal();
   void integrate(std::span<const float> decay, double h);
+  Vector3d acceleration_of(std::uint32_t i, const Vector3d& gravity,
+                           std::span<const shader::Force> forces) const;
+  void begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces, const Stepping& step,
+                      double share);
+  void relax(double gain, double omega, const Stepping& step);
+  void finish_implicit(const Stepping& step);
+  double stiffest(const Stepping& step) const;
   void embed();
 
   Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
@@ -140,24 +160,30 @@ void Oracle::Impl::carry(const model::Cut& cut, double h) {
     if (!model.carried.empty()) skinned_velocities[i] = u_next;
     regions[i].R = (R * regions[i].R).normalized();
   }
+  step_before = 0.0;
 }
 
-// The forces' half of (4), with f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's
-// forces by their coefficients. What of the skeleton's acceleration the vertex does not feel moves it along.
+// f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's forces by their coefficients.
+Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
+                                       std::span<const shader::Force> forces) const {
+  Vector3d acceleration = gravity;
+  if (model.has_skeleton()) acceleration += turned_gravity[i];
+  if (model.force_count > 0) {
+    for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
+      const shader::Force& f = forces[model.force_index[k]];
+      acceleration += double(model.force_coefficient[k]) * Vector3d(f.x, f.y, f.z);
+    }
+  }
+  return acceleration;
+}
+
+// The forces' half of (4). What of the skeleton's acceleration the vertex does not feel moves it along.
 void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Force> forces, double h) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) continue;
-    Vector3d acceleration = gravity;
-    if (model.has_skeleton()) acceleration += turned_gravity[i];
     if (!model.carried.empty())
       v[i] += double(model.carried[i]) * (skinned_velocity(i, h) - skinned_velocities[i]);
-    if (model.force_count > 0) {
-      for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
-        const shader::Force& f = forces[model.force_index[k]];
-        acceleration += double(model.force_coefficient[k]) * Vector3d(f.x, f.y, f.z);
-      }
-    }
-    v[i] = velocity_with_forces(v[i], acceleration, h);
+    v[i] = velocity_with_forces(v[i], acceleration_of(i, gravity, forces), h);
   }
 }
 
@@ -222,6 +248,66 @@ void Oracle::Impl::integrate(std::span<const float> decay, double h) {
   }
 }
 
+// The implicit integrator's predict: y and where the iterations start. The velocity u that damping is
+// relative to is the skinned one at the substep's end, and what the vertex does not feel of the skeleton's
+// acceleration is an acceleration.
+void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces,
+                                  const Stepping& step, double share) {
+  history.resize(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    history[i] = {q[i], step.has_history ? q_before[i] : q[i], v[i], step.has_history ? v_before[i] : v[i]};
+    if (model.is_kinematic(i)) {
+      if (model.has_skeleton()) q[i] = skinned[i];
+      y[i] = q[i];
+      continue;
+    }
+    Vector3d f = acceleration_of(i, gravity, forces);
+    Vector3d u = skinned_velocity(i, step.h);
+    if (!model.carried.empty()) {
+      f += double(model.carried[i]) * (u - skinned_velocities[i]) / step.h;
+      if (step.has_history) u = (3.0 * u - skinned_velocities[i]) / 2.0;
+    }
+    const double d = model.layers[model.layer_of(i)].damping;
+    y[i] = predicted_position(history[i], step, f, d, u);
+    q[i] = start_of_iterations(history[i], step, f, d, u, share);
+  }
+  iterate_before = q;
+}
+
+// x <- x_prev + omega (gain (x_hat - x) + x - x_prev)
+void Oracle::Impl::relax(double gain, double omega, const Stepping& step) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    const double d = model.layers[model.layer_of(i)].damping;
+    const Vector3d x_hat = pulled_position(y[i], goals[i], model.mass[i], stiffness[i], d, step);
+    const Vector3d x = omega * (gain * (x_hat - q[i]) + q[i] - iterate_before[i]) + iterate_before[i];
+    iterate_before[i] = q[i];
+    q[i] = x;
+  }
+}
+
+// The largest a of a free vertex: how far x_hat goes with the goal.
+double Oracle::Impl::stiffest(const Stepping& step) const {
+  double largest = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const double d = model.layers[model.layer_of(i)].damping;
+    const Vector3d x_hat =
+        pulled_position(Vector3d::Zero(), Vector3d::UnitX(), model.mass[i], stiffness[i], d, step);
+    if (!model.is_kinematic(i)) largest = std::max(largest, x_hat.x());
+  }
+  return largest;
+}
+
+void Oracle::Impl::finish_implicit(const Stepping& step) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d u = skinned_velocity(i, step.h);
+    if (!model.carried.empty()) skinned_velocities[i] = u;
+    q_before[i] = history[i].q;
+    v_before[i] = v[i];
+    v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step);
+  }
+}
+
 // A render vertex rides on its four vertices by barycentric coordinates.
 void Oracle::Impl::embed() {
   surface.assign(model.surface_count(), Vector3d::Zero());
@@ -239,7 +325,7 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
       }
       return values;
     case Stage::predict:
-      return floats_of(v);
+      return floats_of(model.is_implicit() ? y : v);
     case Stage::region:
       for (const RegionPose& pose : regions) {
         const Matrix3d L = pose.R.toRotationMatrix() * pose.T + pose.V;
@@ -250,6 +336,8 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
       return values;
     case Stage::goal:
       return floats_of(goals);
+    case Stage::relax:
+      return floats_of(q);
     case Stage::integrate:
       for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
         append(values, q[i]);
@@ -264,9 +352,8 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
 
 // The rotation option names ways to approximate (9) in float; here (9) is solved, so it has no say.
 Oracle::Oracle(const model::Model& model, const model::SolverOptions& options) {
-  if (options.integrator != model::Integrator::explicit_step)
-    throw std::invalid_argument("oracle: integrator is not the explicit one");
-  impl_ = std::make_unique<Impl>(model);
+  model::check_options(model, options);
+  impl_ = std::make_unique<Impl>(model, options);
   load(model::rest_state(model));
 }
 
@@ -282,22 +369,43 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
   const Vector3d shift = vector_at(drive.origin_shift, 0);
   for (Vector3d& p : s.q) p -= shift;
   for (Vector3d& p : s.skinned) p -= shift;
+  for (Vector3d& p : s.q_before) p -= shift;
   s.origin = drive.origin;
   ++s.frame;
 
   for (std::uint32_t substep = 0; substep < drive.substeps; ++substep) {
     for (const model::Cut& cut : drive.cuts)
       if (cut.substep == substep) s.carry(cut, h);
-    const auto show = [&](Stage stage) {
-      if (probe != nullptr) probe->on_stage({s.frame, substep, stage}, s.output(stage));
+    const auto show = [&](Stage stage, std::uint32_t iteration = 0) {
+      if (probe != nullptr) probe->on_stage({s.frame, substep, stage, iteration}, s.output(stage));
     };
     if (m.has_skeleton()) {
       s.skin(drive.bones.subspan(std::size_t{substep} * m.joint_count, m.joint_count));
       show(Stage::skin);
     }
-    s.predict(gravity, drive.forces.subspan(std::size_t{substep} * m.force_count, m.force_count), h);
+    const auto forces = drive.forces.subspan(std::size_t{substep} * m.force_count, m.force_count);
+    const auto muscles = drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count);
+    if (m.is_implicit()) {
+      const Stepping step{h, s.step_before == drive.h};
+      const Chebyshev chebyshev(s.options.iterations, s.stiffest(step));
+      s.begin_implicit(gravity, forces, step, chebyshev.extrapolated());
+      show(Stage::predict);
+      for (std::uint32_t k = 0; k < s.options.iterations; ++k) {
+        s.region(muscles);
+        show(Stage::region, k);
+        s.goal();
+        show(Stage::goal, k);
+        s.relax(chebyshev.gain(k), chebyshev.omega(k), step);
+        show(Stage::relax, k);
+      }
+      s.finish_implicit(step);
+      s.step_before = drive.h;
+      show(Stage::integrate);
+      continue;
+    }
+    s.predict(gravity, forces, h);
     show(Stage::predict);
-    s.region(drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count));
+    s.region(muscles);
     show(Stage::region);
     s.goal();
     show(Stage::goal);
@@ -335,6 +443,10 @@ model::State Oracle::save() const {
   for (const RegionPose& pose : impl_->regions) append(state.rotations, pose.R);
   state.skinned = floats_of(impl_->skinned);
   state.skinned_velocities = floats_of(impl_->skinned_velocities);
+  if (impl_->step_before == 0.0) return state;
+  state.positions_before = floats_of(impl_->q_before);
+  state.velocities_before = floats_of(impl_->v_before);
+  state.step_before = impl_->step_before;
   return state;
 }
 
@@ -347,6 +459,10 @@ void Oracle::load(const model::State& state) {
   impl_->skinned = points_of(state.skinned);
   impl_->skinned_velocities = points_of(state.skinned_velocities);
   impl_->goals = impl_->q;
+  impl_->y = impl_->q;
+  impl_->q_before = state.positions_before.empty() ? impl_->q : points_of(state.positions_before);
+  impl_->v_before = state.velocities_before.empty() ? impl_->v : points_of(state.velocities_before);
+  impl_->step_before = state.step_before;
   for (std::uint32_t r = 0; r < impl_->model.vertex_count; ++r) {
     const float* c = &state.rotations[4 * std::size_t{r}];
     impl_->regions[r].R = Quaterniond(c[0], c[1], c[2], c[3]).normalized();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "cpu_reference/oracle_implicit.h"
+
 namespace fascicle::cpu_reference {
 namespace {
 
@@ -79,14 +81,23 @@ void fall_back_to_mass(const Model& model, Eigen::SparseMatrix<double>& w) {
   }
 }
 
-// w_ir <- w_ir s_i / sum_r w_ir with s_i = alpha_i m_i, m_i for kinematic vertices. Then the pulls on a
-// region's vertices sum to nothing, and a vertex with alpha_i = 0 gives and takes nothing.
+// s_i: alpha_i m_i, m_i for kinematic vertices; K_i of an implicit model.
+std::vector<double> pulls(const Model& model) {
+  if (model.is_implicit()) return vertex_stiffness(model, region_stiffness(model));
+  std::vector<double> s(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    s[i] = model.is_kinematic(i) ? model.mass[i] : double(model.alpha[i]) * model.mass[i];
+  return s;
+}
+
+// w_ir <- w_ir s_i / sum_r w_ir. Then the pulls on a region's vertices sum to nothing, and a vertex with
+// s_i = 0 gives and takes nothing.
 void scale_for_momentum(const Model& model, Eigen::SparseMatrix<double>& w) {
+  const std::vector<double> s = pulls(model);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    const double s = model.is_kinematic(i) ? model.mass[i] : double(model.alpha[i]) * model.mass[i];
     double sum = 0.0;
     for_each_region_of(model, i, [&](std::uint32_t r) { sum += w.coeff(i, r); });
-    for_each_region_of(model, i, [&](std::uint32_t r) { w.coeffRef(i, r) *= s / sum; });
+    for_each_region_of(model, i, [&](std::uint32_t r) { w.coeffRef(i, r) *= s[i] / sum; });
   }
 }
 
@@ -121,6 +132,10 @@ double fibre_weight(const Vector3d& d, double beta, const Vector3d& r_i, model::
 Weights region_weights(const Model& model) {
   Eigen::SparseMatrix<double> w = printed_weights(model);
   fall_back_to_mass(model, w);
+  if (model.is_implicit()) {
+    const std::vector<double> k = region_stiffness(model);
+    for (std::uint32_t r = 0; r < model.vertex_count; ++r) w.col(int(r)) *= k[r];
+  }
   if (model.momentum_scaled) scale_for_momentum(model, w);
   return {w, w};
 }

@@ -5,6 +5,7 @@
 #include "shaders/kernel/integrate.inc"
 #include "shaders/kernel/predict.inc"
 #include "shaders/kernel/region.inc"
+#include "shaders/kernel/relax.inc"
 #include "shaders/kernel/skin.inc"
 #include "shaders/kernel/volume.inc"
 
@@ -57,9 +58,9 @@ Vector velocity_of_skin(const Model& model, const SubstepInput& in, const Fields
                                          load_vector(fields.skinned_before, i), in.step.inverse_h);
 }
 
-Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fields& fields, std::uint32_t i) {
-  Vector velocity = load_vector(fields.velocities, i);
-  if (model.is_kinematic(i)) return velocity;
+// Gravity and the scene's forces on vertex i.
+Vector external_acceleration(const Model& model, const SubstepInput& in, const Fields& fields,
+                             std::uint32_t i) {
   Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
   if (model.has_skeleton())
     acceleration = kernel::add_gravity<float>(acceleration, load_vector(fields.gravity, i));
@@ -69,6 +70,13 @@ Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fiel
       acceleration = kernel::add_force<float>(acceleration, model.force_coefficient[k], {f.x, f.y, f.z});
     }
   }
+  return acceleration;
+}
+
+Vector predicted_velocity(const Model& model, const SubstepInput& in, const Fields& fields, std::uint32_t i) {
+  Vector velocity = load_vector(fields.velocities, i);
+  if (model.is_kinematic(i)) return velocity;
+  const Vector acceleration = external_acceleration(model, in, fields, i);
   if (!model.carried.empty())
     velocity =
         kernel::carry_velocity<float>(velocity, model.carried[i], velocity_of_skin(model, in, fields, i),
@@ -121,12 +129,74 @@ void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint3
   store_vector(fields.positions, i, kernel::integrate_position<float>(position, v, in.step.h));
 }
 
+// y, and the position from which the iterations start.
+void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  const Vector q = load_vector(fields.positions, i);
+  store_vector(fields.begun, i, q);
+  const auto start_at = [&](const Vector& start) {
+    store_vector(fields.positions, i, start);
+    store_vector(fields.iterate_before, i, start);
+  };
+  if (model.is_kinematic(i)) {
+    const Vector there = model.has_skeleton() ? load_vector(fields.skinned, i) : q;
+    start_at(there);
+    store_vector(fields.predicted, i, there);
+    return;
+  }
+  Vector acceleration = external_acceleration(model, in, fields, i);
+  Vector u = velocity_of_skin(model, in, fields, i);
+  if (!model.carried.empty()) {
+    const Vector before = load_vector(fields.skinned_velocities, i);
+    acceleration =
+        kernel::carry_acceleration<float>(acceleration, model.carried[i] * in.step.inverse_h, u, before);
+    u = kernel::with_history<float>(u, before, in.implicit.skin_history);
+  }
+  const shader::Response& answer = in.responses[i];
+  const Vector v = load_vector(fields.velocities, i), v_before = load_vector(fields.velocities_before, i);
+  const Vector v_y =
+      kernel::predict_damped<float>(kernel::with_history<float>(v, v_before, in.implicit.history),
+                                    acceleration, u, in.implicit.step, answer.kept, answer.dragged);
+  store_vector(fields.predicted, i,
+               kernel::predict_position<float>(q, load_vector(fields.positions_before, i),
+                                               in.implicit.history, v_y, in.implicit.step));
+  store_vector(fields.velocities_before, i, v);
+  store_vector(fields.velocities, i, v_y);
+  start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
+                                         in.implicit.extrapolated, answer.kept, answer.dragged));
+}
+
+void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& goal) {
+  const shader::Response& answer = in.responses[i];
+  const Vector x = load_vector(fields.positions, i);
+  store_vector(fields.positions, i,
+               kernel::relax_position<float>(x, load_vector(fields.iterate_before, i),
+                                             load_vector(fields.predicted, i), goal, answer.to_goal,
+                                             answer.to_inertia, in.implicit.gain, in.implicit.omega));
+  store_vector(fields.iterate_before, i, x);
+}
+
+// The position is there, the velocity follows, and now becomes before.
+void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  const Vector u = velocity_of_skin(model, in, fields, i);
+  if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
+  Vector v = u;
+  if (!model.is_kinematic(i))
+    v = kernel::pulled_velocity<float>(load_vector(fields.velocities, i), load_vector(fields.positions, i),
+                                       load_vector(fields.predicted, i), load_vector(fields.goals, i),
+                                       in.responses[i].to_goal, in.implicit.inverse_step);
+  store_vector(fields.velocities, i, v);
+  store_vector(fields.positions_before, i, load_vector(fields.begun, i));
+}
+
 }  // namespace
 
 void rebase(const SubstepInput& in, Fields& fields, Range range) {
   const Vector shift{in.step.shift_x, in.step.shift_y, in.step.shift_z};
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     store_vector(fields.positions, i, kernel::rebase<float>(load_vector(fields.positions, i), shift));
+    if (!fields.positions_before.empty())
+      store_vector(fields.positions_before, i,
+                   kernel::rebase<float>(load_vector(fields.positions_before, i), shift));
     if (!fields.skinned.empty())
       store_vector(fields.skinned, i, kernel::rebase<float>(load_vector(fields.skinned, i), shift));
   }
@@ -154,8 +224,12 @@ void skin(const Model& model, const SubstepInput& in, Fields& fields, Range rang
 }
 
 void predict(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  for (std::uint32_t i = range.first; i < range.last; ++i)
-    store_vector(fields.predicted, i, predicted_velocity(model, in, fields, i));
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    if (model.is_implicit())
+      begin_implicit(model, in, fields, i);
+    else
+      store_vector(fields.predicted, i, predicted_velocity(model, in, fields, i));
+  }
 }
 
 void region(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
@@ -209,8 +283,26 @@ void goal(const Model& model, const SubstepInput&, Fields& fields, Range range) 
 }
 
 void integrate(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    if (model.is_implicit())
+      finish_implicit(model, in, fields, i);
+    else
+      move(model, in, fields, i, load_vector(fields.predicted, i), load_vector(fields.goals, i));
+  }
+}
+
+void relax(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   for (std::uint32_t i = range.first; i < range.last; ++i)
-    move(model, in, fields, i, load_vector(fields.predicted, i), load_vector(fields.goals, i));
+    if (!model.is_kinematic(i)) relax_free(in, fields, i, load_vector(fields.goals, i));
+}
+
+void iterate(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    if (model.is_kinematic(i)) continue;
+    const Vector g = blended_goal(model, fields, i);
+    store_vector(fields.goals, i, g);
+    relax_free(in, fields, i, g);
+  }
 }
 
 void update(const Model& model, const SubstepInput& in, Fields& fields, Range range) {

@@ -34,9 +34,9 @@ void FrameRecorder::submit(VkFence fence) {
 }
 
 void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep,
-                             std::uint32_t items) {
+                             std::uint32_t items, const shader::ImplicitStep& implicit) {
   const std::uint32_t slices = items / shader::slice_width + (items % shader::slice_width != 0 ? 1 : 0);
-  shader::Push push{substep, 0};
+  shader::Push push{substep, 0, implicit};
   while (push.first_slice < slices) {
     if (recorded_ >= allowed_slices_) submit(VK_NULL_HANDLE);
     const std::uint64_t room = std::min(allowed_slices_ - recorded_, allowed_groups_);

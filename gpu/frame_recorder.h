@@ -30,7 +30,8 @@ class FrameRecorder {
                 const RecorderOptions& options);
 
   // One invocation an item. What was recorded before is done before it, what comes later sees it.
-  void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items);
+  void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items,
+                const shader::ImplicitStep& implicit = {});
 
   void upload_drive();
   // `swapped`: of the frame's last dispatch.

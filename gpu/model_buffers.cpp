@@ -32,6 +32,7 @@ std::vector<shader::VertexRecord> vertex_records(const Model& model) {
 std::vector<PlannedBuffer> plan_buffers(const Model& model) {
   const std::uint64_t n = model.vertex_count, m = model.surface_count();
   const std::uint64_t skinned = model.has_skeleton() ? n : 0;
+  const std::uint64_t implicit = model.is_implicit() ? n : 0;
   const std::uint64_t entries = sliced_entry_count(model);
   const auto words = [](const auto& v) { return std::uint64_t{4} * v.size(); };
   return {
@@ -65,6 +66,12 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_force_coefficient, "force coefficient", words(model.force_coefficient)},
       {shader::buffer_surface_vertex, "surface vertex", words(model.surface_vertex)},
       {shader::buffer_surface_weight, "surface weight", words(model.surface_weight)},
+      {shader::buffer_position_before, "position before", 16 * implicit},
+      {shader::buffer_velocity_before, "velocity before", 16 * implicit},
+      {shader::buffer_begun, "begun", 16 * implicit},
+      {shader::buffer_predicted, "predicted", 16 * implicit},
+      {shader::buffer_iterate_before, "iterate before", 16 * implicit},
+      {shader::buffer_response, "response", 2 * sizeof(shader::Response) * implicit},
   };
 }
 

@@ -20,10 +20,14 @@ spirv_exact::Module module_of(StageKernel kernel) {
       return shader::region_module();
     case StageKernel::goal:
       return shader::goal_module();
+    case StageKernel::relax:
+      return shader::relax_module();
     case StageKernel::integrate:
       return shader::integrate_module();
     case StageKernel::update:
       return shader::update_module();
+    case StageKernel::iterate:
+      return shader::iterate_module();
     case StageKernel::embed:
       return shader::embed_module();
   }
@@ -33,8 +37,8 @@ spirv_exact::Module module_of(StageKernel kernel) {
 }  // namespace
 
 const char* name_of(StageKernel kernel) {
-  constexpr std::array<const char*, stage_kernel_count> names{"rebase", "skin",      "predict", "region",
-                                                              "goal",   "integrate", "update",  "embed"};
+  constexpr std::array<const char*, stage_kernel_count> names{
+      "rebase", "skin", "predict", "region", "goal", "relax", "integrate", "update", "iterate", "embed"};
   return names[static_cast<std::uint32_t>(kernel)];
 }
 
@@ -48,6 +52,7 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   constants[shader::constant_forces] = model.force_count > 0 ? 1 : 0;
   constants[shader::constant_carried] = model.carried.empty() ? 0 : 1;
   constants[shader::constant_volume] = model.region_volume.empty() ? 0 : 1;
+  constants[shader::constant_implicit] = model.is_implicit() ? 1 : 0;
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
     if (alter)

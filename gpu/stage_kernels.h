@@ -10,8 +10,19 @@
 
 namespace fascicle::gpu {
 
-enum class StageKernel : std::uint32_t { rebase, skin, predict, region, goal, integrate, update, embed };
-inline constexpr std::uint32_t stage_kernel_count = 8;
+enum class StageKernel : std::uint32_t {
+  rebase,
+  skin,
+  predict,
+  region,
+  goal,
+  relax,
+  integrate,
+  update,
+  iterate,
+  embed
+};
+inline constexpr std::uint32_t stage_kernel_count = 10;
 
 const char* name_of(StageKernel kernel);
 

@@ -10,6 +10,7 @@
 #include "gpu/experiments.h"
 #include "gpu/frame_recorder.h"
 #include "gpu/frame_slot.h"
+#include "host/model/implicit.h"
 
 namespace fascicle::gpu {
 namespace {
@@ -23,7 +24,8 @@ using model::Stage;
 using model::State;
 
 // Refuses a model that will not fit before anything is made.
-const Model& checked(const Device::Impl& device, const Model& model) {
+const Model& checked(const Device::Impl& device, const Model& model, const model::SolverOptions& options) {
+  check_options(model, options);
   check_plan(plan_buffers(model), most_frames_in_flight * readback_bytes(device, model), device.info());
   return model;
 }
@@ -39,7 +41,7 @@ class VulkanSolver : public model::Solver {
   VulkanSolver(Device& device, const Model& model, const model::SolverOptions& options,
                const Experiments& experiments)
       : device_(device.impl()),
-        model_(checked(device_, model)),
+        model_(checked(device_, model, options)),
         recorder_options_(recorder_options(experiments)),
         on_new_slot_(experiments.on_new_slot),
         kernels_(
@@ -47,7 +49,8 @@ class VulkanSolver : public model::Solver {
             experiments.leave_out_float_controls ? spirv_exact::FloatControls{} : device_.float_controls(),
             experiments.alter_module),
         buffers_(device_, model),
-        pace_(device.info().software) {
+        pace_(device.info().software),
+        options_(options) {
     VulkanSolver::load(model::rest_state(model));
     warm_up();
   }
@@ -66,6 +69,7 @@ class VulkanSolver : public model::Solver {
     if (pending_.size() == most_frames_in_flight) finish_oldest();
     // Cuts are carried on the host.
     while (!drive.cuts.empty() && !pending_.empty()) finish_oldest();
+    if (model_.is_implicit() && (step_before_ != drive.h || tables_.h != drive.h)) take_step(drive.h);
     FrameSlot& slot = free_slot();
     what.skinned = what.skinned && model_.has_skeleton();
     slot.prepare(drive, what, model_.vertex_count, model_.surface_count());
@@ -82,7 +86,7 @@ class VulkanSolver : public model::Solver {
           recorder.wait();
           set_history(model::carried(model_, save(), drive.h, cut));
         }
-      record_substep(recorder, substep, {slot.index, s, Stage::skin}, probe);
+      record_substep(recorder, substep, drive.h, {.frame = slot.index, .substep = s}, probe);
       substep.first_bone += model_.joint_count;
       substep.first_muscle += model_.muscle_count;
       substep.first_force += model_.force_count;
@@ -122,6 +126,10 @@ class VulkanSolver : public model::Solver {
     state.rotations = read(shader::buffer_rotation, 4 * std::size_t{model_.vertex_count});
     if (model_.has_skeleton()) state.skinned = read_triples(skinned_buffer());
     if (!model_.carried.empty()) state.skinned_velocities = read_triples(shader::buffer_skinned_velocity);
+    if (step_before_ == 0.0) return state;
+    state.positions_before = read_triples(shader::buffer_position_before);
+    state.velocities_before = read_triples(shader::buffer_velocity_before);
+    state.step_before = step_before_;
     return state;
   }
 
@@ -143,6 +151,28 @@ class VulkanSolver : public model::Solver {
     write(shader::buffer_rotation, state.rotations);
     if (model_.has_skeleton()) write(skinned_buffer(), widened(state.skinned));
     if (!model_.carried.empty()) write(shader::buffer_skinned_velocity, widened(state.skinned_velocities));
+    step_before_ = state.step_before;
+    if (!model_.is_implicit()) return;
+    // Without a substep before, what it takes for that is where the body is.
+    const bool has_before = !state.positions_before.empty();
+    write(shader::buffer_position_before, widened(has_before ? state.positions_before : state.positions));
+    write(shader::buffer_velocity_before, widened(has_before ? state.velocities_before : state.velocities));
+  }
+
+  // Makes the implicit integrator ready for substeps of h seconds; those before, of another length, are no
+  // history.
+  void take_step(double h) {
+    while (!pending_.empty()) finish_oldest();
+    if (step_before_ != h && step_before_ != 0.0) {
+      State state = save();
+      state.positions_before.clear();
+      state.velocities_before.clear();
+      state.step_before = 0.0;
+      set_history(state);
+    }
+    if (tables_.h == h) return;
+    tables_ = model::implicit_tables(model_, options_, h);
+    write_buffer(device_, buffers_[shader::buffer_response], std::as_bytes(std::span(tables_.responses)));
   }
 
   // Waits for the frame longest under way and keeps it for collect().
@@ -162,6 +192,8 @@ class VulkanSolver : public model::Solver {
     FrameSlot& slot = free_slot();
     slot.prepare(drive, {}, 0, 0);
     std::vector<StageKernel> used{StageKernel::region, StageKernel::update};
+    if (model_.is_implicit())
+      used = {StageKernel::predict, StageKernel::region, StageKernel::iterate, StageKernel::integrate};
     if (model_.has_skeleton()) used.push_back(StageKernel::skin);
     if (model_.surface_count() > 0) used.push_back(StageKernel::embed);
     for (const StageKernel kernel : used) {
@@ -172,26 +204,53 @@ class VulkanSolver : public model::Solver {
     }
   }
 
-  void record_substep(FrameRecorder& recorder, const shader::Substep& substep, model::Where where,
+  void record_substep(FrameRecorder& recorder, const shader::Substep& substep, double h, model::Where where,
                       Probe* probe) {
+    shader::ImplicitStep implicit{};
     const auto run = [&](StageKernel kernel) {
-      recorder.dispatch(kernel, swapped_, substep, model_.vertex_count);
+      recorder.dispatch(kernel, swapped_, substep, model_.vertex_count, implicit);
     };
     if (model_.has_skeleton()) {
       swapped_ = !swapped_;
       run(StageKernel::skin);
+    }
+    const auto show = [&](Stage stage) {
+      if (!probe) return;
+      recorder.wait();
+      where.stage = stage;
+      probe->on_stage(where, shown(stage));
+    };
+    if (model_.has_skeleton()) show(Stage::skin);
+    if (model_.is_implicit()) {
+      implicit = model::implicit_step(model_, tables_, step_before_ == h);
+      const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
+      run(StageKernel::predict);
+      show(Stage::predict);
+      for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
+        implicit.omega = relaxations[where.iteration].omega;
+        implicit.gain = relaxations[where.iteration].gain;
+        run(StageKernel::region);
+        show(Stage::region);
+        if (!probe) {
+          run(StageKernel::iterate);
+          continue;
+        }
+        run(StageKernel::goal);
+        show(Stage::goal);
+        run(StageKernel::relax);
+        show(Stage::relax);
+      }
+      where.iteration = 0;
+      run(StageKernel::integrate);
+      show(Stage::integrate);
+      step_before_ = h;
+      return;
     }
     if (!probe) {
       run(StageKernel::region);
       run(StageKernel::update);
       return;
     }
-    const auto show = [&](Stage stage) {
-      recorder.wait();
-      where.stage = stage;
-      probe->on_stage(where, shown(stage));
-    };
-    if (model_.has_skeleton()) show(Stage::skin);
     run(StageKernel::predict);
     show(Stage::predict);
     run(StageKernel::region);
@@ -219,7 +278,9 @@ class VulkanSolver : public model::Solver {
                                  read_triples(shader::buffer_velocity), 3);
     if (stage == Stage::skin)
       return model::side_by_side(read_triples(skinned_buffer()), 3, read_triples(shader::buffer_gravity), 3);
-    return read_triples(stage == Stage::predict ? shader::buffer_velocity : shader::buffer_goal);
+    if (stage == Stage::relax) return read_triples(shader::buffer_position);
+    if (stage == Stage::goal) return read_triples(shader::buffer_goal);
+    return read_triples(model_.is_implicit() ? shader::buffer_predicted : shader::buffer_velocity);
   }
 
   std::uint32_t skinned_buffer() const {
@@ -258,6 +319,9 @@ class VulkanSolver : public model::Solver {
   StageKernels kernels_;
   ModelBuffers buffers_;
   SubmissionPace pace_;
+  model::SolverOptions options_;
+  model::ImplicitTables tables_;  // implicit: what the device has for its step length
+  double step_before_ = 0.0;      // s: of the last substep; 0 where it is no history
   std::vector<std::unique_ptr<FrameSlot>> slots_;
   std::vector<FrameSlot*> free_;
   std::deque<FrameSlot*> pending_;  // at most most_frames_in_flight

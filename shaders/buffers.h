@@ -56,7 +56,15 @@ BUFFERS_CONSTANT uint buffer_decay = 30u;
 BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
-BUFFERS_CONSTANT uint buffer_count = 35u;
+// An implicit model's, beside those of State. One vec4 a vertex.
+BUFFERS_CONSTANT uint buffer_position_before = 35u;  // a substep before
+BUFFERS_CONSTANT uint buffer_velocity_before = 36u;
+BUFFERS_CONSTANT uint buffer_begun = 37u;           // where the substep began
+BUFFERS_CONSTANT uint buffer_predicted = 38u;       // y
+BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the last iteration but one
+BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, of backward Euler, then of BDF2
+
+BUFFERS_CONSTANT uint buffer_count = 41u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
@@ -64,7 +72,8 @@ BUFFERS_CONSTANT uint constant_muscles = 1u;   // the model has muscles
 BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces beside gravity
 BUFFERS_CONSTANT uint constant_carried = 3u;   // some vertices do not feel all of the skeleton's acceleration
 BUFFERS_CONSTANT uint constant_volume = 4u;    // some regions have a volume term
-BUFFERS_CONSTANT uint constant_count = 5u;
+BUFFERS_CONSTANT uint constant_implicit = 5u;  // the model is an implicit one
+BUFFERS_CONSTANT uint constant_count = 6u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;
@@ -84,6 +93,7 @@ struct VertexRecord {
 struct Push {
   Substep substep;
   uint first_slice;
+  ImplicitStep implicit;
 };
 
 #ifdef __cplusplus

@@ -6,7 +6,9 @@
 void main() {
   uint i = item_index();
   if (i >= push.substep.vertex_count) return;
-  if (is_kinematic(i))
+  if (with_implicit)
+    finish_implicit(i);
+  else if (is_kinematic(i))
     move_kinematic(i);
   else
     move_free(i, vector_of(velocity[i]), vector_of(goal[i]));

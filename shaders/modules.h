@@ -11,8 +11,10 @@ std::span<const std::uint32_t> skin_module();
 std::span<const std::uint32_t> predict_module();
 std::span<const std::uint32_t> region_module();
 std::span<const std::uint32_t> goal_module();
+std::span<const std::uint32_t> relax_module();
 std::span<const std::uint32_t> integrate_module();
 std::span<const std::uint32_t> update_module();
+std::span<const std::uint32_t> iterate_module();
 std::span<const std::uint32_t> embed_module();
 std::span<const std::uint32_t> self_test_module();
 

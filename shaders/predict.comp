@@ -6,5 +6,7 @@
 void main() {
   uint i = item_index();
   if (i >= push.substep.vertex_count) return;
-  if (!is_kinematic(i)) velocity[i] = record_of(predicted_velocity(i));
+  if (with_implicit)
+    begin_implicit(i);
+  else if (!is_kinematic(i)) velocity[i] = record_of(predicted_velocity(i));
 }

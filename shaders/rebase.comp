@@ -12,5 +12,6 @@ void main() {
   shift.y = push.substep.shift_y;
   shift.z = push.substep.shift_z;
   position[i] = record_of(rebase(vector_of(position[i]), shift));
+  if (with_implicit) position_before[i] = record_of(rebase(vector_of(position_before[i]), shift));
   if (has_skeleton()) skinned[i] = record_of(rebase(vector_of(skinned[i]), shift));
 }

@@ -71,6 +71,27 @@ struct Substep {
   uint first_force;   // index of this substep's first Force
 };
 
+// What an implicit substep needs beside. With history (BDF2) H = 2h/3, without (backward Euler, the first
+// step) H = h and the shares of history are 0.
+struct ImplicitStep {
+  float step;           // H
+  float history;        // 1/3: what the change from the substep before counts in (4 q - q_prev)/3
+  float skin_history;   // 1/2: the same in the skinned velocity at the substep's end
+  float inverse_step;   // 1/H
+  float extrapolated;   // the share of the last acceleration with which the iterations start
+  float omega;          // this iteration's over-relaxation
+  float gain;           // what x_hat - x is multiplied by
+  uint first_response;  // index of vertex 0's Response
+};
+
+// How a vertex answers in an implicit substep, with d its damping and K its stiffness.
+struct Response {
+  float to_goal;     // a = K H^2 / (m (1 + d H) + K H^2)
+  float to_inertia;  // 1 - a: a float a rounds to 1 when stiff
+  float kept;        // 1 / (1 + d H): what damping leaves of the velocity
+  float dragged;     // d H / (1 + d H): the share of the skeleton's
+};
+
 // Vertices per slice of the sliced one-ring lists on the GPU, and invocations per workgroup. No result
 // depends on it.
 SHARED_CONSTANT uint slice_width = 32u;

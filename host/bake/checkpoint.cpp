@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view magic = "FASCCKPT";
-constexpr std::uint32_t version = 2;
+constexpr std::uint32_t version = 3;
 
 void append_floats(std::string& out, const std::vector<float>& values) {
   append_bytes(out, std::uint64_t{values.size()});
@@ -73,6 +73,9 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   append_floats(bytes, state.rotations);
   append_floats(bytes, state.skinned);
   append_floats(bytes, state.skinned_velocities);
+  append_floats(bytes, state.positions_before);
+  append_floats(bytes, state.velocities_before);
+  append_bytes(bytes, state.step_before);
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
   append_bytes(bytes, checksum);
   write_whole(path, bytes);
@@ -105,6 +108,9 @@ std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
   state.rotations = parser.floats();
   state.skinned = parser.floats();
   state.skinned_velocities = parser.floats();
+  state.positions_before = parser.floats();
+  state.velocities_before = parser.floats();
+  state.step_before = parser.value<double>();
   return checkpoint;
 }
 
@@ -119,9 +125,10 @@ bool is_checkpoint(const fs::path& path) {
 }
 
 std::uint64_t checkpoint_bytes(const model::Model& model) {
-  // Positions, velocities, rotations, the skinned positions that only a skeleton has, and the skinned
-  // velocities where some vertex is carried; the rest is the identity.
-  const std::uint64_t floats = model.has_skeleton() ? 13 : 10;
+  // Positions, velocities, rotations, the skinned positions that only a skeleton has, what an implicit run
+  // keeps of the substep before, and the skinned velocities where some vertex is carried; the rest is the
+  // identity.
+  const std::uint64_t floats = (model.has_skeleton() ? 13u : 10u) + (model.is_implicit() ? 6u : 0u);
   return (floats * model.vertex_count + 3 * model.carried.size()) * sizeof(float) + 1024;
 }
 

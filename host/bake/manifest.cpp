@@ -32,7 +32,11 @@ Json json_of(const model::Model& model, std::uint64_t hash) {
   }
   Json layers = Json::array();
   for (std::size_t k = 0; k < model.layers.size(); ++k)
-    layers.push_back({{"name", model.layers[k].name}, {"vertices", vertices[k]}, {"mass", mass[k]}});
+    layers.push_back({{"name", model.layers[k].name},
+                      {"vertices", vertices[k]},
+                      {"mass", mass[k]},
+                      {"damping", model.layers[k].damping},
+                      {"frequency", model.layers[k].frequency}});
   Json probes = Json::object();
   for (const model::ProbeSet& probe : model.probes) probes[probe.name] = probe.vertices.size();
   return {{"hash", hash_text(hash)},

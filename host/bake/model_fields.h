@@ -21,6 +21,8 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit("rest", model.rest);
   visit("mass", model.mass);
   visit("alpha", model.alpha);
+  visit("youngs_modulus", model.youngs_modulus);
+  visit("stiffness", model.stiffness);
   visit("beta", model.beta);
   visit("fibre", model.fibre);
   visit("tag", model.tag);
@@ -30,6 +32,7 @@ void visit_fields(ModelType& model, Visitor& visit) {
     visit("layer.damping", layer.damping);
     visit("layer.density", layer.density);
     visit("layer.kinematic", layer.kinematic);
+    visit("layer.frequency", layer.frequency);
   }
   visit("ring_offset", model.ring_offset);
   visit("ring", model.ring);

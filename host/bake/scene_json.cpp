@@ -92,13 +92,21 @@ struct GeometryJson {
   }
 };
 
+Json number_or_null(const std::optional<double>& number) {
+  return number ? Json(*number) : Json(nullptr);
+}
+
 Json json_of_layer(const scene::Layer& layer) {
   Json object{{"name", layer.name},
               {"alpha", layer.alpha},
               {"alpha_outer", layer.alpha_outer ? Json(*layer.alpha_outer) : Json(nullptr)},
               {"alpha_attribute", layer.alpha_attribute},
+              {"youngs_modulus", number_or_null(layer.youngs_modulus)},
+              {"frequency", number_or_null(layer.frequency)},
+              {"material", layer.material},
               {"beta", layer.beta},
               {"damping", layer.damping},
+              {"damping_ratio", number_or_null(layer.damping_ratio)},
               {"density", layer.density},
               {"fibre", layer.fibre ? json_of(*layer.fibre) : Json(nullptr)},
               {"fibre_field", layer.fibre_field},
@@ -219,7 +227,9 @@ Json json_of(const scene::Scene& scene) {
            {{"integrator", scene.solver.integrator},
             {"rotation", scene.solver.rotation},
             {"weights", scene.solver.weights},
-            {"substeps", scene.solver.substeps}}},
+            {"substeps", scene.solver.substeps},
+            {"auto_substeps", scene.solver.auto_substeps},
+            {"iterations", scene.solver.iterations}}},
           {"geometry", std::visit(GeometryJson{}, scene.geometry)},
           {"scale", scene.scale},
           {"resolution", scene.resolution ? Json(*scene.resolution) : Json(nullptr)},

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,9 @@ struct FibreReport {
 struct LayerShare {
   std::string name;
   std::uint32_t vertices = 0;
-  double volume = 0.0;  // m^3, lumped like the mass
-  double mass = 0.0;    // kg
+  double volume = 0.0;                        // m^3, lumped like the mass
+  double mass = 0.0;                          // kg
+  std::optional<double> youngs_modulus = {};  // Pa, of an implicit scene's layer that has one
 };
 
 // How often something is found on a surface, and the vertices of the first places.

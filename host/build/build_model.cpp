@@ -18,6 +18,7 @@
 #include "host/build/one_ring.h"
 #include "host/build/order.h"
 #include "host/build/shares.h"
+#include "host/build/stiffness.h"
 #include "host/build/volume.h"
 #include "host/build/weights.h"
 #include "host/build/where.h"
@@ -72,7 +73,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
                   std::vector<float> fibre, Model& model, Report& report) {
   for (const scene::Layer& layer : scene.layers) {
     model.layers.push_back({layer.name, layer.damping, layer.density, layer.kinematic});
-    report.layers.push_back({layer.name, 0, 0.0, 0.0});
+    report.layers.push_back({layer.name, 0, 0.0, 0.0, {}});
   }
   std::vector<float> carried;
   model.fibre = std::move(fibre);
@@ -96,7 +97,9 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     report.pinned_vertices += kinematic ? 1u : 0u;
   }
   const bool some = std::any_of(carried.begin(), carried.end(), [](float share) { return share != 0.0f; });
-  if (some && std::holds_alternative<scene::Character>(scene.geometry)) model.carried = std::move(carried);
+  const bool keeps_motion = some || scene.solver.integrator == "implicit";
+  if (keeps_motion && std::holds_alternative<scene::Character>(scene.geometry))
+    model.carried = std::move(carried);
 }
 
 void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& model, Report& report) {
@@ -111,12 +114,21 @@ void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& mode
        regions);
 }
 
-void write_weights(OneRings rings, Model& model, Report& report) {
+void write_weights(const scene::Scene& scene, const Layering& layering, const std::vector<double>& volume,
+                   OneRings rings, Model& model, Report& report) {
   const RestState state{model.rest, model.mass, model.fibre, model.beta};
-  const RegionWeights weights = region_weights(rings, state, model.weight_form);
+  RegionWeights weights = region_weights(rings, state, model.weight_form);
   std::vector<float> stiffness = model.alpha;
   for (std::uint32_t i = 0; i < stiffness.size(); ++i)
     if (model.is_kinematic(i)) stiffness[i] = 1.0f;
+  if (scene.solver.integrator == "implicit") {
+    if (!model.momentum_scaled)
+      fail(scene.source,
+           "solver.weights: the implicit integrator needs momentum-scaled weights; say \"symmetric\"");
+    make_elastic(scene, layering, rings, state, volume, weights, model, report);
+    for (std::uint32_t i = 0; i < stiffness.size(); ++i)
+      stiffness[i] = static_cast<float>(model.stiffness[i]);
+  }
   Shares shares = make_shares(rings, state, weights, stiffness, model.momentum_scaled);
 
   report.region_fallbacks = weights.region_fallbacks;
@@ -241,7 +253,7 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
   warn_of_parts(rings, model, report);
-  write_weights(std::move(rings), model, report);
+  write_weights(scene, layering, volume, std::move(rings), model, report);
   std::vector<double> volume_terms;
   for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
   write_volume(volume_terms, model);

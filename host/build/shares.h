@@ -23,10 +23,10 @@ struct Shares {
   std::vector<std::uint32_t> still_regions;
 };
 
-// `stiffness` is alpha_i, 1 where kinematic. With `momentum_scaled` the pull is stiffness x mass, which makes
-// the goals' sum conserve momentum; else sum_r w_ir, the paper as printed. Shares are rounded to multiples of
-// 2^-16; a vertex's shares in the regions of its one-ring sum to at most 1 and the rest is its share in its
-// own.
+// `stiffness` is alpha_i, 1 where kinematic; of an implicit model K_i / m_i, with k_r in the weights. With
+// `momentum_scaled` the pull is stiffness x mass, which makes the goals' sum conserve momentum; else sum_r
+// w_ir, the paper as printed. Shares are rounded to multiples of 2^-16; a vertex's shares in the regions of
+// its one-ring sum to at most 1 and the rest is its share in its own.
 Shares make_shares(const OneRings& rings, const RestState& state, const RegionWeights& weights,
                    std::span<const float> stiffness, bool momentum_scaled);
 

@@ -59,7 +59,8 @@ void write_volume(const std::vector<double>& volume, Model& model) {
   bool some = false;
   for (std::uint32_t r = 0; r < n; ++r) {
     regions[3 * r + 1] = 1.0f;
-    const double gain = volume_gain(volume[model.layer_of(r)], largest_alpha(model, r));
+    const double gain = volume_gain(volume[model.layer_of(r)], largest_alpha(model, r),
+                                    model.is_implicit() ? implicit_limit : explicit_limit);
     if (!(gain > 0.0) || !(model.region_rest[4 * std::size_t{r} + 3] > 0.0f)) continue;
     const Vector3d sizes =
         Eigen::SelfAdjointEigenSolver<Matrix3d>(rest_moment(model, r), Eigen::EigenvaluesOnly).eigenvalues();

@@ -10,7 +10,7 @@ namespace fascicle::build {
 
 // Largest stiffness that a step may meet. The explicit step is stable below 4; this leaves room for large
 // deformations. The fixed point of an implicit step converges below 2, where alpha comes near 1.
-inline constexpr double explicit_limit = 2.5;
+inline constexpr double explicit_limit = 2.5, implicit_limit = 1.75;
 
 // G of a region whose stiffest vertex has `alpha`, for the layer's `volume` in [0, 1]. The stiffest mode
 // grows from alpha to about alpha (1 + G/2), so that volume 1 is what `limit` leaves room for; at most 8,

@@ -157,7 +157,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
   }
   const DeviceRequest request = parse_device(arguments.device);
-  const scene::Scene scene = load(arguments.scene);
+  scene::Scene scene = load(arguments.scene);
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
   // Before the work of building, not after it.
   if (!arguments.dry_run && !arguments.overwrite && !arguments.resume && bake::holds_bake(arguments.folder))

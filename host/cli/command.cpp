@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/build/cache.h"
+#include "host/build/stiffness.h"
 #include "host/cli/text.h"
 #include "host/scene/scene_table.h"
 
@@ -120,11 +121,12 @@ scene::Scene load(const SceneArguments& arguments) {
   }
 }
 
-Built build(const scene::Scene& scene, Log& log, bool no_cache) {
+Built build(scene::Scene& scene, Log& log, bool no_cache) {
   Built built;
   build::BuildOptions options;
   if (!no_cache) options.cache = build::default_cache_folder();
   built.model = build::build_model(scene, built.report, options);
+  build::choose_steps(scene, built.model, built.report);
   if (built.report.body_from_cache) log.detail("the filled body came from " + options.cache.string());
   log.detail("model: " + count_text(built.report.vertices) + " vertices, " +
              count_text(built.report.tetrahedra) + " tetrahedra, built in " +
@@ -138,9 +140,12 @@ void log_warnings(const build::Report& report, Log& log) {
 
 model::SolverOptions solver_options(const scene::Scene& scene) {
   model::SolverOptions options;
-  if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
+  if (scene.solver.integrator == model::name_of(model::Integrator::implicit_step))
+    options.integrator = model::Integrator::implicit_step;
+  else if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
     throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
-                            "\"; use \"explicit\"");
+                            "\"; use \"explicit\" or \"implicit\"");
+  options.iterations = scene.solver.iterations;
   for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
     if (scene.solver.rotation == model::name_of(rotation)) {
       options.rotation = rotation;

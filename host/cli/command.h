@@ -58,7 +58,8 @@ struct Built {
   model::Model model;
   build::Report report;
 };
-Built build(const scene::Scene& scene, Log& log, bool no_cache = false);
+// Sets the scene's substeps where it says "auto".
+Built build(scene::Scene& scene, Log& log, bool no_cache = false);
 
 // The build's warnings, for commands whose result does not hold them.
 void log_warnings(const build::Report& report, Log& log);

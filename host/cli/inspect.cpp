@@ -282,7 +282,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
 }
 
 ExitCode inspect(const InspectArguments& arguments, Log& log) {
-  const scene::Scene scene = load(arguments.scene);
+  scene::Scene scene = load(arguments.scene);
   const Built built = build(scene, log, arguments.scene.no_cache);
   if (!arguments.model_file.empty()) write_model_vtu(arguments.model_file, built.model);
   if (arguments.json) {

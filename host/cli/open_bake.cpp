@@ -6,6 +6,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/model_file.h"
+#include "host/build/stiffness.h"
 #include "host/model/solver.h"
 #include "host/scene/scene_file.h"
 
@@ -63,6 +64,8 @@ const scene::Scene& OpenBake::scene() {
     throw scene::SceneError(folder_.string() + ": the bake's scene is needed again, and: " + error.what() +
                             "; start fascicle from the folder where the bake was started");
   }
+  build::Report report;
+  build::choose_steps(*scene_, model_, report);
   // The scene's own text is in the manifest; what it names may have changed.
   const std::map<std::string, std::string> before(manifest_.input_hashes.begin(),
                                                   manifest_.input_hashes.end());

@@ -51,7 +51,7 @@ class Frames {
     if (fs::is_directory(arguments.input.name)) {
       bake_.emplace(arguments.input.name);
     } else {
-      const scene::Scene scene = load_named(arguments.input);
+      scene::Scene scene = load_named(arguments.input);
       Built built = build(scene, log);
       log_warnings(built.report, log);
       built_ = std::move(built.model);

@@ -182,7 +182,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   if (requests.size() < 2 && !arguments.oracle)
     throw UsageError("--devices " + arguments.devices +
                      " with --no-oracle leaves nothing to compare; name two devices");
-  const scene::Scene scene = load(arguments.scene);
+  scene::Scene scene = load(arguments.scene);
   const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   std::vector<ChosenDevice> devices;

@@ -11,8 +11,8 @@ namespace fascicle::model {
 const char* name_of(WeightForm form) {
   return form == WeightForm::symmetric ? "symmetric" : "kaneda2017";
 }
-const char* name_of(Integrator) {
-  return "explicit";
+const char* name_of(Integrator integrator) {
+  return integrator == Integrator::explicit_step ? "explicit" : "implicit";
 }
 const char* name_of(Rotation rotation) {
   return rotation == Rotation::qcp ? "qcp" : "mueller2016";
@@ -96,6 +96,20 @@ void check_one_rings(const Model& m) {
     if (given > 1.0)
       broken("share_given", m.ring_offset[i], "the shares of vertex " + std::to_string(i) + " exceed 1");
   }
+}
+
+void check_stiffness(const Model& m) {
+  const auto check = [&](const char* array, const std::vector<double>& values) {
+    if (values.size() != (m.stiffness.empty() ? 0 : m.vertex_count))
+      broken(array, values.size(), "must have an entry a vertex, and stiffness too, or neither");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!(values[i] > 0.0) || !std::isfinite(values[i])) broken(array, i, "is not positive");
+  };
+  check("youngs_modulus", m.youngs_modulus);
+  check("stiffness", m.stiffness);
+  if (!m.is_implicit()) return;
+  if (!m.momentum_scaled) broken("stiffness", 0, "the implicit integrator needs momentum-scaled weights");
+  if (m.has_skeleton()) check_size("carried", m.carried, m.vertex_count);
 }
 
 void check_muscles(const Model& m) {
@@ -201,6 +215,7 @@ void check_model(const Model& m) {
   check_factors("pull", m.pull, 3.0e38f);
   check_size("region_rest", m.region_rest, 4 * n);
   check_finite("region_rest", m.region_rest);
+  check_stiffness(m);
   check_muscles(m);
   check_volume(m);
   check_skin(m);
@@ -227,8 +242,9 @@ std::uint64_t solver_bytes(const Model& m) {
       bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.region_volume) + bytes(m.skin_offset) +
       bytes(m.skin_joint) + bytes(m.skin_weight) + bytes(m.carried) + bytes(m.force_offset) +
       bytes(m.force_index) + bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
-  const std::uint64_t floats_of_state =
-      3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) + (m.carried.empty() ? 0 : 3);
+  const std::uint64_t floats_of_state = 3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) +
+                                        (m.carried.empty() ? 0 : 3) +
+                                        (m.is_implicit() ? 3 + 3 + 3 + 3 + 8 : 0);
   return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);
 }
 

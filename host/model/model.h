@@ -25,6 +25,7 @@ struct Layer {
   double damping = 0.0;  // 1/s
   double density = 0.0;  // kg/m^3
   bool kinematic = false;
+  double frequency = 0.0;  // Hz: its lowest mode, everything else held still; 0 where nobody asked for it
 };
 
 // A named vertex set whose mean position is reported for each frame.
@@ -34,7 +35,9 @@ struct ProbeSet {
 };
 
 enum class WeightForm { symmetric, kaneda2017 };
-enum class Integrator { explicit_step };
+// explicit_step: the paper's (4)(5), in which stiffness is alpha a substep. implicit_step: the fixed point
+// q = y + a (g(q) - y), in which stiffness is Young's modulus (method, "Time step").
+enum class Integrator { explicit_step, implicit_step };
 enum class Rotation { qcp, mueller2016 };
 
 const char* name_of(WeightForm form);
@@ -55,11 +58,14 @@ struct Model {
   std::vector<std::uint32_t> source_vertex;  // n: number in the tetrahedral mesh the model was built from
   std::vector<float> rest;                   // 3n: q0_i
   std::vector<double> mass;                  // n: m_i, kg
-  std::vector<float> alpha;        // n: stiffness, the paper's in [0,1], stable below 4; 0 or at least
-                                   // least_factor, 0 for kinematic vertices
-  std::vector<float> beta;         // n: fibre weight of region i; 0 where there is no fibre
-  std::vector<float> fibre;        // 3n: unit direction d_r, or 0 0 0
-  std::vector<std::uint32_t> tag;  // n: shader::tag_* bits
+  std::vector<float> alpha;  // n: stiffness, the paper's in [0,1], stable below 4; 0 or at least
+                             // least_factor, 0 for kinematic vertices
+  // Of a model for the implicit integrator, else empty. The explicit one reads alpha, this one reads these.
+  std::vector<double> youngs_modulus;  // n: E_r of region r, Pa
+  std::vector<double> stiffness;       // n: K_i / m_i, 1/s^2, with K_i = sum_{r: i in N_r} k_r m_i
+  std::vector<float> beta;             // n: fibre weight of region i; 0 where there is no fibre
+  std::vector<float> fibre;            // 3n: unit direction d_r, or 0 0 0
+  std::vector<std::uint32_t> tag;      // n: shader::tag_* bits
   std::vector<Layer> layers;
 
   // One-rings, CSR, ascending, without the vertex itself. The relation is symmetric.
@@ -68,7 +74,8 @@ struct Model {
 
   // Weights (12)(13)(14), written w_ir = pull_i f_ir. f_ir is region r's share in vertex i, sum over r of
   // f_ir = 1 (the share of i in its own region is what remains), a multiple of 2^-16; pull_i is alpha_i m_i
-  // (m_i if kinematic) when momentum_scaled, else sum_r w_ir. All pulls carry one common factor, the power of
+  // (m_i if kinematic) when momentum_scaled, else sum_r w_ir. Of an implicit model w_ir carries k_r as well
+  // and pull_i is K_i. All pulls carry one common factor, the power of
   // two that brings the mean over regions of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is
   // exact).
   std::vector<float> pull;         // n: 0 or at least least_factor
@@ -95,7 +102,9 @@ struct Model {
   std::vector<float> skin_weight;  // sums to 1 for each vertex
 
   // The share of the skeleton's acceleration that a vertex does not feel, 0 or at least least_factor, at most
-  // 1: 1 less its layer's inertia scale. Empty where every vertex feels all of it, and without a skeleton.
+  // 1: 1 less its layer's inertia scale. Empty where every vertex feels all of it, and without a skeleton. An
+  // implicit model with a skeleton always has it: the solvers keep the skinned velocities of the last substep
+  // where it is.
   std::vector<float> carried;  // n or 0
 
   // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in
@@ -117,6 +126,7 @@ struct Model {
   std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface_vertex.size() / 4); }
   std::uint32_t tetrahedron_count() const { return static_cast<std::uint32_t>(tetrahedron.size() / 4); }
   bool has_skeleton() const { return joint_count > 0; }
+  bool is_implicit() const { return !stiffness.empty(); }
   bool is_kinematic(std::uint32_t i) const { return (tag[i] & shader::tag_kinematic) != 0; }
   std::uint32_t layer_of(std::uint32_t i) const { return tag[i] & shader::tag_layer_mask; }
 };

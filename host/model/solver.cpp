@@ -17,6 +17,8 @@ const char* name_of(Stage stage) {
       return "region";
     case Stage::goal:
       return "goal";
+    case Stage::relax:
+      return "relax";
     case Stage::integrate:
       return "integrate";
     case Stage::embed:
@@ -47,6 +49,14 @@ std::vector<float> side_by_side(std::span<const float> a, std::size_t a_width, s
     items.insert(items.end(), b.begin(), b.begin() + static_cast<std::ptrdiff_t>(b_width));
   }
   return items;
+}
+
+void check_options(const Model& model, const SolverOptions& options) {
+  const bool implicit = options.integrator == Integrator::implicit_step;
+  if (implicit != model.is_implicit())
+    throw std::invalid_argument(std::string("solver: the model is not for the ") +
+                                name_of(options.integrator) + " integrator");
+  if (implicit && options.iterations == 0) throw std::invalid_argument("solver: iterations is 0");
 }
 
 void check_drive(const Model& model, const Drive& drive) {
@@ -104,6 +114,11 @@ void check_state(const Model& model, const State& state) {
   check("rotations", state.rotations.size(), 4 * n);
   check("skinned", state.skinned.size(), model.has_skeleton() ? 3 * n : 0);
   check("skinned_velocities", state.skinned_velocities.size(), 3 * model.carried.size());
+  const bool has_before = !state.positions_before.empty();
+  if (has_before && !model.is_implicit())
+    throw std::invalid_argument("state: it has a substep before, which an explicit run has no use for");
+  check("positions_before", state.positions_before.size(), has_before ? 3 * n : 0);
+  check("velocities_before", state.velocities_before.size(), has_before ? 3 * n : 0);
 }
 
 }  // namespace fascicle::model

@@ -14,16 +14,18 @@
 namespace fascicle::model {
 
 // The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
-// shader (region.comp), the kernel (kernel/region.inc), and the test.
-enum class Stage { skin, predict, region, goal, integrate, embed };
-inline constexpr std::array<Stage, 6> all_stages{Stage::skin, Stage::predict,   Stage::region,
-                                                 Stage::goal, Stage::integrate, Stage::embed};
+// shader (region.comp), the kernel (kernel/region.inc), and the test. An implicit substep goes through
+// region, goal and relax once an iteration; an explicit one has no relax.
+enum class Stage { skin, predict, region, goal, relax, integrate, embed };
+inline constexpr std::array<Stage, 7> all_stages{Stage::skin,  Stage::predict,   Stage::region, Stage::goal,
+                                                 Stage::relax, Stage::integrate, Stage::embed};
 const char* name_of(Stage stage);
 
 // Floats an item of the stage's output holds. skin: skinned position (3), the bones' change of gravity (3);
 // predict: velocity with the external
-// forces in; region: linear map (row by row, 9), translation (3), quaternion w x y z (4); goal: position;
-// integrate: position (3), velocity (3); embed: position. One item a vertex, for embed one a render vertex.
+// forces in (explicit), or the predicted position y (implicit); region: linear map (row by row, 9),
+// translation (3), quaternion w x y z (4); goal: position; relax: position, the iterate; integrate: position
+// (3), velocity (3); embed: position. One item a vertex, for embed one a render vertex.
 std::uint32_t stage_width(Stage stage);
 
 // Items of a_width and b_width floats side by side, as stage_width wants them of region (12 and 4) and
@@ -34,7 +36,11 @@ std::vector<float> side_by_side(std::span<const float> a, std::size_t a_width, s
 struct SolverOptions {
   Integrator integrator = Integrator::explicit_step;
   Rotation rotation = Rotation::qcp;
+  std::uint32_t iterations = 20;  // of the implicit integrator, a substep
 };
+
+// Throws std::invalid_argument where the model is none for the options' integrator.
+void check_options(const Model& model, const SolverOptions& options);
 
 // A map that leaves everything where it is, if rest origin and frame's origin are the same.
 inline constexpr shader::Bone bone_at_rest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0};
@@ -103,6 +109,11 @@ struct State {
   std::vector<float> skinned;     // 3n: skinned positions of the last substep; empty without a skeleton
   std::vector<float> skinned_velocities = {};  // 3n: what skinning alone gave in the last substep; empty
                                                // where Model::carried is
+  // Of an implicit run, where the last substep was not the first and no cut came after it: what was a substep
+  // before, and how long that substep was. Empty and 0 otherwise; then the next substep is backward Euler.
+  std::vector<float> positions_before = {};   // 3n or empty, relative to `origin`
+  std::vector<float> velocities_before = {};  // 3n or empty
+  double step_before = 0.0;                   // s
   bool operator==(const State&) const = default;
 };
 
@@ -116,7 +127,8 @@ State initial_state(const Model& model, std::span<const shader::Bone> pose,
 // and velocity in the motion that ends, s' and u' in the one that begins, and R the rotation nearest to what
 // lies between the two blended bone maps,
 //   q' = s' + R (q - s),   v' = u' + R (v - u),
-// and the regions' rotations are turned by R: relative to the skeleton nothing has happened.
+// and the regions' rotations are turned by R: relative to the skeleton nothing has happened. What was a
+// substep before is forgotten.
 State carried(const Model& model, const State& state, double h, const Cut& cut);
 
 // The state of the body at rest, before any state is loaded: every bone leaves its vertices where they are.
@@ -129,6 +141,7 @@ struct Where {
   std::uint64_t frame = 0;
   std::uint32_t substep = 0;
   Stage stage = Stage::skin;
+  std::uint32_t iteration = 0;  // of an implicit substep's region, goal and relax
 };
 
 // Is shown every stage's output of every substep. The span dies when on_stage returns.

@@ -99,6 +99,9 @@ State carried(const Model& model, const State& state, double h, const Cut& cut) 
   check_state(model, state);
   State next = state;
   next.origin = cut.origin;
+  next.positions_before.clear();
+  next.velocities_before.clear();
+  next.step_before = 0.0;
   for (std::size_t i = 0; i < model.vertex_count; ++i) {
     const Vector3 rest = vector_at(model.rest, i);
     const Blend from = blend_of(model, cut.at, i), to = blend_of(model, cut.to, i);

@@ -52,12 +52,13 @@ toml::table parse_value(const Assignment& assignment, const Key& key) {
 }
 
 void drop_alternatives(toml::table& table, const Table& keys, std::string_view name) {
-  for (const auto& choice : keys.choices) {
-    if (std::find(choice.begin(), choice.end(), name) == choice.end()) continue;
-    for (const std::string& other : choice) {
-      if (other != name) table.erase(other);
+  for (const auto* groups : {&keys.choices, &keys.alternatives})
+    for (const auto& choice : *groups) {
+      if (std::find(choice.begin(), choice.end(), name) == choice.end()) continue;
+      for (const std::string& other : choice) {
+        if (other != name) table.erase(other);
+      }
     }
-  }
 }
 
 // Follows the assignment's path through the tables and puts the value at its end.

@@ -162,14 +162,19 @@ struct Layer {
   double alpha = 1.0;                 // [0, 1] per substep
   std::optional<double> alpha_outer;  // at the layer's outer side; alpha is then that of its inner one
   std::string alpha_attribute;        // painted, [0, 1]: alpha is multiplied by it; empty: none
-  double beta = 0.0;                  // [0, 1]
-  double damping = 0.0;               // 1/s, >= 0
-  double density = 1000.0;            // kg/m^3, > 0
-  std::optional<Vector3d> fibre;      // constant direction, normalised when read
-  bool fibre_field = false;           // the direction comes from the fibre field; not beside `fibre`
-  bool kinematic = false;             // a bone layer: moved by skinning, pinned without a skeleton
-  double inertia_scale = 1.0;         // [0, 1]: share of the skeleton's acceleration that the flesh feels
-  double volume = 0.0;                // [0, 1]: how strongly volume is drawn back to rest
+  // With integrator "implicit" a layer's stiffness is one of these, or its material's.
+  std::optional<double> youngs_modulus;  // Pa
+  std::optional<double> frequency;       // Hz: of its lowest mode, everything else held still
+  std::string material;                  // "fat", ... (material.h); empty: none
+  std::optional<double> damping_ratio;   // of the lowest mode; in place of damping
+  double beta = 0.0;                     // [0, 1]
+  double damping = 0.0;                  // 1/s, >= 0
+  double density = 1000.0;               // kg/m^3, > 0
+  std::optional<Vector3d> fibre;         // constant direction, normalised when read
+  bool fibre_field = false;              // the direction comes from the fibre field; not beside `fibre`
+  bool kinematic = false;                // a bone layer: moved by skinning, pinned without a skeleton
+  double inertia_scale = 1.0;            // [0, 1]: share of the skeleton's acceleration that the flesh feels
+  double volume = 0.0;                   // [0, 1]: how strongly volume is drawn back to rest
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
@@ -249,6 +254,8 @@ struct SolverSettings {
   std::string rotation = "qcp";       // or "mueller2016"
   std::string weights = "symmetric";  // or "kaneda2017", which also leaves momentum unscaled
   std::uint32_t substeps = 1;         // a frame, [1, 1000]
+  bool auto_substeps = false;         // substeps = "auto": `substeps` is what build::choose_steps makes it
+  std::uint32_t iterations = 20;      // an implicit substep, [1, 1000]
 };
 
 // What the rest shape is: hung by gravity already, so that only gravity's change in the bones' frames acts

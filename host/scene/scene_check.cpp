@@ -213,6 +213,7 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
   switch (key.type) {
     case KeyType::number:
     case KeyType::integer:
+      if (node.is_string() && !key.allowed.empty()) return check_text(node, key, path);
       return check_number(node, key, path);
     case KeyType::text:
       return check_text(node, key, path);
@@ -258,7 +259,7 @@ void check_table(const toml::table& table, const Table& keys, const std::string&
            std::string("is missing; takes ") + type_wanted(key.type));
     }
   }
-  for (const auto& choice : keys.choices) {
+  const auto first_of = [&](const std::vector<std::string>& choice) {
     const Entry* first = nullptr;
     for (const Entry& entry : entries) {
       if (std::find(choice.begin(), choice.end(), entry.first->str()) == choice.end()) continue;
@@ -268,8 +269,13 @@ void check_table(const toml::table& table, const Table& keys, const std::string&
       }
       first = &entry;
     }
+    return first;
+  };
+  for (const auto& choice : keys.choices) {
+    const Entry* first = first_of(choice);
     if (first == nullptr) fail(table.source(), path.empty() ? "scene" : path, "lacks one of " + list(choice));
   }
+  for (const auto& group : keys.alternatives) first_of(group);
 }
 
 }  // namespace

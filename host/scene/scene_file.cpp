@@ -7,6 +7,7 @@
 #include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
 #include "host/scene/made_character.h"
+#include "host/scene/material.h"
 #include "host/scene/overrides.h"
 #include "host/scene/pose.h"
 #include "host/scene/scene_check.h"
@@ -14,6 +15,37 @@
 
 namespace fascicle::scene {
 namespace {
+
+// How a layer says how stiff it is, and by what right: alpha is the explicit integrator's, the rest the
+// implicit one's. check_scene has seen that no two of them stand beside each other.
+void read_stiffness(const toml::table& table, const std::string& path, bool implicit, Layer& layer) {
+  const auto refuse = [&](const char* key, const std::string& what) {
+    if (const toml::node* node = table.get(key)) fail(node->source(), join_path(path, key), what);
+  };
+  for (const char* key : {"youngs_modulus", "frequency", "material", "damping_ratio"})
+    if (!implicit)
+      refuse(key, "takes solver.integrator = \"implicit\"; say that, or " +
+                      std::string(key == std::string_view("damping_ratio") ? "damping" : "alpha") +
+                      " instead");
+  for (const char* key : {"alpha", "alpha_outer", "alpha_attribute"})
+    if (implicit)
+      refuse(key,
+             "takes solver.integrator = \"explicit\"; say youngs_modulus, frequency or material instead");
+  read(table, "youngs_modulus", layer.youngs_modulus);
+  read(table, "frequency", layer.frequency);
+  read(table, "damping_ratio", layer.damping_ratio);
+  read(table, "material", layer.material);
+  if (const Material* material = find_material(layer.material)) {
+    layer.youngs_modulus = material->youngs_modulus;
+    layer.density = material->density;
+  }
+  if (layer.kinematic)
+    for (const char* key : {"frequency", "damping_ratio"})
+      refuse(key, "is that of a mode, and a kinematic layer has none; leave it out");
+  if (implicit && !layer.kinematic && !layer.youngs_modulus && !layer.frequency)
+    fail(table.source(), path,
+         "lacks one of youngs_modulus, frequency, material, of which the implicit integrator takes one");
+}
 
 void read_layers(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
   std::string rest_of_body;
@@ -30,8 +62,9 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    read(table, "fibre_field", layer.fibre_field);
                    read(table, "beta", layer.beta);
                    read(table, "damping", layer.damping);
-                   read(table, "density", layer.density);
                    read(table, "kinematic", layer.kinematic);
+                   read_stiffness(table, path, scene.solver.integrator == "implicit", layer);
+                   read(table, "density", layer.density);
                    read(table, "inertia_scale", layer.inertia_scale);
                    read(table, "volume", layer.volume);
                    if (const toml::node* node = table.get("fibre")) {
@@ -303,6 +336,24 @@ void read_motion(const toml::table& root, Scene& scene) {
          "loop and hold make more than 10 million frames; make them less, or lower fps");
 }
 
+void read_steps(const toml::table& table, SolverSettings& solver) {
+  const bool implicit = solver.integrator == "implicit";
+  const toml::node* substeps = table.get("substeps");
+  solver.auto_substeps = substeps != nullptr && substeps->is_string();
+  if (!solver.auto_substeps) read(table, "substeps", solver.substeps);
+  if (solver.auto_substeps && !implicit)
+    fail(substeps->source(), "solver.substeps",
+         "\"auto\" takes solver.integrator = \"implicit\", whose stiffness does not change with them; give a "
+         "number");
+  read(table, "iterations", solver.iterations);
+  if (table.contains("iterations") && !implicit)
+    fail(table.get("iterations")->source(), "solver.iterations",
+         "takes solver.integrator = \"implicit\"; leave it out");
+  if (implicit && solver.weights != "symmetric")
+    fail(table.get("weights")->source(), "solver.weights",
+         "\"" + solver.weights + "\" takes solver.integrator = \"explicit\"; leave it out");
+}
+
 toml::table parse_toml(const SceneText& input) {
   try {
     return toml::parse(input.text, input.source);
@@ -354,7 +405,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read(solver, "integrator", scene.solver.integrator);
   read(solver, "rotation", scene.solver.rotation);
   read(solver, "weights", scene.solver.weights);
-  read(solver, "substeps", scene.solver.substeps);
+  read_steps(solver, scene.solver);
   read(table_at(root, "scene"), "gravity", scene.gravity);
 
   read_bones(root, scene);

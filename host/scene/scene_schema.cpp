@@ -1,4 +1,5 @@
 // The scene file's JSON Schema, written out from the table of keys.
+#include <algorithm>
 #include <cmath>
 
 #include "host/scene/scene.h"
@@ -31,6 +32,13 @@ Json schema_of(const Key& key) {
     case KeyType::integer:
       schema["type"] = key.type == KeyType::number ? "number" : "integer";
       add_range(schema, key);
+      // A pattern binds text alone, as the range binds numbers.
+      if (!key.allowed.empty()) {
+        std::string words;
+        for (const std::string& word : key.allowed) words += (words.empty() ? "" : "|") + word;
+        schema["type"] = {schema["type"], "string"};
+        schema["pattern"] = "^(" + words + ")$";
+      }
       break;
     case KeyType::text:
       schema["type"] = "string";
@@ -111,6 +119,13 @@ Json schema_of(const Table& table) {
     for (const std::string& name : choice) one_of.push_back({{"required", {name}}});
     schema["allOf"].push_back({{"oneOf", one_of}});
   }
+  for (const auto& group : table.alternatives)
+    for (std::size_t a = 0; a < group.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        const Json both{{"not", {{"required", {group[b], group[a]}}}}};
+        Json& all = schema["allOf"];
+        if (std::find(all.begin(), all.end(), both) == all.end()) all.push_back(both);
+      }
   return schema;
 }
 

@@ -1,6 +1,7 @@
 #include "host/scene/scene_table.h"
 
 #include "host/scene/made_character.h"
+#include "host/scene/material.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -256,50 +257,69 @@ struct Tables {
   Table layer{
       .name = "layer",
       .doc = "A layer of the body. Where several claim a point, the last of the file has it.",
-      .keys = {
-          {.name = "alpha",
-           .doc = "Stiffness of equation (4), per substep.",
-           .range = between(0.0, 1.0),
-           .fallback = Layer{}.alpha},
-          {.name = "alpha_outer",
-           .doc = "Stiffness at the layer's outer side; alpha is then that of its inner side.",
-           .range = between(0.0, 1.0)},
-          {.name = "alpha_attribute",
-           .type = KeyType::text,
-           .doc = "Painted values from 0 to 1 that alpha is multiplied by: _STIFFNESS, COLOR_0.g; empty: "
-                  "none.",
-           .fallback = Layer{}.alpha_attribute},
-          {.name = "beta",
-           .doc = "Weight of the fibre, equation (14).",
-           .range = between(0.0, 1.0),
-           .fallback = Layer{}.beta},
-          {.name = "damping",
-           .doc = "Rate at which the motion relative to the skeleton dies out, 1/s.",
-           .range = between(0.0, 1e4),
-           .fallback = Layer{}.damping},
-          {.name = "density", .doc = "Density, kg/m^3.", .range = positive(1e5), .fallback = Layer{}.density},
-          {.name = "fibre",
-           .type = KeyType::vector,
-           .doc = "Direction of the fibres at rest; its length and sign mean nothing.",
-           .range = coordinate},
-          {.name = "fibre_field",
-           .type = KeyType::boolean,
-           .doc = "The fibres follow the bones inside and the skin outside: equations (1) to (3).",
-           .fallback = Layer{}.fibre_field},
-          {.name = "kinematic",
-           .type = KeyType::boolean,
-           .doc = "Moved by the skeleton alone, or held still where there is none: bone.",
-           .fallback = Layer{}.kinematic},
-          {.name = "inertia_scale",
-           .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",
-           .range = between(0.0, 1.0),
-           .fallback = Layer{}.inertia_scale},
-          {.name = "volume",
-           .doc = "How strongly volume is drawn back to rest; 1: as strongly as alpha leaves stable.",
-           .range = between(0.0, 1.0),
-           .fallback = Layer{}.volume},
-          where_key(shape, false,
-                    "What belongs to the layer; where absent, all that no other layer claims.")}};
+      .keys =
+          {{.name = "alpha",
+            .doc = "Stiffness of equation (4), per substep.",
+            .range = between(0.0, 1.0),
+            .fallback = Layer{}.alpha},
+           {.name = "alpha_outer",
+            .doc = "Stiffness at the layer's outer side; alpha is then that of its inner side.",
+            .range = between(0.0, 1.0)},
+           {.name = "alpha_attribute",
+            .type = KeyType::text,
+            .doc = "Painted values from 0 to 1 that alpha is multiplied by: _STIFFNESS, COLOR_0.g; empty: "
+                   "none.",
+            .fallback = Layer{}.alpha_attribute},
+           {.name = "youngs_modulus",
+            .doc = "Stiffness with the implicit integrator: Young's modulus, Pa.",
+            .range = positive(1e12)},
+           {.name = "frequency",
+            .doc =
+                "Stiffness with the implicit integrator: the layer's lowest mode with everything else held "
+                "still, Hz.",
+            .range = positive(1e4)},
+           {.name = "material",
+            .type = KeyType::text,
+            .doc = "Stiffness with the implicit integrator, and where absent density, of a tissue.",
+            .allowed = material_names()},
+           {.name = "beta",
+            .doc = "Weight of the fibre, equation (14).",
+            .range = between(0.0, 1.0),
+            .fallback = Layer{}.beta},
+           {.name = "damping",
+            .doc = "Rate at which the motion relative to the skeleton dies out, 1/s.",
+            .range = between(0.0, 1e4),
+            .fallback = Layer{}.damping},
+           {.name = "damping_ratio",
+            .doc = "In place of damping, with the implicit integrator: of the layer's lowest mode; 1 is "
+                   "critical.",
+            .range = between(0.0, 100.0)},
+           {.name = "density",
+            .doc = "Density, kg/m^3.",
+            .range = positive(1e5),
+            .fallback = Layer{}.density},
+           {.name = "fibre",
+            .type = KeyType::vector,
+            .doc = "Direction of the fibres at rest; its length and sign mean nothing.",
+            .range = coordinate},
+           {.name = "fibre_field",
+            .type = KeyType::boolean,
+            .doc = "The fibres follow the bones inside and the skin outside: equations (1) to (3).",
+            .fallback = Layer{}.fibre_field},
+           {.name = "kinematic",
+            .type = KeyType::boolean,
+            .doc = "Moved by the skeleton alone, or held still where there is none: bone.",
+            .fallback = Layer{}.kinematic},
+           {.name = "inertia_scale",
+            .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",
+            .range = between(0.0, 1.0),
+            .fallback = Layer{}.inertia_scale},
+           where_key(shape, false,
+                     "What belongs to the layer; where absent, all that no other layer claims.")},
+      .alternatives = {{"alpha", "youngs_modulus", "frequency", "material"},
+                       {"alpha_outer", "youngs_modulus", "frequency", "material"},
+                       {"alpha_attribute", "youngs_modulus", "frequency", "material"},
+                       {"damping", "damping_ratio"}}};
 
   Table solver{
       .name = "solver",
@@ -307,9 +327,10 @@ struct Tables {
       .keys = {
           {.name = "integrator",
            .type = KeyType::text,
-           .doc = "Time stepping: equations (4) and (5).",
+           .doc = "Time stepping: explicit, equations (4) and (5), with stiffness as alpha; implicit, with "
+                  "stiffness as youngs_modulus, frequency or material, the same at every fps and resolution.",
            .fallback = SolverSettings{}.integrator,
-           .allowed = {"explicit"}},
+           .allowed = {"explicit", "implicit"}},
           {.name = "rotation",
            .type = KeyType::text,
            .doc = "How the rotation of equation (9) is found.",
@@ -322,9 +343,17 @@ struct Tables {
            .allowed = {"symmetric", "kaneda2017"}},
           {.name = "substeps",
            .type = KeyType::integer,
-           .doc = "Steps a frame; the stiffness that alpha means grows with their square.",
+           .doc = "Steps a frame; the stiffness that alpha means grows with their square. auto, with the "
+                  "implicit "
+                  "integrator: as many as the layers' lowest modes need.",
            .range = between(1, 1000),
-           .fallback = SolverSettings{}.substeps}}};
+           .fallback = SolverSettings{}.substeps,
+           .allowed = {"auto"}},
+          {.name = "iterations",
+           .type = KeyType::integer,
+           .doc = "Iterations an implicit substep.",
+           .range = between(1, 1000),
+           .fallback = SolverSettings{}.iterations}}};
 
   Table motion{
       .name = "motion",
@@ -529,7 +558,8 @@ struct Tables {
            {.name = "skeleton", .type = KeyType::table, .doc = "What joints are.", .table = &skeleton},
            {.name = "layers",
             .type = KeyType::named_tables,
-            .doc = "Layers by name, at least one; where absent, a character gets fat, muscle and bone by depth.",
+            .doc =
+                "Layers by name, at least one; where absent, a character gets fat, muscle and bone by depth.",
             .table = &layer},
            {.name = "fibres",
             .type = KeyType::named_tables,

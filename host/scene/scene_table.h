@@ -44,7 +44,8 @@ struct Key {
   Range range = {};
   nlohmann::ordered_json fallback =
       {};  // what holds where the key is absent; null where that is nothing or depends
-  std::vector<std::string> allowed = {};  // text: all values there are; empty: any
+  std::vector<std::string> allowed =
+      {};  // text: all values there are; empty: any. integer: words beside numbers
   bool required = false;
   const Table* table = nullptr;  // of the types that are tables
 };
@@ -55,6 +56,7 @@ struct Table {
   std::vector<Key> keys;
   std::vector<std::vector<std::string>> choices =
       {};  // of each group exactly one key is given; --set of one drops the others
+  std::vector<std::vector<std::string>> alternatives = {};  // the same, but none need be given
 };
 
 // The root of the scene file.

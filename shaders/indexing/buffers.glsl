@@ -13,6 +13,7 @@ layout(constant_id = constant_muscles) const bool with_muscles = false;
 layout(constant_id = constant_forces) const bool with_forces = false;
 layout(constant_id = constant_carried) const bool with_carried = false;
 layout(constant_id = constant_volume) const bool with_volume = false;
+layout(constant_id = constant_implicit) const bool with_implicit = false;
 
 layout(std430, binding = buffer_position) buffer PositionBuffer { vec4 position[]; };
 layout(std430, binding = buffer_velocity) buffer VelocityBuffer { vec4 velocity[]; };
@@ -49,6 +50,13 @@ layout(std430, binding = buffer_bone) readonly buffer BoneBuffer { Bone bone[]; 
 layout(std430, binding = buffer_muscle) readonly buffer MuscleBuffer { Muscle muscle[]; };
 layout(std430, binding = buffer_force) readonly buffer ForceBuffer { Force force[]; };
 layout(std430, binding = buffer_decay) readonly buffer DecayBuffer { float decay[]; };
+
+layout(std430, binding = buffer_position_before) buffer PositionBeforeBuffer { vec4 position_before[]; };
+layout(std430, binding = buffer_velocity_before) buffer VelocityBeforeBuffer { vec4 velocity_before[]; };
+layout(std430, binding = buffer_begun) buffer BegunBuffer { vec4 begun[]; };
+layout(std430, binding = buffer_predicted) buffer PredictedBuffer { vec4 predicted[]; };
+layout(std430, binding = buffer_iterate_before) buffer IterateBeforeBuffer { vec4 iterate_before[]; };
+layout(std430, binding = buffer_response) readonly buffer ResponseBuffer { Response response[]; };
 
 uint item_index() { return (push.first_slice + gl_WorkGroupID.x) * slice_width + gl_LocalInvocationID.x; }
 

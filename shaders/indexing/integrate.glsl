@@ -21,4 +21,17 @@ void move_kinematic(uint i) {
   if (has_skeleton()) position[i] = skinned[i];
 }
 
+// The implicit integrator's: the position is there, the velocity follows, and now becomes before.
+void finish_implicit(uint i) {
+  Vector u = velocity_of_skin(i);
+  if (with_carried) skinned_velocity_before[i] = record_of(u);
+  vec4 v = record_of(u);
+  if (!is_kinematic(i))
+    v = record_of(pulled_velocity(vector_of(velocity[i]), vector_of(position[i]), vector_of(predicted[i]),
+                                  vector_of(goal[i]), response[push.implicit.first_response + i].to_goal,
+                                  push.implicit.inverse_step));
+  velocity[i] = v;
+  position_before[i] = begun[i];
+}
+
 #endif

@@ -4,8 +4,8 @@
 #include "shaders/indexing/skeleton.glsl"
 #include "shaders/kernel/predict.inc"
 
-// The velocity of free vertex i with the external forces in.
-Vector predicted_velocity(uint i) {
+// Gravity and the scene's forces on vertex i.
+Vector external_acceleration(uint i) {
   Vector a;
   a.x = push.substep.gravity_x;
   a.y = push.substep.gravity_y;
@@ -22,10 +22,49 @@ Vector predicted_velocity(uint i) {
       a = add_force(a, force_coefficient[k], direction);
     }
   }
+  return a;
+}
+
+// The velocity of free vertex i with the external forces in.
+Vector predicted_velocity(uint i) {
+  Vector a = external_acceleration(i);
   Vector v = vector_of(velocity[i]);
   if (with_carried)
     v = carry_velocity(v, vertex[i].carried, velocity_of_skin(i), vector_of(skinned_velocity_before[i]));
   return predict_velocity(v, a, push.substep.h);
+}
+
+// The implicit integrator's: y, and the position from which its iterations start.
+void begin_implicit(uint i) {
+  vec4 q = position[i];
+  begun[i] = q;
+  if (is_kinematic(i)) {
+    if (has_skeleton()) position[i] = skinned[i];
+    predicted[i] = position[i];
+    iterate_before[i] = position[i];
+    return;
+  }
+  Vector a = external_acceleration(i);
+  Vector u = velocity_of_skin(i);
+  if (with_carried) {
+    Vector before = vector_of(skinned_velocity_before[i]);
+    a = carry_acceleration(a, vertex[i].carried * push.substep.inverse_h, u, before);
+    u = with_history(u, before, push.implicit.skin_history);
+  }
+  Response answer = response[push.implicit.first_response + i];
+  Vector v = vector_of(velocity[i]);
+  Vector v_before = vector_of(velocity_before[i]);
+  Vector q_before = vector_of(position_before[i]);
+  Vector v_y = predict_damped(with_history(v, v_before, push.implicit.history), a, u, push.implicit.step, answer.kept,
+                              answer.dragged);
+  predicted[i] =
+      record_of(predict_position(vector_of(q), q_before, push.implicit.history, v_y, push.implicit.step));
+  velocity_before[i] = velocity[i];
+  velocity[i] = record_of(v_y);
+  Vector start = start_position(vector_of(q), v, v_before, a, u, push.substep.h, push.substep.inverse_h,
+                                push.implicit.extrapolated, answer.kept, answer.dragged);
+  position[i] = record_of(start);
+  iterate_before[i] = record_of(start);
 }
 
 #endif

@@ -14,6 +14,7 @@
 #include "host/bake/drive_source.h"
 #include "host/bake/lead_in.h"
 #include "host/build/build.h"
+#include "host/build/stiffness.h"
 #include "host/model/validate.h"
 #include "host/scene/scene.h"
 #ifdef FASCICLE_WITH_VULKAN
@@ -33,7 +34,7 @@ unsigned long long hash_of(const std::vector<float>& values) {
 }
 
 int run(const std::string& name, std::uint64_t frames, const std::string& device) {
-  const scene::Scene scene = scene::load_scene(name);
+  scene::Scene scene = scene::load_scene(name);
   build::Report report;
   build::BuildOptions options;
 #ifdef FASCICLE_MESHER
@@ -41,9 +42,11 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
 #endif
   const model::Model model = build::build_model(scene, report, options);
   model::check_model(model);
+  build::choose_steps(scene, model, report);
   const model::SolverOptions solver_options{
-      .integrator = model::Integrator::explicit_step,
-      .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016};
+      .integrator = model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step,
+      .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016,
+      .iterations = scene.solver.iterations};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
 #ifdef FASCICLE_WITH_VULKAN
   std::unique_ptr<gpu::Device> gpu_device;  // outlives the solver

@@ -164,6 +164,14 @@ Model make_bar(const BarOptions& o) {
       m.surface_weight.insert(m.surface_weight.end(), {0.1f, 0.2f, 0.3f, 0.4f});
     }
   }
+  if (o.implicit) {
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      m.youngs_modulus.push_back(1e4);
+      // From a below a half to a rounded to 1, in the steps that the tests take.
+      m.stiffness.push_back(std::ldexp(1.0, static_cast<int>(i % 40)));
+    }
+    if (o.skeleton && m.carried.empty()) m.carried.assign(m.vertex_count, 0.0f);
+  }
   return m;
 }
 

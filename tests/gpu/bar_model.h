@@ -19,6 +19,7 @@ struct BarOptions {
   bool forces = false;
   bool volume = false;  // a volume term in two of three regions
   bool surface = true;
+  bool implicit = false;      // for the implicit integrator, from soft to stiff
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
 };
 

@@ -51,8 +51,20 @@ const Case cases[] = {
     {"odd_vertices",
      {.skeleton = true, .muscle = true, .forces = true, .volume = true, .odd_vertices = true}},
     {"mueller2016", {.skeleton = true, .muscle = true}, model::Rotation::mueller2016},
+    {"implicit", {.implicit = true}},
+    {"implicit_skeleton", {.skeleton = true, .implicit = true}},
+    {"implicit_carried_cuts", {.skeleton = true, .carried = true, .cuts = true, .implicit = true}},
+    {"implicit_all",
+     {.skeleton = true, .muscle = true, .forces = true, .implicit = true, .odd_vertices = true}},
     {"one_tetrahedron_strip", {.x = 2, .y = 2, .z = 2}},
 };
+
+// Few iterations: each of them is compared.
+model::SolverOptions options_of(const Case& c) {
+  return {.integrator = c.bar.implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step,
+          .rotation = c.rotation,
+          .iterations = 4};
+}
 
 class VulkanSolver : public VulkanTest, public testing::WithParamInterface<Case> {};
 
@@ -60,7 +72,7 @@ class VulkanSolver : public VulkanTest, public testing::WithParamInterface<Case>
 TEST_P(VulkanSolver, HasTheBitsOfTheCpuInEveryStage) {
   const Model m = make_bar(GetParam().bar);
   check_model(m);
-  const model::SolverOptions options{.rotation = GetParam().rotation};
+  const model::SolverOptions options = options_of(GetParam());
   gpu::Device device(*index);
   const auto vulkan = gpu::make_vulkan_solver(device, m, options);
   const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);
@@ -73,7 +85,7 @@ TEST_P(VulkanSolver, HasTheBitsOfTheCpuInEveryStage) {
 // Without a probe predict, goal and integrate are one dispatch, and three frames are in flight at once.
 TEST_P(VulkanSolver, HasTheBitsOfTheCpuWithFusedStagesAndSeveralFramesInFlight) {
   const Model m = make_bar(GetParam().bar);
-  const model::SolverOptions options{.rotation = GetParam().rotation};
+  const model::SolverOptions options = options_of(GetParam());
   gpu::Device device(*index);
   const auto vulkan = gpu::make_vulkan_solver(device, m, options);
   const auto cpu = cpu_reference::make_cpu_solver(m, options, 1);

@@ -207,6 +207,36 @@ contraction_channel = "hand.scale.x"
 )";
 }
 
+std::string implicit_sample() {
+  return R"(# What the implicit integrator has instead of alpha and damping.
+[bar]
+size = [0.5, 0.25, 0.25]
+
+[layers.fat]
+youngs_modulus = 3000.0
+damping_ratio = 0.25
+
+[layers.deep]
+frequency = 3.5
+
+[layers.deep.where.below]
+axis = "x"
+fraction = 0.5
+
+[layers.skin]
+material = "skin"
+
+[layers.skin.where.above]
+axis = "x"
+fraction = 0.9
+
+[solver]
+integrator = "implicit"
+substeps = "auto"
+iterations = 12
+)";
+}
+
 void write_tetrahedron_off(const std::filesystem::path& path) {
   write_file(path, "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
 }
@@ -295,6 +325,7 @@ std::string describe(const Scene& scene) {
   for (const Layer& l : scene.layers) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
            l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.where);
+    d.line("stiffness", l.youngs_modulus, l.frequency, l.material, l.damping_ratio);
   }
   for (const Muscle& m : scene.muscles) {
     d.line("muscle", m.name, m.joint, m.parent, m.child, m.bone, m.layer, m.where, m.gain, m.axis,
@@ -309,7 +340,7 @@ std::string describe(const Scene& scene) {
   }
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
-         scene.solver.substeps);
+         scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip);
   const Motion& m = scene.motion;
   d.line("motion", static_cast<int>(m.rest), m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,

@@ -11,6 +11,7 @@
 #include <Eigen/SVD>
 
 #include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle_implicit.h"
 
 namespace fascicle::tests {
 
@@ -149,8 +150,19 @@ void make_kinematic(Model& model, std::uint32_t i) {
   model.alpha[i] = 0.0f;
 }
 
+Model make_implicit(Model model, double E) {
+  model.youngs_modulus.assign(model.vertex_count, E);
+  model.stiffness = cpu_reference::vertex_stiffness(model, cpu_reference::region_stiffness(model));
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) model.stiffness[i] /= model.mass[i];
+  if (model.has_skeleton() && model.carried.empty()) model.carried.assign(model.vertex_count, 0.0f);
+  fill_weights(model);
+  return model;
+}
+
 void fill_weights(Model& model) {
-  const cpu_reference::Oracle oracle(model, {});
+  const cpu_reference::Oracle oracle(
+      model, {.integrator =
+                  model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step});
   const std::uint32_t n = model.vertex_count;
   const auto ring = [&](std::uint32_t i) {
     return std::vector<std::uint32_t>(model.ring.begin() + model.ring_offset[i],

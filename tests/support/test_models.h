@@ -47,6 +47,10 @@ model::Model make_model(const Mesh& mesh, const BodyOptions& options = {});
 // Call it again after changing mass, alpha, beta, fibre, tag, weight_form or momentum_scaled.
 void fill_weights(model::Model& model);
 
+// The same body for the implicit integrator, every region with Young's modulus E (Pa). Its weights must be
+// momentum-scaled.
+model::Model make_implicit(model::Model model, double E);
+
 void make_kinematic(model::Model& model, std::uint32_t i);
 
 // A volume term of this gain in every region that is not flat. After fill_weights.

@@ -1,0 +1,150 @@
+#include "cpu_reference/oracle_implicit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "cpu_reference/oracle_weights.h"
+
+namespace fascicle::cpu_reference {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using model::Model;
+
+namespace {
+
+Vector3d rest_of(const Model& model, std::uint32_t i) {
+  return Vector3d(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
+}
+
+// A strain e costs the region's energy (k/2) sum m |e r|^2, so under a stress s it obeys e S + S e = 2 (V/k)
+// s with S = sum m r r^T. The matrix of e -> (e S + S e)/2 on nine entries, row by row: its inverse is the
+// compliance, in units of V/k.
+Eigen::Matrix<double, 9, 9> compliance(const Matrix3d& S) {
+  Eigen::Matrix<double, 9, 9> M = Eigen::Matrix<double, 9, 9>::Zero();
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      for (int c = 0; c < 3; ++c) {
+        M(3 * a + b, 3 * a + c) += S(c, b) / 2.0;
+        M(3 * a + b, 3 * c + b) += S(a, c) / 2.0;
+      }
+  return M.inverse();
+}
+
+// The mean over all unit vectors u of u^T e u under the stress u u^T: with <u_a u_b u_c u_d> = (d_ab d_cd +
+// d_ac d_bd + d_ad d_bc)/15.
+double mean_compliance(const Matrix3d& S) {
+  const Eigen::Matrix<double, 9, 9> C = compliance(S);
+  double sum = 0.0;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) sum += C(4 * a, 4 * b) + C(3 * a + b, 3 * a + b) + C(3 * a + b, 3 * b + a);
+  return sum / 15.0;
+}
+
+}  // namespace
+
+std::vector<double> region_stiffness(const Model& model) {
+  std::vector<double> volume(model.vertex_count, 0.0);
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const std::uint32_t* corner = &model.tetrahedron[t];
+    const Vector3d o = rest_of(model, corner[0]);
+    const double v = (rest_of(model, corner[1]) - o)
+                         .cross(rest_of(model, corner[2]) - o)
+                         .dot(rest_of(model, corner[3]) - o) /
+                     6.0;
+    for (int k = 0; k < 4; ++k) volume[corner[k]] += v / 4.0;
+  }
+  std::vector<double> k(model.vertex_count);
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    Matrix3d S = Matrix3d::Zero();
+    const auto add = [&](std::uint32_t i) {
+      const Vector3d r_i = offset_from_mass_centre(model, i, r);
+      S += model.mass[i] * r_i * r_i.transpose();
+    };
+    add(r);
+    for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) add(model.ring[e]);
+    // Lengths are in working units: V holds unit^3 and S unit^2.
+    k[r] = model.youngs_modulus[r] * volume[r] * model.unit * mean_compliance(S);
+  }
+  return k;
+}
+
+std::vector<double> vertex_stiffness(const Model& model, const std::vector<double>& region) {
+  std::vector<double> K(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    double sum = region[i];
+    for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
+      sum += region[model.ring[e]];
+    K[i] = sum * model.mass[i];
+  }
+  return K;
+}
+
+// y = (4 q - q_prev)/3 + H v_y,  (v_y - (4 v - v_prev)/3)/H = f - d (v_y - u); q + h v_y without history.
+Vector3d predicted_position(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
+                            const Vector3d& u) {
+  const auto continued = [&](const Vector3d& now, const Vector3d& before) {
+    return step.has_history ? Vector3d((4.0 * now - before) / 3.0) : now;
+  };
+  const double H = step.length();
+  const Vector3d v_y = (continued(past.v, past.v_before) + H * (f + d * u)) / (1.0 + d * H);
+  return continued(past.q, past.q_before) + H * v_y;
+}
+
+// q + h v_s with v_s = v + t (v - v_prev)/2 + (1 - t) h/2 p f/|f|,  p = clamp((v - v_prev) . f / (h |f|), 0,
+// |f|), damped as v_y is. Without history v.
+Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
+                             const Vector3d& u, double share) {
+  Vector3d v = past.v;
+  if (step.has_history) v += share * (past.v - past.v_before) / 2.0;
+  // Below 2^-20 an acceleration counts as none.
+  if (step.has_history && f.squaredNorm() >= std::ldexp(1.0, -40)) {
+    const double p = std::clamp((past.v - past.v_before).dot(f) / (step.h * f.norm()), 0.0, f.norm());
+    v += (1.0 - share) * step.h / 2.0 * p * f.normalized();
+  }
+  return past.q + step.h * (v + d * step.length() * u) / (1.0 + d * step.length());
+}
+
+// a = K H^2 / (m (1 + d H) + K H^2)
+Vector3d pulled_position(const Vector3d& y, const Vector3d& g, double mass, double stiffness, double d,
+                         const Stepping& step) {
+  const double H = step.length();
+  const double inertia = mass * (1.0 + d * H), pull = stiffness * H * H;
+  return (inertia * y + pull * g) / (inertia + pull);
+}
+
+// v = (3 q_new - 4 q + q_prev)/(2h); (q_new - q)/h without history.
+Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, const Stepping& step) {
+  if (!step.has_history) return (q - past.q) / step.h;
+  return (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
+}
+
+// [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20.
+Chebyshev::Chebyshev(std::uint32_t steps, double largest)
+    : iterations(steps),
+      stiffest(largest),
+      rho(std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), largest / (2.0 - largest))) {}
+
+double Chebyshev::gain(std::uint32_t k) const {
+  return k + 1 == iterations ? 1.0 : 1.0 + rho;
+}
+
+double Chebyshev::extrapolated() const {
+  const double least_rho = 1.0 / std::cosh(std::acosh(20.0) / double(iterations - 1));
+  const double reached = 2.0 * least_rho / (1.0 + least_rho);
+  return std::min(1.0, reached / (1.0 - reached) / (stiffest / (1.0 - stiffest)));
+}
+
+// omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev. With 1/rho = cosh
+// t that is the following.
+double Chebyshev::omega(std::uint32_t k) const {
+  if (k == 0 || k + 1 == iterations) return 1.0;
+  const double t = std::acosh(1.0 / rho);
+  const auto power = [&](double n) { return std::exp(-2.0 * n * t); };
+  return (1.0 + power(1)) * (1.0 + power(k)) / (1.0 + power(k + 1));
+}
+
+}  // namespace fascicle::cpu_reference

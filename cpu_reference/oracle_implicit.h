@@ -1,0 +1,66 @@
+// The implicit integrator's formulas in double precision, method "Time step": stiffness in Pa, BDF2, and the
+// fixed point. They are ours and not the paper's.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+// k_r = E_r V_r C_r, 1/s^2: V_r a quarter of each tetrahedron at r, C_r the region's compliance under a
+// uniaxial stress, averaged over all directions.
+std::vector<double> region_stiffness(const model::Model& model);
+
+// K_i = sum_{r: i in N_r} k_r m_i, kg/s^2.
+std::vector<double> vertex_stiffness(const model::Model& model, const std::vector<double>& region);
+
+// One step of h seconds: BDF2 from two substeps of history, backward Euler from one.
+struct Stepping {
+  double h;
+  bool has_history;
+  double length() const {  // H
+    return has_history ? 2.0 * h / 3.0 : h;
+  }
+};
+
+// What a vertex was: now and a substep before.
+struct VertexHistory {
+  Eigen::Vector3d q, q_before, v, v_before;
+};
+
+// y of a vertex under the acceleration f, damped by d (1/s) towards the velocity u.
+Eigen::Vector3d predicted_position(const VertexHistory& past, const Stepping& step, const Eigen::Vector3d& f,
+                                   double d, const Eigen::Vector3d& u);
+
+// Where the iterations start; `share` of the acceleration that there was goes on.
+Eigen::Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Eigen::Vector3d& f,
+                                    double d, const Eigen::Vector3d& u, double share);
+
+// x_hat = y + a (g - y)
+Eigen::Vector3d pulled_position(const Eigen::Vector3d& y, const Eigen::Vector3d& g, double mass,
+                                double stiffness, double d, const Stepping& step);
+
+// v at the substep's end.
+Eigen::Vector3d differentiated_position(const Eigen::Vector3d& q, const VertexHistory& past,
+                                        const Stepping& step);
+
+// Chebyshev's semi-iteration, for a matrix with eigenvalues in [0, a], a the least of a_N and `stiffest`: the
+// change that step k = 0, 1, ... makes is x - x_prev = omega (gain (x_hat - x) + x - x_prev). The last step
+// is a plain one.
+struct Chebyshev {
+  Chebyshev(std::uint32_t steps, double largest);
+  double omega(std::uint32_t k) const;
+  double gain(std::uint32_t k) const;
+  // The share of the last acceleration that the iterations start with: 1 where a_N reaches `stiffest`, and
+  // falling with the stiffness a / (1 - a) where it does not.
+  double extrapolated() const;
+  std::uint32_t iterations;
+  double stiffest;
+  double rho;
+};
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,41 @@
+// Stiffness in physical units, for the implicit integrator: from Young's modulus or a frequency to K_i.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/build/layers.h"
+#include "host/build/one_ring.h"
+#include "host/build/weights.h"
+#include "host/model/model.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// k_r / E_r = V_r C_r of each region, 1/(s^2 Pa): V_r the volume that belongs to vertex r and
+//   C_r = (1/5) sum_a 1/s_a + (4/15) sum_{a<b} 1/(s_a + s_b),   s the eigenvalues of S_r = sum m_i r_i r_i^T.
+// `volume` in m^3, `unit` metres per working unit.
+std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState& state,
+                                         std::span<const double> volume, double unit);
+
+// Of an implicit scene: fills the model's Young's moduli and stiffnesses, the layers' frequencies and the
+// damping that a ratio asks for, and multiplies the weights by k_r.
+//
+// A region takes the modulus of its vertex's layer. Where that states none, as a kinematic one may, it takes
+// the mean, by mass, of its vertices that have one. A layer's frequency is that of its lowest mode with
+// everything else held still, all regions that reach into the layer being as stiff as the layer.
+//
+// Throws scene::SceneError for a frequency or a ratio of a layer that nothing holds.
+void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
+                  const RestState& state, std::span<const double> volume, RegionWeights& weights,
+                  model::Model& model, Report& report);
+
+// Sets the scene's substeps where it says "auto": the least with which
+//   2 pi f h <= 0.16 for the lowest mode f of every layer, by which the stepping's own errors stay small, and
+//   K H^2 / m, the mean over each layer, is what the iterations resolve (model::resolved_stiffness),
+// at most most_auto_substeps, which is a warning. The model knows the frequencies.
+void choose_steps(scene::Scene& scene, const model::Model& model, Report& report);
+
+inline constexpr std::uint32_t most_auto_substeps = 32;
+
+}  // namespace fascicle::build

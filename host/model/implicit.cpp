@@ -1,0 +1,107 @@
+#include "host/model/implicit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fascicle::model {
+
+namespace {
+
+// The length H by which y and a are made.
+double step_of(double h, bool with_history) {
+  return with_history ? 2.0 * h / 3.0 : h;
+}
+
+// Neither factor of a vertex may bring denormal numbers into a product that no snap sees.
+float at_least_least(double x) {
+  const float factor = static_cast<float>(x);
+  return factor < least_factor ? least_factor : factor;
+}
+float or_nothing(double x) {
+  const float factor = static_cast<float>(x);
+  return factor < least_factor ? 0.0f : factor;
+}
+
+// The x > 1 at which Chebyshev's polynomial of that degree is `reduction`, by bisection: rho = 1/x.
+double beyond_band(std::uint32_t degree) {
+  constexpr double reduction = 20.0;
+  const auto chebyshev = [&](double x) {
+    double before = 1.0, now = x;
+    for (std::uint32_t k = 1; k < degree && now < reduction; ++k) {
+      const double next = 2.0 * x * now - before;
+      before = now;
+      now = next;
+    }
+    return now;
+  };
+  double low = 1.0, high = reduction;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = (low + high) / 2.0;
+    (chebyshev(middle) < reduction ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history) {
+  shader::ImplicitStep step{};
+  step.step = static_cast<float>(step_of(tables.h, with_history));
+  step.history = with_history ? static_cast<float>(1.0 / 3.0) : 0.0f;
+  step.skin_history = with_history ? 0.5f : 0.0f;
+  step.inverse_step = static_cast<float>((with_history ? 1.5 : 1.0) / tables.h);
+  step.extrapolated = with_history ? static_cast<float>(tables.extrapolated) : 0.0f;
+  step.omega = 1.0f;
+  step.gain = 1.0f;
+  step.first_response = with_history ? model.vertex_count : 0;
+  return step;
+}
+
+ImplicitTables implicit_tables(const Model& model, const SolverOptions& options, double h) {
+  ImplicitTables tables;
+  tables.h = h;
+  tables.responses.reserve(2 * std::size_t{model.vertex_count});
+  for (const bool with_history : {false, true}) {
+    const double H = step_of(h, with_history);
+    double stiffest = 0.0;
+    for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+      const double damped = 1.0 + model.layers[model.layer_of(i)].damping * H;
+      const double pull = model.stiffness[i] * (H * H);
+      tables.responses.push_back({or_nothing(pull / (damped + pull)),
+                                  at_least_least(damped / (damped + pull)), at_least_least(1.0 / damped),
+                                  or_nothing((damped - 1.0) / damped)});
+      if (!model.is_kinematic(i)) stiffest = std::max(stiffest, pull / (damped + pull));
+    }
+    tables.relaxations[with_history ? 1 : 0] = relaxations(options.iterations, stiffest);
+    if (with_history) tables.extrapolated = extrapolated_share(options.iterations, stiffest);
+  }
+  return tables;
+}
+
+double extrapolated_share(std::uint32_t iterations, double stiffest) {
+  const double resolved = resolved_stiffness(iterations) * resolved_stiffness(iterations);
+  return std::min(1.0, resolved * (1.0 - stiffest) / stiffest);
+}
+
+std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest) {
+  const std::uint32_t over_relaxed = iterations - 1;
+  const double rho = std::min(1.0 / beyond_band(over_relaxed), stiffest / (2.0 - stiffest));
+  std::vector<Relaxation> all;
+  double omega = 1.0;
+  for (std::uint32_t k = 0; k < over_relaxed; ++k) {
+    if (k == 1) omega = 2.0 / (2.0 - rho * rho);
+    if (k > 1) omega = 4.0 / (4.0 - rho * rho * omega);
+    all.push_back({static_cast<float>(omega), static_cast<float>(1.0 + rho)});
+  }
+  all.push_back({});
+  return all;
+}
+
+// The band [0, a_N] is mapped to [-rho, rho]: a_N = 2 rho/(1 + rho), and a = K H^2/(m + K H^2).
+double resolved_stiffness(std::uint32_t iterations) {
+  if (iterations < 2) return 0.0;
+  const double x = beyond_band(iterations - 1);
+  return std::sqrt(2.0 / (x - 1.0));
+}
+
+}  // namespace fascicle::model

@@ -1,0 +1,114 @@
+// Young's modulus, frequency and damping ratio on their way into a Model, against the Oracle's own formulas.
+#include "host/build/stiffness.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/oracle_implicit.h"
+#include "host/scene/scene.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using model::Model;
+
+scene::Scene elastic_scene(double E) {
+  scene::Scene scene = bar_scene();
+  scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};
+  scene.solver.integrator = "implicit";
+  scene.layers[0].youngs_modulus = E;
+  return scene;
+}
+
+// The Oracle solves for the compliance on nine entries of the strain; the build takes it from S's invariants.
+TEST(Stiffness, IsTheOracles) {
+  const Model m = build_quietly(elastic_scene(1.7e4));
+  check_model(m);
+  const std::vector<double> k = cpu_reference::region_stiffness(m);
+  const std::vector<double> K = cpu_reference::vertex_stiffness(m, k);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    EXPECT_EQ(m.youngs_modulus[i], 1.7e4);
+    // Volumes are taken from positions in double here, from floats there: 1e-7 of the body over a cell's
+    // size.
+    EXPECT_NEAR(m.stiffness[i] * m.mass[i], K[i], 1e-5 * K[i]);
+  }
+}
+
+// A regular tetrahedron's four vertices: S = (m/4) sum r r^T is a multiple of the identity s, C = 1/s.
+TEST(Stiffness, OfARegularTetrahedronIsByHand) {
+  scene::Scene scene = elastic_scene(1e3);
+  scene::TetMesh mesh;
+  mesh.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+  mesh.tetrahedra = {{0, 1, 2, 3}};
+  scene.geometry = mesh;
+  scene.layers[0].density = 600.0;
+  scene.pins.clear();
+  const Model m = build_quietly(scene);
+  // Volume 8/3, a quarter of it at each vertex; sum m r r^T = 4 m I; k = E V / (4 m) = E / (4 density); four
+  // regions.
+  for (const double stiffness : m.stiffness) EXPECT_NEAR(stiffness, 4.0 * 1e3 / (4.0 * 600.0), 1e-6);
+}
+
+// A kinematic layer states no modulus: its regions are as stiff as the flesh they reach into.
+TEST(Stiffness, ARegionWithoutAModulusTakesItsNeighbours) {
+  scene::Scene scene = elastic_scene(5e3);
+  scene::Layer bone;
+  bone.name = "bone";
+  bone.kinematic = true;
+  bone.where = {scene::HalfSpace{scene::Axis::x, true, true, 0.3}};
+  scene.layers.push_back(bone);
+  for (const double E : build_quietly(scene).youngs_modulus) EXPECT_NEAR(E, 5e3, 1e-9);
+}
+
+// The lowest mode scales with the root of E, does not care for the unit, and stays with refinement.
+TEST(Stiffness, FrequencyGivesAModulus) {
+  scene::Scene scene = elastic_scene(2e4);
+  scene.layers[0].youngs_modulus.reset();
+  scene.layers[0].frequency = 2.5;
+  scene.layers[0].damping_ratio = 0.25;
+  const Model slow = build_quietly(scene);
+  EXPECT_NEAR(slow.layers[0].frequency, 2.5, 1e-9);
+  EXPECT_NEAR(slow.layers[0].damping, 2.0 * 0.25 * 2.0 * M_PI * 2.5, 1e-9);
+  scene.layers[0].frequency = 5.0;
+  EXPECT_NEAR(build_quietly(scene).youngs_modulus[0], 4.0 * slow.youngs_modulus[0],
+              1e-6 * slow.youngs_modulus[0]);
+
+  scene::Scene by_modulus = elastic_scene(slow.youngs_modulus[0]);
+  by_modulus.layers[0].damping_ratio = 0.25;
+  EXPECT_NEAR(build_quietly(by_modulus).layers[0].frequency, 2.5, 1e-6);
+}
+
+TEST(Stiffness, ABodyThatNothingHoldsHasNoLowestMode) {
+  scene::Scene scene = elastic_scene(2e4);
+  scene.layers[0].damping_ratio = 0.25;
+  scene.pins.clear();
+  expect_refusal([&] { build_quietly(scene); }, "nothing holds it");
+}
+
+// "auto": by the lowest mode, by what the iterations reach, and not without end.
+TEST(Stiffness, SubstepsFollowTheStiffness) {
+  const auto substeps = [](double E, double fps, std::size_t* warnings = nullptr) {
+    scene::Scene scene = elastic_scene(E);
+    scene.solver.auto_substeps = true;
+    scene.fps = fps;
+    build::Report report;
+    const Model m = build::build_model(scene, report);
+    report.warnings.clear();
+    build::choose_steps(scene, m, report);
+    if (warnings != nullptr) *warnings = report.warnings.size();
+    return scene.solver.substeps;
+  };
+  std::size_t warnings = 1;
+  EXPECT_EQ(substeps(1e2, 60.0, &warnings), 1u);
+  EXPECT_EQ(warnings, 0u);
+  const std::uint32_t at_60 = substeps(5e6, 60.0);
+  EXPECT_GT(at_60, 2u);
+  EXPECT_NEAR(substeps(5e6, 30.0), 2.0 * at_60, 1.0);
+  EXPECT_EQ(substeps(1e12, 60.0, &warnings), build::most_auto_substeps);
+  EXPECT_EQ(warnings, 1u);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,312 @@
+// The implicit integrator on small bodies: CpuSolver beside the Oracle, and what must hold of any step.
+#include "host/model/implicit.h"
+
+#include <cmath>
+#include <cstdlib>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle_implicit.h"
+#include "host/model/validate.h"
+#include "tests/cpu_reference/oracle_run.h"
+#include "tests/support/test_models.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+using cpu_reference::make_cpu_solver;
+using cpu_reference::Oracle;
+using Eigen::Vector3d;
+using model::Frame;
+using model::Model;
+using model::Solver;
+
+constexpr model::SolverOptions implicit{.integrator = model::Integrator::implicit_step};
+constexpr model::Read both{.positions = true, .velocities = true};
+
+Vector3d triple(const std::vector<float>& values, std::size_t i) {
+  return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+}
+
+// A small bar held at its low x end; E in Pa.
+Model held_bar(double E, float beta = 0.0f, double damping = 0.0) {
+  BodyOptions options;
+  options.beta = beta;
+  options.fibre = {0.6, 0.8, 0.0};
+  options.damping = damping;
+  options.kinematic = [](const Vector3d& p) { return p.x() < 1e-3; };
+  return make_implicit(make_model(jittered(kuhn_bar(6, 2, 2, 1.0 / 32), 1.0 / 4096, 8, 3), options), E);
+}
+
+Model free_bar(double E, float beta, double density = 1000.0) {
+  BodyOptions options;
+  options.beta = beta;
+  options.fibre = {0.6, 0.8, 0.0};
+  options.density = density;
+  return make_implicit(make_model(jittered(kuhn_bar(6, 2, 2, 1.0 / 32), 1.0 / 4096, 8, 3), options), E);
+}
+
+// Bones that sway and forces that pull.
+struct Swaying {
+  TestDrive drive;
+  explicit Swaying(const Model& model) : drive(quiet_drive(model, 1.0 / 180.0, 3, {0.3, -9.81, 0.2})) {}
+  model::Drive at(std::uint64_t frame) {
+    const auto wave = [&](std::size_t k) {
+      return static_cast<float>(std::sin(0.1 * static_cast<double>(frame) + 0.03 * static_cast<double>(k)));
+    };
+    for (std::size_t k = 0; k < drive.bones.size(); ++k) {
+      drive.bones[k].xt = 0.02f * wave(k);
+      drive.bones[k].xy = 0.05f * wave(k + 9);
+      drive.bones[k].yx = -drive.bones[k].xy;
+    }
+    for (std::size_t k = 0; k < drive.muscles.size(); ++k) drive.muscles[k] = {0.0f, 1.0f, 0.0f, wave(k)};
+    for (std::size_t k = 0; k < drive.forces.size(); ++k)
+      drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
+    return drive.get();
+  }
+};
+
+// Skeletons, muscles, forces and shares of the skeleton's acceleration, as explicit random models have them.
+// Rounding is amplified by 1 / (1 - a) at most, here some hundreds, and by the over-relaxation: 20 frames
+// stay below 1e-4 of the bodies' quarter of a metre.
+TEST(Implicit, CpuStaysNearTheOracle) {
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    Model model = random_model(seed);
+    model.momentum_scaled = true;
+    model = make_implicit(model, 2e3 * (seed + 1));
+    check_model(model);
+    const auto solver = make_cpu_solver(model, implicit, 2);
+    Oracle oracle(model, implicit);
+    oracle.load(solver->save());
+    Swaying sway(model);
+    const model::Distance distance = model::distance_to(
+        model, *solver, oracle, [&](std::uint64_t k) { return sway.at(k); }, 20);
+    EXPECT_LT(distance.largest, 2.5e-5)
+        << "seed " << seed << " frame " << distance.frame << " vertex " << distance.vertex;
+    EXPECT_GT(distance.largest, 0.0);
+  }
+}
+
+// Threads, probes, and a state saved and loaded in the midst of a motion change no bit; a probe sees each
+// iteration.
+TEST(Implicit, ThreadsProbesAndSavingDoNotMatter) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    Model model = random_model(seed);
+    model.momentum_scaled = true;
+    model = make_implicit(model, 5e3);
+    struct Watch : model::Probe {
+      void on_stage(const model::Where& where, std::span<const float>) override {
+        relaxed += where.stage == model::Stage::relax && where.iteration + 1 == implicit.iterations;
+      }
+      int relaxed = 0;
+    } watch;
+    const auto one = make_cpu_solver(model, implicit, 1), three = make_cpu_solver(model, implicit, 3);
+    std::unique_ptr<Solver> resumed = make_cpu_solver(model, implicit, 1);
+    Swaying sway(model);
+    for (std::uint64_t k = 1; k <= 4; ++k) {
+      one->submit(sway.at(k), both);
+      three->submit(sway.at(k), both, &watch);
+      const model::State state = resumed->save();
+      resumed = make_cpu_solver(model, implicit, 2);
+      resumed->load(state);
+      resumed->submit(sway.at(k), both);
+      const Frame a = one->collect(), b = three->collect(), c = resumed->collect();
+      ASSERT_EQ(a.positions, b.positions) << seed;
+      ASSERT_EQ(a.velocities, b.velocities) << seed;
+      ASSERT_EQ(a.positions, c.positions) << seed;
+      ASSERT_EQ(a.velocities, c.velocities) << seed;
+    }
+    EXPECT_EQ(watch.relaxed, 12);
+    EXPECT_EQ(one->save(), three->save());
+  }
+}
+
+// A substep of another length is no history, on every solver alike.
+TEST(Implicit, ChangingTheStepBeginsAnew) {
+  const Model model = held_bar(2e4);
+  const auto solver = make_cpu_solver(model, implicit, 1);
+  Oracle oracle(model, implicit);
+  double largest = 0.0;
+  for (const double h : {1.0 / 60, 1.0 / 60, 1.0 / 240, 1.0 / 240, 1.0 / 30}) {
+    TestDrive drive = quiet_drive(model, h, 1, {0, -9.81, 0});
+    solver->submit(drive.get(), both);
+    oracle.submit(drive.get(), both);
+    const Frame a = solver->collect(), b = oracle.collect();
+    for (std::size_t i = 0; i < model.vertex_count; ++i)
+      largest = std::max(largest, (triple(a.positions, i) - triple(b.positions, i)).norm());
+  }
+  EXPECT_LT(largest, 2e-6);  // a few roundings of 6e-8 a step, on a body 0.2 long
+}
+
+// h -> 0 and the first step: v + h f, whatever the stiffness, for a body that nothing deforms.
+TEST(Implicit, AFreeBodyFallsAsItShould) {
+  const Model model = free_bar(2e3, 0.0f);
+  const auto solver = make_cpu_solver(model, implicit, 1);
+  TestDrive drive = quiet_drive(model, 1.0 / 240, 4, {0, -9.81, 0});
+  Frame frame;
+  for (int k = 0; k < 30; ++k) {
+    solver->submit(drive.get(), both);
+    frame = solver->collect();
+  }
+  // Half a second: g t and g t^2 / 2. What 20 iterations leave of a step, a twentieth at most, is in the
+  // start already but for the first few; and the first step, backward Euler, goes g h^2 too far.
+  for (std::size_t i = 0; i < model.vertex_count; ++i) {
+    EXPECT_NEAR(frame.velocities[3 * i + 1], -9.81 * 0.5, 0.01 * 9.81 * 0.5);
+    EXPECT_NEAR(frame.positions[3 * i + 1] - model.rest[3 * i + 1], -9.81 * 0.125, 0.02 * 9.81 * 0.125);
+  }
+}
+
+// A free body, stretched unevenly and let go, does not push itself. The goals conserve momentum; what the
+// iterations leave does not: prototype 1e-6 of the motion when converged. With 20 of them a thousandth is
+// asked, and less with more.
+TEST(Implicit, AFreeBodyKeepsItsMomentum) {
+  for (const float beta : {0.0f, 1.0f}) {
+    const Model model = free_bar(5e3, beta);
+    for (const std::uint32_t iterations : {20u, 80u}) {
+      const auto solver = make_cpu_solver(
+          model, {.integrator = model::Integrator::implicit_step, .iterations = iterations}, 1);
+      model::State state = solver->save();
+      for (std::size_t i = 0; i < model.vertex_count; ++i)
+        state.positions[3 * i] *= 1.2f + 2.0f * state.positions[3 * i + 1];
+      solver->load(state);
+      TestDrive quiet = quiet_drive(model, 1.0 / 240.0, 4);
+      double motion = 0.0, drift = 0.0;
+      for (int k = 0; k < 30; ++k) {
+        solver->submit(quiet.get(), both);
+        const Frame frame = solver->collect();
+        Vector3d p = Vector3d::Zero();
+        double scale = 0.0;
+        for (std::size_t i = 0; i < model.vertex_count; ++i) {
+          p += model.mass[i] * triple(frame.velocities, i);
+          scale += model.mass[i] * triple(frame.velocities, i).norm();
+        }
+        motion = std::max(motion, scale);
+        drift = std::max(drift, p.norm());
+      }
+      RecordProperty("drift_beta" + std::to_string(int(beta)) + "_iterations" + std::to_string(iterations),
+                     std::to_string(drift / motion));
+      EXPECT_LT(drift, (iterations == 20 ? 2e-3 : 1e-4) * motion) << "beta " << beta;
+    }
+  }
+}
+
+// Kinetic energy and the regions' (1/2) sum_r sum_i w_ir |q_i - g_i^r|^2, by the Oracle's weights.
+class Energy {
+ public:
+  explicit Energy(const Model& model) : model_(model), rest_(rest_points(model)), oracle_(model, implicit) {}
+  double operator()(const Frame& frame) const {
+    double energy = 0.0;
+    std::vector<Vector3d> q(model_.vertex_count);
+    for (std::uint32_t i = 0; i < model_.vertex_count; ++i) {
+      q[i] = triple(frame.positions, i);
+      energy += 0.5 * model_.mass[i] * triple(frame.velocities, i).squaredNorm();
+    }
+    for (std::uint32_t r = 0; r < model_.vertex_count; ++r) {
+      std::vector<std::uint32_t> members(model_.ring.begin() + model_.ring_offset[r],
+                                         model_.ring.begin() + model_.ring_offset[r + 1]);
+      members.push_back(r);
+      double W = 0.0;
+      Vector3d c = Vector3d::Zero(), c0 = Vector3d::Zero();
+      for (const std::uint32_t i : members) {
+        const double w = oracle_.weight(i, r);
+        W += w;
+        c += w * q[i];
+        c0 += w * rest_[i];
+      }
+      c /= W;
+      c0 /= W;
+      Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+      double squares = 0.0;
+      for (const std::uint32_t i : members) {
+        const double w = oracle_.weight(i, r);
+        A += w * (q[i] - c) * (rest_[i] - c0).transpose();
+        squares += w * ((q[i] - c).squaredNorm() + (rest_[i] - c0).squaredNorm());
+      }
+      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(A);
+      const Vector3d s = svd.singularValues();
+      energy += 0.5 * squares - (s[0] + s[1] + (A.determinant() < 0.0 ? -s[2] : s[2]));
+    }
+    return energy;
+  }
+
+ private:
+  const Model& model_;
+  const Points rest_;
+  const Oracle oracle_;
+};
+
+// The corners: 1 Pa and 1 GPa, 0.1 ms and 1/12 s, 1 and 10,000 kg/m^3, a free body that starts stretched and
+// moving. Finite, and no more energy than it had, but for a hundredth. The full 10,000 steps take minutes;
+// ctest takes 500 of each corner (FASCICLE_IMPLICIT_STEPS=10000 runs them all).
+TEST(Implicit, CornersStayFiniteAndGainNoEnergy) {
+  const char* asked = std::getenv("FASCICLE_IMPLICIT_STEPS");
+  const int steps = asked != nullptr ? std::atoi(asked) : 500;
+  for (const double E : {1.0, 1e9})
+    for (const double h : {1e-4, 1.0 / 12.0})
+      for (const double density : {1.0, 1e4}) {
+        const Model model = free_bar(E, 0.7f, density);
+        const Energy energy(model);
+        const auto solver = make_cpu_solver(model, implicit, 1);
+        model::State state = solver->save();
+        for (std::size_t i = 0; i < model.vertex_count; ++i) {
+          state.positions[3 * i] *= 1.1f + state.positions[3 * i + 1];
+          state.velocities[3 * i + 1] = state.positions[3 * i];
+        }
+        solver->load(state);
+        Frame frame;
+        frame.positions = state.positions;
+        frame.velocities = state.velocities;
+        const double before = energy(frame);
+        double most = 0.0;
+        TestDrive quiet = quiet_drive(model, h, 10);
+        for (int k = 0; k < steps / 10; ++k) {
+          solver->submit(quiet.get(), both);
+          frame = solver->collect();
+          const double now = energy(frame);
+          ASSERT_TRUE(std::isfinite(now))
+              << E << " Pa, " << h << " s, " << density << " kg/m^3, step " << 10 * k;
+          most = std::max(most, now);
+        }
+        EXPECT_LE(most, 1.01 * before) << E << " Pa, " << h << " s, " << density << " kg/m^3";
+      }
+}
+
+// Chebyshev's numbers, by recurrence and by the polynomials themselves, for soft bodies and for stiff ones.
+TEST(Implicit, RelaxationsAreChebyshevs) {
+  for (const double stiffest : {0.0, 1e-3, 0.5, 0.99, 0.9999})
+    for (const std::uint32_t iterations : {1u, 2u, 5u, 20u, 80u}) {
+      const std::vector<model::Relaxation> all = model::relaxations(iterations, stiffest);
+      const cpu_reference::Chebyshev chebyshev(iterations, stiffest);
+      if (iterations > 1) {
+        EXPECT_NEAR(model::extrapolated_share(iterations, stiffest), chebyshev.extrapolated(), 1e-6)
+            << iterations << ", " << stiffest;
+      }
+      ASSERT_EQ(all.size(), iterations);
+      for (std::uint32_t k = 0; k < iterations; ++k) {
+        EXPECT_NEAR(all[k].omega, chebyshev.omega(k), 1e-6) << k << " of " << iterations << ", " << stiffest;
+        EXPECT_NEAR(all[k].gain, chebyshev.gain(k), 1e-6) << k << " of " << iterations << ", " << stiffest;
+      }
+    }
+}
+
+// Model and options must be of one kind.
+TEST(Implicit, RefusesAModelOfTheOtherIntegrator) {
+  const Model plain = make_model(kuhn_bar(2, 1, 1, 0.5));
+  EXPECT_THROW(make_cpu_solver(plain, implicit, 1), std::invalid_argument);
+  EXPECT_THROW(Oracle(plain, implicit), std::invalid_argument);
+  const Model elastic = make_implicit(plain, 1e4);
+  EXPECT_THROW(make_cpu_solver(elastic, {}, 1), std::invalid_argument);
+  model::State state = make_cpu_solver(plain, {}, 1)->save();
+  state.positions_before = state.positions;
+  state.velocities_before = state.velocities;
+  EXPECT_THROW(make_cpu_solver(plain, {}, 1)->load(state), std::invalid_argument);
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
