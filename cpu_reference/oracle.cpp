@@ -387,7 +387,9 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
     const auto muscles = drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count);
     if (m.is_implicit()) {
       const Stepping step{h, s.step_before == drive.h};
-      const Chebyshev chebyshev(s.options.iterations, s.stiffest(step));
+      double gain = 0.0;
+      for (const float g : m.volume_gain) gain = std::max(gain, double(g));
+      const Chebyshev chebyshev(s.options.iterations, s.stiffest(step), gain / 2.0);
       s.begin_implicit(gravity, forces, step, chebyshev.extrapolated());
       show(Stage::predict);
       for (std::uint32_t k = 0; k < s.options.iterations; ++k) {

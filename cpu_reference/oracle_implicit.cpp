@@ -122,14 +122,16 @@ Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, c
   return (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
 }
 
-// [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20.
-Chebyshev::Chebyshev(std::uint32_t steps, double largest)
-    : iterations(steps),
-      stiffest(largest),
-      rho(std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), largest / (2.0 - largest))) {}
+// [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20. Where
+// factors go down to -s a, the share 1/(1 + s a) of each pass brings them to [0, (a + s a)/(1 + s a)].
+Chebyshev::Chebyshev(std::uint32_t steps, double largest, double overshoot)
+    : iterations(steps), stiffest(largest), share(1.0 / (1.0 + overshoot * largest)) {
+  const double slowest = (largest + overshoot * largest) * share;
+  rho = std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), slowest / (2.0 - slowest));
+}
 
 double Chebyshev::gain(std::uint32_t k) const {
-  return k + 1 == iterations ? 1.0 : 1.0 + rho;
+  return k + 1 == iterations ? share : share * (1.0 + rho);
 }
 
 double Chebyshev::extrapolated() const {

@@ -50,9 +50,9 @@ Eigen::Vector3d differentiated_position(const Eigen::Vector3d& q, const VertexHi
 
 // Chebyshev's semi-iteration, for a matrix with eigenvalues in [0, a], a the least of a_N and `stiffest`: the
 // change that step k = 0, 1, ... makes is x - x_prev = omega (gain (x_hat - x) + x - x_prev). The last step
-// is a plain one.
+// is a plain one. `overshoot`: with a volume term eigenvalues go down to about -overshoot a.
 struct Chebyshev {
-  Chebyshev(std::uint32_t steps, double largest);
+  Chebyshev(std::uint32_t steps, double largest, double overshoot = 0.0);
   double omega(std::uint32_t k) const;
   double gain(std::uint32_t k) const;
   // The share of the last acceleration that the iterations start with: 1 where a_N reaches `stiffest`, and
@@ -60,7 +60,8 @@ struct Chebyshev {
   double extrapolated() const;
   std::uint32_t iterations;
   double stiffest;
-  double rho;
+  double share;  // of each pass that is taken
+  double rho = 0.0;
 };
 
 }  // namespace fascicle::cpu_reference

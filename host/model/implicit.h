@@ -35,7 +35,10 @@ shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tab
 // the best that iterations can do, and more than is needed where no a reaches a_N. Modes beyond a_N, of
 // bodies so stiff that the iterations do not reach across them, converge over several substeps. The last
 // iteration is a plain one, which takes away what rounding left in rough modes.
-std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest);
+//
+// A volume term sends modes beyond their goal, by up to `overshoot` times `stiffest` of their error. Only a
+// share of each pass is taken then, such that their factors are 0 again at the least.
+std::vector<Relaxation> relaxations(std::uint32_t iterations, double stiffest, double overshoot = 0.0);
 
 // The share of the last substep's acceleration from which the iterations go on: 1 where they resolve the
 // largest a, `stiffest`, and falling with the stiffness K H^2 / m = a / (1 - a) where they do not.

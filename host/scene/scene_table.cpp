@@ -314,6 +314,11 @@ struct Tables {
             .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",
             .range = between(0.0, 1.0),
             .fallback = Layer{}.inertia_scale},
+           {.name = "volume",
+            .doc =
+                "How strongly volume is drawn back to rest; 1: as strongly as the stiffness leaves stable.",
+            .range = between(0.0, 1.0),
+            .fallback = Layer{}.volume},
            where_key(shape, false,
                      "What belongs to the layer; where absent, all that no other layer claims.")},
       .alternatives = {{"alpha", "youngs_modulus", "frequency", "material"},
