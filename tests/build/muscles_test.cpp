@@ -108,8 +108,12 @@ TEST(Muscles, ShareRegionsAndJoints) {
     for (std::uint32_t e = m.muscle_offset[r]; e < m.muscle_offset[r + 1]; ++e) {
       const shader::RegionMuscle& entry = m.region_muscle[e];
       muscles.push_back(entry.muscle);
-      if (entry.muscle == 0) EXPECT_EQ(m.layers[m.layer_of(r)].name, "muscle");
-      if (entry.muscle == 1) EXPECT_GE(place(m, r).y(), -1e-6);
+      if (entry.muscle == 0) {
+        EXPECT_EQ(m.layers[m.layer_of(r)].name, "muscle");
+      }
+      if (entry.muscle == 1) {
+        EXPECT_GE(place(m, r).y(), -1e-6);
+      }
       if (entry.muscle == 2) {
         // Half of the distance from the axis over the forearm's 0.26 m.
         const double distance = Vector3d(0.0, place(m, r).y(), place(m, r).z()).norm();

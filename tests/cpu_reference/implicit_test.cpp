@@ -64,7 +64,8 @@ struct Swaying {
       drive.bones[k].xy = 0.05f * wave(k + 9);
       drive.bones[k].yx = -drive.bones[k].xy;
     }
-    for (std::size_t k = 0; k < drive.muscles.size(); ++k) drive.muscles[k] = {0.0f, 1.0f, 0.0f, wave(k)};
+    for (std::size_t k = 0; k < drive.muscles.size(); ++k)
+      drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.0f, 0.0f};
     for (std::size_t k = 0; k < drive.forces.size(); ++k)
       drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
     return drive.get();
