@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Geometry>
-
 #include "host/model/rotation.h"
 #include "host/scene/pose.h"
 #include "host/scene/pose_interpolation.h"
@@ -84,8 +82,9 @@ MuscleDrive::MuscleDrive(const scene::Scene& scene, const scene::Character& char
       prepared.axis = wanted.axis;
       prepared.at_rest =
           (wanted.path == scene::ChannelPath::scale ? joint.rest_scale : joint.rest_translation)[wanted.axis];
-      for (const scene::Channel& channel : clip != nullptr ? clip->channels : std::vector<scene::Channel>{})
-        if (channel.joint == wanted.joint && channel.path == wanted.path) prepared.channel = &channel;
+      if (clip != nullptr)
+        for (const scene::Channel& channel : clip->channels)
+          if (channel.joint == wanted.joint && channel.path == wanted.path) prepared.channel = &channel;
     }
     prepared_.push_back(std::move(prepared));
     if (prepared_.back().bones.bend) prepared_.back().hinge = hinge_of(m, clip);
@@ -101,7 +100,7 @@ MuscleDrive::Bend MuscleDrive::bend_of(const scene::Muscle& muscle, const scene:
   const Vector3d u = above / std::sqrt(above.squaredNorm()), l = below / std::sqrt(below.squaredNorm());
   Bend bend;
   bend.cosine = std::clamp(u.dot(l), -1.0, 1.0);
-  const Vector3d normal = u.cross(l);
+  const Vector3d normal(u[1] * l[2] - u[2] * l[1], u[2] * l[0] - u[0] * l[2], u[0] * l[1] - u[1] * l[0]);
   bend.sine = std::sqrt(normal.squaredNorm());
   // Across the bone that carries the muscle, towards the other one.
   const bool is_on_lower = bones.moves[bones.bend->joint] != 0;

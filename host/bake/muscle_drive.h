@@ -7,8 +7,8 @@
 
 #include "host/bake/timeline.h"
 #include "host/model/model.h"
+#include "host/model/solver.h"
 #include "host/scene/muscle_bones.h"
-#include "shaders/shared.h"
 
 namespace fascicle::bake {
 

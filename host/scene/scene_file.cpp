@@ -393,8 +393,9 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   const bool has_added = add_layers(root, input.folder);
   apply_overrides(root, overrides);
   check_scene(root);
-  if (table_at(root, "layers").empty())
-    fail(root.source(), "layers", "is missing; give at least one [layers.NAME]");
+  if (!root.contains("layers")) fail(root.source(), "layers", "is missing; give at least one [layers.NAME]");
+  if (const toml::table& layers = table_at(root, "layers"); layers.empty())
+    fail(layers.source(), "layers", "is empty; give at least one [layers.NAME]");
 
   Scene scene;
   scene.name = input.name;

@@ -79,13 +79,29 @@ TEST_F(Readme, ScriptKnowsItsSubcommands) {
   EXPECT_EQ(seen, 2u) << "the first screen shows two commands";
 }
 
-TEST_F(Readme, SceneFileIsOne) {
-  std::ofstream file(folder_ / "readme.toml");
-  for (const std::string& line : fenced("toml")) file << line << "\n";
-  file.close();
-  const scene::Scene scene = scene::load_scene((folder_ / "readme.toml").string());
-  EXPECT_EQ(scene.layers.size(), 2u);
-  EXPECT_EQ(scene.forces.size(), 1u);
+TEST_F(Readme, SceneFilesAreSome) {
+  // A new file begins where the fenced text names a body.
+  std::vector<std::string> texts;
+  bool has_body = true;
+  for (const std::string& line : fenced("toml")) {
+    if (line == "[scene]" || (line == "[character]" && has_body)) {
+      texts.emplace_back();
+      has_body = false;
+    }
+    has_body = has_body || line == "[bar]" || line == "[character]";
+    ASSERT_FALSE(texts.empty()) << line;
+    texts.back() += line + "\n";
+  }
+  std::vector<scene::Scene> scenes;
+  for (const std::string& text : texts) {
+    std::ofstream(folder_ / "readme.toml") << text;
+    scenes.push_back(scene::load_scene((folder_ / "readme.toml").string()));
+  }
+  ASSERT_EQ(scenes.size(), 2u);
+  EXPECT_EQ(scenes[0].layers.size(), 2u);
+  EXPECT_EQ(scenes[0].forces.size(), 1u);
+  EXPECT_EQ(scenes[1].layers.size(), 3u);
+  EXPECT_EQ(scenes[1].muscles.size(), 1u);
 }
 
 }  // namespace

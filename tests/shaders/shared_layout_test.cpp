@@ -116,7 +116,8 @@ TEST(SharedLayout, SubstepAndPush) {
                MEMBER(Substep, surface_count), MEMBER(Substep, joint_count), MEMBER(Substep, first_bone),
                MEMBER(Substep, first_muscle), MEMBER(Substep, first_force)}));
   const Layout push = layout_in(shader::update_module(), "Push");
-  EXPECT_EQ(push.members, (Members{MEMBER(Push, substep), MEMBER(Push, first_slice)}));
+  EXPECT_EQ(push.members,
+            (Members{MEMBER(Push, substep), MEMBER(Push, first_slice), MEMBER(Push, implicit)}));
 }
 
 }  // namespace

@@ -144,7 +144,8 @@ TEST(Module, UsedBindingsAreThoseTheCodeTouches) {
             (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_surface,
                                         shader::buffer_surface_vertex, shader::buffer_surface_weight}));
   EXPECT_EQ(spirv_exact::used_bindings(shader::rebase_module()),
-            (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_skinned}));
+            (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_skinned,
+                                        shader::buffer_position_before}));
 }
 
 }  // namespace
