@@ -80,15 +80,16 @@ TEST_F(Readme, ScriptKnowsItsSubcommands) {
 }
 
 TEST_F(Readme, SceneFilesAreSome) {
-  // A new file begins where the fenced text names a body.
+  // A new file begins with [scene], or with a second body.
   std::vector<std::string> texts;
   bool has_body = true;
   for (const std::string& line : fenced("toml")) {
-    if (line == "[scene]" || (line == "[character]" && has_body)) {
+    const bool is_body = line.starts_with("[bar]") || line.starts_with("[character]");
+    if (line == "[scene]" || (is_body && has_body)) {
       texts.emplace_back();
       has_body = false;
     }
-    has_body = has_body || line == "[bar]" || line == "[character]";
+    has_body = has_body || is_body;
     ASSERT_FALSE(texts.empty()) << line;
     texts.back() += line + "\n";
   }
