@@ -19,7 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using Field = std::vector<Vector3d>;
 
-constexpr int most_iterations = 5000;
+constexpr int most_quotients = 5000;
 // Settled: the quotient fell by less than this share in as many iterations.
 constexpr double settled = 1e-6;
 constexpr int settled_iterations = 20;
@@ -179,7 +179,7 @@ std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<cha
   stiffness.apply(x, Lx);
   double rw_before = 0.0;
   std::vector<double> quotients;
-  for (int k = 0; k < most_iterations; ++k) {
+  for (int k = 0; k < most_quotients; ++k) {
     const Field Mx = weighed(x);
     const double xmx = inner(x, Mx, is_free), xlx = inner(x, Lx, is_free);
     const double quotient = xlx / xmx;
