@@ -20,14 +20,14 @@ namespace {
 using Eigen::Vector3d;
 
 // The tip's displacement after each frame, m.
-struct Swing {
+struct RodSwing {
   double fps = 0.0;
   std::uint32_t substeps = 0;
   double frequency = 0.0;  // of the layer, as the build found it
   std::vector<Vector3d> tip;
 };
 
-Swing swing(const std::string& name, const std::vector<std::string>& set, double fps, double seconds) {
+RodSwing swing_of(const std::string& name, const std::vector<std::string>& set, double fps, double seconds) {
   scene::Scene scene = scene::load_scene(name, {.set = set, .fps = fps, .end = seconds});
   build::Report report;
   const model::Model model = build::build_model(scene, report);
@@ -36,7 +36,7 @@ Swing swing(const std::string& name, const std::vector<std::string>& set, double
   const auto solver = cpu_reference::make_cpu_solver(
       model, {.integrator = model::Integrator::implicit_step, .iterations = scene.solver.iterations}, 2);
   solver->load(drives.initial_state());
-  Swing result{fps, scene.solver.substeps, model.layers[0].frequency, {}};
+  RodSwing result{fps, scene.solver.substeps, model.layers[0].frequency, {}};
   for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {
     solver->submit(drives.drive(k), {.positions = true});
     const model::Frame frame = solver->collect();
@@ -54,7 +54,7 @@ Swing swing(const std::string& name, const std::vector<std::string>& set, double
 double sag(const std::string& name, std::vector<std::string> set = {}, double fps = 30.0,
            double seconds = 2.0, double damping = 25.0) {
   set.push_back("layers.body.damping=" + std::to_string(damping));
-  const Swing s = swing(name, set, fps, seconds);
+  const RodSwing s = swing_of(name, set, fps, seconds);
   // Still: within a thousandth of where it was a quarter of a second before. Only downward: sideways, where a
   // mesh is not symmetric, the hanging rod creeps for longer.
   const double before = s.tip[s.tip.size() - 1 - static_cast<std::size_t>(fps / 4.0)].y();
@@ -137,7 +137,7 @@ struct Mode {
 };
 
 // From a decaying swing: the times and heights of its turns, by parabolas through three frames.
-Mode mode_of(const Swing& s) {
+Mode mode_of(const RodSwing& s) {
   std::vector<std::pair<double, double>> turns;
   for (std::size_t i = 1; i + 1 < s.tip.size(); ++i) {
     const double a = s.tip[i - 1].y(), b = s.tip[i].y(), c = s.tip[i + 1].y(), bend = a - 2.0 * b + c;
@@ -162,10 +162,10 @@ Mode mode_of(const Swing& s) {
 TEST(Rods, SwingAtTheFrequencyAndRatioAskedFor) {
   for (const int along : {11, 21})
     for (const double fps : {24.0, 30.0, 60.0, 120.0}) {
-      const Swing s = swing("rod-cantilever",
-                            {vertices(along, false), "layers.body.frequency=3",
-                             "layers.body.damping_ratio=0.1", "scene.gravity=[0, -0.35, 0.35]"},
-                            fps, 1.5);
+      const RodSwing s = swing_of("rod-cantilever",
+                                  {vertices(along, false), "layers.body.frequency=3",
+                                   "layers.body.damping_ratio=0.1", "scene.gravity=[0, -0.35, 0.35]"},
+                                  fps, 1.5);
       EXPECT_NEAR(s.frequency, 3.0, 1e-6);
       const Mode mode = mode_of(s);
       EXPECT_NEAR(mode.frequency, 3.0, 0.03 * 3.0) << along << " vertices, " << fps << " fps";

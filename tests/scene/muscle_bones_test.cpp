@@ -14,14 +14,14 @@ using scene::Vector3d;
 
 constexpr std::uint32_t shoulder = 0, upper_arm = 1, forearm = 2, hand = 3;
 
-const scene::Character& arm() {
+const scene::Character& made_arm() {
   static const scene::Character character = scene::make_character("arm");
   return character;
 }
 
-std::string refusal(const Muscle& muscle) {
+std::string muscle_refusal(const Muscle& muscle) {
   try {
-    scene::muscle_bones(arm(), muscle);
+    scene::muscle_bones(made_arm(), muscle);
   } catch (const scene::SceneError& error) {
     return error.what();
   }
@@ -29,7 +29,7 @@ std::string refusal(const Muscle& muscle) {
 }
 
 TEST(MuscleBones, AJointsUpperBoneCarriesTheMuscle) {
-  const MuscleBones bones = scene::muscle_bones(arm(), {.name = "m", .joint = "forearm"});
+  const MuscleBones bones = scene::muscle_bones(made_arm(), {.name = "m", .joint = "forearm"});
   ASSERT_TRUE(bones.bend.has_value());
   EXPECT_EQ(bones.bend->upper, upper_arm);
   EXPECT_EQ(bones.bend->joint, forearm);
@@ -43,14 +43,16 @@ TEST(MuscleBones, AJointsUpperBoneCarriesTheMuscle) {
 }
 
 TEST(MuscleBones, TheLowerBoneWhereItIsNamed) {
-  const MuscleBones bones = scene::muscle_bones(arm(), {.name = "m", .joint = "forearm", .bone = "forearm"});
+  const MuscleBones bones =
+      scene::muscle_bones(made_arm(), {.name = "m", .joint = "forearm", .bone = "forearm"});
   EXPECT_EQ(bones.carrier, forearm);
   EXPECT_EQ(bones.moves, (std::vector<char>{0, 0, 1, 0}));
   EXPECT_EQ(bones.twisted, hand);
 }
 
 TEST(MuscleBones, BonesOverSeveralJoints) {
-  const MuscleBones bones = scene::muscle_bones(arm(), {.name = "m", .joint = "hand", .parent = "upper_arm"});
+  const MuscleBones bones =
+      scene::muscle_bones(made_arm(), {.name = "m", .joint = "hand", .parent = "upper_arm"});
   EXPECT_EQ(bones.from, Vector3d(0.0, 0.0, 0.0));
   EXPECT_EQ(bones.carrier, forearm) << "the last joint along the bone";
   EXPECT_EQ(bones.moves, (std::vector<char>{0, 1, 1, 0}));
@@ -60,35 +62,36 @@ TEST(MuscleBones, BonesOverSeveralJoints) {
 
 TEST(MuscleBones, WithoutAJointABoneAlone) {
   const MuscleBones bones =
-      scene::muscle_bones(arm(), {.name = "m", .bone = "forearm", .twist_joint = "upper_arm"});
+      scene::muscle_bones(made_arm(), {.name = "m", .bone = "forearm", .twist_joint = "upper_arm"});
   EXPECT_FALSE(bones.bend.has_value());
-  EXPECT_EQ(bones.to, scene::joint_place(arm().skeleton[hand]));
+  EXPECT_EQ(bones.to, scene::joint_place(made_arm().skeleton[hand]));
   EXPECT_EQ(bones.twisted, upper_arm);
   EXPECT_EQ(bones.against, shoulder);
 }
 
 TEST(MuscleBones, RefusesWhatDoesNotFit) {
   EXPECT_EQ(
-      refusal({.name = "m", .joint = "foerarm"}),
+      muscle_refusal({.name = "m", .joint = "foerarm"}),
       "muscle.m.joint: no joint is called \"foerarm\"; did you mean forearm?; `fascicle inspect` lists them");
-  EXPECT_TRUE(refusal({.name = "m", .joint = "shoulder"}).starts_with("muscle.m.joint: above \"shoulder\""));
-  EXPECT_TRUE(refusal({.name = "m", .joint = "forearm", .parent = "hand"})
+  EXPECT_TRUE(
+      muscle_refusal({.name = "m", .joint = "shoulder"}).starts_with("muscle.m.joint: above \"shoulder\""));
+  EXPECT_TRUE(muscle_refusal({.name = "m", .joint = "forearm", .parent = "hand"})
                   .starts_with("muscle.m.parent: \"hand\" is not above"));
-  EXPECT_TRUE(refusal({.name = "m", .joint = "forearm", .child = "upper_arm"})
+  EXPECT_TRUE(muscle_refusal({.name = "m", .joint = "forearm", .child = "upper_arm"})
                   .starts_with("muscle.m.child: \"upper_arm\" is not below"));
-  EXPECT_TRUE(refusal({.name = "m", .joint = "hand", .bone = "shoulder"})
+  EXPECT_TRUE(muscle_refusal({.name = "m", .joint = "hand", .bone = "shoulder"})
                   .starts_with("muscle.m.bone: \"shoulder\" is neither of"));
 }
 
 TEST(ContractionChannel, IsAJointAPartAndAnAxis) {
   const scene::ContractionChannel channel =
-      scene::contraction_channel(arm(), {.name = "m", .contraction_channel = "hand.scale.y"});
+      scene::contraction_channel(made_arm(), {.name = "m", .contraction_channel = "hand.scale.y"});
   EXPECT_EQ(channel.joint, hand);
   EXPECT_EQ(channel.path, scene::ChannelPath::scale);
   EXPECT_EQ(channel.axis, 1u);
   for (const char* text :
        {"", "x", ".x", "hand.x", "hand.rotation.x", "hand.scale.w", "hand.scale.", "hund.scale.x"})
-    EXPECT_THROW(scene::contraction_channel(arm(), {.name = "m", .contraction_channel = text}),
+    EXPECT_THROW(scene::contraction_channel(made_arm(), {.name = "m", .contraction_channel = text}),
                  scene::SceneError)
         << text;
 }
