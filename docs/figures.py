@@ -268,27 +268,68 @@ def read_png(path):
 JUMP = (0.0, 0.85, 1.13, 1.38, 1.8, 2.1)
 
 
+def strip(program, folder, name, frames, *options):
+    """Stills side by side: the rows of the picture, RGB."""
+    stills = []
+    for frame in frames:
+        path = os.path.join(OUT, f"{name}-{frame}.png")
+        subprocess.run([program, "render", folder, "-o", path, "--frame", str(frame), *options, "--overwrite", "-q"],
+                       check=True, stdout=subprocess.DEVNULL)
+        stills.append(read_png(path))
+    return [b"".join(still[2][y] for still in stills) for y in range(stills[0][1])]
+
+
+def save_strips(name, strips):
+    canvas = Canvas(0, 0)
+    canvas.w, canvas.h, canvas.pixels = len(strips[0]) // 3, len(strips), b"".join(strips)
+    with open(f"docs/figures/{name}.png", "wb") as file:
+        file.write(canvas.png())
+    print(f"docs/figures/{name}.png")
+
+
 def figure_9(program):
     """Stills of the jump side by side; below, the same with how far the flesh is from where skinning has it."""
     folder = bake(program, "jump")
     fps = json.load(open(os.path.join(folder, "manifest.json"), encoding="utf-8"))["scene"]["fps"]
+    frames = [round(time * fps) for time in JUMP]
     strips = []
     for mode in ("shaded", "lag"):
-        stills = []
-        for time in JUMP:
-            path = os.path.join(OUT, f"jump-{mode}-{time}.png")
-            subprocess.run([program, "render", folder, "-o", path, "--frame", str(round(time * fps)), "--mode", mode,
-                            "--lag-scale", "200", "--turn", "-10", "--size", "190x285", "--overwrite", "-q"],
-                           check=True, stdout=subprocess.DEVNULL)
-            stills.append(read_png(path))
-        strips += [b"".join(still[2][y] for still in stills) for y in range(stills[0][1])]
-    canvas = Canvas(0, 0)
-    canvas.w, canvas.h, canvas.pixels = len(strips[0]) // 3, len(strips), b"".join(strips)
-    with open("docs/figures/figure-9.png", "wb") as file:
-        file.write(canvas.png())
-    print("docs/figures/figure-9.png")
+        strips += strip(program, folder, f"jump-{mode}", frames, "--mode", mode, "--lag-scale", "200", "--turn", "-10", "--size", "190x285")
+    save_strips("figure-9", strips)
     metrics = read_bake(folder)["metrics"]
     return {"belly, lowest and highest, m": [f([m["belly_y"] for m in metrics]) for f in (min, max)]}
+
+
+# Frames of the arm's curl: straight, on the way, and folded to 160 degrees.
+CURL = (0, 60, 75, 90, 115)
+
+
+def figure_10(program):
+    """Stills of the curl with muscles; below, the same without; and the volume of both over the bend."""
+    silent = [f"--set=muscle.{name}.gain=0" for name in ("biceps", "triceps")]
+    folders = [bake(program, "arm"), bake(program, "arm", "arm-without", silent)]
+    strips = []
+    for name, folder in zip(("arm", "arm-without"), folders):
+        strips += strip(program, folder, name, CURL, "--view", "front", "--size", "230x160")
+    save_strips("figure-10", strips)
+    curves = [[(m["time"], m["volume_ratio"]) for m in read_bake(folder)["metrics"]] for folder in folders]
+    width, height, left, top, w, h = 960, 260, 70, 30, 860, 180
+    end, low, high = curves[0][-1][0], min(v for c in curves for _, v in c), max(v for c in curves for _, v in c)
+    low, high = math.floor(200 * low) / 200, math.ceil(200 * high) / 200
+    px = lambda t: left + w * t / end
+    py = lambda v: top + h * (high - v) / (high - low)
+    body = ""
+    for k in range(int(2 * end) + 1):
+        body += f'<line x1="{px(k / 2)}" x2="{px(k / 2)}" y1="{top}" y2="{top + h}" stroke="#e4e4e4"/>\n' + text(px(k / 2), top + h + 18, f"{k / 2:g} s")
+    for k in range(round(200 * (high - low)) + 1):
+        v = low + k / 200
+        body += f'<line x1="{left}" x2="{left + w}" y1="{py(v)}" y2="{py(v)}" stroke="#e4e4e4"/>\n' + text(left - 8, py(v) + 5, f"{100 * v:.1f} %", "end")
+    for k, (label, ink) in enumerate((("with muscles", "#a52a2a"), ("without", "#555753"))):
+        points = " ".join(f"{px(t):.1f},{py(v):.1f}" for t, v in curves[k])
+        body += f'<polyline points="{points}" fill="none" stroke="{ink}" stroke-width="2"/>\n' + text(left + 80 + 130 * k, 20, label, fill=ink, font_weight="bold")
+    body += text(left + w, 20, "volume of the whole arm, of that at rest", "end", font_size=12)
+    svg("volume", width, height, body)
+    return {"volume, mean difference": sum(abs(a / b - 1) for (_, a), (_, b) in zip(*curves)) / len(curves[0])}
 
 
 def lag(program, scene, figure, more=()):
@@ -326,7 +367,7 @@ def main():
         print(json.dumps({"lag, character": lag(program, sys.argv[2], "lag-character", ["--clip", sys.argv[3]])}, indent=2))
         return
     print(json.dumps({"figure 6, stretch": figure_6(program), "figure 7, drop": figure_7(program),
-                      "figure 8, RMS distance of tips": figure_8(program), "figure 9": figure_9(program), "lag": lag(program, "jump", "lag")}, indent=2))
+                      "figure 8, RMS distance of tips": figure_8(program), "figure 9": figure_9(program), "figure 10": figure_10(program), "lag": lag(program, "jump", "lag")}, indent=2))
 
 
 if __name__ == "__main__":
