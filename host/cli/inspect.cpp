@@ -7,6 +7,7 @@
 #include "host/cli/command.h"
 #include "host/cli/model_vtu.h"
 #include "host/cli/text.h"
+#include "host/scene/muscle_bones.h"
 
 namespace fascicle::cli {
 namespace {
@@ -41,6 +42,29 @@ Json json_of(const std::vector<build::JointReport>& joints) {
                     {"ends_chain", joint.ends_chain},
                     {"kinematic", joint.is_kinematic}});
   return list;
+}
+
+// What a muscle of the scene has become.
+struct MuscleCount {
+  std::string name, bone;
+  double bone_length = 0.0;  // m
+  std::size_t regions = 0, bulging = 0;
+};
+
+std::vector<MuscleCount> count_muscles(const scene::Scene& scene, const model::Model& model) {
+  std::vector<MuscleCount> counts;
+  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  if (character == nullptr) return counts;
+  for (const scene::Muscle& muscle : scene.muscles) {
+    const scene::MuscleBones bones = scene::muscle_bones(*character, muscle);
+    counts.push_back({muscle.name, character->skeleton[bones.carrier].name,
+                      scene.scale * (bones.to - bones.from).norm(), 0, 0});
+  }
+  for (const shader::RegionMuscle& entry : model.region_muscle) {
+    ++counts[entry.muscle].regions;
+    counts[entry.muscle].bulging += entry.bulge != 0.0f ? 1u : 0u;
+  }
+  return counts;
 }
 
 Json json_of(const build::FibreReport& fibres) {
@@ -98,6 +122,13 @@ Json json_of(const scene::Scene& scene, const Built& built) {
   Json probes = Json::array();
   for (const model::ProbeSet& probe : model.probes)
     probes.push_back({{"name", probe.name}, {"vertices", probe.vertices.size()}});
+  Json muscles = Json::array();
+  for (const MuscleCount& muscle : count_muscles(scene, model))
+    muscles.push_back({{"name", muscle.name},
+                       {"bone", muscle.bone},
+                       {"bone_length_m", muscle.bone_length},
+                       {"regions", muscle.regions},
+                       {"bulging_regions", muscle.bulging}});
   Json warnings = Json::array();
   for (const build::Warning& warning : report.warnings)
     warnings.push_back({{"text", warning.text}, {"vertices", warning.vertices}});
@@ -137,6 +168,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
             {"vertices_added", report.bone_vertices_added}}},
           {"fibres", json_of(report.fibres)},
           {"layers", layers},
+          {"muscles", muscles},
           {"probes", probes},
           {"warnings", warnings},
           {"build_seconds", report.seconds}};
@@ -257,6 +289,13 @@ void print_text(const scene::Scene& scene, const Built& built) {
   std::cout << columns_text(rows);
   print_joints(report);
   print_fibres(report.fibres);
+
+  rows.clear();
+  for (const MuscleCount& muscle : count_muscles(scene, model))
+    rows.emplace_back(muscle.name, count_text(muscle.regions) + " regions on the bone of " + muscle.bone +
+                                       ", " + millimetres(muscle.bone_length) + " long; " +
+                                       count_text(muscle.bulging) + " of them bulge");
+  if (!rows.empty()) std::cout << "muscles\n" << columns_text(rows);
 
   rows.clear();
   for (const model::ProbeSet& probe : model.probes)
