@@ -210,5 +210,15 @@ TEST(CommandLine, ResultsThatCannotBeWrittenAreAnError) {
   EXPECT_EQ(status, 1 << 8);
 }
 
+TEST(CommandLine, InspectTellsWhatMusclesHaveBecome) {
+  const nlohmann::json muscles =
+      nlohmann::json::parse(fascicle({"inspect", "arm", "--json"}).out).at("muscles");
+  ASSERT_EQ(muscles.size(), 2u);
+  EXPECT_EQ(muscles[0].at("name"), "biceps");
+  EXPECT_EQ(muscles[0].at("bone"), "upper_arm");
+  EXPECT_GT(muscles[0].at("bulging_regions"), 300);
+  EXPECT_GT(muscles[0].at("regions"), muscles[0].at("bulging_regions"));
+}
+
 }  // namespace
 }  // namespace fascicle::tests
