@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/bake/muscle_drive.h"
+#include "host/bake/pose_blend.h"
 #include "host/bake/timeline.h"
 #include "host/model/rotation.h"
 #include "host/scene/trigonometry.h"
@@ -68,11 +69,8 @@ std::array<double, 3> array_of(const Vector3d& v) {
 }
 
 // g - R g with R the rotation of a joint's map: what has become of gravity in the joint's frame.
-Vector3d change_of_gravity(const Eigen::Matrix3d& linear, const Vector3d& gravity) {
-  model::Matrix3 rows{};
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = linear(r, c);
-  const auto turned = model::multiply(model::nearest_rotation(rows), array_of(gravity));
+Vector3d change_of_gravity(const Eigen::Matrix4d& map, const Vector3d& gravity) {
+  const auto turned = model::multiply(model::nearest_rotation(rows_of(map)), array_of(gravity));
   return gravity - Vector3d(turned[0], turned[1], turned[2]);
 }
 
@@ -116,7 +114,7 @@ void DriveSource::Impl::append_bones(const Pose& pose, const Vector3d& origin,
     const Eigen::Matrix3d l = map.topLeftCorner<3, 3>();
     const Vector3d t = (l * rest_origin() + map.topRightCorner<3, 1>() * scene.scale - origin) / model.unit;
     Vector3d g = Vector3d::Zero();
-    if (scene.motion.rest == scene::Rest::sculpted) g = change_of_gravity(l, scene.gravity) / model.unit;
+    if (scene.motion.rest == scene::Rest::sculpted) g = change_of_gravity(map, scene.gravity) / model.unit;
     const auto f = [](double x) { return static_cast<float>(x); };
     to.push_back({f(l(0, 0)), f(l(0, 1)), f(l(0, 2)), f(t[0]),  //
                   f(l(1, 0)), f(l(1, 1)), f(l(1, 2)), f(t[1]),  //

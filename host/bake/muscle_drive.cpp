@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/bake/pose_blend.h"
 #include "host/model/rotation.h"
 #include "host/scene/pose.h"
 #include "host/scene/pose_interpolation.h"
@@ -29,10 +30,7 @@ double activation_of(const scene::Muscle& muscle, double cosine, double sine) {
 }
 
 model::Matrix3 rotation_of(const Eigen::Matrix4d& from_bind) {
-  model::Matrix3 rows{};
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = from_bind(r, c);
-  return model::nearest_rotation(rows);
+  return model::nearest_rotation(rows_of(from_bind));
 }
 
 Vector3d vector_of(const std::array<double, 3>& v) {

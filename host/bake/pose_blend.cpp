@@ -9,6 +9,13 @@
 
 namespace fascicle::bake {
 
+model::Matrix3 rows_of(const Eigen::Matrix4d& map) {
+  model::Matrix3 rows{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = map(r, c);
+  return rows;
+}
+
 namespace {
 
 using Eigen::Matrix3d;
@@ -40,9 +47,7 @@ struct Parts {
 };
 
 Parts parts_of(const Matrix4d& map) {
-  model::Matrix3 rows{};
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) rows[static_cast<std::size_t>(3 * r + c)] = map(r, c);
+  const model::Matrix3 rows = rows_of(map);
   const model::Matrix3 rotation = model::nearest_rotation(rows);
   const model::Matrix3 stretch = model::multiply(model::transposed(rotation), rows);
   const model::Quaternion q = model::quaternion_of(rotation);

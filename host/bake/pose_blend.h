@@ -3,9 +3,13 @@
 
 #include <vector>
 
+#include "host/model/rotation.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::bake {
+
+// The linear part of a map, row by row.
+model::Matrix3 rows_of(const Eigen::Matrix4d& map);
 
 // For each joint the map from its own space to the world. At share 0 the bind pose, moved and turned as a
 // whole so that joint `root` stands as in `pose`; at share 1 `pose`; between them each joint is turned,

@@ -14,11 +14,6 @@ using Eigen::Vector3d;
 
 constexpr double share_steps = 65536.0;
 
-Vector3d rest_at(const RestState& state, std::size_t i) {
-  return {static_cast<double>(state.rest[3 * i]), static_cast<double>(state.rest[3 * i + 1]),
-          static_cast<double>(state.rest[3 * i + 2])};
-}
-
 // Rounds to steps; where rounding up took more than there is, the largest share gives it back.
 void quantise(std::span<const double> exact, std::vector<std::int32_t>& steps) {
   steps.resize(exact.size());

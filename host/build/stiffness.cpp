@@ -23,10 +23,6 @@ constexpr double two_pi = 6.283185307179586;
 // ratio by (2 pi f h)^3/4, 0.001.
 constexpr double longest_phase = 0.16;
 
-Vector3d rest_place(const RestState& state, std::size_t i) {
-  return {double{state.rest[3 * i]}, double{state.rest[3 * i + 1]}, double{state.rest[3 * i + 2]}};
-}
-
 template <class Visit>
 void for_each_of_region(const OneRings& rings, std::size_t r, Visit visit) {
   visit(r);
@@ -35,17 +31,17 @@ void for_each_of_region(const OneRings& rings, std::size_t r, Visit visit) {
 
 // The six entries xx yy zz xy xz yz of S_r.
 std::array<double, 6> second_moment(const OneRings& rings, const RestState& state, std::size_t r) {
-  const Vector3d q0 = rest_place(state, r);
+  const Vector3d q0 = rest_at(state, r);
   Vector3d first = Vector3d::Zero();
   double mass = 0.0;
   for_each_of_region(rings, r, [&](std::size_t i) {
-    first += state.mass[i] * (rest_place(state, i) - q0);
+    first += state.mass[i] * (rest_at(state, i) - q0);
     mass += state.mass[i];
   });
   const Vector3d centre = first / mass;
   std::array<double, 6> s{};
   for_each_of_region(rings, r, [&](std::size_t i) {
-    const Vector3d p = rest_place(state, i) - q0 - centre;
+    const Vector3d p = rest_at(state, i) - q0 - centre;
     const double m = state.mass[i];
     const std::array<double, 6> products{p[0] * p[0], p[1] * p[1], p[2] * p[2],
                                          p[0] * p[1], p[0] * p[2], p[1] * p[2]};

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "host/build/one_ring.h"
 #include "host/model/model.h"
 
@@ -18,6 +20,11 @@ struct RestState {
   std::span<const float> fibre;  // 3n, unit or 0 0 0
   std::span<const float> beta;   // n, 0 where there is no fibre
 };
+
+// A vertex's rest position, working units.
+inline Eigen::Vector3d rest_at(const RestState& state, std::size_t i) {
+  return {double{state.rest[3 * i]}, double{state.rest[3 * i + 1]}, double{state.rest[3 * i + 2]}};
+}
 
 struct RegionWeights {
   std::vector<double> own;    // n: w_rr

@@ -33,6 +33,16 @@ void need_character(const toml::table& table, const Surroundings& surroundings, 
   fail(table.source(), path, "only a [character] has these; use another shape");
 }
 
+// A range of a measure that is taken from the bones.
+template <class Range>
+Range read_from_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
+  Range range;
+  read_bounds(table, path, range);
+  read_per_bone(table, surroundings, path, range);
+  need_bones(table, surroundings, path);
+  return range;
+}
+
 HalfSpace read_half_space(const toml::table& table, bool below) {
   HalfSpace half_space;
   half_space.below = below;
@@ -76,20 +86,8 @@ Shape read_shape(const toml::table& table, const Surroundings& surroundings, con
     read(inner, "radius", capsule.radius);
     return capsule;
   }
-  if (kind == "bone_distance") {
-    BoneDistance distance;
-    read_bounds(inner, inner_path, distance);
-    read_per_bone(inner, surroundings, inner_path, distance);
-    need_bones(inner, surroundings, inner_path);
-    return distance;
-  }
-  if (kind == "depth") {
-    Depth depth;
-    read_bounds(inner, inner_path, depth);
-    read_per_bone(inner, surroundings, inner_path, depth);
-    need_bones(inner, surroundings, inner_path);
-    return depth;
-  }
+  if (kind == "bone_distance") return read_from_bone<BoneDistance>(inner, surroundings, inner_path);
+  if (kind == "depth") return read_from_bone<Depth>(inner, surroundings, inner_path);
   if (kind == "volume_share") {
     VolumeShare share;
     read_bounds(inner, inner_path, share);

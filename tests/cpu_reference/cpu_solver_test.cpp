@@ -11,6 +11,7 @@
 
 #include "cpu_reference/oracle.h"
 #include "host/model/validate.h"
+#include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {
@@ -27,28 +28,6 @@ using model::Stage;
 
 constexpr Read everything{.positions = true, .velocities = true, .surface = true};
 constexpr unsigned random_models = 12;
-
-// Sways the joints, contracts the muscles and pulls on the forces: every path of a random model is used.
-struct Sway {
-  TestDrive drive;
-  explicit Sway(const Model& model, std::uint32_t substeps = 3)
-      : drive(quiet_drive(model, 1.0 / 480.0, substeps, {0.3, -9.81, 0.2})) {}
-  Drive at(std::uint64_t frame) {
-    const auto wave = [&](std::size_t k) {
-      return static_cast<float>(std::sin(0.1 * static_cast<double>(frame) + 0.03 * static_cast<double>(k)));
-    };
-    for (std::size_t k = 0; k < drive.bones.size(); ++k) {
-      drive.bones[k].xt = 0.02f * wave(k);
-      drive.bones[k].xy = 0.05f * wave(k + 9);
-      drive.bones[k].yx = -drive.bones[k].xy;
-    }
-    for (std::size_t k = 0; k < drive.muscles.size(); ++k)
-      drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.5f * wave(k + 1), wave(k + 2)};
-    for (std::size_t k = 0; k < drive.forces.size(); ++k)
-      drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
-    return drive.get();
-  }
-};
 
 TEST(CpuSolver, ThreadsAndProbesDoNotMatter) {
   for (unsigned seed = 0; seed < random_models; ++seed) {
@@ -202,14 +181,7 @@ TEST(CpuSolver, UnscaledWeightsPushAFreeBody) {
 TEST(CpuSolver, BarAtRestDoesNotDrift) {
   const Model model = make_model(kuhn_bar(20, 4, 4, 0.05), {.alpha = 1.0f, .beta = 0.7f, .damping = 12.1});
   const auto solver = make_cpu_solver(model, {}, 2);
-  const model::State before = solver->save();
-  TestDrive quiet = quiet_drive(model, 1.0 / 600.0, 20);
-  for (int k = 0; k < 100; ++k) solver->submit(quiet.get(), {});
-  const model::State after = solver->save();
-  double largest = 0.0;
-  for (std::size_t k = 0; k < before.positions.size(); ++k)
-    largest = std::max(largest, static_cast<double>(std::abs(after.positions[k] - before.positions[k])));
-  EXPECT_LT(largest, 1.5e-4);
+  EXPECT_LT(drift_at_rest(model, *solver), 1.5e-4);
 }
 
 // Relative damping: a skeleton carried at 5 m/s, with the origin following it, gives the same body plus the

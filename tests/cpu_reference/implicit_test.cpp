@@ -13,6 +13,7 @@
 #include "cpu_reference/oracle_implicit.h"
 #include "host/model/validate.h"
 #include "tests/cpu_reference/oracle_run.h"
+#include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {
@@ -51,25 +52,16 @@ Model free_bar(double E, float beta, double density = 1000.0) {
   return make_implicit(make_model(jittered(kuhn_bar(6, 2, 2, 1.0 / 32), 1.0 / 4096, 8, 3), options), E);
 }
 
-// Bones that sway and forces that pull.
-struct Swaying {
-  TestDrive drive;
-  explicit Swaying(const Model& model) : drive(quiet_drive(model, 1.0 / 180.0, 3, {0.3, -9.81, 0.2})) {}
-  model::Drive at(std::uint64_t frame) {
-    const auto wave = [&](std::size_t k) {
-      return static_cast<float>(std::sin(0.1 * static_cast<double>(frame) + 0.03 * static_cast<double>(k)));
-    };
-    for (std::size_t k = 0; k < drive.bones.size(); ++k) {
-      drive.bones[k].xt = 0.02f * wave(k);
-      drive.bones[k].xy = 0.05f * wave(k + 9);
-      drive.bones[k].yx = -drive.bones[k].xy;
-    }
-    for (std::size_t k = 0; k < drive.muscles.size(); ++k)
-      drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.0f, 0.0f};
-    for (std::size_t k = 0; k < drive.forces.size(); ++k)
-      drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
-    return drive.get();
-  }
+for (std::size_t k = 0; k < drive.bones.size(); ++k) {
+  drive.bones[k].xt = 0.02f * wave(k);
+  drive.bones[k].xy = 0.05f * wave(k + 9);
+  drive.bones[k].yx = -drive.bones[k].xy;
+}
+for (std::size_t k = 0; k < drive.muscles.size(); ++k) drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.0f, 0.0f};
+for (std::size_t k = 0; k < drive.forces.size(); ++k)
+  drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
+return drive.get();
+}
 };
 
 // Skeletons, muscles, forces and shares of the skeleton's acceleration, as explicit random models have them.
@@ -90,7 +82,7 @@ TEST(Implicit, CpuStaysNearTheOracle) {
     const auto solver = make_cpu_solver(model, implicit, 2);
     Oracle oracle(model, implicit);
     oracle.load(solver->save());
-    Swaying sway(model);
+    Sway sway(model, 1.0 / 180.0);
     const model::Distance distance = model::distance_to(
         model, *solver, oracle, [&](std::uint64_t k) { return sway.at(k); }, 20);
     EXPECT_LT(distance.largest, 2.5e-5)
@@ -114,7 +106,7 @@ TEST(Implicit, ThreadsProbesAndSavingDoNotMatter) {
     } watch;
     const auto one = make_cpu_solver(model, implicit, 1), three = make_cpu_solver(model, implicit, 3);
     std::unique_ptr<Solver> resumed = make_cpu_solver(model, implicit, 1);
-    Swaying sway(model);
+    Sway sway(model, 1.0 / 180.0);
     for (std::uint64_t k = 1; k <= 4; ++k) {
       one->submit(sway.at(k), both);
       three->submit(sway.at(k), both, &watch);

@@ -12,6 +12,7 @@
 #include "cpu_reference/cpu_solver.h"
 #include "cpu_reference/oracle_equations.h"
 #include "tests/cpu_reference/oracle_run.h"
+#include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {
@@ -188,14 +189,7 @@ TEST(Volume, BarAtRestDoesNotDrift) {
   Model model = make_model(kuhn_bar(20, 4, 4, 0.05), {.alpha = 1.0f, .beta = 0.7f, .damping = 12.1});
   add_volume(model, full_gain);
   const auto solver = make_cpu_solver(model, {}, 1);
-  const model::State before = solver->save();
-  TestDrive quiet = quiet_drive(model, 1.0 / 600.0, 20);
-  for (int k = 0; k < 100; ++k) solver->submit(quiet.get(), {});
-  const model::State after = solver->save();
-  double largest = 0.0;
-  for (std::size_t k = 0; k < before.positions.size(); ++k)
-    largest = std::max(largest, static_cast<double>(std::abs(after.positions[k] - before.positions[k])));
-  EXPECT_LT(largest, 2.5e-4);
+  EXPECT_LT(drift_at_rest(model, *solver), 2.5e-4);
 }
 
 // A free body of which every vertex is put anywhere within a spacing and a half of its place: hundreds of

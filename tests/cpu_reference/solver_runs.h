@@ -1,0 +1,48 @@
+// Runs that several tests of the solvers make.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "host/model/solver.h"
+#include "tests/support/test_models.h"
+
+namespace fascicle::tests {
+
+// Sways the joints, contracts and twists the muscles and pulls on the forces: every path of a random model is
+// used.
+struct Sway {
+  TestDrive drive;
+  explicit Sway(const model::Model& model, double h = 1.0 / 480.0)
+      : drive(quiet_drive(model, h, 3, {0.3, -9.81, 0.2})) {}
+  model::Drive at(std::uint64_t frame) {
+    const auto wave = [&](std::size_t k) {
+      return static_cast<float>(std::sin(0.1 * static_cast<double>(frame) + 0.03 * static_cast<double>(k)));
+    };
+    for (std::size_t k = 0; k < drive.bones.size(); ++k) {
+      drive.bones[k].xt = 0.02f * wave(k);
+      drive.bones[k].xy = 0.05f * wave(k + 9);
+      drive.bones[k].yx = -drive.bones[k].xy;
+    }
+    for (std::size_t k = 0; k < drive.muscles.size(); ++k)
+      drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.5f * wave(k + 1), wave(k + 2)};
+    for (std::size_t k = 0; k < drive.forces.size(); ++k)
+      drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
+    return drive.get();
+  }
+};
+
+// How far a free body at rest has gone after 2,000 substeps of 1/600 s, working units.
+inline double drift_at_rest(const model::Model& model, model::Solver& solver) {
+  const model::State before = solver.save();
+  TestDrive quiet = quiet_drive(model, 1.0 / 600.0, 20);
+  for (int k = 0; k < 100; ++k) solver.submit(quiet.get(), {});
+  const model::State after = solver.save();
+  double largest = 0.0;
+  for (std::size_t k = 0; k < before.positions.size(); ++k)
+    largest = std::max(largest, static_cast<double>(std::abs(after.positions[k] - before.positions[k])));
+  return largest;
+}
+
+}  // namespace fascicle::tests
