@@ -134,8 +134,9 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
   for (std::size_t l = 0; l < scene.layers.size(); ++l) {
     const scene::Layer& layer = scene.layers[l];
     of_layer[l] = layer.youngs_modulus;
-    const bool moves = !layer.kinematic && std::any_of(layering.layer.begin(), layering.layer.end(),
-                                                       [&](std::uint32_t of) { return of == l; });
+    bool moves = false;
+    for (std::size_t i = 0; i < layering.layer.size(); ++i)
+      moves = moves || (layering.layer[i] == l && layering.kinematic[i] == 0);
     if (!moves || !needs_lowest_mode(scene, layer)) continue;
     const double lowest = stiffness_of_lowest_mode(scene, l, layering, body);
     if (layer.frequency) of_layer[l] = (two_pi * *layer.frequency) * (two_pi * *layer.frequency) / lowest;

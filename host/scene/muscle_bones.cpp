@@ -67,6 +67,10 @@ class Finder {
   std::uint32_t named(const char* key, const std::string& name) const {
     std::vector<std::string> names;
     for (std::uint32_t j = 0; j < joints_.size(); ++j) {
+      // A node that skins nothing has no place in the bind pose. A channel needs none.
+      if (joints_[j].name == name && !joints_[j].skins && std::string_view(key) != "contraction_channel")
+        refuse(key, "no vertex follows " + quoted(j) +
+                        ", so it has no place in the bind pose; name another joint");
       if (joints_[j].name == name) return j;
       names.push_back(joints_[j].name);
     }
@@ -120,8 +124,6 @@ class Finder {
   BendingJoint bend() const {
     BendingJoint bend;
     bend.joint = named("joint", muscle_.joint);
-    if (!joints_[bend.joint].skins)
-      refuse("joint", "no vertex follows " + quoted(bend.joint) + ", so it has no place");
     if (!muscle_.parent.empty()) {
       bend.upper = named("parent", muscle_.parent);
       if (bend.upper == bend.joint || !is_at_or_below(bend.joint, bend.upper))

@@ -434,6 +434,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   } else {
     read_character(table_at(root, "character"), input.folder, scene);
   }
+  check_muscle_bones(root, scene);
   read_body(root, scene);
   read_time(root, scene);
   read_motion(root, scene);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "host/scene/muscle_bones.h"
 #include "host/scene/scene_table.h"
 #include "host/scene/scene_values.h"
 
@@ -58,6 +59,19 @@ void read_muscles(const toml::table& root, const Surroundings& surroundings, Sce
                    scene.muscles.push_back(read_muscle(name, table, surroundings, path));
                    check_muscle(scene.muscles.back(), table, path, scene.layers);
                  });
+}
+
+void check_muscle_bones(const toml::table& root, const Scene& scene) {
+  const auto* character = std::get_if<Character>(&scene.geometry);
+  if (character == nullptr) return;
+  for (const Muscle& muscle : scene.muscles) {
+    try {
+      muscle_bones(*character, muscle);
+      if (!muscle.contraction_channel.empty()) contraction_channel(*character, muscle);
+    } catch (const SceneError& error) {
+      throw SceneError(location(table_at(root, "muscle").get(muscle.name)->source()) + ": " + error.what());
+    }
+  }
 }
 
 }  // namespace fascicle::scene

@@ -47,4 +47,7 @@ Where read_where(const toml::table& owner, const Surroundings& surroundings, con
 // Adds [muscle.NAME] to the scene, whose layers have been read.
 void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 
+// Refuses muscles whose words fit no joints of the scene's character.
+void check_muscle_bones(const toml::table& root, const Scene& scene);
+
 }  // namespace fascicle::scene

@@ -83,6 +83,15 @@ TEST(MuscleBones, RefusesWhatDoesNotFit) {
                   .starts_with("muscle.m.bone: \"shoulder\" is neither of"));
 }
 
+// What no vertex follows has no inverse bind matrix, and so no place in the bind pose.
+TEST(MuscleBones, RefusesJointsThatSkinNothing) {
+  scene::Character character = made_arm();
+  character.skeleton[hand].skins = false;
+  for (const Muscle& muscle : {Muscle{.name = "m", .joint = "forearm", .child = "hand"},
+                               Muscle{.name = "m", .bone = "forearm", .twist_joint = "hand"}})
+    EXPECT_THROW(scene::muscle_bones(character, muscle), scene::SceneError);
+}
+
 TEST(ContractionChannel, IsAJointAPartAndAnAxis) {
   const scene::ContractionChannel channel =
       scene::contraction_channel(made_arm(), {.name = "m", .contraction_channel = "hand.scale.y"});
