@@ -52,18 +52,6 @@ Model free_bar(double E, float beta, double density = 1000.0) {
   return make_implicit(make_model(jittered(kuhn_bar(6, 2, 2, 1.0 / 32), 1.0 / 4096, 8, 3), options), E);
 }
 
-for (std::size_t k = 0; k < drive.bones.size(); ++k) {
-  drive.bones[k].xt = 0.02f * wave(k);
-  drive.bones[k].xy = 0.05f * wave(k + 9);
-  drive.bones[k].yx = -drive.bones[k].xy;
-}
-for (std::size_t k = 0; k < drive.muscles.size(); ++k) drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.0f, 0.0f};
-for (std::size_t k = 0; k < drive.forces.size(); ++k)
-  drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
-return drive.get();
-}
-};
-
 // Skeletons, muscles, forces and shares of the skeleton's acceleration, as explicit random models have them.
 // Rounding is amplified by 1 / (1 - a) at most, here some hundreds, and by the over-relaxation: 20 frames
 // stay below 1e-4 of the bodies' quarter of a metre.
