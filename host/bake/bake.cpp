@@ -153,6 +153,7 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   if (const auto manifest = read_manifest(options_.folder)) {
     before_ = manifest->timings;
     progress_.lead_in = manifest->lead_in;
+    progress_.clamped = manifest->clamped;
     ++before_.runs;
   }
   return found;
@@ -279,9 +280,12 @@ void Run::begin_sinks(std::uint64_t first) {
 void Run::step_frames(std::uint64_t first) {
   if (first > frames_) return;
   const auto submit = [&](std::uint64_t frame) {
-    const Stopwatch time(seconds_solver_);
-    const model::Drive drive = drives_.drive(frame);
+    const model::Drive drive = [&] {
+      const Stopwatch time(seconds_solver_);
+      return drives_.drive(frame);
+    }();
     note_clamped(drive, frame);
+    const Stopwatch time(seconds_solver_);
     solver_.submit(drive, needs_);
   };
   const auto stopped = [&] { return options_.interrupted != nullptr && options_.interrupted->load(); };

@@ -79,6 +79,12 @@ Json json_of(const LeadInSummary& led) {
           {"cycle_jump", or_null(led.jump)}};
 }
 
+void read_count(const Json& json, const char* key, std::uint64_t& out) {
+  if (!json.is_object()) return;
+  if (const auto entry = json.find(key); entry != json.end() && entry->is_number_unsigned())
+    out = entry->get<std::uint64_t>();
+}
+
 // What json_of wrote; what is not there, or of another type, stays as it is.
 LeadInSummary lead_in_of(const Json& json) {
   LeadInSummary led;
@@ -87,14 +93,10 @@ LeadInSummary lead_in_of(const Json& json) {
     if (const auto entry = json.find(key); entry != json.end() && entry->is_number())
       out = entry->get<double>();
   };
-  const auto read_count = [&](const char* key, std::uint64_t& out) {
-    if (const auto entry = json.find(key); entry != json.end() && entry->is_number_unsigned())
-      out = entry->get<std::uint64_t>();
-  };
-  read_count("preroll_frames", led.preroll_frames);
-  read_count("settle_frames", led.settle_frames);
+  read_count(json, "preroll_frames", led.preroll_frames);
+  read_count(json, "settle_frames", led.settle_frames);
   read("settled_speed", led.settled_speed);
-  read_count("cycles", led.cycles);
+  read_count(json, "cycles", led.cycles);
   read("cycle_jump", led.jump);
   return led;
 }
@@ -211,6 +213,10 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
                      .total = seconds("total_seconds"),
                      .runs = static_cast<std::uint64_t>(std::clamp(seconds("runs"), 1.0, 1e9))};
   if (const auto led = manifest.find("lead_in"); led != manifest.end()) summary.lead_in = lead_in_of(*led);
+  if (const auto clamped = manifest.find("clamped_muscles"); clamped != manifest.end()) {
+    read_count(*clamped, "regions", summary.clamped.regions);
+    read_count(*clamped, "frame", summary.clamped.frame);
+  }
   return summary;
 }
 

@@ -51,6 +51,7 @@ struct ManifestSummary {
   std::vector<std::pair<std::string, std::string>> input_hashes;
   Timings timings;
   LeadInSummary lead_in;
+  ClampedMuscles clamped;
 };
 // Nothing if there is no manifest in the folder or it is not one of fascicle.
 std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);

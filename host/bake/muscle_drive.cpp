@@ -37,11 +37,6 @@ Vector3d vector_of(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-float as_float(double x) {
-  const auto value = static_cast<float>(x);
-  return std::abs(value) < model::least_factor ? 0.0f : value;
-}
-
 }  // namespace
 
 std::uint64_t clamped_regions(const model::Model& model, std::span<const shader::Muscle> muscles) {
@@ -80,13 +75,11 @@ MuscleDrive::MuscleDrive(const scene::Scene& scene, const scene::Character& char
       prepared.axis = wanted.axis;
       prepared.at_rest =
           (wanted.path == scene::ChannelPath::scale ? joint.rest_scale : joint.rest_translation)[wanted.axis];
-      if (clip != nullptr)
-        for (const scene::Channel& channel : clip->channels)
-          if (channel.joint == wanted.joint && channel.path == wanted.path) prepared.channel = &channel;
+      prepared.channel = scene::find_channel(clip, wanted);
     }
     prepared_.push_back(std::move(prepared));
-    if (prepared_.back().bones.bend) prepared_.back().hinge = hinge_of(m, clip);
   }
+  find_hinges(clip);
 }
 
 MuscleDrive::Bend MuscleDrive::bend_of(const scene::Muscle& muscle, const scene::MuscleBones& bones,
@@ -129,20 +122,22 @@ Vector3d MuscleDrive::at_rest(std::size_t m, const Pose& pose, const Vector3d& d
       model::multiply(model::transposed(turn), std::array{direction[0], direction[1], direction[2]}));
 }
 
-Vector3d MuscleDrive::hinge_of(std::size_t m, const scene::Clip* clip) const {
-  Bend most;
-  Pose at;
+void MuscleDrive::find_hinges(const scene::Clip* clip) {
+  if (std::none_of(prepared_.begin(), prepared_.end(), [](const Prepared& p) { return p.bones.bend; }))
+    return;
+  std::vector<double> most(prepared_.size(), sine_without_side);
   const auto frames = std::max<std::uint64_t>(scene::cycle_frames(scene_), 1);
   for (std::uint64_t k = 0; k <= frames; ++k) {
     const double time = scene_.start + static_cast<double>(k) / scene_.fps;
-    Pose pose = scene::joint_transforms_at(character_, clip, time);
-    const Bend bend = bend_in(m, pose);
-    if (!(bend.sine > most.sine)) continue;
-    most = bend;
-    at = std::move(pose);
+    const Pose pose = scene::joint_transforms_at(character_, clip, time);
+    for (std::size_t m = 0; m < prepared_.size(); ++m) {
+      if (!prepared_[m].bones.bend) continue;
+      const Bend bend = bend_in(m, pose);
+      if (!(bend.sine > most[m])) continue;
+      most[m] = bend.sine;
+      prepared_[m].hinge = at_rest(m, pose, bend.tau / bend.sine);
+    }
   }
-  if (most.sine < sine_without_side) return Vector3d::Zero();
-  return at_rest(m, at, most.tau / most.sine);
 }
 
 // The angle by which the twisted joint has turned about the bone, in (-pi, pi].
@@ -181,7 +176,9 @@ void MuscleDrive::append(const Pose& pose, double time, std::vector<shader::Musc
     if (prepared.channel != nullptr)
       swell = scene::sample(*prepared.channel, time)[prepared.axis] - prepared.at_rest;
     const double twist = muscle.twist != 0.0 ? twist_in(m, pose) : 0.0;
-    to.push_back({as_float(tau[0]), as_float(tau[1]), as_float(tau[2]), as_float(swell), as_float(twist)});
+    using model::as_factor;
+    to.push_back(
+        {as_factor(tau[0]), as_factor(tau[1]), as_factor(tau[2]), as_factor(swell), as_factor(twist)});
   }
 }
 

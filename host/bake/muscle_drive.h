@@ -43,8 +43,9 @@ class MuscleDrive {
                const scene::Vector3d& joint, const scene::Vector3d& end) const;
   Bend bend_in(std::size_t muscle, const Pose& pose) const;
   scene::Vector3d at_rest(std::size_t muscle, const Pose& pose, const scene::Vector3d& direction) const;
-  scene::Vector3d hinge_of(std::size_t muscle, const scene::Clip* clip) const;
   double twist_in(std::size_t muscle, const Pose& pose) const;
+  // One walk through the clip's frames for all muscles.
+  void find_hinges(const scene::Clip* clip);
 
   const scene::Scene& scene_;
   const scene::Character& character_;

@@ -8,8 +8,8 @@ namespace fascicle::bake {
 // Of the program; the number in the root CMakeLists.txt.
 inline constexpr const char* fascicle_version = FASCICLE_VERSION;
 
-// Raised whenever the solvers' bits change for the same model and drives: two bakes compare only within one
-// number.
-inline constexpr std::uint32_t solver_version = 2;
+// Raised whenever a scene gets another model (its hash) or the solvers other bits for it: two bakes compare
+// only within one number.
+inline constexpr std::uint32_t solver_version = 3;
 
 }  // namespace fascicle::bake

@@ -84,8 +84,8 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     const bool has_fibre =
         model.fibre[3 * i] != 0.0f || model.fibre[3 * i + 1] != 0.0f || model.fibre[3 * i + 2] != 0.0f;
     model.mass.push_back(layer.density * volume[i]);
-    model.alpha.push_back(kinematic ? 0.0f : as_factor(layering.alpha[i]));
-    carried.push_back(kinematic ? 0.0f : as_factor(1.0 - layer.inertia_scale));
+    model.alpha.push_back(kinematic ? 0.0f : model::as_factor(layering.alpha[i]));
+    carried.push_back(kinematic ? 0.0f : model::as_factor(1.0 - layer.inertia_scale));
     model.beta.push_back(has_fibre ? static_cast<float>(layer.beta) : 0.0f);
     model.tag.push_back(l | (kinematic ? shader::tag_kinematic : 0u));
 

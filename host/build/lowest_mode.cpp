@@ -19,7 +19,6 @@ namespace {
 using Eigen::Vector3d;
 using Field = std::vector<Vector3d>;
 
-constexpr int most_quotients = 5000;
 // Settled: the quotient fell by less than this share in as many iterations.
 constexpr double settled = 1e-6;
 constexpr int settled_iterations = 20;
@@ -161,7 +160,8 @@ double best_step(double a11, double a12, double a22, double m11, double m12, dou
 
 }  // namespace
 
-std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<char>& is_free) {
+std::optional<LowestMode> lowest_mode(const ElasticBody& body, const std::vector<char>& is_free,
+                                      int most_iterations) {
   const Stiffness stiffness(body, is_free);
   const std::size_t n = is_free.size();
   double highest = 0.0;
@@ -179,14 +179,16 @@ std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<cha
   stiffness.apply(x, Lx);
   double rw_before = 0.0;
   std::vector<double> quotients;
-  for (int k = 0; k < most_quotients; ++k) {
+  bool has_settled = false;
+  for (int k = 0; k < most_iterations; ++k) {
     const Field Mx = weighed(x);
     const double xmx = inner(x, Mx, is_free), xlx = inner(x, Lx, is_free);
     const double quotient = xlx / xmx;
     quotients.push_back(quotient);
-    if (k >= settled_iterations &&
-        quotients[static_cast<std::size_t>(k - settled_iterations)] - quotient <= settled * quotient)
-      break;
+    has_settled =
+        k >= settled_iterations &&
+        quotients[static_cast<std::size_t>(k - settled_iterations)] - quotient <= settled * quotient;
+    if (has_settled) break;
     for (std::size_t i = 0; i < n; ++i) {
       if (!is_free[i]) continue;
       r[i] = Lx[i] - quotient * Mx[i];
@@ -213,7 +215,7 @@ std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<cha
   }
   // A free body's lowest modes are its rigid motions, at rounding's distance from 0.
   if (quotients.back() < 1e-9 * highest) return std::nullopt;
-  return quotients.back();
+  return LowestMode{quotients.back(), has_settled};
 }
 
 }  // namespace fascicle::build

@@ -17,8 +17,14 @@ struct ElasticBody {
   std::span<const double> k;     // k_r of each region, 1/s^2
 };
 
-// The square of the lowest circular frequency (1/s^2) of the free vertices about rest, all others held still,
+struct LowestMode {
+  double square = 0.0;  // of the circular frequency, 1/s^2; from above
+  bool settled = true;  // false: the iteration's limit came first
+};
+
+// The lowest circular frequency of the free vertices about rest, all others held still,
 // with momentum-scaled weights. Nothing where no free vertex is held by another, or where there is none.
-std::optional<double> lowest_mode(const ElasticBody& body, const std::vector<char>& is_free);
+std::optional<LowestMode> lowest_mode(const ElasticBody& body, const std::vector<char>& is_free,
+                                      int most_iterations = 5000);
 
 }  // namespace fascicle::build

@@ -7,6 +7,7 @@
 
 #include "host/build/message.h"
 #include "host/scene/muscle_bones.h"
+#include "host/scene/pose.h"
 #include "host/scene/trigonometry.h"
 
 namespace fascicle::build {
@@ -33,11 +34,6 @@ Vector3d unit_or_zero(const Vector3d& v, double least) {
   return length > least ? Vector3d(v / length) : Vector3d(Vector3d::Zero());
 }
 
-float as_direction(double x) {
-  const auto value = static_cast<float>(x);
-  return std::abs(value) < model::least_factor ? 0.0f : value;
-}
-
 // n_r away from the bone and across the fibre, the bone's axis, and around it.
 shader::RegionFrame frame_at(const Vector3d& place, const Vector3d& fibre, const Carrier& carrier) {
   const Vector3d axis = carrier.along / carrier.length;
@@ -45,9 +41,10 @@ shader::RegionFrame frame_at(const Vector3d& place, const Vector3d& fibre, const
   const Vector3d radial = unit_or_zero(offset - offset.dot(axis) * axis, 0.0);
   const Vector3d normal = unit_or_zero(radial - radial.dot(fibre) * fibre, least_direction);
   const Vector3d around = axis.cross(radial);
-  const auto f = [](double x) { return as_direction(x); };
-  return {f(normal[0]), f(normal[1]), f(normal[2]), f(axis[0]),  f(axis[1]),
-          f(axis[2]),   f(around[0]), f(around[1]), f(around[2])};
+  using model::as_factor;
+  return {as_factor(normal[0]), as_factor(normal[1]), as_factor(normal[2]),
+          as_factor(axis[0]),   as_factor(axis[1]),   as_factor(axis[2]),
+          as_factor(around[0]), as_factor(around[1]), as_factor(around[2])};
 }
 
 }  // namespace
@@ -83,8 +80,8 @@ void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test,
       if (!(s > 0.0 && s < 1.0)) continue;
       const double from_axis = std::sqrt((offset - s * carrier.along).squaredNorm());
       const auto beta = static_cast<double>(model.beta[r]);
-      of_region[r].push_back({m, as_direction(muscle.gain * muscle_profile(s) * beta),
-                              as_direction(muscle.twist * from_axis / carrier.length)});
+      of_region[r].push_back({m, model::as_factor(muscle.gain * muscle_profile(s) * beta),
+                              model::as_factor(muscle.twist * from_axis / carrier.length)});
       ++count;
       with_fibre += beta > 0.0 ? 1u : 0u;
       // Of several bones the nearest gives the directions.
@@ -99,6 +96,11 @@ void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test,
            key +
                ": holds no vertex; its bone's joints must move flesh beside the bone, inside `where` "
                "and `layer`");
+    if (!muscle.contraction_channel.empty() &&
+        scene::find_channel(scene::find_clip(*character, scene.clip),
+                            scene::contraction_channel(*character, muscle)) == nullptr)
+      warn(report, key + ": the clip does not move its contraction_channel \"" + muscle.contraction_channel +
+                       "\", so it does not contract");
     if (with_fibre == 0 && muscle.gain != 0.0)
       warn(report, key + ": none of its flesh has a fibre with beta above 0, so it does not bulge");
   }

@@ -74,11 +74,6 @@ constexpr double least_moment = 0x1p-40;
 
 }  // namespace
 
-float as_factor(double x) {
-  const float factor = static_cast<float>(x);
-  return factor < model::least_factor ? 0.0f : factor;
-}
-
 Shares make_shares(const OneRings& rings, const RestState& state, const RegionWeights& weights,
                    std::span<const float> stiffness, bool momentum_scaled) {
   const std::size_t n = rings.size();
@@ -115,7 +110,7 @@ Shares make_shares(const OneRings& rings, const RestState& state, const RegionWe
 
   shares.pull.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    shares.pull[i] = as_factor(pull[i] * factor);
+    shares.pull[i] = model::as_factor(pull[i] * factor);
     pull[i] = static_cast<double>(shares.pull[i]);
   }
   shares.region_rest.assign(4 * n, 0.0f);

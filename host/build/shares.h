@@ -10,9 +10,6 @@
 
 namespace fascicle::build {
 
-// x, or 0 where it is below model::least_factor.
-float as_factor(double x);
-
 struct Shares {
   std::vector<float> pull;         // n
   std::vector<float> taken;        // entry (r, i): f_ir

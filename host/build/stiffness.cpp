@@ -92,16 +92,21 @@ std::vector<double> moduli_of_regions(const Layering& layering, const LayerModul
 
 // The square of a layer's lowest circular frequency, 1/s^2, at 1 Pa.
 double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const Layering& layering,
-                                const ElasticBody& body) {
+                                const ElasticBody& body, Report& report) {
   std::vector<char> is_free(layering.layer.size());
   for (std::size_t i = 0; i < is_free.size(); ++i)
     is_free[i] = layering.layer[i] == l && layering.kinematic[i] == 0;
-  const std::optional<double> lowest = lowest_mode(body, is_free);
+  const std::optional<LowestMode> lowest = lowest_mode(body, is_free);
   if (!lowest)
     fail(scene.source, "layers." + scene.layers[l].name +
                            ": nothing holds it, so its lowest mode has no frequency; pin a part, or state "
                            "youngs_modulus and damping, and substeps as a number");
-  return *lowest;
+  if (!lowest->settled)
+    warn(report,
+         "layers." + scene.layers[l].name +
+             ": the search for its lowest mode did not settle, so its frequency may lie lower than it "
+             "says; state youngs_modulus, and substeps as a number");
+  return lowest->square;
 }
 
 bool needs_lowest_mode(const scene::Scene& scene, const scene::Layer& layer) {
@@ -138,7 +143,7 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
     for (std::size_t i = 0; i < layering.layer.size(); ++i)
       moves = moves || (layering.layer[i] == l && layering.kinematic[i] == 0);
     if (!moves || !needs_lowest_mode(scene, layer)) continue;
-    const double lowest = stiffness_of_lowest_mode(scene, l, layering, body);
+    const double lowest = stiffness_of_lowest_mode(scene, l, layering, body, report);
     if (layer.frequency) of_layer[l] = (two_pi * *layer.frequency) * (two_pi * *layer.frequency) / lowest;
     model.layers[l].frequency = std::sqrt(of_layer[l].value() * lowest) / two_pi;
     if (layer.damping_ratio)

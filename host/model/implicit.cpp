@@ -17,10 +17,6 @@ float at_least_least(double x) {
   const float factor = static_cast<float>(x);
   return factor < least_factor ? least_factor : factor;
 }
-float or_nothing(double x) {
-  const float factor = static_cast<float>(x);
-  return factor < least_factor ? 0.0f : factor;
-}
 
 // The x > 1 at which Chebyshev's polynomial of that degree is `reduction`, by bisection: rho = 1/x.
 double beyond_band(std::uint32_t degree) {
@@ -74,9 +70,8 @@ ImplicitTables implicit_tables(const Model& model, const SolverOptions& options,
     for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
       const double damped = 1.0 + model.layers[model.layer_of(i)].damping * H;
       const double pull = model.stiffness[i] * (H * H);
-      tables.responses.push_back({or_nothing(pull / (damped + pull)),
-                                  at_least_least(damped / (damped + pull)), at_least_least(1.0 / damped),
-                                  or_nothing((damped - 1.0) / damped)});
+      tables.responses.push_back({as_factor(pull / (damped + pull)), at_least_least(damped / (damped + pull)),
+                                  at_least_least(1.0 / damped), as_factor((damped - 1.0) / damped)});
       if (!model.is_kinematic(i)) stiffest = std::max(stiffest, pull / (damped + pull));
     }
     const double overshoot = overshoot_of(model);

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -47,6 +48,11 @@ const char* name_of(Rotation rotation);
 // The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which
 // devices treat differently, into products that no snap sees.
 inline constexpr float least_factor = 0x1p-40f;
+// x, or 0 where it is smaller than that in size.
+inline float as_factor(double x) {
+  const auto factor = static_cast<float>(x);
+  return std::abs(factor) < least_factor ? 0.0f : factor;
+}
 
 struct Model {
   double unit = 1.0;                           // metres per working unit

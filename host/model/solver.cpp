@@ -119,6 +119,10 @@ void check_state(const Model& model, const State& state) {
     throw std::invalid_argument("state: it has a substep before, which an explicit run has no use for");
   check("positions_before", state.positions_before.size(), has_before ? 3 * n : 0);
   check("velocities_before", state.velocities_before.size(), has_before ? 3 * n : 0);
+  if (has_before != (state.step_before > 0.0) || !(state.step_before >= 0.0) ||
+      !std::isfinite(state.step_before))
+    throw std::invalid_argument(
+        "state: step_before must be a length of time with positions_before, and 0 without them");
 }
 
 }  // namespace fascicle::model

@@ -95,49 +95,54 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
          "where = { above = { axis = \"y\", fraction = 0.95 } }\n";
 }
 
-std::string layers_for_character(const Character& character) {
+std::string layers_for_character(const Character& character, Stiffness by) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
-  const std::string stiffness =
-      is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
+  const bool by_alpha = by == Stiffness::alpha;
+  const std::string painted =
+      by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
+  const auto stiffness = [&](const char* alpha, const char* material) {
+    return by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted
+                    : "material = \"" + std::string(material) + "\"\n";
+  };
   // 1 is bone, 2 muscle, 3 fat; 0, which is what vertices have before they are painted, leaves it to the
   // depth.
   constexpr int bone = 0, muscle = 1, rest = 2;
   const auto where = [&](const std::string& shape, int number) {
-    const std::string painted = "{ painted = { attribute = \"_LAYER\", minimum = " + std::to_string(number) +
-                                ".5, maximum = " + std::to_string(number + 1) + ".5 } }";
-    if (has_layers) return "where = [" + shape + ", " + painted + "]\n";
+    const std::string by_paint = "{ painted = { attribute = \"_LAYER\", minimum = " + std::to_string(number) +
+                                 ".5, maximum = " + std::to_string(number + 1) + ".5 } }";
+    if (has_layers) return "where = [" + shape + ", " + by_paint + "]\n";
     return number == rest ? std::string() : "where = " + shape + "\n";
   };
-  return "[layers.fat]\n"
-         "alpha = 0.3\n"
+  return "[layers.fat]\n" + stiffness("0.3", "fat") +
          "beta = 0.0\n"
          "damping = 6.0\n" +
-         stiffness + where("{ everywhere = true }", rest) +
+         where("{ everywhere = true }", rest) +
          "\n"
-         "[layers.muscle]\n"
-         "alpha = 1.0\n"
+         "[layers.muscle]\n" +
+         stiffness("1.0", "relaxed-muscle") +
          "beta = 1.0\n"
          "damping = 6.0\n"
          "fibre_field = true\n" +
-         stiffness + where("{ depth = { maximum = 0.65 } }", muscle) +
+         where("{ depth = { maximum = 0.65 } }", muscle) +
          "\n"
          "[layers.bone]\n"
          "kinematic = true\n" +
          where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
-         "[solver]\n"
-         "substeps = 8\n";
+         "[solver]\n" +
+         (by_alpha ? "substeps = 8\n" : "integrator = \"implicit\"\nsubsteps = \"auto\"\n");
 }
 
-std::string scene_for_character(const std::filesystem::path& path, const Character& character) {
+std::string scene_for_character(const std::filesystem::path& path, const Character& character,
+                                Stiffness stiffness) {
   return "[scene]\n"
          "fps = 60\n"
          "\n"
          "[character]\n"
          "file = " +
-         in_quotes(path) + "\n\n" + layers_for_character(character);
+         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness);
 }
 
 }  // namespace fascicle::scene

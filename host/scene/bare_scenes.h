@@ -12,10 +12,14 @@ namespace fascicle::scene {
 // The substeps are chosen from the mesh's size and mean edge, so that it stands under its own weight.
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh);
 
+// By what the layers state theirs: alpha for the explicit integrator, a material for the implicit one.
+enum class Stiffness { alpha, material };
+
 // What a character gets whose scene says nothing of layers: [layers.NAME] and [solver].
 // Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3
-// fat) by that; a painted _STIFFNESS multiplies alpha. Fibres from the field.
-std::string layers_for_character(const Character& character);
-std::string scene_for_character(const std::filesystem::path& path, const Character& character);
+// fat) by that; a painted _STIFFNESS multiplies alpha, and has no part in a material. Fibres from the field.
+std::string layers_for_character(const Character& character, Stiffness stiffness);
+std::string scene_for_character(const std::filesystem::path& path, const Character& character,
+                                Stiffness stiffness);
 
 }  // namespace fascicle::scene

@@ -4,6 +4,7 @@
 #include "host/scene/gltf.h"
 #include "host/scene/input_files.h"
 #include "host/scene/mesh_file.h"
+#include "host/scene/overrides.h"
 #include "host/scene/scene_file.h"
 #include "host/scene/scene_table.h"
 
@@ -63,8 +64,14 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       // before it is parsed.
       Scene sized;
       load_character(path, sized);
-      return parse_scene({stem, name, scene_for_character(path, std::get<Character>(sized.geometry)), {}},
-                         overrides);
+      return parse_scene(
+          {stem,
+           name,
+           scene_for_character(path, std::get<Character>(sized.geometry),
+                               overridden(overrides, "solver.integrator") == "implicit" ? Stiffness::material
+                                                                                        : Stiffness::alpha),
+           {}},
+          overrides);
     }
   } catch (const InputFileError& error) {
     throw SceneError(error.what());

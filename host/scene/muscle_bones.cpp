@@ -204,6 +204,14 @@ ContractionChannel contraction_channel(const Character& character, const Muscle&
           static_cast<std::uint32_t>(letter - 'x')};
 }
 
+const Channel* find_channel(const Clip* clip, const ContractionChannel& wanted) {
+  if (clip == nullptr) return nullptr;
+  const auto found = std::find_if(clip->channels.begin(), clip->channels.end(), [&](const Channel& channel) {
+    return channel.joint == wanted.joint && channel.path == wanted.path;
+  });
+  return found == clip->channels.end() ? nullptr : &*found;
+}
+
 double value_at(const KeyedCurve& curve, double x) {
   const auto after = std::find_if(curve.begin(), curve.end(), [&](const auto& key) { return key.first > x; });
   if (after == curve.begin()) return curve.front().second;

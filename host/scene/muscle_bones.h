@@ -42,6 +42,8 @@ struct ContractionChannel {
   std::uint32_t axis = 0;
 };
 ContractionChannel contraction_channel(const Character& character, const Muscle& muscle);
+// Null where the clip does not key it, or there is no clip.
+const Channel* find_channel(const Clip* clip, const ContractionChannel& wanted);
 
 // A curve's value: straight between keys, held before the first and after the last. At least one key.
 double value_at(const KeyedCurve& curve, double x);

@@ -127,6 +127,19 @@ bool has_overrides(const SceneOverrides& o) {
          o.seamless || o.hold || o.cage || o.cage_detail || o.resolution;
 }
 
+std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path) {
+  std::optional<std::string> value;
+  for (const std::string& text : overrides.set) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || std::string_view(text).substr(0, equals) != path) continue;
+    value = text.substr(equals + 1);
+    if (value->size() >= 2 && (value->front() == '"' || value->front() == '\'') &&
+        value->back() == value->front())
+      value = value->substr(1, value->size() - 2);
+  }
+  return value;
+}
+
 void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   std::uint32_t ordinal = 0;
   const auto set = [&](std::string option, std::string_view path, std::string value) {

@@ -1,7 +1,9 @@
 // Changes to a parsed scene file before it is checked, and the changed file as text.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "host/scene/scene.h"
 #include "host/scene/toml.h"
@@ -12,6 +14,10 @@ namespace fascicle::scene {
 // keys; a name that users choose (layers.NAME) must be there already, unless the value is the whole table.
 // Setting one key of a choice drops the others. Throws SceneError that names the option.
 void apply_overrides(toml::table& root, const SceneOverrides& overrides);
+
+// What a --set puts there, without its quotes; nothing if none does. For what has to be known before the
+// overrides can be applied.
+std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path);
 
 // The scene file that reads as `root` does: same values, same order of layers. `root` has passed check_scene.
 std::string write_scene(const toml::table& root);

@@ -349,6 +349,10 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
   if (table.contains("iterations") && !implicit)
     fail(table.get("iterations")->source(), "solver.iterations",
          "takes solver.integrator = \"implicit\"; leave it out");
+  if (solver.auto_substeps && solver.iterations < 2)
+    fail(table.get("iterations")->source(), "solver.iterations",
+         "is 1, which resolves no stiffness, so \"auto\" finds no substeps; give 2 or more, or substeps as a "
+         "number");
   if (implicit && solver.weights != "symmetric")
     fail(table.get("weights")->source(), "solver.weights",
          "\"" + solver.weights + "\" takes solver.integrator = \"explicit\"; leave it out");
@@ -364,7 +368,7 @@ toml::table parse_toml(const SceneText& input) {
 
 // A character whose scene says nothing of layers gets those that it has without a scene file; whether there
 // was need. Comes before overrides, which may change them.
-bool add_layers(toml::table& root, const std::filesystem::path& folder) {
+bool add_layers(toml::table& root, const std::filesystem::path& folder, const SceneOverrides& overrides) {
   const toml::table* table = root["character"].as_table();
   if (table == nullptr || root.contains("layers")) return false;
   Scene loaded;
@@ -377,7 +381,11 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder) {
       loaded.geometry = Character{};
     }
   }
-  toml::table defaults = toml::parse(layers_for_character(std::get<Character>(loaded.geometry)),
+  const std::string integrator =
+      overridden(overrides, "solver.integrator")
+          .value_or(root["solver"]["integrator"].value_or(SolverSettings{}.integrator));
+  const Stiffness stiffness = integrator == "implicit" ? Stiffness::material : Stiffness::alpha;
+  toml::table defaults = toml::parse(layers_for_character(std::get<Character>(loaded.geometry), stiffness),
                                      std::string_view("default layers"));
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
@@ -390,7 +398,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder) {
 
 Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   toml::table root = parse_toml(input);
-  const bool has_added = add_layers(root, input.folder);
+  const bool has_added = add_layers(root, input.folder, overrides);
   apply_overrides(root, overrides);
   check_scene(root);
   if (!root.contains("layers")) fail(root.source(), "layers", "is missing; give at least one [layers.NAME]");

@@ -168,6 +168,22 @@ TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
   }
 }
 
+// Of muscles that a run before the stop drove too far, the whole bake's report still tells.
+TEST(BakeResume, RemembersClampedMuscles) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  bake_until(options_for(out), short_scene(6), 3);
+  nlohmann::json manifest = manifest_in(out);
+  manifest["clamped_muscles"] = {{"regions", 5}, {"frame", 2}};
+  write_text(out / "manifest.json", manifest.dump());
+  BakeOptions options = options_for(out);
+  options.resume = true;
+  const BakeResult result = bake_into(options, short_scene(6));
+  EXPECT_EQ(result.clamped.regions, 5u);
+  EXPECT_EQ(result.clamped.frame, 2u);
+  EXPECT_EQ(manifest_in(out)["clamped_muscles"]["regions"], 5);
+}
+
 // What leads in before frame 0 is not run again, and its end is the state that frame 0 starts from.
 TEST(BakeResume, GoesOnAfterALeadIn) {
   const TemporaryFolder folder;

@@ -1,6 +1,7 @@
 // Which regions of the built-in arm are its muscles', and what they take of it.
 #include "host/build/muscles.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -135,12 +136,21 @@ TEST(Muscles, AreRefusedWhereTheyHoldNothing) {
     EXPECT_NE(std::string(error.what()).find("muscle.upper-arm: holds no vertex"), std::string::npos)
         << error.what();
   }
-  const BuiltArm silent = arm_with(upper_arm, {"layers.muscle.beta=0"});
-  bool warned = false;
-  for (const build::Warning& warning : silent.report.warnings)
-    warned =
-        warned || warning.text.find("muscle.upper-arm: none of its flesh has a fibre") != std::string::npos;
-  EXPECT_TRUE(warned);
+}
+
+TEST(Muscles, ThatCannotActAreWarnedOf) {
+  const auto warns = [](const BuiltArm& arm, const std::string& text) {
+    return std::any_of(arm.report.warnings.begin(), arm.report.warnings.end(),
+                       [&](const auto& warning) { return warning.text.find(text) != std::string::npos; });
+  };
+  const std::string no_fibre = "muscle.upper-arm: none of its flesh has a fibre";
+  const std::string not_keyed = "muscle.upper-arm: the clip does not move its contraction_channel";
+  const BuiltArm acting = arm_with(upper_arm);
+  EXPECT_FALSE(warns(acting, no_fibre));
+  EXPECT_FALSE(warns(acting, not_keyed));
+  EXPECT_TRUE(warns(arm_with(upper_arm, {"layers.muscle.beta=0"}), no_fibre));
+  EXPECT_TRUE(warns(arm_with(upper_arm + "contraction_channel = \"hand.scale.y\"\n"), not_keyed));
+  EXPECT_FALSE(warns(arm_with(upper_arm + "contraction = [[0, 0], [1, 0.2]]\n"), not_keyed));
 }
 
 }  // namespace

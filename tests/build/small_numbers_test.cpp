@@ -1,7 +1,7 @@
-// Numbers too small to work with: factors below 2^-40 become zero, and regions of almost no moment are named.
+// Numbers too small to work with: an alpha below 2^-40 becomes zero, and regions of almost no moment are
+// named.
 #include <gtest/gtest.h>
 
-#include "host/build/shares.h"
 #include "tests/build/scenes.h"
 
 namespace fascicle::tests {
@@ -44,14 +44,6 @@ TEST(SmallNumbers, RegionsThatNeverTurnAreNamed) {
 TEST(SmallNumbers, RegionsThatTurnAreNot) {
   EXPECT_TRUE(stillness_warnings(two_tetrahedra(0x1p-7)).empty());
   EXPECT_TRUE(stillness_warnings(bar_scene()).empty());
-}
-
-TEST(SmallNumbers, FactorsBelowTheLeastAreZero) {
-  EXPECT_EQ(build::as_factor(0.0), 0.0f);
-  EXPECT_EQ(build::as_factor(0x1p-40), 0x1p-40f);
-  EXPECT_EQ(build::as_factor(0x1.fffffep-41), 0.0f);
-  EXPECT_EQ(build::as_factor(1e-42), 0.0f);
-  EXPECT_EQ(build::as_factor(0.75), 0.75f);
 }
 
 // An alpha so small is no stiffness: the vertex is free, its pull nothing.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "cpu_reference/oracle_implicit.h"
+#include "host/build/lowest_mode.h"
 #include "host/scene/scene.h"
 #include "tests/build/scenes.h"
 
@@ -78,6 +79,23 @@ TEST(Stiffness, FrequencyGivesAModulus) {
   scene::Scene by_modulus = elastic_scene(slow.youngs_modulus[0]);
   by_modulus.layers[0].damping_ratio = 0.25;
   EXPECT_NEAR(build_quietly(by_modulus).layers[0].frequency, 2.5, 1e-6);
+}
+
+// Stopped early, the quotient lies above the mode's, and says that it may.
+TEST(Stiffness, AnUnsettledLowestModeSaysSo) {
+  const Model m = build_quietly(elastic_scene(2e4));
+  const build::OneRings rings{m.ring_offset, m.ring};
+  const build::RestState state{m.rest, m.mass, m.fibre, m.beta};
+  const build::RegionWeights weights = build::region_weights(rings, state, m.weight_form);
+  const std::vector<double> k(m.vertex_count, 1.0);
+  std::vector<char> is_free;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) is_free.push_back(m.is_kinematic(i) ? 0 : 1);
+  const auto settled = build::lowest_mode({rings, state, weights, k}, is_free);
+  const auto early = build::lowest_mode({rings, state, weights, k}, is_free, 3);
+  ASSERT_TRUE(settled && early);
+  EXPECT_TRUE(settled->settled);
+  EXPECT_FALSE(early->settled);
+  EXPECT_GT(early->square, settled->square);
 }
 
 TEST(Stiffness, ABodyThatNothingHoldsHasNoLowestMode) {

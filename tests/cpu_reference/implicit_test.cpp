@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -293,6 +294,28 @@ TEST(Implicit, RefusesAModelOfTheOtherIntegrator) {
   state.positions_before = state.positions;
   state.velocities_before = state.velocities;
   EXPECT_THROW(make_cpu_solver(plain, {}, 1)->load(state), std::invalid_argument);
+}
+
+// A substep before belongs to its length: one without the other would be read differently by each solver.
+TEST(Implicit, RefusesAStateWhoseSubstepBeforeIsNotWhole) {
+  const Model elastic = make_implicit(make_model(kuhn_bar(2, 1, 1, 0.5)), 1e4);
+  const auto solver = make_cpu_solver(elastic, implicit, 1);
+  const model::State rest = solver->save();
+  EXPECT_NO_THROW(solver->load(rest));
+  model::State with = rest;
+  with.positions_before = with.positions;
+  with.velocities_before = with.velocities;
+  EXPECT_THROW(solver->load(with), std::invalid_argument);
+  for (const double step :
+       {-0.01, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    with.step_before = step;
+    EXPECT_THROW(solver->load(with), std::invalid_argument) << step;
+  }
+  with.step_before = 0.01;
+  EXPECT_NO_THROW(solver->load(with));
+  model::State without = rest;
+  without.step_before = 0.01;
+  EXPECT_THROW(solver->load(without), std::invalid_argument);
 }
 
 }  // namespace

@@ -30,6 +30,16 @@ TEST(CheckModel, AcceptsTheSmallestFactorsThatAreNotZero) {
   EXPECT_NO_THROW(check_model(model));
 }
 
+TEST(Factor, BelowTheLeastIsZero) {
+  for (const double sign : {1.0, -1.0}) {
+    EXPECT_EQ(model::as_factor(0.0), 0.0f);
+    EXPECT_EQ(model::as_factor(sign * 0x1p-40), sign * 0x1p-40);
+    EXPECT_EQ(model::as_factor(sign * 0x1.fffffep-41), 0.0f);
+    EXPECT_EQ(model::as_factor(sign * 1e-42), 0.0f);
+    EXPECT_EQ(model::as_factor(sign * 0.75), sign * 0.75);
+  }
+}
+
 TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
   using Change = void (*)(Model&);
   const std::pair<const char*, Change> changes[] = {

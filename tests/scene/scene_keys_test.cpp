@@ -438,6 +438,22 @@ TEST_F(SceneKeys, ACharacterNeedsNoLayers) {
   EXPECT_NE(refusal("[bar]\n").find("layers: is missing"), std::string::npos);
 }
 
+// For the implicit integrator they are of materials, whoever chose it.
+TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
+  const std::string plain = "[character]\nmade = \"arm\"\n";
+  for (const Scene& scene : {parse(plain + "[solver]\nintegrator = \"implicit\"\n"),
+                             parse(plain, {.set = {"solver.integrator=implicit"}}),
+                             parse(plain, {.set = {"solver.integrator=\"implicit\""}})}) {
+    ASSERT_EQ(scene.layers.size(), 3u);
+    EXPECT_EQ(scene.layers[0].material, "fat");
+    EXPECT_EQ(scene.layers[1].material, "relaxed-muscle");
+    EXPECT_TRUE(scene.solver.auto_substeps);
+  }
+  EXPECT_TRUE(parse(plain, {.set = {"solver.integrator=implicit", "solver.integrator=explicit"}})
+                  .layers[0]
+                  .material.empty());
+}
+
 // A layer says how stiff it is in exactly one way, and in one that its integrator knows.
 TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
   const auto with = [](const std::string& line) {
@@ -465,6 +481,9 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
       {"solver.substeps=auto", "solver.substeps: \"auto\" takes"},
       {"solver.substeps=many", "is not one of auto"},
       {"solver.iterations=5", "solver.iterations: takes"}};
+  EXPECT_NE(refusal(implicit_sample(), {.set = {"solver.substeps=auto", "solver.iterations=1"}})
+                .find("solver.iterations: is 1, which resolves no stiffness"),
+            std::string::npos);
   for (const auto& [set, reason] : refused)
     EXPECT_NE(refusal(bar_sample(), {.set = {set}}).find(reason), std::string::npos)
         << refusal(bar_sample(), {.set = {set}});
