@@ -1,7 +1,9 @@
 #include "cpu_reference/oracle_implicit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -20,28 +22,35 @@ Vector3d rest_of(const Model& model, std::uint32_t i) {
   return Vector3d(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
 }
 
-// A strain e costs the region's energy (k/2) sum m |e r|^2, so under a stress s it obeys e S + S e = 2 (V/k)
-// s with S = sum m r r^T. The matrix of e -> (e S + S e)/2 on nine entries, row by row: its inverse is the
-// compliance, in units of V/k.
-Eigen::Matrix<double, 9, 9> compliance(const Matrix3d& S) {
-  Eigen::Matrix<double, 9, 9> M = Eigen::Matrix<double, 9, 9>::Zero();
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b)
-      for (int c = 0; c < 3; ++c) {
-        M(3 * a + b, 3 * a + c) += S(c, b) / 2.0;
-        M(3 * a + b, 3 * c + b) += S(a, c) / 2.0;
+// The mean of u u^T over the directions u in which stress is passed on at each vertex: I/3 inside; (I - N)/2
+// on the free surface, N the mean of n n^T by area over the surface's triangles at the vertex.
+std::vector<Matrix3d> stress_directions(const Model& model) {
+  std::map<std::array<std::uint32_t, 3>, int> tetrahedra_at;
+  const auto for_each_face = [&](auto visit) {
+    for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
+      for (std::size_t opposite = 0; opposite < 4; ++opposite) {
+        std::array<std::uint32_t, 3> face{};
+        for (std::size_t k = 0; k < 3; ++k) face[k] = model.tetrahedron[t + (opposite + 1 + k) % 4];
+        std::sort(face.begin(), face.end());
+        visit(face);
       }
-  return M.inverse();
-}
-
-// The mean over all unit vectors u of u^T e u under the stress u u^T: with <u_a u_b u_c u_d> = (d_ab d_cd +
-// d_ac d_bd + d_ad d_bc)/15.
-double mean_compliance(const Matrix3d& S) {
-  const Eigen::Matrix<double, 9, 9> C = compliance(S);
-  double sum = 0.0;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) sum += C(4 * a, 4 * b) + C(3 * a + b, 3 * a + b) + C(3 * a + b, 3 * b + a);
-  return sum / 15.0;
+  };
+  for_each_face([&](const auto& face) { ++tetrahedra_at[face]; });
+  std::vector<Matrix3d> normals(model.vertex_count, Matrix3d::Zero());
+  std::vector<double> area(model.vertex_count, 0.0);
+  for_each_face([&](const auto& face) {
+    if (tetrahedra_at[face] != 1) return;
+    const Vector3d o = rest_of(model, face[0]);
+    const Vector3d n = (rest_of(model, face[1]) - o).cross(rest_of(model, face[2]) - o) / 2.0;
+    for (const std::uint32_t v : face) {
+      area[v] += n.norm();
+      normals[v] += n.norm() * n.normalized() * n.normalized().transpose();
+    }
+  });
+  std::vector<Matrix3d> directions(model.vertex_count, Matrix3d::Identity() / 3.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (area[i] > 0.0) directions[i] = (Matrix3d::Identity() - normals[i] / area[i]) / 2.0;
+  return directions;
 }
 
 }  // namespace
@@ -57,6 +66,7 @@ std::vector<double> region_stiffness(const Model& model) {
                      6.0;
     for (int k = 0; k < 4; ++k) volume[corner[k]] += v / 4.0;
   }
+  const std::vector<Matrix3d> directions = stress_directions(model);
   std::vector<double> k(model.vertex_count);
   for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
     Matrix3d S = Matrix3d::Zero();
@@ -66,8 +76,11 @@ std::vector<double> region_stiffness(const Model& model) {
     };
     add(r);
     for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) add(model.ring[e]);
-    // Lengths are in working units: V holds unit^3 and S unit^2.
-    k[r] = model.youngs_modulus[r] * volume[r] * model.unit * mean_compliance(S);
+    // k_r D S = V_r u u^T under the stress u u^T, D what is left of the deformation when the region is turned
+    // back: it stretches by u.D u = (V_r/k_r) u.S^-1 u. Lengths are in working units: V holds unit^3 and S
+    // unit^2.
+    const double compliance = (directions[r] * S.inverse()).trace();
+    k[r] = model.youngs_modulus[r] * volume[r] * model.unit * compliance;
   }
   return k;
 }

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include "host/build/boundary.h"
 #include "host/build/lowest_mode.h"
 #include "host/build/message.h"
 #include "host/model/implicit.h"
@@ -29,8 +30,16 @@ void for_each_of_region(const OneRings& rings, std::size_t r, Visit visit) {
   for (const std::uint32_t i : rings[r]) visit(std::size_t{i});
 }
 
-// The six entries xx yy zz xy xz yz of S_r.
-std::array<double, 6> second_moment(const OneRings& rings, const RestState& state, std::size_t r) {
+Symmetric product(const Vector3d& p) {
+  return {p[0] * p[0], p[1] * p[1], p[2] * p[2], p[0] * p[1], p[0] * p[2], p[1] * p[2]};
+}
+
+void add(double factor, const Symmetric& m, Symmetric& to) {
+  for (std::size_t c = 0; c < 6; ++c) to[c] += factor * m[c];
+}
+
+// S_r
+Symmetric second_moment(const OneRings& rings, const RestState& state, std::size_t r) {
   const Vector3d q0 = rest_at(state, r);
   Vector3d first = Vector3d::Zero();
   double mass = 0.0;
@@ -39,25 +48,21 @@ std::array<double, 6> second_moment(const OneRings& rings, const RestState& stat
     mass += state.mass[i];
   });
   const Vector3d centre = first / mass;
-  std::array<double, 6> s{};
-  for_each_of_region(rings, r, [&](std::size_t i) {
-    const Vector3d p = rest_at(state, i) - q0 - centre;
-    const double m = state.mass[i];
-    const std::array<double, 6> products{p[0] * p[0], p[1] * p[1], p[2] * p[2],
-                                         p[0] * p[1], p[0] * p[2], p[1] * p[2]};
-    for (std::size_t c = 0; c < 6; ++c) s[c] += m * products[c];
-  });
+  Symmetric s{};
+  for_each_of_region(rings, r,
+                     [&](std::size_t i) { add(state.mass[i], product(rest_at(state, i) - q0 - centre), s); });
   return s;
 }
 
-// C_r by the invariants of S, so that no eigenvalues are needed: sum 1/s_a = I2/I3, and the sums s_a + s_b
-// are I1 - s_c, whose products give sum 1/(s_a + s_b) = (I1^2 + I2)/(I1 I2 - I3).
-double mean_compliance(const std::array<double, 6>& s) {
+// tr(W S^-1), by the adjugate of S.
+double compliance(const Symmetric& w, const Symmetric& s) {
   const auto [xx, yy, zz, xy, xz, yz] = s;
-  const double one = xx + yy + zz;
-  const double two = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz);
-  const double three = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  return two / (5.0 * three) + 4.0 / 15.0 * (one * one + two) / (one * two - three);
+  const Symmetric adjugate{yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy,
+                           xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz};
+  const double determinant = xx * adjugate[0] + xy * adjugate[3] + xz * adjugate[4];
+  return (w[0] * adjugate[0] + w[1] * adjugate[1] + w[2] * adjugate[2] +
+          2.0 * (w[3] * adjugate[3] + w[4] * adjugate[4] + w[5] * adjugate[5])) /
+         determinant;
 }
 
 // Pa, or nothing where the layer states none; a layer that states a frequency has it from its lowest mode.
@@ -115,18 +120,50 @@ bool needs_lowest_mode(const scene::Scene& scene, const scene::Layer& layer) {
 
 }  // namespace
 
+std::vector<Symmetric> stress_directions(const RestState& state, const model::Model& model,
+                                         const std::string& source) {
+  scene::TetMesh mesh;
+  for (std::size_t i = 0; i < state.mass.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const std::uint32_t* v = &model.tetrahedron[t];
+    mesh.tetrahedra.push_back({v[0], v[1], v[2], v[3]});
+  }
+  std::vector<Symmetric> normals(state.mass.size(), Symmetric{});
+  std::vector<double> area(state.mass.size(), 0.0);
+  for (const auto& [a, b, c] : boundary_triangles(mesh, source)) {
+    const Vector3d p = mesh.vertices[b] - mesh.vertices[a], q = mesh.vertices[c] - mesh.vertices[a];
+    const Vector3d n(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
+    const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (!(length > 0.0)) continue;
+    for (const std::uint32_t v : {a, b, c}) {
+      add(1.0 / length, product(n), normals[v]);
+      area[v] += length;
+    }
+  }
+  constexpr Symmetric identity{1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+  std::vector<Symmetric> directions(state.mass.size(), Symmetric{});
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const bool inside = !(area[i] > 0.0);
+    add(inside ? 1.0 / 3.0 : 0.5, identity, directions[i]);
+    if (!inside) add(-0.5 / area[i], normals[i], directions[i]);
+  }
+  return directions;
+}
+
 std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState& state,
+                                         std::span<const Symmetric> directions,
                                          std::span<const double> volume, double unit) {
   std::vector<double> k(rings.size());
   for (std::size_t r = 0; r < k.size(); ++r)
-    k[r] = volume[r] * mean_compliance(second_moment(rings, state, r)) / (unit * unit);
+    k[r] = volume[r] * compliance(directions[r], second_moment(rings, state, r)) / (unit * unit);
   return k;
 }
 
 void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
                   const RestState& state, std::span<const double> volume, RegionWeights& weights,
                   model::Model& model, Report& report) {
-  const std::vector<double> per_pascal = stiffness_per_pascal(rings, state, volume, model.unit);
+  const std::vector<double> per_pascal =
+      stiffness_per_pascal(rings, state, stress_directions(state, model, scene.source), volume, model.unit);
   std::vector<std::uint32_t> flat;
   for (std::uint32_t r = 0; r < rings.size(); ++r)
     if (!(per_pascal[r] > 0.0) || !std::isfinite(per_pascal[r])) flat.push_back(model.source_vertex[r]);

@@ -1,7 +1,9 @@
 // Stiffness in physical units, for the implicit integrator: from Young's modulus or a frequency to K_i.
 #pragma once
 
+#include <array>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "host/build/layers.h"
@@ -12,10 +14,22 @@
 
 namespace fascicle::build {
 
+// The six entries xx yy zz xy xz yz of a symmetric matrix.
+using Symmetric = std::array<double, 6>;
+
+// W_r of each vertex, trace 1: the mean of u u^T over the directions u in which stress is passed on there.
+// Inside all do, I/3. Nothing is passed on through a free surface: there (I - N)/2, N the mean of n n^T by
+// area over the triangles at the vertex. `state` and the model's tetrahedra are the body.
+std::vector<Symmetric> stress_directions(const RestState& state, const model::Model& model,
+                                         const std::string& source);
+
 // k_r / E_r = V_r C_r of each region, 1/(s^2 Pa): V_r the volume that belongs to vertex r and
-//   C_r = (1/5) sum_a 1/s_a + (4/15) sum_{a<b} 1/(s_a + s_b),   s the eigenvalues of S_r = sum m_i r_i r_i^T.
-// `volume` in m^3, `unit` metres per working unit.
+//   C_r = tr(W_r S_r^-1),   S_r = sum m_i r_i r_i^T.
+// Under a stress u u^T a region stretches along u by (V_r/k_r) u.S_r^-1 u: its energy (k_r/2) sum m_i |D
+// r_i|^2, D what is left of the deformation when it is turned back, has its least where k_r D S_r = V_r u
+// u^T. C_r is the mean over the directions. `volume` in m^3, `unit` metres per working unit.
 std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState& state,
+                                         std::span<const Symmetric> directions,
                                          std::span<const double> volume, double unit);
 
 // Of an implicit scene: fills the model's Young's moduli and stiffnesses, the layers' frequencies and the

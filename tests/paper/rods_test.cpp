@@ -1,6 +1,8 @@
 // The implicit integrator on rods: rod and beam theory, and what must not change with frame rate, substeps
 // and resolution. Rest is reached by strong damping, which does not change where it is.
+#include <array>
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,10 +29,12 @@ struct RodSwing {
   std::vector<Vector3d> tip;
 };
 
-RodSwing swing_of(const std::string& name, const std::vector<std::string>& set, double fps, double seconds) {
-  scene::Scene scene = scene::load_scene(name, {.set = set, .fps = fps, .end = seconds});
+RodSwing swing_of(scene::Scene scene) {
+  const double fps = scene.fps;
   build::Report report;
-  const model::Model model = build::build_model(scene, report);
+  build::BuildOptions options;
+  options.mesher = FASCICLE_MESHER;
+  const model::Model model = build::build_model(scene, report, options);
   build::choose_steps(scene, model, report);
   bake::DriveSource drives(scene, model);
   const auto solver = cpu_reference::make_cpu_solver(
@@ -50,16 +54,70 @@ RodSwing swing_of(const std::string& name, const std::vector<std::string>& set, 
   return result;
 }
 
+RodSwing swing_of(const std::string& name, const std::vector<std::string>& set, double fps, double seconds) {
+  return swing_of(scene::load_scene(name, {.set = set, .fps = fps, .end = seconds}));
+}
+
+double sag_of(const RodSwing& s, const std::string& name) {
+  // Still: within a thousandth of where it was a quarter of a second before. Only downward: sideways, where a
+  // mesh is not symmetric, the hanging rod creeps for longer.
+  const double before = s.tip[s.tip.size() - 1 - static_cast<std::size_t>(s.fps / 4.0)].y();
+  EXPECT_NEAR(s.tip.back().y(), before, 1e-3 * std::abs(before)) << name;
+  return -s.tip.back().y();
+}
+
 // How far down the tip rests.
 double sag(const std::string& name, std::vector<std::string> set = {}, double fps = 30.0,
            double seconds = 2.0, double damping = 25.0) {
   set.push_back("layers.body.damping=" + std::to_string(damping));
-  const RodSwing s = swing_of(name, set, fps, seconds);
-  // Still: within a thousandth of where it was a quarter of a second before. Only downward: sideways, where a
-  // mesh is not symmetric, the hanging rod creeps for longer.
-  const double before = s.tip[s.tip.size() - 1 - static_cast<std::size_t>(fps / 4.0)].y();
-  EXPECT_NEAR(s.tip.back().y(), before, 1e-3 * std::abs(before)) << name;
-  return -s.tip.back().y();
+  return sag_of(swing_of(name, set, fps, seconds), name);
+}
+
+// The hanging rod as a surface, squares cut along diagonals that alternate, with so many vertices along.
+scene::SurfaceMesh rod_surface(std::uint32_t along) {
+  const std::array<std::uint32_t, 3> count{(along - 1) / 5 + 1, along, (along - 1) / 5 + 1};
+  const std::array<double, 3> size{0.08, 0.4, 0.08};
+  scene::SurfaceMesh mesh;
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> number;
+  const auto vertex = [&](const std::array<std::uint32_t, 3>& at) {
+    const auto [entry, is_new] = number.try_emplace(at, static_cast<std::uint32_t>(mesh.vertices.size()));
+    if (is_new)
+      mesh.vertices.emplace_back(size[0] * at[0] / (count[0] - 1), size[1] * at[1] / (count[1] - 1),
+                                 size[2] * at[2] / (count[2] - 1));
+    return entry->second;
+  };
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const bool is_far : {false, true}) {
+      const std::size_t b = (axis + 1) % 3, c = (axis + 2) % 3;
+      for (std::uint32_t i = 0; i + 1 < count[b]; ++i)
+        for (std::uint32_t j = 0; j + 1 < count[c]; ++j) {
+          const auto corner = [&](std::uint32_t di, std::uint32_t dj) {
+            std::array<std::uint32_t, 3> at{};
+            at[axis] = is_far ? count[axis] - 1 : 0;
+            at[b] = i + di;
+            at[c] = j + dj;
+            return vertex(at);
+          };
+          const std::uint32_t p = corner(0, 0), q = corner(1, 0), r = corner(1, 1), s = corner(0, 1);
+          const bool turned = (i + j) % 2 == 0;
+          for (auto triangle : turned ? std::array{std::array{p, q, s}, std::array{q, r, s}}
+                                      : std::array{std::array{p, q, r}, std::array{p, r, s}}) {
+            if (!is_far) std::swap(triangle[0], triangle[2]);
+            mesh.triangles.push_back(triangle);
+          }
+        }
+    }
+  return mesh;
+}
+
+double sag_of_filled_rod(std::uint32_t along, double E, double seconds, double damping) {
+  scene::Scene scene =
+      scene::load_scene("rod-hang", {.set = {"layers.body.damping=" + std::to_string(damping),
+                                             "layers.body.youngs_modulus=" + std::to_string(E)},
+                                     .fps = 30.0,
+                                     .end = seconds});
+  scene.geometry = rod_surface(along);
+  return sag_of(swing_of(scene), "filled rod");
 }
 
 std::string vertices(int along, bool hangs) {
@@ -108,6 +166,15 @@ TEST(Rods, ApproachTheoryUnderRefinement) {
   const double coarse = sag("rod-cantilever", {vertices(11, false)}), bent = sag("rod-cantilever");
   EXPECT_LT(coarse, bent);
   EXPECT_NEAR(bent, beam_theory, 0.25 * beam_theory);
+}
+
+// The same filled by TetGen, over two decades of E. Measured 8.5 % below theory with 21 vertices along, and
+// 4.3 % with 41; 15 % with 21, and this test red, when the compliance of the regions at the surface was a
+// mean over all directions, like that of those inside.
+TEST(Rods, HangAsFarOnAnIrregularMesh) {
+  EXPECT_NEAR(sag_of_filled_rod(21, 20e3, 2.0, 25.0), rod_theory, 0.10 * rod_theory);
+  EXPECT_NEAR(sag_of_filled_rod(21, 200e3, 2.0, 25.0), 0.1 * rod_theory, 0.10 * 0.1 * rod_theory);
+  EXPECT_NEAR(sag_of_filled_rod(21, 2e3, 3.0, 10.0), 10.0 * rod_theory, 0.10 * 10.0 * rod_theory);
 }
 
 // Two decades of E, stretch inversely to it; at 2 kPa the rod is twice as long, which linear theory does not
