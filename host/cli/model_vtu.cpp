@@ -87,7 +87,7 @@ std::string model_vtu_text(const model::Model& model) {
 }
 
 void write_model_vtu(const std::filesystem::path& path, const model::Model& model) {
-  bake::write_whole(path, model_vtu_text(model));
+  bake::write_whole(std::filesystem::absolute(path), model_vtu_text(model));
 }
 
 }  // namespace fascicle::cli

@@ -1,4 +1,5 @@
 // fascicle validate and fascicle inspect as a user runs them.
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <variant>
@@ -84,6 +85,15 @@ TEST(Inspect, SaysWhatIsThere) {
   for (const char* part :
        {"vertices", "tetrahedra", "volume", "muscle", "fat", "edges", "working unit", "tip"})
     EXPECT_TRUE(contains(text.out, part)) << part;
+}
+
+// A name alone is a file in the current folder.
+TEST(Inspect, ModelByItsNameAlone) {
+  const TemporaryFolder folder;
+  const std::string command = "cd '" + folder.path().string() +
+                              "' && '" FASCICLE_PROGRAM "' inspect bar-hang-none -q --model model.vtu > out";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_TRUE(read_text(folder / "model.vtu").ends_with("</VTKFile>\n"));
 }
 
 TEST(Inspect, ModelInAFolderThatIsNotThereLeavesNothing) {
