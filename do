@@ -3,7 +3,7 @@
 #   ./do bake [ARGS...]   build the program and run `fascicle bake ARGS...`
 #   ./do test [CTEST...]  build everything and run the tests
 #   ./do build [PRESET]   build a preset (release)
-#   ./do figures          bake the paper's scenes and draw docs/figures/*
+#   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
@@ -74,10 +74,10 @@ case $command in
     need $build_packages $run_packages $test_packages
     build "${1:-release}"
     ;;
-  figures)
+  paper)
     need $build_packages $run_packages python3
     build release
-    exec python3 docs/figures.py build/release/fascicle
+    exec python3 -B docs/paper.py build/release/fascicle "${1:-../shared/assets}"
     ;;
   lint)
     need $build_packages $test_packages $lint_packages

@@ -1,374 +1,281 @@
-#!/usr/bin/env python3
-"""Bakes the built-in scenes and draws docs/figures/figure-{6,7,8}.svg, figure-9.png and lag.svg.
-
-    python3 docs/figures.py build/release/fascicle [CHARACTER.glb CLIP]
-
-With a character, the lag of its clip's flesh is drawn too, in lag-character.svg.
-
-Only Python's standard library is used. Pictures of bars are rasterised here (flat shading, depth buffer) and stand inside
-the SVG as PNG; curves and words are vectors. The bear is drawn by `fascicle render`.
-"""
-import base64
-import csv
-import json
+"""The paper's figures, of our own scenes: each function bakes, measures, and draws into a folder, or only measures where
+that is None. What a scene gives is the same on every machine, so the numbers are too; timings stand apart."""
 import math
 import os
-import struct
-import subprocess
-import sys
-import zlib
 
-OUT = "out/figures"
+import bakes
+import drawing
+from drawing import Canvas, Plot, banded, beside, crop, draw, image, text
+
 MUSCLE, FAT, SINGLE = (0.74, 0.24, 0.22), (0.93, 0.76, 0.42), (0.45, 0.58, 0.78)
 
 
-def bake(program, name, folder=None, more=()):
-    folder = os.path.join(OUT, folder or name)
-    subprocess.run([program, "bake", name, "-o", folder, "--format", "pc2", "--device", "cpu", "--overwrite", "-q", *more],
-                   check=True, stdout=subprocess.DEVNULL)
-    return folder
-
-
-def read_bake(folder):
-    rest, triangles = [], []
-    for line in open(os.path.join(folder, "rest.obj"), encoding="utf-8"):
-        words = line.split()
-        if words[:1] == ["v"]:
-            rest.append(tuple(map(float, words[1:4])))
-        elif words[:1] == ["f"]:
-            triangles.append(tuple(int(w.split("/")[0]) - 1 for w in words[1:4]))
-    with open(os.path.join(folder, "surface.pc2"), "rb") as file:
-        header = struct.unpack("<12siiffi", file.read(32))
-        count, samples = header[2], header[5]
-        data = file.read()
-    frame = lambda k: [struct.unpack_from("<3f", data, 12 * (k * count + i)) for i in range(count)]
-    with open(os.path.join(folder, "metrics.csv"), encoding="utf-8") as file:
-        metrics = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
-    assert len(metrics) == samples, "metrics.csv and surface.pc2 count different frames"
-    return {"rest": rest, "triangles": triangles, "frame": frame, "samples": samples, "metrics": metrics}
-
-
-class Canvas:
-    """A depth-buffered picture at twice the size it is shown at."""
-
-    def __init__(self, width, height):
-        self.w, self.h = 2 * width, 2 * height
-        self.pixels = bytearray(b"\xff" * (3 * self.w * self.h))
-        self.depth = [-1e30] * (self.w * self.h)
-
-    def triangle(self, corners, color):
-        (x0, y0, z0), (x1, y1, z1), (x2, y2, z2) = corners
-        area = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
-        if abs(area) < 1e-9:
-            return
-        rgb = bytes(max(0, min(255, round(255 * c))) for c in color)
-        for y in range(max(0, math.ceil(min(y0, y1, y2))), min(self.h - 1, math.floor(max(y0, y1, y2))) + 1):
-            for x in range(max(0, math.ceil(min(x0, x1, x2))), min(self.w - 1, math.floor(max(x0, x1, x2))) + 1):
-                b = ((x - x0) * (y2 - y0) - (x2 - x0) * (y - y0)) / area
-                c = ((x1 - x0) * (y - y0) - (x - x0) * (y1 - y0)) / area
-                if b < -1e-6 or c < -1e-6 or b + c > 1 + 1e-6:
-                    continue
-                z = z0 + b * (z1 - z0) + c * (z2 - z0)
-                at = y * self.w + x
-                if z > self.depth[at]:
-                    self.depth[at] = z
-                    self.pixels[3 * at:3 * at + 3] = rgb
-
-    def png(self):
-        above, rows = bytes(3 * self.w), b""
-        for y in range(self.h):
-            row = self.pixels[3 * self.w * y:3 * self.w * (y + 1)]
-            rows += b"\2" + bytes((a - b) & 255 for a, b in zip(row, above))  # 2: less the row above, which packs better
-            above = row
-        chunk = lambda kind, body: (struct.pack(">I", len(body)) + kind + body +
-                                    struct.pack(">I", zlib.crc32(kind + body)))
-        return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", self.w, self.h, 8, 2, 0, 0, 0)) +
-                chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
-
-
-def sub(a, b):
-    return tuple(p - q for p, q in zip(a, b))
-
-
-def dot(a, b):
-    return sum(p * q for p, q in zip(a, b))
-
-
-def cross(a, b):
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def unit(a):
-    length = math.sqrt(dot(a, a)) or 1.0
-    return tuple(p / length for p in a)
-
-
-VIEW = unit((0.42, 0.28, 1.0))
-RIGHT = unit(cross((0, 1, 0), VIEW))
-UP = cross(VIEW, RIGHT)
-LIGHT = unit((0.3, 0.9, 0.7))
-
-
-def draw(canvas, points, triangles, colors, scale, at):
-    """`at` is the pixel of the world's origin, `scale` pixels a metre."""
-    for t in triangles:
-        a, b, c = (points[i] for i in t)
-        normal = unit(cross(sub(b, a), sub(c, a)))
-        if dot(normal, VIEW) <= 0:
-            continue
-        shade = 0.55 + 0.45 * max(0.0, dot(normal, LIGHT))
-        # Two-tone squares along the rest shape make the stretch visible.
-        corners = [(2 * (at[0] + scale * dot(p, RIGHT)), 2 * (at[1] - scale * dot(p, UP)), dot(p, VIEW)) for p in (a, b, c)]
-        canvas.triangle(corners, tuple(shade * k for k in colors(t)))
-
-
-def banded(rest, base, axis, period):
-    def color(t):
-        middle = sum(rest[i][axis] for i in t) / 3
-        return base if int(middle / period) % 2 == 0 else tuple(0.82 * k for k in base)
-    return color
-
-
-def svg(name, width, height, body):
-    os.makedirs("docs/figures", exist_ok=True)
-    path = f"docs/figures/{name}.svg"
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-                   f'viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="14" fill="#222">\n'
-                   f'<rect width="{width}" height="{height}" fill="#fff"/>\n{body}</svg>\n')
+def save(folder, name, content):
+    os.makedirs(folder, exist_ok=True)
+    path = os.path.join(folder, name)
+    with open(path, "wb") as file:
+        file.write(content if isinstance(content, bytes) else content.encode())
     print(path)
 
 
-def image(canvas, x, y):
-    data = base64.b64encode(canvas.png()).decode()
-    return (f'<image x="{x}" y="{y}" width="{canvas.w // 2}" height="{canvas.h // 2}" '
-            f'href="data:image/png;base64,{data}"/>\n')
+def sunk(bake):
+    """How far a bar's tip has gone down at the end, in lengths of the bar."""
+    length = max(bake.size(a) for a in range(3))
+    return (bake.place("tip", 0)[1] - bake.place("tip", -1)[1]) / length
 
 
-def text(x, y, words, anchor="middle", **more):
-    style = "".join(f' {key.replace("_", "-")}="{value}"' for key, value in more.items())
-    return f'<text x="{x}" y="{y}" text-anchor="{anchor}"{style}>{words}</text>\n'
+# Shares of the volume asked of bone, and of bone and muscle.
+SHARES = ((0.1, 0.5), (0.2, 0.4), (0.3, 0.8))
 
 
-def tip_change(result):
-    first, last = result["metrics"][0], result["metrics"][-1]
-    return [last[f"tip_{c}"] - first[f"tip_{c}"] for c in "xyz"]
+def volume_shares(program, scene, more=()):
+    """Of layers that are to fill the innermost shares of a scene's body: what was asked, and what they fill, from the inside."""
+    table = []
+    for bone, muscle in SHARES:
+        where = lambda layer, share: f"--set=layers.{layer}.where={{volume_share={{maximum={share}}}}}"
+        layers = program.inspect(scene, where("bone", bone), where("muscle", muscle), *more)["layers"]
+        got = {layer["name"]: layer["volume_share"] for layer in layers}
+        table.append({"asked": [bone, round(muscle - bone, 9), round(1 - muscle, 9)], "got": [got[name] for name in ("bone", "muscle", "fat")]})
+    return table
 
 
-def length_of(result, axis):
-    return max(p[axis] for p in result["rest"]) - min(p[axis] for p in result["rest"])
+def figure_2(program, folder=None):
+    """Three layers: the arm and the bear, their tetrahedra cut open."""
+    if folder:
+        options = ("--mode", "layers", "--view", "front", "--clip", "z=50%")
+        save(folder, "figure-2.png", drawing.png(beside([program.still("arm", "layers-arm", *options, "--size", "560x340"),
+                                                        program.still("jump", "layers-jump", *options, "--size", "300x340")])))
+    # The hand follows the skeleton whatever its layers are, unless it is freed; shares are of what is free.
+    return {"arm": volume_shares(program, "arm", ['--set=skeleton.simulated=["hand"]'])}, {}
 
 
-def figure_6(program):
-    names = [("bar-hang-none", "no fibre"), ("bar-hang-across", "fibres across gravity"), ("bar-hang-along", "fibres along gravity")]
-    results = [(label, read_bake(bake(program, name))) for name, label in names]
-    length = length_of(results[0][1], 1)
-    width, height, scale = 640, 470, 240 / length
-    canvas, body, stretches = Canvas(width, height), "", {}
-    for k, (label, r) in enumerate(results):
-        x = 110 + 200 * k
-        top = max(p[1] for p in r["rest"])
-        place = lambda points: [(p[0], p[1] - top, p[2]) for p in points]
-        draw(canvas, place(r["frame"](r["samples"] - 1)), r["triangles"], banded(r["rest"], SINGLE, 1, length / 10), scale, (x, 60))
-        stretches[label] = -tip_change(r)[1] / length
-    body += image(canvas, 0, 0)
-    for k, (label, _) in enumerate(results):
-        body += text(125 + 200 * k, 24, label) + text(125 + 200 * k, 42, f"stretch {100 * stretches[label]:.1f} %", font_weight="bold")
-    svg("figure-6", width, height, body)
-    return stretches
+# The field through the whole body, which the scenes themselves have in the muscle alone; the bind pose.
+WHOLE_FIELD = ["--set=layers.bone.fibre_field=true", "--set=layers.fat.fibre_field=true"]
+AT_REST = ["--end", "0.02", "--preroll", "0s"]
 
 
-def figure_7(program):
-    names = ["0", "0.6", "0.75", "1"]
-    results = [(beta, read_bake(bake(program, f"bar-beta-{beta}"))) for beta in names]
-    length = length_of(results[0][1], 0)
-    width, height, scale = 900, 330, 185 / length
-    canvas, body, drops = Canvas(width, height), "", {}
-    for k, (beta, r) in enumerate(results):
-        draw(canvas, r["frame"](r["samples"] - 1), r["triangles"], banded(r["rest"], SINGLE, 0, length / 10), scale, (52 + 222 * k, 130))
-        drops[beta] = -tip_change(r)[1] / length
-    body += image(canvas, 0, 0)
-    for k, (beta, _) in enumerate(results):
-        body += text(115 + 222 * k, 24, f"beta {beta}") + text(115 + 222 * k, 42, f"tip drops {drops[beta]:.2f} lengths", font_weight="bold")
-    svg("figure-7", width, height, body)
-    return drops
+def fibre_angles(model):
+    """Of the arm, whose bones lie along x, in degrees: fibres of the bone layer to the bone, and fibres at the skin to the skin."""
+    place, fibre = model["position"], model["fibre"]
+    faces = {}
+    for a, b, c, d in ([int(v) for v in t] for t in model["connectivity"]):
+        for face in ((b, c, d), (a, d, c), (a, b, d), (a, c, b)):
+            key = tuple(sorted(face))
+            faces[key] = None if key in faces else face
+    normals = [(0.0, 0.0, 0.0)] * len(place)
+    for face in filter(None, faces.values()):
+        a, b, c = (place[v] for v in face)
+        n = drawing.cross(drawing.sub(b, a), drawing.sub(c, a))
+        for v in face:
+            normals[v] = tuple(p + q for p, q in zip(normals[v], n))
+    degrees = lambda cosine: math.degrees(math.acos(min(1.0, abs(cosine))))
+    is_along = lambda i: 0.0 < place[i][0] < 0.56  # from the shoulder to the hand: beyond, bones end and skin closes over them
+    bone = [degrees(fibre[i][0]) for i in range(len(place)) if model["layer"][i][0] == 2 and is_along(i)]
+    skin = [90.0 - degrees(drawing.dot(fibre[i], drawing.unit(n))) for i, n in enumerate(normals) if any(n) and is_along(i)]
+    return {"bone": mean_and_most(bone), "skin": mean_and_most(skin)}
 
 
-def figure_8(program):
-    names = [("iwamoto", "Iwamoto et al.: beta 0, 0"), ("i", "(i): beta 1, 0.3"), ("ii", "(ii): other muscle fibres"), ("iii", "(iii): beta 1, 1")]
-    inks = ["#888888", "#3465a4", "#4e9a06", "#cc0000"]
-    results = [(label, read_bake(bake(program, f"bar-layers-{name}"))) for name, label in names]
-    length = length_of(results[0][1], 0)
+def mean_and_most(values):
+    """Mean, and what 95 in 100 are below."""
+    return {"mean": sum(values) / len(values), "percentile 95": sorted(values)[int(0.95 * len(values))], "count": len(values)}
+
+
+def figure_3(program, folder=None):
+    """The fibre field of the arm, cut open, and of the bear."""
+    os.makedirs(program.folder, exist_ok=True)
+    path = os.path.join(program.folder, "fibres.vtu")
+    program.inspect("arm", "--model", path, *WHOLE_FIELD)
+    arrays = bakes.read_vtu(path)
+    # "layer" is an array of the tetrahedra too, and comes before that of the vertices.
+    arrays["layer"] = arrays["layer"][-len(arrays["position"]):]
+    if folder:
+        arm, bear = (program.bake(scene, f"fibres-{scene}", [*WHOLE_FIELD, *AT_REST]).folder for scene in ("arm", "jump"))
+        options = ("--mode", "fibres", "--view", "front", "--clip", "z=50%", "--frame", "0")
+        save(folder, "figure-3.png", drawing.png(beside([crop(program.still(arm, "fibres-arm", *options, "--size", "800x640"), (0, 100, 800, 500)),
+                                                        program.still(bear, "fibres-jump", *options, "--size", "320x400")])))
+    return fibre_angles(arrays), {}
+
+
+def figure_6(program, folder=None):
+    """A hanging bar without fibres, with fibres across gravity and along it."""
+    labels = {"none": "no fibre", "across": "fibres across gravity", "along": "fibres along gravity"}
+    baked = {name: program.bake(f"bar-hang-{name}") for name in labels}
+    stretch = {name: sunk(bake) for name, bake in baked.items()}
+    if folder:
+        length = baked["none"].size(1)
+        width, height, scale = 640, 470, 240 / length
+        canvas, body = Canvas(width, height), ""
+        for k, (name, label) in enumerate(labels.items()):
+            rest, triangles = baked[name].surface()
+            points = [(p[0], p[1] - length, p[2]) for p in baked[name].positions(-1)]
+            draw(canvas, points, triangles, banded(rest, SINGLE, 1, length / 10), scale, (110 + 200 * k, 60))
+            body += text(125 + 200 * k, 24, label)
+            body += text(125 + 200 * k, 42, f"stretch {100 * stretch[name]:.1f} %", font_weight="bold")
+        save(folder, "figure-6.svg", drawing.svg(width, height, image(canvas, 0, 0) + body))
+    return {"stretch": stretch}, {name: bake.timing() for name, bake in baked.items()}
+
+
+def figure_7(program, folder=None):
+    """Bars held at one end, with upright fibres of four weights."""
+    baked = {beta: program.bake(f"bar-beta-{beta}") for beta in ("0", "0.6", "0.75", "1")}
+    drops = {beta: sunk(bake) for beta, bake in baked.items()}
+    if folder:
+        length = baked["0"].size(0)
+        width, height, scale = 900, 330, 185 / length
+        canvas, body = Canvas(width, height), ""
+        for k, (beta, bake) in enumerate(baked.items()):
+            rest, triangles = bake.surface()
+            draw(canvas, bake.positions(-1), triangles, banded(rest, SINGLE, 0, length / 10), scale, (52 + 222 * k, 130))
+            body += text(115 + 222 * k, 24, f"beta {beta}")
+            body += text(115 + 222 * k, 42, f"tip drops {drops[beta]:.2f} lengths", font_weight="bold")
+        save(folder, "figure-7.svg", drawing.svg(width, height, image(canvas, 0, 0) + body))
+    return {"drop": drops}, {f"beta {beta}": bake.timing() for beta, bake in baked.items()}
+
+
+# Figure 8's bars by the row of table 1 that they stand for, with the ink of their curves.
+BARS = {"iwamoto": ("Iwamoto et al.: beta 0, 0", "#888888"), "i": ("(i): beta 1, 0.3", "#3465a4"),
+        "ii": ("(ii): other muscle fibres", "#4e9a06"), "iii": ("(iii): beta 1, 1", "#cc0000")}
+
+
+def swing(bake, probe):
+    """Root mean square distance of a probe from its mean place, m."""
+    places = [bake.place(probe, f) for f in range(len(bake.metrics))]
+    mean = [sum(p[a] for p in places) / len(places) for a in range(3)]
+    return math.sqrt(sum((p[a] - mean[a]) ** 2 for p in places for a in range(3)) / len(places))
+
+
+def layers_of(bake):
+    return {layer["name"]: layer for layer in bake.manifest["scene"]["layers"]}
+
+
+def figure_8(program, folder=None):
+    """Bars of muscle, at the wall, and fat, let go; table 1."""
+    baked = {name: program.bake(f"bar-layers-{name}") for name in BARS}
+    length = baked["i"].size(0)
+    if folder:
+        draw_figure_8(baked, length, folder)
+    names, distance = list(BARS), {}
+    for a, one in enumerate(names):
+        for other in names[:a]:
+            total = sum((p - q) ** 2 for f in range(len(baked[one].metrics))
+                        for p, q in zip(baked[one].place("tip", f), baked[other].place("tip", f)))
+            distance[f"{other} and {one}"] = math.sqrt(total / len(baked[one].metrics)) / length
+    table = {name: {key + "_" + layer[0].upper(): layers_of(bake)[layer][key] for layer in ("muscle", "fat") for key in ("alpha", "beta")}
+             for name, bake in baked.items()}
+    return ({"distance of tips": distance, "table 1": table,
+             "muscle fibre": {name: layers_of(bake)["muscle"]["fibre"] for name, bake in baked.items()},
+             "fat fibre": {name: layers_of(bake)["fat"]["fibre"] for name, bake in baked.items()},
+             "lowest": {name: (min(bake.column("tip_y")) - bake.place("tip", 0)[1]) / length for name, bake in baked.items()},
+             "swing": {name: {probe: swing(bake, probe) / length for probe in ("tip", "middle")} for name, bake in baked.items()}},
+            {name: bake.timing() for name, bake in baked.items()})
+
+
+def draw_figure_8(baked, length, folder):
     width, height, scale = 960, 560, 180 / length
-    canvas, body = Canvas(width, 300), ""
-    half = length / 2
-    for k, (label, r) in enumerate(results):
-        swing = r["metrics"]
-        lowest = min(range(len(swing)), key=lambda f: swing[f]["tip_y"])
-        color = lambda t, r=r: MUSCLE if sum(r["rest"][i][0] for i in t) / 3 < half else FAT
-        draw(canvas, r["frame"](lowest), r["triangles"], color, scale, (64 + 238 * k, 110))
-    body += image(canvas, 0, 0)
-    left, top, w, h = 60, 320, 860, 200
-    seconds = 5.0
-    shown = [[(m["time"], (m["tip_y"] - r["metrics"][0]["tip_y"]) / length) for m in r["metrics"] if m["time"] <= seconds] for _, r in results]
-    low = min(y for curve in shown for _, y in curve) * 1.05
-    px = lambda t: left + w * t / seconds
-    py = lambda y: top + h * y / low
-    for k in range(11):
-        body += f'<line x1="{px(k / 2)}" x2="{px(k / 2)}" y1="{top}" y2="{top + h}" stroke="#eee"/>\n' + text(px(k / 2), top + h + 18, f"{k / 2:g} s")
+    canvas, body, curves = Canvas(width, 300), "", {}
+    for k, (name, (label, ink)) in enumerate(BARS.items()):
+        bake = baked[name]
+        rest, triangles = bake.surface()
+        tip = bake.column("tip_y")
+        color = lambda t: MUSCLE if sum(rest[i][0] for i in t) / 3 < length / 2 else FAT
+        draw(canvas, bake.positions(tip.index(min(tip))), triangles, color, scale, (64 + 238 * k, 110))
+        curves[name] = [(time, (y - tip[0]) / length) for time, y in zip(bake.column("time"), tip) if time <= 5.0]
+        body += text(125 + 238 * k, 24, label, fill=ink, font_weight="bold")
+    low = 1.05 * min(y for curve in curves.values() for _, y in curve)
+    plot = Plot((60, 320, 860, 200), 5.0, low, 0.0)
     step = 0.1 if -low < 0.6 else 0.2
-    for k in range(int(-low / step) + 1):
-        body += f'<line x1="{left}" x2="{left + w}" y1="{py(-k * step)}" y2="{py(-k * step)}" stroke="#eee"/>\n' + text(left - 8, py(-k * step) + 5, f"{-k * step:.1f}", "end")
-    for k, (label, _) in enumerate(results):
-        points = " ".join(f"{px(t):.1f},{py(y):.1f}" for t, y in shown[k])
-        body += f'<polyline points="{points}" fill="none" stroke="{inks[k]}" stroke-width="2"/>\n'
-        body += text(125 + 238 * k, 24, label, fill=inks[k], font_weight="bold")
-    body += text(left + w, top - 8, "height of the tip, lengths; above: each bar at its lowest, muscle red, fat yellow", "end", font_size=12)
-    svg("figure-8", width, height, body)
-    frames = len(results[0][1]["metrics"])
-    rms = {}
-    for a in range(4):
-        for b in range(a):
-            ma, mb = results[a][1]["metrics"], results[b][1]["metrics"]
-            total = sum((ma[f][f"tip_{c}"] - mb[f][f"tip_{c}"]) ** 2 for f in range(frames) for c in "xyz")
-            rms[f"{names[b][0]} / {names[a][0]}"] = math.sqrt(total / frames) / length
-    return rms
-
-
-def read_png(path):
-    """Width, height and rows of a PNG with 8 bits a channel, RGB or RGBA, not interlaced; rows as RGB bytes."""
-    data = open(path, "rb").read()
-    at, packed = 8, b""
-    while at < len(data):
-        size, kind = struct.unpack(">I4s", data[at:at + 8])
-        body = data[at + 8:at + 8 + size]
-        if kind == b"IHDR":
-            width, height, depth, color, _, _, interlaced = struct.unpack(">2I5B", body)
-        elif kind == b"IDAT":
-            packed += body
-        at += 12 + size
-    assert depth == 8 and color in (2, 6) and not interlaced, path
-    pixel = 3 if color == 2 else 4
-    raw, rows, above = zlib.decompress(packed), [], bytearray(pixel * width)
-    for y in range(height):
-        start = y * (pixel * width + 1)
-        row = bytearray(raw[start + 1:start + 1 + pixel * width])
-        for x in range(pixel * width) if raw[start] else ():
-            left, up = (row[x - pixel] if x >= pixel else 0), above[x]
-            corner = above[x - pixel] if x >= pixel else 0
-            guess = left + up - corner
-            nearest = min((abs(guess - left), 0, left), (abs(guess - up), 1, up), (abs(guess - corner), 2, corner))[2]
-            row[x] = (row[x] + {1: left, 2: up, 3: (left + up) // 2, 4: nearest}[raw[start]]) & 255
-        above = row
-        rows.append(bytes(row) if pixel == 3 else b"".join(row[i:i + 3] for i in range(0, len(row), 4)))
-    return width, height, rows
+    plot.grid([-k * step for k in range(int(-low / step) + 1)], lambda v: f"{v:.1f}")
+    for name, (_, ink) in BARS.items():
+        plot.curve(curves[name], ink)
+    plot.title("height of the tip, lengths; above: each bar at its lowest, muscle red, fat yellow")
+    save(folder, "figure-8.svg", drawing.svg(width, height, image(canvas, 0, 0) + body + plot.body))
 
 
 # Seconds of the jump: stand, crouch, take-off, apex, the belly's lowest after landing, on the way up.
 JUMP = (0.0, 0.85, 1.13, 1.38, 1.8, 2.1)
+# All of the body follows the skeleton.
+SKINNING_ALONE = ["--set=layers.bone.where={bone_distance={maximum=10}}"]
 
 
-def strip(program, folder, name, frames, *options):
-    """Stills side by side: the rows of the picture, RGB."""
-    stills = []
-    for frame in frames:
-        path = os.path.join(OUT, f"{name}-{frame}.png")
-        subprocess.run([program, "render", folder, "-o", path, "--frame", str(frame), *options, "--overwrite", "-q"],
-                       check=True, stdout=subprocess.DEVNULL)
-        stills.append(read_png(path))
-    return [b"".join(still[2][y] for still in stills) for y in range(stills[0][1])]
+def figure_9(program, folder=None):
+    """Stills of the bear's jump; below, skinning alone; below, how far the flesh is from that."""
+    jump = program.bake("jump")
+    if folder:
+        frames = [round(time * jump.manifest["scene"]["fps"]) for time in JUMP]
+        alone = program.bake("jump", "jump-skinned", SKINNING_ALONE)
+        options = ("--turn", "-10", "--size", "190x285")
+        save(folder, "figure-9.png", drawing.png(
+            program.strip(jump, "jump", frames, *options) + program.strip(alone, "jump-skinned", frames, *options) +
+            program.strip(jump, "jump-lag", frames, "--mode", "lag", "--lag-scale", "200", *options)))
+    belly, layers = jump.column("belly_y"), layers_of(jump)
+    return ({"belly, lowest and highest, m": [min(belly), max(belly)],
+             "lag": {name: {"peak": max(jump.column(f"lag_{name}")), "last": jump.column(f"lag_{name}")[-1]} for name in ("fat", "muscle")},
+             "parameters": {name: {key: layers[name][key] for key in ("alpha", "beta")} for name in ("muscle", "fat")}},
+            {"jump": jump.timing()})
 
 
-def save_strips(name, strips):
-    canvas = Canvas(0, 0)
-    canvas.w, canvas.h, canvas.pixels = len(strips[0]) // 3, len(strips), b"".join(strips)
-    with open(f"docs/figures/{name}.png", "wb") as file:
-        file.write(canvas.png())
-    print(f"docs/figures/{name}.png")
+def volumes(bake):
+    return list(zip(bake.column("time"), bake.column("volume_ratio")))
 
 
-def figure_9(program):
-    """Stills of the jump side by side; below, the same with how far the flesh is from where skinning has it."""
-    folder = bake(program, "jump")
-    fps = json.load(open(os.path.join(folder, "manifest.json"), encoding="utf-8"))["scene"]["fps"]
-    frames = [round(time * fps) for time in JUMP]
-    strips = []
-    for mode in ("shaded", "lag"):
-        strips += strip(program, folder, f"jump-{mode}", frames, "--mode", mode, "--lag-scale", "200", "--turn", "-10", "--size", "190x285")
-    save_strips("figure-9", strips)
-    metrics = read_bake(folder)["metrics"]
-    return {"belly, lowest and highest, m": [f([m["belly_y"] for m in metrics]) for f in (min, max)]}
+def mean_difference(one, other):
+    """Of two bakes' volumes, over their frames."""
+    pairs = list(zip(one.column("volume"), other.column("volume")))
+    return sum(abs(a / b - 1) for a, b in pairs) / len(pairs)
+
+
+def draw_volumes(curves, title, step, folder, name):
+    """`curves`: label, ink and bake; a line for every `step` of the volume at rest."""
+    curves = [(label, ink, volumes(bake)) for label, ink, bake in curves]
+    values = [v for _, _, curve in curves for _, v in curve]
+    low, high = math.floor(min(values) / step) * step, math.ceil(max(values) / step) * step
+    plot = Plot((70, 30, 860, 180), curves[0][2][-1][0], low, high)
+    plot.grid([low + k * step for k in range(round((high - low) / step) + 1)], lambda v: f"{100 * v:.1f} %")
+    for k, (label, ink, curve) in enumerate(curves):
+        plot.curve(curve, ink)
+        plot.label(150 + 130 * k, label, ink)
+    plot.title(title)
+    save(folder, name, drawing.svg(960, 260, plot.body))
 
 
 # Frames of the arm's curl: straight, on the way, and folded to 160 degrees.
 CURL = (0, 60, 75, 90, 115)
 
 
-def figure_10(program):
+def figure_10(program, folder=None):
     """Stills of the curl with muscles; below, the same without; and the volume of both over the bend."""
-    silent = [f"--set=muscle.{name}.gain=0" for name in ("biceps", "triceps")]
-    folders = [bake(program, "arm"), bake(program, "arm", "arm-without", silent)]
-    strips = []
-    for name, folder in zip(("arm", "arm-without"), folders):
-        strips += strip(program, folder, name, CURL, "--view", "front", "--size", "230x160")
-    save_strips("figure-10", strips)
-    curves = [[(m["time"], m["volume_ratio"]) for m in read_bake(folder)["metrics"]] for folder in folders]
-    width, height, left, top, w, h = 960, 260, 70, 30, 860, 180
-    end, low, high = curves[0][-1][0], min(v for c in curves for _, v in c), max(v for c in curves for _, v in c)
-    low, high = math.floor(200 * low) / 200, math.ceil(200 * high) / 200
-    px = lambda t: left + w * t / end
-    py = lambda v: top + h * (high - v) / (high - low)
-    body = ""
-    for k in range(int(2 * end) + 1):
-        body += f'<line x1="{px(k / 2)}" x2="{px(k / 2)}" y1="{top}" y2="{top + h}" stroke="#e4e4e4"/>\n' + text(px(k / 2), top + h + 18, f"{k / 2:g} s")
-    for k in range(round(200 * (high - low)) + 1):
-        v = low + k / 200
-        body += f'<line x1="{left}" x2="{left + w}" y1="{py(v)}" y2="{py(v)}" stroke="#e4e4e4"/>\n' + text(left - 8, py(v) + 5, f"{100 * v:.1f} %", "end")
-    for k, (label, ink) in enumerate((("with muscles", "#a52a2a"), ("without", "#555753"))):
-        points = " ".join(f"{px(t):.1f},{py(v):.1f}" for t, v in curves[k])
-        body += f'<polyline points="{points}" fill="none" stroke="{ink}" stroke-width="2"/>\n' + text(left + 80 + 130 * k, 20, label, fill=ink, font_weight="bold")
-    body += text(left + w, 20, "volume of the whole arm, of that at rest", "end", font_size=12)
-    svg("volume", width, height, body)
-    return {"volume, mean difference": sum(abs(a / b - 1) for (_, a), (_, b) in zip(*curves)) / len(curves[0])}
+    arm = program.bake("arm")
+    silent = program.bake("arm", "arm-without", [f"--set=muscle.{name}.gain=0" for name in ("biceps", "triceps")])
+    unfibred = program.bake("arm", "arm-beta-0", ["--set=layers.muscle.beta=0"])
+    if folder:
+        save(folder, "figure-10.png", drawing.png([row for name, bake in (("arm", arm), ("arm-without", silent))
+                                                  for row in program.strip(bake, name, CURL, "--view", "front", "--size", "230x160")]))
+        draw_volumes([("with muscles", "#a52a2a", arm), ("without", "#555753", silent)],
+                     "volume of the whole arm, of that at rest", 0.005, folder, "volume.svg")
+    return ({"volume, mean difference": {"without muscles": mean_difference(arm, silent), "beta 0": mean_difference(arm, unfibred)},
+             "biceps, rise, m": max(a - b for a, b in zip(arm.column("biceps_y"), silent.column("biceps_y"))),
+             "beta": layers_of(arm)["muscle"]["beta"]}, {"arm": arm.timing()})
 
 
-def lag(program, scene, figure, more=()):
+def lag(program, scene, folder=None, figure="lag", more=()):
     """How far each layer is behind the skeleton; the clip's last pose is held for as long as the flesh may take to settle."""
     hold = 1.5
-    metrics = read_bake(bake(program, scene, figure, ["--hold", str(hold), *more]))["metrics"]
-    layers = [(name, ink) for name, ink in (("fat", "#c98a00"), ("muscle", "#a52a2a")) if f"lag_{name}" in metrics[0]]
-    end, peak = metrics[-1]["time"], max(m[f"lag_{name}"] for name, _ in layers for m in metrics)
-    width, height, left, top, w, h = 960, 300, 70, 30, 860, 220
-    px = lambda t: left + w * t / end
-    py = lambda y: top + h - h * y / (1.05 * peak)
-    step = next(s for s in (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0) if peak / s < 8)
-    body = f'<rect x="{px(end - hold)}" y="{top}" width="{w * hold / end}" height="{h}" fill="#f4f4f4"/>\n'
-    body += text(px(end - hold / 2), top + h - 8, "last pose held", font_size=12)
-    for k in range(int(2 * end) + 1):
-        body += f'<line x1="{px(k / 2)}" x2="{px(k / 2)}" y1="{top}" y2="{top + h}" stroke="#e4e4e4"/>\n' + text(px(k / 2), top + h + 18, f"{k / 2:g} s")
-    for k in range(int(1.05 * peak / step) + 1):
-        body += f'<line x1="{left}" x2="{left + w}" y1="{py(k * step)}" y2="{py(k * step)}" stroke="#e4e4e4"/>\n' + text(left - 8, py(k * step) + 5, f"{1000 * k * step:g} mm", "end")
-    settled = {}
-    for k, (name, ink) in enumerate(layers):
-        curve = [m[f"lag_{name}"] for m in metrics]
-        points = " ".join(f"{px(m['time']):.1f},{py(y):.1f}" for m, y in zip(metrics, curve))
-        body += f'<polyline points="{points}" fill="none" stroke="{ink}" stroke-width="2"/>\n'
-        body += text(left + 60 + 80 * k, 20, name, fill=ink, font_weight="bold")
-        settled[name] = {"peak, m": max(curve), "at the end, m": curve[-1],
-                         "1.5 s before the end, less the end, of the peak": (next(y for m, y in zip(metrics, curve) if m["time"] >= end - hold) - curve[-1]) / max(curve)}
-    body += text(left + w, 20, "root mean square distance to where skinning alone has the layer", "end", font_size=12)
-    svg(figure, width, height, body)
-    return settled
-
-
-def main():
-    program = sys.argv[1]
-    if len(sys.argv) > 3:
-        print(json.dumps({"lag, character": lag(program, sys.argv[2], "lag-character", ["--clip", sys.argv[3]])}, indent=2))
-        return
-    print(json.dumps({"figure 6, stretch": figure_6(program), "figure 7, drop": figure_7(program),
-                      "figure 8, RMS distance of tips": figure_8(program), "figure 9": figure_9(program), "figure 10": figure_10(program), "lag": lag(program, "jump", "lag")}, indent=2))
-
-
-if __name__ == "__main__":
-    main()
+    bake = program.bake(scene, figure, ["--hold", str(hold), *more])
+    end = bake.metrics[-1]["time"]
+    inks = {name: ink for name, ink in (("fat", "#c98a00"), ("muscle", "#a52a2a")) if f"lag_{name}" in bake.metrics[0]}
+    curves = {name: list(zip(bake.column("time"), bake.column(f"lag_{name}"))) for name in inks}
+    peaks = {name: max(y for _, y in curve) for name, curve in curves.items()}
+    if folder:
+        peak = max(peaks.values())
+        plot = Plot((70, 30, 860, 220), end, 0.0, 1.05 * peak)
+        plot.shade(end - hold, "last pose held")
+        step = next(s for s in (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 1.0) if peak / s < 8)
+        plot.grid([k * step for k in range(int(1.05 * peak / step) + 1)], lambda v: f"{1000 * v:g} mm")
+        for k, (name, ink) in enumerate(inks.items()):
+            plot.curve(curves[name], ink)
+            plot.label(130 + 80 * k, name, ink)
+        plot.title("root mean square distance to where skinning alone has the layer")
+        save(folder, f"{figure}.svg", drawing.svg(960, 300, plot.body))
+    return ({name: {"peak, m": peaks[name], "as the clip ends, m": next(y for t, y in curve if t >= end - hold), "at the end, m": curve[-1][1],
+                    "change in the last half second, m": max(y for t, y in curve if t >= end - 0.5) - min(y for t, y in curve if t >= end - 0.5)}
+             for name, curve in curves.items()}, {scene: bake.timing()})
