@@ -15,7 +15,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using model::Model;
 
-constexpr double largest_gain = 8.0;
+constexpr double largest_gain = 32.0;
 constexpr double flat_moment = 1e-3;
 // The threshold of extract_rotation in shaders/kernel/rotation.inc.
 constexpr double least_turned = 0x1p-40;

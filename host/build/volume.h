@@ -13,8 +13,8 @@ namespace fascicle::build {
 inline constexpr double explicit_limit = 2.5, implicit_limit = 1.75;
 
 // G of a region whose stiffest vertex has `alpha`, for the layer's `volume` in [0, 1]. The stiffest mode
-// grows from alpha to about alpha (1 + G/2), so that volume 1 is what `limit` leaves room for; at most 8,
-// beyond which Poisson's ratio, G/(2 G + 3), gains little.
+// grows from alpha to about alpha (1 + G/2), so that volume 1 is what `limit` leaves room for; at most 32,
+// Poisson's ratio G/(2 G + 3) being 0.48 there.
 double volume_gain(double volume, double alpha, double limit = explicit_limit);
 
 // Fills volume_gain and region_volume from the model's rest shape, weights and alpha; `volume` holds a number

@@ -33,11 +33,12 @@ struct TwistedArm {
   std::vector<Vector3d> rest, held;  // m, of the model's vertices
 
   explicit TwistedArm(double twist, double turn = hand_turn) {
-    // A thin bone: the flesh next to it does not turn. No volume term: what keeps the volume is that T_r
-    // does.
-    scene::Scene scene =
-        scene::load_scene("arm", {.set = {"layers.fat.volume=0", "layers.muscle.volume=0",
-                                          "layers.bone.where={bone_distance={maximum=0.006}}"}});
+    // A thin bone: the flesh next to it does not turn. Stiff flesh without a volume term: what keeps the
+    // volume is that T_r does.
+    scene::Scene scene = scene::load_scene(
+        "arm", {.set = {"layers.fat.volume=0", "layers.muscle.volume=0", "layers.fat.alpha=0.3",
+                        "layers.muscle.alpha=1", "layers.muscle.where={bone_distance={maximum=0.045}}",
+                        "layers.bone.where={bone_distance={maximum=0.006}}"}});
     scene.muscles = {{.name = "wound", .bone = "forearm", .gain = 0.0, .twist = twist}};
     auto& character = std::get<scene::Character>(scene.geometry);
     scene::Clip still{.name = "turned", .duration = 1.0, .channels = {}};
