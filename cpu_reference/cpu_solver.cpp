@@ -1,9 +1,14 @@
 #include "cpu_reference/cpu_solver.h"
 
+#include <array>
 #include <deque>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
+#include "cpu_reference/lane_stages.h"
+#include "cpu_reference/slices.h"
 #include "cpu_reference/stages.h"
 #include "cpu_reference/thread_pool.h"
 #include "host/model/implicit.h"
@@ -20,21 +25,35 @@ using model::Read;
 using model::Stage;
 using model::State;
 
+Column vectors_of(const Floats& field) {
+  return {field, vector_stride, 0, 3};
+}
+
+Column positions_of(const Fields& fields) {
+  return {fields.vertices, vertex_stride, 0, 3};
+}
+
+// The linear map row by row, the translation, the rotation.
+std::array<Column, 7> regions_of(const Fields& fields) {
+  const auto part = [&](std::size_t place, std::size_t width) {
+    return Column{fields.regions, region_stride, place, width};
+  };
+  return {part(0, 3), part(4, 3), part(8, 3), part(3, 1), part(7, 1), part(11, 1), part(rotation_place, 4)};
+}
+
 class CpuSolver : public model::Solver {
  public:
-  CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads)
+  CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads, Simd simd)
       : model_(model), options_(options), pool_(threads) {
     check_options(model, options);
-    const std::size_t n = model.vertex_count;
-    fields_.predicted.resize(3 * n);
-    fields_.transforms.resize(12 * n);
-    fields_.goals.resize(3 * n);
-    if (model.has_skeleton()) fields_.gravity.resize(3 * n);
-    if (model.is_implicit()) {
-      fields_.begun.resize(3 * n);
-      fields_.iterate_before.resize(3 * n);
+    if (simd != Simd::scalar) lanes_ = lane_stages(simd);
+    if (simd != Simd::scalar && simd != Simd::automatic && lanes_ == nullptr)
+      throw std::invalid_argument(std::string("this machine has no ") + name_of(simd) + " instructions");
+    make_fields();
+    if (lanes_ != nullptr) {
+      slices_ = make_slices(model);
+      fill_constants(model, slices_, fields_);
     }
-    fields_.surface.resize(3 * std::size_t{model.surface_count()});
     CpuSolver::load(model::rest_state(model));
   }
 
@@ -48,10 +67,10 @@ class CpuSolver : public model::Solver {
     Frame frame;
     frame.index = frame_;
     frame.origin = origin_;
-    if (what.positions) frame.positions = fields_.positions;
-    if (what.velocities) frame.velocities = fields_.velocities;
+    if (what.positions) frame.positions = positions();
+    if (what.velocities) frame.velocities = vectors(fields_.velocities);
     if (what.surface) frame.surface = fields_.surface;
-    if (what.skinned) frame.skinned = fields_.skinned;
+    if (what.skinned) frame.skinned = vectors(fields_.skinned);
     done_.push_back(std::move(frame));
   }
 
@@ -65,14 +84,14 @@ class CpuSolver : public model::Solver {
   State save() const override {
     State state{.frame = frame_,
                 .origin = origin_,
-                .positions = fields_.positions,
-                .velocities = fields_.velocities,
-                .rotations = fields_.rotations,
-                .skinned = fields_.skinned,
-                .skinned_velocities = fields_.skinned_velocities};
+                .positions = positions(),
+                .velocities = vectors(fields_.velocities),
+                .rotations = all(std::array{Column{fields_.regions, region_stride, rotation_place, 4}}),
+                .skinned = vectors(fields_.skinned),
+                .skinned_velocities = vectors(fields_.skinned_velocities)};
     if (step_before_ == 0.0) return state;
-    state.positions_before = fields_.positions_before;
-    state.velocities_before = fields_.velocities_before;
+    state.positions_before = vectors(fields_.positions_before);
+    state.velocities_before = vectors(fields_.velocities_before);
     state.step_before = step_before_;
     return state;
   }
@@ -85,27 +104,58 @@ class CpuSolver : public model::Solver {
   }
 
  private:
+  void make_fields() {
+    const std::size_t n = std::size_t{slice_count(model_.vertex_count)} * slice_size;
+    fields_.vertices.resize(vertex_stride * n);
+    fields_.regions.resize(region_stride * n);
+    fields_.velocities.resize(vector_stride * n);
+    if (model_.has_skeleton()) {
+      for (Floats* field : {&fields_.skinned, &fields_.skinned_before, &fields_.gravity})
+        field->resize(vector_stride * n);
+      if (!model_.carried.empty()) fields_.skinned_velocities.resize(vector_stride * n);
+    }
+    if (model_.is_implicit())
+      for (Floats* field : {&fields_.positions_before, &fields_.velocities_before, &fields_.begun,
+                            &fields_.iterate_before, &fields_.predicted, &fields_.goals})
+        field->resize(vector_stride * n);
+    fields_.surface.resize(3 * std::size_t{model_.surface_count()});
+  }
+
+  // What only a probe sees of an explicit substep.
+  void make_fields_between_stages() {
+    for (Floats* field : {&fields_.predicted, &fields_.goals}) field->resize(fields_.velocities.size());
+  }
+
+  std::vector<float> all(std::span<const Column> columns) const {
+    return gathered(model_.vertex_count, columns);
+  }
+  // Of a field of vectors; none where it is not kept.
+  std::vector<float> vectors(const Floats& field) const {
+    return field.empty() ? std::vector<float>() : all(std::array{vectors_of(field)});
+  }
+  std::vector<float> positions() const { return all(std::array{positions_of(fields_)}); }
+
   void set_history(const State& state) {
     origin_ = state.origin;
-    fields_.positions = state.positions;
-    fields_.velocities = state.velocities;
-    fields_.rotations = state.rotations;
-    fields_.skinned = state.skinned;
-    fields_.skinned_before = state.skinned;
-    fields_.skinned_velocities = state.skinned_velocities;
+    scatter(state.positions, 3, fields_.vertices, vertex_stride, 0);
+    scatter(state.velocities, 3, fields_.velocities, vector_stride, 0);
+    scatter(state.rotations, 4, fields_.regions, region_stride, rotation_place);
+    scatter(state.skinned, 3, fields_.skinned, vector_stride, 0);
+    fields_.skinned_before = fields_.skinned;
+    scatter(state.skinned_velocities, 3, fields_.skinned_velocities, vector_stride, 0);
     step_before_ = state.step_before;
     if (!model_.is_implicit()) return;
     if (state.positions_before.empty()) {
       forget_history();
     } else {
-      fields_.positions_before = state.positions_before;
-      fields_.velocities_before = state.velocities_before;
+      scatter(state.positions_before, 3, fields_.positions_before, vector_stride, 0);
+      scatter(state.velocities_before, 3, fields_.velocities_before, vector_stride, 0);
     }
   }
 
   // The next substep has none before it: what it takes for that is where the body is.
   void forget_history() {
-    fields_.positions_before = fields_.positions;
+    scatter(positions(), 3, fields_.positions_before, vector_stride, 0);
     fields_.velocities_before = fields_.velocities;
     step_before_ = 0.0;
   }
@@ -115,6 +165,26 @@ class CpuSolver : public model::Solver {
     pool_.run(count, [&](std::uint32_t first, std::uint32_t last) {
       stage(model_, in, fields_, {first, last});
     });
+  }
+
+  // A stage over all vertices: in lanes where this solver has them, else one by one.
+  void run(LaneStage LaneStages::*in_lanes, ModelStage stage, const SubstepInput& in) {
+    if (lanes_ == nullptr) {
+      run(model_.vertex_count, stage, in);
+      return;
+    }
+    const LaneInput input = lane_input(model_, slices_, in, fields_);
+    pool_.run(slices_.count, [&](std::uint32_t first, std::uint32_t last) {
+      (lanes_->*in_lanes)(input, {first, last});
+    });
+  }
+
+  // The regions' stage in lanes has the default rotation only.
+  void run_region(const SubstepInput& in) {
+    if (in.mueller)
+      run(model_.vertex_count, &region, in);
+    else
+      run(&LaneStages::region, &region, in);
   }
 
   SubstepInput input_of(const Drive& drive, std::uint32_t s) const {
@@ -134,41 +204,42 @@ class CpuSolver : public model::Solver {
     const SubstepInput in = input_of(drive, s);
     const std::uint32_t n = model_.vertex_count;
     const model::Where where{.frame = frame_ + 1, .substep = s};
-    const auto show = [&](Stage stage, std::span<const float> values) {
-      if (probe) probe->on_stage({where.frame, where.substep, stage}, values);
+    const auto show = [&](Stage stage, std::span<const Column> columns) {
+      if (probe) probe->on_stage({where.frame, where.substep, stage}, all(columns));
     };
     if (s == 0 && drive.origin_shift != std::array<float, 3>{0, 0, 0})
       pool_.run(n, [&](std::uint32_t first, std::uint32_t last) { rebase(in, fields_, {first, last}); });
     if (model_.has_skeleton()) {
       std::swap(fields_.skinned, fields_.skinned_before);
-      run(n, &skin, in);
-      show(Stage::skin, model::side_by_side(fields_.skinned, 3, fields_.gravity, 3));
+      run(&LaneStages::skin, &skin, in);
+      show(Stage::skin, std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
     }
     if (model_.is_implicit()) {
       implicit_substep(in, drive.h, where, probe);
       return;
     }
     if (!probe) {
-      run(n, &region, in);
-      run(n, &update, in);
+      run_region(in);
+      run(&LaneStages::update, &update, in);
       return;
     }
+    make_fields_between_stages();
     run(n, &predict, in);
-    show(Stage::predict, fields_.predicted);
-    run(n, &region, in);
-    show(Stage::region, model::side_by_side(fields_.transforms, 12, fields_.rotations, 4));
+    show(Stage::predict, std::array{vectors_of(fields_.predicted)});
+    run_region(in);
+    show(Stage::region, regions_of(fields_));
     run(n, &goal, in);
-    show(Stage::goal, fields_.goals);
+    show(Stage::goal, std::array{vectors_of(fields_.goals)});
     run(n, &integrate, in);
-    show(Stage::integrate, model::side_by_side(fields_.positions, 3, fields_.velocities, 3));
+    show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
   }
 
   // From predict on.
   void implicit_substep(SubstepInput in, double h, model::Where where, Probe* probe) {
     const std::uint32_t n = model_.vertex_count;
-    const auto show = [&](Stage stage, std::span<const float> values) {
+    const auto show = [&](Stage stage, std::span<const Column> columns) {
       where.stage = stage;
-      if (probe) probe->on_stage(where, values);
+      if (probe) probe->on_stage(where, all(columns));
     };
     if (step_before_ != h) forget_history();
     if (tables_.h != h) tables_ = model::implicit_tables(model_, options_, h);
@@ -177,30 +248,32 @@ class CpuSolver : public model::Solver {
     in.responses =
         std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
     run(n, &predict, in);
-    show(Stage::predict, fields_.predicted);
+    show(Stage::predict, std::array{vectors_of(fields_.predicted)});
     for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
       in.implicit.gain = relaxations[where.iteration].gain;
       in.implicit.omega = relaxations[where.iteration].omega;
-      run(n, &region, in);
+      run_region(in);
       if (!probe) {
-        run(n, &iterate, in);
+        run(&LaneStages::iterate, &iterate, in);
         continue;
       }
-      show(Stage::region, model::side_by_side(fields_.transforms, 12, fields_.rotations, 4));
+      show(Stage::region, regions_of(fields_));
       run(n, &goal, in);
-      show(Stage::goal, fields_.goals);
+      show(Stage::goal, std::array{vectors_of(fields_.goals)});
       run(n, &relax, in);
-      show(Stage::relax, fields_.positions);
+      show(Stage::relax, std::array{positions_of(fields_)});
     }
     where.iteration = 0;
     run(n, &integrate, in);
-    show(Stage::integrate, model::side_by_side(fields_.positions, 3, fields_.velocities, 3));
+    show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
     step_before_ = h;
   }
 
   const Model& model_;
   model::SolverOptions options_;
   ThreadPool pool_;
+  const LaneStages* lanes_ = nullptr;  // null: one by one
+  Slices slices_;                      // where lanes_ is
   Fields fields_;
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
@@ -212,8 +285,8 @@ class CpuSolver : public model::Solver {
 }  // namespace
 
 std::unique_ptr<model::Solver> make_cpu_solver(const Model& model, const model::SolverOptions& options,
-                                               unsigned threads) {
-  return std::make_unique<CpuSolver>(model, options, threads);
+                                               unsigned threads, Simd simd) {
+  return std::make_unique<CpuSolver>(model, options, threads, simd);
 }
 
 }  // namespace fascicle::cpu_reference

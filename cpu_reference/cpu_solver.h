@@ -1,14 +1,17 @@
-// CpuSolver: the float solver on the CPU, with the bits of VulkanSolver whatever the number of threads.
+// CpuSolver: the float solver on the CPU, with the bits of VulkanSolver whatever the number of threads and
+// the vector instructions.
 #pragma once
 
 #include <memory>
 
+#include "cpu_reference/simd.h"
 #include "host/model/solver.h"
 
 namespace fascicle::cpu_reference {
 
-// `threads` 0: one for each core. The model must outlive the solver and have passed check_model.
+// `threads` 0: one for each core. The model must outlive the solver and have passed check_model. Throws
+// std::invalid_argument for options that do not fit the model, and for instructions that the machine has not.
 std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
-                                               unsigned threads = 0);
+                                               unsigned threads = 0, Simd simd = Simd::automatic);
 
 }  // namespace fascicle::cpu_reference

@@ -20,26 +20,46 @@ using Transform = kernel::Transform<float>;
 using RegionSum = kernel::RegionSum<float>;
 using model::Model;
 
-Vector load_vector(const std::vector<float>& values, std::size_t i) {
-  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+Vector vector_at(const float* v) {
+  return {v[0], v[1], v[2]};
 }
 
-void store_vector(std::vector<float>& values, std::size_t i, const Vector& v) {
-  values[3 * i] = v.x;
-  values[3 * i + 1] = v.y;
-  values[3 * i + 2] = v.z;
+void put_vector(float* out, const Vector& v) {
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
 }
 
-Transform load_transform(const std::vector<float>& values, std::size_t i) {
-  const float* t = values.data() + 12 * i;
-  return {{t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8]}, {t[9], t[10], t[11]}};
+Vector load_vector(const Floats& values, std::size_t i) {
+  return vector_at(values.data() + vector_stride * i);
 }
 
-void store_transform(std::vector<float>& values, std::size_t i, const Transform& t) {
-  float* out = values.data() + 12 * i;
-  const float entries[12] = {t.linear.xx, t.linear.xy,     t.linear.xz,     t.linear.yx,
-                             t.linear.yy, t.linear.yz,     t.linear.zx,     t.linear.zy,
-                             t.linear.zz, t.translation.x, t.translation.y, t.translation.z};
+void store_vector(Floats& values, std::size_t i, const Vector& v) {
+  put_vector(values.data() + vector_stride * i, v);
+}
+
+Vector load_position(const Fields& fields, std::size_t i) {
+  return vector_at(fields.vertices.data() + vertex_stride * i);
+}
+
+void store_position(Fields& fields, std::size_t i, const Vector& v) {
+  put_vector(fields.vertices.data() + vertex_stride * i, v);
+}
+
+Vector rest_of(const Model& model, std::size_t i) {
+  return vector_at(model.rest.data() + 3 * i);
+}
+
+Transform load_transform(const Fields& fields, std::size_t r) {
+  const float* t = fields.regions.data() + region_stride * r;
+  return {{t[0], t[1], t[2], t[4], t[5], t[6], t[8], t[9], t[10]}, {t[3], t[7], t[11]}};
+}
+
+void store_transform(Fields& fields, std::size_t r, const Transform& t) {
+  float* out = fields.regions.data() + region_stride * r;
+  const float entries[12] = {t.linear.xx, t.linear.xy, t.linear.xz, t.translation.x,
+                             t.linear.yx, t.linear.yy, t.linear.yz, t.translation.y,
+                             t.linear.zx, t.linear.zy, t.linear.zz, t.translation.z};
   for (int k = 0; k < 12; ++k) out[k] = entries[k];
 }
 
@@ -105,12 +125,11 @@ Matrix scale_of_muscles(const Model& model, const SubstepInput& in, std::uint32_
 }
 
 Vector blended_goal(const Model& model, const Fields& fields, std::uint32_t i) {
-  const Transform own = load_transform(fields.transforms, i);
+  const Transform own = load_transform(fields, i);
   Transform blend = own;
   for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
-    blend = kernel::goal_add<float>(blend, model.share_given[e],
-                                    load_transform(fields.transforms, model.ring[e]), own);
-  return kernel::goal_position<float>(blend, load_vector(model.rest, i));
+    blend = kernel::goal_add<float>(blend, model.share_given[e], load_transform(fields, model.ring[e]), own);
+  return kernel::goal_position<float>(blend, rest_of(model, i));
 }
 
 void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& velocity,
@@ -118,23 +137,23 @@ void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint3
   const Vector u = velocity_of_skin(model, in, fields, i);
   if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
   if (model.is_kinematic(i)) {
-    if (model.has_skeleton()) store_vector(fields.positions, i, load_vector(fields.skinned, i));
+    if (model.has_skeleton()) store_position(fields, i, load_vector(fields.skinned, i));
     store_vector(fields.velocities, i, u);
     return;
   }
-  const Vector position = load_vector(fields.positions, i);
+  const Vector position = load_position(fields, i);
   const Vector v = kernel::integrate_velocity<float>(
       velocity, position, goal, model.alpha[i] * in.step.inverse_h, u, in.decay[model.layer_of(i)]);
   store_vector(fields.velocities, i, v);
-  store_vector(fields.positions, i, kernel::integrate_position<float>(position, v, in.step.h));
+  store_position(fields, i, kernel::integrate_position<float>(position, v, in.step.h));
 }
 
 // y, and the position from which the iterations start.
 void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
-  const Vector q = load_vector(fields.positions, i);
+  const Vector q = load_position(fields, i);
   store_vector(fields.begun, i, q);
   const auto start_at = [&](const Vector& start) {
-    store_vector(fields.positions, i, start);
+    store_position(fields, i, start);
     store_vector(fields.iterate_before, i, start);
   };
   if (model.is_kinematic(i)) {
@@ -167,11 +186,11 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
 
 void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const Vector& goal) {
   const shader::Response& answer = in.responses[i];
-  const Vector x = load_vector(fields.positions, i);
-  store_vector(fields.positions, i,
-               kernel::relax_position<float>(x, load_vector(fields.iterate_before, i),
-                                             load_vector(fields.predicted, i), goal, answer.to_goal,
-                                             answer.to_inertia, in.implicit.gain, in.implicit.omega));
+  const Vector x = load_position(fields, i);
+  store_position(fields, i,
+                 kernel::relax_position<float>(x, load_vector(fields.iterate_before, i),
+                                               load_vector(fields.predicted, i), goal, answer.to_goal,
+                                               answer.to_inertia, in.implicit.gain, in.implicit.omega));
   store_vector(fields.iterate_before, i, x);
 }
 
@@ -181,7 +200,7 @@ void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields,
   if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
   Vector v = u;
   if (!model.is_kinematic(i))
-    v = kernel::pulled_velocity<float>(load_vector(fields.velocities, i), load_vector(fields.positions, i),
+    v = kernel::pulled_velocity<float>(load_vector(fields.velocities, i), load_position(fields, i),
                                        load_vector(fields.predicted, i), load_vector(fields.goals, i),
                                        in.responses[i].to_goal, in.implicit.inverse_step);
   store_vector(fields.velocities, i, v);
@@ -193,7 +212,7 @@ void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields,
 void rebase(const SubstepInput& in, Fields& fields, Range range) {
   const Vector shift{in.step.shift_x, in.step.shift_y, in.step.shift_z};
   for (std::uint32_t i = range.first; i < range.last; ++i) {
-    store_vector(fields.positions, i, kernel::rebase<float>(load_vector(fields.positions, i), shift));
+    store_position(fields, i, kernel::rebase<float>(load_position(fields, i), shift));
     if (!fields.positions_before.empty())
       store_vector(fields.positions_before, i,
                    kernel::rebase<float>(load_vector(fields.positions_before, i), shift));
@@ -218,7 +237,7 @@ void skin(const Model& model, const SubstepInput& in, Fields& fields, Range rang
       blend = kernel::skin_add<float>(blend, map_term());
       gravity = kernel::skin_gravity_add<float>(gravity, gravity_term());
     }
-    store_vector(fields.skinned, i, kernel::skin_position<float>(blend, load_vector(model.rest, i)));
+    store_vector(fields.skinned, i, kernel::skin_position<float>(blend, rest_of(model, i)));
     store_vector(fields.gravity, i, kernel::snap_vector<float>(gravity));
   }
 }
@@ -234,7 +253,7 @@ void predict(const Model& model, const SubstepInput& in, Fields& fields, Range r
 
 void region(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   for (std::uint32_t r = range.first; r < range.last; ++r) {
-    const Vector position = load_vector(fields.positions, r), rest = load_vector(model.rest, r);
+    const Vector position = load_position(fields, r), rest = rest_of(model, r);
     const float* centre = model.region_rest.data() + 4 * std::size_t{r};
     Vector o{centre[0], centre[1], centre[2]};
     const float inverse_weight = centre[3];
@@ -242,10 +261,9 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
     if (inverse_weight > 0.0f) {
       for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) {
         const std::uint32_t i = model.ring[e];
-        const RegionSum term =
-            kernel::region_term<float>(model.share_taken[e] * model.pull[i],
-                                       kernel::subtract<float>(load_vector(fields.positions, i), position),
-                                       kernel::subtract<float>(load_vector(model.rest, i), rest));
+        const RegionSum term = kernel::region_term<float>(
+            model.share_taken[e] * model.pull[i], kernel::subtract<float>(load_position(fields, i), position),
+            kernel::subtract<float>(rest_of(model, i), rest));
         sum = e == model.ring_offset[r] ? term : kernel::region_add<float>(sum, term);
       }
     }
@@ -262,7 +280,7 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
       scale = scale_of_muscles(model, in, r);
       moment = kernel::multiply_transposed<float>(moment, scale);
     }
-    float* rotation = fields.rotations.data() + 4 * std::size_t{r};
+    float* rotation = fields.regions.data() + region_stride * r + rotation_place;
     const Quaternion q = kernel::extract_rotation<float>({rotation[0], rotation[1], rotation[2], rotation[3]},
                                                          moment, in.mueller);
     rotation[0] = q.w;
@@ -272,7 +290,7 @@ void region(const Model& model, const SubstepInput& in, Fields& fields, Range ra
     Matrix linear = kernel::matrix_of<float>(q);
     if (has_muscle) linear = kernel::multiply_matrices<float>(linear, scale);
     if (has_volume) linear = kernel::add<float>(linear, push);
-    store_transform(fields.transforms, r,
+    store_transform(fields, r,
                     kernel::region_transform<float>(linear, sum, o, inverse_weight, position, rest));
   }
 }
@@ -320,9 +338,8 @@ void embed(const Model& model, const SubstepInput&, Fields& fields, Range range)
     const float* w = model.surface_weight.data() + 4 * std::size_t{s};
     for (std::size_t c = 0; c < 3; ++c)
       fields.surface[3 * std::size_t{s} + c] = kernel::embed_coordinate<float>(
-          w[0], fields.positions[3 * std::size_t{v[0]} + c], w[1],
-          fields.positions[3 * std::size_t{v[1]} + c], w[2], fields.positions[3 * std::size_t{v[2]} + c],
-          w[3], fields.positions[3 * std::size_t{v[3]} + c]);
+          w[0], fields.vertices[vertex_stride * v[0] + c], w[1], fields.vertices[vertex_stride * v[1] + c],
+          w[2], fields.vertices[vertex_stride * v[2] + c], w[3], fields.vertices[vertex_stride * v[3] + c]);
   }
 }
 

@@ -6,33 +6,13 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "cpu_reference/fields.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "shaders/shared.h"
 
 namespace fascicle::cpu_reference {
-
-// What changes from substep to substep. Sizes as in State and stage_width; working units.
-struct Fields {
-  std::vector<float> positions;           // 3n
-  std::vector<float> velocities;          // 3n
-  std::vector<float> predicted;           // 3n: velocities with the external forces in; implicit: y
-  std::vector<float> rotations;           // 4n
-  std::vector<float> transforms;          // 12n: linear (9), translation (3) of each region
-  std::vector<float> goals;               // 3n
-  std::vector<float> skinned;             // 3n, empty without a skeleton
-  std::vector<float> skinned_before;      // 3n, the same of the substep before
-  std::vector<float> skinned_velocities;  // 3n: u of the substep before, empty where no stage needs it
-  std::vector<float> gravity;             // 3n: the bones' change of gravity, empty without a skeleton
-  std::vector<float> surface;             // 3m
-  // Of an implicit model, else empty.
-  std::vector<float> positions_before;   // 3n, a substep before
-  std::vector<float> velocities_before;  // 3n
-  std::vector<float> begun;              // 3n: positions where the substep began
-  std::vector<float> iterate_before;     // 3n: the last iteration but one
-};
 
 struct Range {
   std::uint32_t first, last;

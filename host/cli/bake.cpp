@@ -227,7 +227,7 @@ void add_bake(CLI::App& app, Command& command) {
       ->option_text("LIST");
   subcommand
       ->add_option("--device", arguments->device,
-                   "auto, cpu, vulkan or vulkan:N; auto takes a real GPU, else the CPU")
+                   "auto, cpu, cpu:LEVEL, vulkan or vulkan:N; auto takes a real GPU, else the CPU")
       ->option_text("DEVICE");
   subcommand
       ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")

@@ -1,5 +1,6 @@
 #include "host/cli/device_choice.h"
 
+#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <thread>
@@ -12,24 +13,41 @@
 namespace fascicle::cli {
 namespace {
 
-constexpr const char* known_devices = "use auto, cpu, vulkan or vulkan:N (fascicle devices lists them)";
+using cpu_reference::Simd;
+
+constexpr const char* known_devices =
+    "use auto, cpu, cpu:LEVEL, vulkan or vulkan:N (fascicle devices lists them)";
 
 std::string yes_no(bool value) {
   return value ? "yes" : "no";
 }
 
+std::string levels_text(const std::vector<Simd>& levels) {
+  std::string text;
+  for (const Simd level : levels)
+    text += (text.empty() ? "" : ", ") + std::string(cpu_reference::name_of(level));
+  return text;
+}
+
 }  // namespace
 
 DeviceRequest parse_device(const std::string& text) {
-  if (text == "auto") return {DeviceRequest::Kind::automatic, std::nullopt};
-  if (text == "cpu") return {DeviceRequest::Kind::cpu, std::nullopt};
-  if (text == "vulkan") return {DeviceRequest::Kind::vulkan, std::nullopt};
+  if (text == "auto") return {.kind = DeviceRequest::Kind::automatic};
+  if (text == "cpu") return {.kind = DeviceRequest::Kind::cpu};
+  if (text == "vulkan") return {.kind = DeviceRequest::Kind::vulkan};
+  const std::string level_prefix = "cpu:";
+  if (text.starts_with(level_prefix)) {
+    const auto level = cpu_reference::simd_named(text.substr(level_prefix.size()));
+    if (level && *level != Simd::automatic) return {.kind = DeviceRequest::Kind::cpu, .simd = *level};
+    throw UsageError("device \"" + text + "\" is not one; after cpu: comes " +
+                     levels_text({Simd::scalar, Simd::baseline, Simd::sse4, Simd::avx2, Simd::avx512}));
+  }
   const std::string prefix = "vulkan:";
   if (text.starts_with(prefix)) {
     std::uint32_t index = 0;
     const char* last = text.data() + text.size();
     const auto [end, error] = std::from_chars(text.data() + prefix.size(), last, index);
-    if (error == std::errc() && end == last) return {DeviceRequest::Kind::vulkan, index};
+    if (error == std::errc() && end == last) return {.kind = DeviceRequest::Kind::vulkan, .index = index};
   }
   throw UsageError("device \"" + text + "\" is not one; " + known_devices);
 }
@@ -41,7 +59,7 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text) {
     const std::size_t comma = text.find(',', begin);
     requests.push_back(parse_device(text.substr(begin, comma - begin)));
     if (requests.back().kind == DeviceRequest::Kind::automatic)
-      throw UsageError("--devices names what to compare: cpu, vulkan or vulkan:N, not auto");
+      throw UsageError("--devices names what to compare: cpu, cpu:LEVEL, vulkan or vulkan:N, not auto");
     if (comma == std::string::npos) return requests;
     begin = comma + 1;
   }
@@ -64,9 +82,14 @@ std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
   return found;
 }
 
-ChosenDevice ChosenDevice::cpu(unsigned threads, std::string why) {
+ChosenDevice ChosenDevice::cpu(unsigned threads, Simd simd, std::string why) {
+  const std::vector<Simd> here = cpu_reference::available_simd();
+  if (simd != Simd::automatic && std::find(here.begin(), here.end(), simd) == here.end())
+    throw NoSuchDevice("this CPU (" + processor_name() + ") has no " + cpu_reference::name_of(simd) +
+                       " instructions; it has " + levels_text(here));
   ChosenDevice chosen;
-  chosen.label_ = "cpu";
+  chosen.label_ = simd == Simd::automatic ? "cpu" : std::string("cpu:") + cpu_reference::name_of(simd);
+  chosen.simd_ = simd == Simd::automatic ? here.back() : simd;
   chosen.why_ = std::move(why);
   chosen.description_.solver = "cpu";
   chosen.description_.name = processor_name();
@@ -100,7 +123,7 @@ std::string ChosenDevice::text() const {
   if (description_.threads > 0)
     text +=
         ", " + std::to_string(description_.threads) + (description_.threads == 1 ? " thread" : " threads");
-  if (device_) text += ", " + description_.driver;
+  text += ", " + (device_ ? description_.driver : cpu_reference::name_of(simd_));
   if (!description_.exact) text += ", not exact (" + why_not_exact_ + ")";
   if (!why_.empty()) text += " (" + why_ + ")";
   return text;
@@ -108,7 +131,7 @@ std::string ChosenDevice::text() const {
 
 std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& model,
                                                          const model::SolverOptions& options) const {
-  if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads);
+  if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads, simd_);
   try {
     return gpu::make_vulkan_solver(*device_, model, options);
   } catch (const gpu::DeviceError& error) {
@@ -118,7 +141,7 @@ std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& mod
 }
 
 ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& log) {
-  if (request.kind == DeviceRequest::Kind::cpu) return ChosenDevice::cpu(threads, "");
+  if (request.kind == DeviceRequest::Kind::cpu) return ChosenDevice::cpu(threads, request.simd, "");
   const bool automatic = request.kind == DeviceRequest::Kind::automatic;
 
   std::string why_none;
@@ -144,7 +167,8 @@ ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& 
     log.warning(refusal);
   }
   if (automatic)
-    return ChosenDevice::cpu(threads, refusal.empty() ? "auto: no real GPU" : "auto: no GPU that will do");
+    return ChosenDevice::cpu(threads, Simd::automatic,
+                             refusal.empty() ? "auto: no real GPU" : "auto: no GPU that will do");
   if (request.index && !devices.empty())
     throw NoSuchDevice("there is no device vulkan:" + std::to_string(*request.index) + ", only " +
                        std::to_string(devices.size()) + " (0 to " + std::to_string(devices.size() - 1) +
@@ -164,7 +188,7 @@ Simulation choose_simulation(const DeviceRequest& request, unsigned threads, con
   } catch (const NoSuchDevice& error) {
     if (request.kind != DeviceRequest::Kind::automatic) throw;
     log.warning(error.what());
-    device = ChosenDevice::cpu(threads, "auto: the scene does not fit the GPU");
+    device = ChosenDevice::cpu(threads, Simd::automatic, "auto: the scene does not fit the GPU");
     solver = device.make_solver(model, options);
   }
   log.info("device: " + device.text());

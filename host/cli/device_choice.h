@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cpu_reference/simd.h"
 #include "gpu/device.h"
 #include "host/bake/bake.h"
 #include "host/cli/log.h"
@@ -18,10 +19,11 @@ namespace fascicle::cli {
 struct DeviceRequest {
   enum class Kind { automatic, cpu, vulkan };
   Kind kind = Kind::automatic;
-  std::optional<std::uint32_t> index;  // of vulkan:N
+  std::optional<std::uint32_t> index = std::nullopt;          // of vulkan:N
+  cpu_reference::Simd simd = cpu_reference::Simd::automatic;  // of cpu:LEVEL
 };
 
-// "auto", "cpu", "vulkan", "vulkan:N". Throws UsageError.
+// "auto", "cpu", "cpu:LEVEL" (the instructions to use, see simd.h), "vulkan", "vulkan:N". Throws UsageError.
 DeviceRequest parse_device(const std::string& text);
 // "cpu,vulkan:1". Throws UsageError, for an empty entry and for "auto" too.
 std::vector<DeviceRequest> parse_device_list(const std::string& text);
@@ -34,11 +36,12 @@ std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
 // A device ready to make solvers. Must outlive them.
 class ChosenDevice {
  public:
-  static ChosenDevice cpu(unsigned threads, std::string why);
+  // Throws NoSuchDevice where the machine lacks the instructions.
+  static ChosenDevice cpu(unsigned threads, cpu_reference::Simd simd, std::string why);
   // Opens it and runs its self-test. Throws gpu::DeviceError.
   static ChosenDevice vulkan(const gpu::DeviceInfo& info, std::string why);
 
-  // "cpu" or "vulkan:N"
+  // "cpu", "cpu:LEVEL" or "vulkan:N"
   const std::string& label() const { return label_; }
   // One line for people: label, name, driver, exact or not, why it was taken.
   std::string text() const;
@@ -52,6 +55,7 @@ class ChosenDevice {
  private:
   std::string label_, why_, why_not_exact_;
   bake::DeviceDescription description_;
+  cpu_reference::Simd simd_ = cpu_reference::Simd::automatic;
   std::unique_ptr<gpu::Device> device_;  // null: the CPU
 };
 

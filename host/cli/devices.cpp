@@ -77,17 +77,25 @@ ExitCode devices(bool json) {
   std::vector<Examined> examined;
   for (const gpu::DeviceInfo& info : gpu::list_devices(&why_none)) examined.push_back(examine(info));
 
+  std::vector<std::string> levels;
+  for (const cpu_reference::Simd level : cpu_reference::available_simd()) levels.push_back(name_of(level));
   if (json) {
-    nlohmann::ordered_json object{
-        {"cpu", {{"device", "cpu"}, {"name", processor_name()}, {"threads", processor_threads()}}},
-        {"vulkan", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json object{{"cpu",
+                                   {{"device", "cpu"},
+                                    {"name", processor_name()},
+                                    {"threads", processor_threads()},
+                                    {"levels", levels}}},
+                                  {"vulkan", nlohmann::ordered_json::array()}};
     for (const Examined& device : examined) object["vulkan"].push_back(json_of(device));
     if (examined.empty()) object["why_no_vulkan"] = why_none;
     std::cout << object.dump(2) << "\n";
     return ExitCode::done;
   }
+  std::string joined;
+  for (const std::string& level : levels) joined += (joined.empty() ? "" : ", ") + level;
   std::cout << "cpu  " << processor_name() << "\n"
             << columns_text({{"threads", std::to_string(processor_threads())},
+                             {"levels", joined},
                              {"arithmetic", "exact (the reference)"}});
   for (const Examined& device : examined) print_text(device);
   if (examined.empty()) std::cout << "no Vulkan device" << (why_none.empty() ? "" : ": " + why_none) << "\n";

@@ -223,9 +223,10 @@ void add_validate(CLI::App& app, Command& command) {
   const auto arguments = std::make_shared<ValidateArguments>();
   add_scene_options(*subcommand, arguments->scene, "Scene file, mesh, character or built-in name", true);
   subcommand
-      ->add_option(
-          "--devices", arguments->devices,
-          "What to compare with the first: cpu, vulkan, vulkan:N, separated by commas; without it cpu,vulkan")
+      ->add_option("--devices", arguments->devices,
+                   "What to compare with the first: cpu, cpu:LEVEL (its vector instructions), vulkan, "
+                   "vulkan:N, separated "
+                   "by commas; without it cpu,vulkan")
       ->option_text("LIST");
   subcommand->add_option("--frames", arguments->frames, "Frames to run; without it all of the scene's")
       ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}).description(""))

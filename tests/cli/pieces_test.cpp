@@ -34,9 +34,13 @@ std::vector<std::uint32_t> indices(const std::string& request, const std::vector
 TEST(DeviceChoice, RequestsAreParsed) {
   EXPECT_EQ(cli::parse_device("auto").kind, DeviceRequest::Kind::automatic);
   EXPECT_EQ(cli::parse_device("cpu").kind, DeviceRequest::Kind::cpu);
+  EXPECT_EQ(cli::parse_device("cpu").simd, cpu_reference::Simd::automatic);
+  EXPECT_EQ(cli::parse_device("cpu:scalar").simd, cpu_reference::Simd::scalar);
+  EXPECT_EQ(cli::parse_device("cpu:avx2").kind, DeviceRequest::Kind::cpu);
   EXPECT_FALSE(cli::parse_device("vulkan").index.has_value());
   EXPECT_EQ(cli::parse_device("vulkan:12").index, 12u);
-  for (const char* bad : {"", "gpu", "vulkan:", "vulkan:-1", "vulkan: 1", "vulkan:99999999999", "cpu "})
+  for (const char* bad : {"", "gpu", "vulkan:", "vulkan:-1", "vulkan: 1", "vulkan:99999999999", "cpu ",
+                          "cpu:", "cpu:auto", "cpu:mmx"})
     EXPECT_THROW(cli::parse_device(bad), cli::UsageError) << bad;
   EXPECT_EQ(cli::parse_device_list("cpu,vulkan,vulkan:1").size(), 3u);
   for (const char* bad : {"", ",cpu", "cpu,", "cpu,auto"})

@@ -13,9 +13,10 @@
 #endif
 
 namespace fascicle::cpu_reference_without_snap {
+enum class Simd;  // cpu_reference::Simd once more
 std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
-                                               unsigned threads);
-}
+                                               unsigned threads, Simd simd);
+}  // namespace fascicle::cpu_reference_without_snap
 
 namespace fascicle::tests {
 
@@ -23,7 +24,20 @@ namespace {
 
 #if defined(__x86_64__)
 
-using Maker = std::unique_ptr<model::Solver> (*)(const model::Model&, const model::SolverOptions&, unsigned);
+using cpu_reference::Simd;
+
+// The solver with the snap and without it.
+struct WithSnap {
+  static std::unique_ptr<model::Solver> make(const model::Model& model, Simd simd) {
+    return cpu_reference::make_cpu_solver(model, {}, 1, simd);
+  }
+};
+struct WithoutSnap {
+  static std::unique_ptr<model::Solver> make(const model::Model& model, Simd simd) {
+    return cpu_reference_without_snap::make_cpu_solver(model, {}, 1,
+                                                       static_cast<cpu_reference_without_snap::Simd>(simd));
+  }
+};
 
 // Flush-to-zero of results and denormals-are-zero of operands, on this thread while it lives.
 class Flushing {
@@ -44,13 +58,14 @@ class Flushing {
 // A bar that is pushed once. The motion of its vertices without stiffness, every other one, dies away below
 // the least normal number, 2^-126: a substep leaves a quarter of a velocity, so 100 of them leave 2^-200. The
 // others give the regions something to turn.
-std::vector<model::State> states(Maker make, bool flush) {
+template <class Solver>
+std::vector<model::State> states(Simd simd, bool flush) {
   model::Model model = make_model(kuhn_bar(3, 2, 2, 0.25), {.alpha = 0.5f});
   for (std::uint32_t i = 0; i < model.vertex_count; i += 2) model.alpha[i] = 0.0f;
   fill_weights(model);
   TestDrive drive = quiet_drive(model, 1.0 / 240.0);
   for (float& decay : drive.decay) decay = 0.25f;
-  const std::unique_ptr<model::Solver> solver = make(model, {}, 1);
+  const std::unique_ptr<model::Solver> solver = Solver::make(model, simd);
   model::State state = solver->save();
   for (std::size_t k = 0; k < state.velocities.size(); ++k)
     state.velocities[k] = 0.01f * static_cast<float>(k % 7) - 0.03f;
@@ -66,14 +81,14 @@ std::vector<model::State> states(Maker make, bool flush) {
 }
 
 TEST(SnapOfWholeStages, HidesWhetherTheDeviceFlushesDenormals) {
-  EXPECT_TRUE(states(&cpu_reference::make_cpu_solver, true) ==
-              states(&cpu_reference::make_cpu_solver, false));
+  for (const Simd simd : cpu_reference::available_simd())
+    EXPECT_TRUE(states<WithSnap>(simd, true) == states<WithSnap>(simd, false)) << name_of(simd);
 }
 
 // The control: without the snap it is seen.
 TEST(SnapOfWholeStages, WithoutItFlushingIsSeen) {
-  EXPECT_FALSE(states(&cpu_reference_without_snap::make_cpu_solver, true) ==
-               states(&cpu_reference_without_snap::make_cpu_solver, false));
+  for (const Simd simd : {Simd::scalar, Simd::baseline})
+    EXPECT_FALSE(states<WithoutSnap>(simd, true) == states<WithoutSnap>(simd, false)) << name_of(simd);
 }
 
 #else

@@ -4,5 +4,21 @@
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
 #include "cpu_reference/cpu_solver.cpp"
+#include "cpu_reference/fields.cpp"
+#include "cpu_reference/lane_stages.cpp"
+#include "cpu_reference/slices.cpp"
 #include "cpu_reference/stages.cpp"
 #include "cpu_reference/thread_pool.cpp"
+
+// Only the lanes that need no compiler options; those are in without_snap_lanes.cpp.
+namespace fascicle::cpu_reference {
+const LaneStages* sse4_lane_stages() {
+  return nullptr;
+}
+const LaneStages* avx2_lane_stages() {
+  return nullptr;
+}
+const LaneStages* avx512_lane_stages() {
+  return nullptr;
+}
+}  // namespace fascicle::cpu_reference

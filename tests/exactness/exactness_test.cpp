@@ -1,6 +1,6 @@
 // The same bits whatever must not matter: every built-in scene, a surface mesh and a walking man are stepped
 // by programs that differ in it, and every frame's hashes of positions, velocities and surface are compared
-// with the release build's on one thread.
+// with the release build's scalar stages on one thread.
 //
 // The cost is the lavapipe and -O0 runs (8 times a CPU run each), which take all cores. To stay within five
 // minutes on two cores bars run 120 frames, the largest of them 60, and characters 20. `do soak` runs
@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "cpu_reference/simd.h"
 #include "host/scene/scene.h"
 #include "tests/exactness/process.h"
 #include "tests/support/assets.h"
@@ -39,7 +40,7 @@ int frames_or(int usual) {
 class Runs {
  public:
   Runs(std::string scene, int frames) : scene_(std::move(scene)), frames_(frames) {
-    reference_ = hashes("", "frame_hashes", "cpu:1", frames_);
+    reference_ = hashes("", "frame_hashes", "cpu:1:scalar", frames_);
     // The motion moves: a scene whose frames are all alike would compare nothing.
     EXPECT_EQ(std::count(reference_.begin(), reference_.end(), '\n'), frames_) << scene_;
     EXPECT_NE(positions_in_line(0), positions_in_line(frames_ - 1)) << scene_;
@@ -56,7 +57,9 @@ class Runs {
   }
 
   void all_cpu() const {
-    expect_same("2 threads", "", "frame_hashes", "cpu:2");
+    for (const cpu_reference::Simd level : cpu_reference::available_simd())
+      expect_same(std::string("2 threads, ") + name_of(level), "", "frame_hashes",
+                  std::string("cpu:2:") + name_of(level));
     expect_same("8 threads", "", "frame_hashes", "cpu:8");
     expect_same("-O0", "", "frame_hashes_O0", "cpu:2");
     // The release build, the reference here, is -O2.

@@ -1,4 +1,4 @@
-// frame_hashes SCENE FRAMES cpu:THREADS|vulkan:N
+// frame_hashes SCENE FRAMES cpu:THREADS[:LEVEL]|vulkan:N
 // Steps a scene as bake does and prints each frame's number and the hashes of its positions, velocities and
 // surface. The exactness tests run this program
 // compiled at several optimisation levels, on several devices and under several C library settings, and
@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -58,7 +59,13 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
     solver = gpu::make_vulkan_solver(*gpu_device, model, solver_options);
   }
 #endif
-  if (!solver) solver = cpu_reference::make_cpu_solver(model, solver_options, number);
+  if (!solver) {
+    const std::size_t second = device.find(':', device.find(':') + 1);
+    auto simd = std::optional(cpu_reference::Simd::automatic);
+    if (second != std::string::npos) simd = cpu_reference::simd_named(device.substr(second + 1));
+    if (!simd) throw std::runtime_error(device + ": no such level");
+    solver = cpu_reference::make_cpu_solver(model, solver_options, number, *simd);
+  }
   bake::DriveSource drives(scene, model);
   solver->load(bake::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= frames; ++k) {
@@ -74,7 +81,7 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
 
 int main(int argc, char** argv) {
   if (argc != 4) {
-    std::fprintf(stderr, "usage: frame_hashes SCENE FRAMES cpu:THREADS|vulkan:N\n");
+    std::fprintf(stderr, "usage: frame_hashes SCENE FRAMES cpu:THREADS[:LEVEL]|vulkan:N\n");
     return 2;
   }
   try {

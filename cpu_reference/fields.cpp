@@ -1,0 +1,29 @@
+#include "cpu_reference/fields.h"
+
+#include <algorithm>
+
+namespace fascicle::cpu_reference {
+
+std::vector<float> gathered(std::uint32_t count, std::span<const Column> columns) {
+  std::size_t width = 0;
+  for (const Column& column : columns) width += column.width;
+  std::vector<float> values(count * width);
+  std::size_t place = 0;
+  for (const Column& column : columns) {
+    const float* from = column.field.data() + column.place;
+    float* to = values.data() + place;
+    for (std::uint32_t i = 0; i < count; ++i, from += column.stride, to += width)
+      std::copy_n(from, column.width, to);
+    place += column.width;
+  }
+  return values;
+}
+
+void scatter(std::span<const float> values, std::size_t width, Floats& field, std::size_t stride,
+             std::size_t place) {
+  float* to = field.data() + place;
+  for (std::size_t from = 0; from < values.size(); from += width, to += stride)
+    std::copy_n(values.data() + from, width, to);
+}
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,73 @@
+// What changes from substep to substep, in the layout that all stages of CpuSolver share: scalar ones read it
+// number by number, those in lanes four numbers at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <span>
+#include <vector>
+
+namespace fascicle::cpu_reference {
+
+// Vertices that stages in lanes take together. Fields hold whole slices; what lies past the last vertex is
+// finite and reaches no vertex.
+inline constexpr std::uint32_t slice_size = 16;
+
+inline std::uint32_t slice_count(std::uint32_t vertices) {
+  return vertices / slice_size + (vertices % slice_size != 0 ? 1 : 0);
+}
+
+// Floats that begin at a cache line.
+template <class T>
+struct LineAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t line{64};
+  LineAllocator() = default;
+  template <class U>
+  LineAllocator(const LineAllocator<U>&) {}
+  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), line)); }
+  void deallocate(T* values, std::size_t) { ::operator delete(values, line); }
+  bool operator==(const LineAllocator&) const = default;
+};
+using Floats = std::vector<float, LineAllocator<float>>;
+
+// Floats of a vertex in each array, and where its parts begin.
+inline constexpr std::size_t vertex_stride = 8, pull_place = 3, rest_place = 4, alpha_place = 7;
+inline constexpr std::size_t region_stride = 16, rotation_place = 12;
+inline constexpr std::size_t vector_stride = 4;
+
+// Working units. Sizes below are of one vertex; vectors are three floats and one that is 0.
+struct Fields {
+  // 8: position; then constants of the model that only stages in lanes read: pull, rest position, alpha.
+  Floats vertices;
+  // 16: the region's transform in rows, three of its linear map and one of the translation each, then its
+  // rotation's quaternion w x y z.
+  Floats regions;
+  Floats velocities;           // 4
+  Floats predicted;            // 4: velocities with the external forces in; implicit: y
+  Floats goals;                // 4
+  Floats skinned;              // 4, empty without a skeleton
+  Floats skinned_before;       // 4, the same of the substep before
+  Floats skinned_velocities;   // 4: u of the substep before, empty where no stage needs it
+  Floats gravity;              // 4: the bones' change of gravity, empty without a skeleton
+  std::vector<float> surface;  // 3 a render vertex
+  // Of an implicit model, else empty.
+  Floats positions_before;   // 4, a substep before
+  Floats velocities_before;  // 4
+  Floats begun;              // 4: positions where the substep began
+  Floats iterate_before;     // 4: the last iteration but one
+};
+
+// `width` floats of each of `count` items, `stride` apart in a field from `place` on.
+struct Column {
+  const Floats& field;
+  std::size_t stride, place, width;
+};
+// The columns side by side without gaps, as State, Frame and Probe have them.
+std::vector<float> gathered(std::uint32_t count, std::span<const Column> columns);
+// The other way for one column of a field of `count` items.
+void scatter(std::span<const float> values, std::size_t width, Floats& field, std::size_t stride,
+             std::size_t place);
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,74 @@
+// Stages in lanes: the stages of stages.h over slices of vertices, many vertices an instruction, with the
+// same bits. The arithmetic is that of shaders/kernel, instantiated for numbers that are vectors (lanes.inc);
+// the stages are written once (lane_stages.inc) and compiled for each instruction set.
+#pragma once
+
+#include <cstdint>
+
+#include "cpu_reference/fields.h"
+#include "cpu_reference/simd.h"
+#include "cpu_reference/slices.h"
+#include "cpu_reference/stages.h"
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+// Plain pointers and numbers: an instruction set's code must share no inline function of a library with code
+// for others, or the linker may give one's to the other.
+struct LaneInput {
+  std::uint32_t vertex_count;
+  const std::uint32_t* first_row;
+  const std::uint32_t* full_rows;
+  const std::int32_t* taken_degree;
+  const std::int16_t* near_ring;  // null: far_ring and shares as floats
+  const std::uint16_t *taken_parts, *given_parts;
+  const std::int32_t* far_ring;
+  const float *taken, *given;
+
+  const std::uint32_t *tag, *ring_offset;
+  const float* region_rest;
+  const float* region_volume;  // null without
+  std::uint32_t muscle_count;
+  const std::uint32_t* muscle_offset;
+  const shader::RegionMuscle* region_muscle;
+  const shader::RegionFrame* region_frame;
+  const float* carried;  // null without
+  std::uint32_t force_count;
+  const std::uint32_t *force_offset, *force_index;
+  const float* force_coefficient;
+  bool has_skeleton;
+  const std::uint32_t *skin_offset, *skin_joint;
+  const float* skin_weight;
+
+  shader::Substep step;
+  shader::ImplicitStep implicit;
+  const shader::Response* responses;
+  const shader::Bone* bones;
+  const shader::Muscle* muscles;
+  const shader::Force* forces;
+  const float* decay;
+
+  // As in Fields.
+  float *vertices, *regions, *velocities, *predicted, *goals, *skinned, *skinned_velocities, *gravity;
+  float* iterate_before;
+  const float* skinned_before;
+};
+
+LaneInput lane_input(const model::Model& model, const Slices& slices, const SubstepInput& in, Fields& fields);
+
+// The range is one of slices.
+using LaneStage = void (*)(const LaneInput& in, Range slices);
+struct LaneStages {
+  LaneStage skin, region, update, iterate;
+};
+
+// Null for scalar, and where this build has none for the level.
+const LaneStages* lane_stages(Simd level);
+
+// One for each instruction set; null where the compiler was not told to use it.
+const LaneStages* baseline_lane_stages();
+const LaneStages* sse4_lane_stages();
+const LaneStages* avx2_lane_stages();
+const LaneStages* avx512_lane_stages();
+
+}  // namespace fascicle::cpu_reference

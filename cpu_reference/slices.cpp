@@ -1,0 +1,94 @@
+#include "cpu_reference/slices.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace fascicle::cpu_reference {
+
+namespace {
+
+using model::Model;
+
+constexpr float part = 0x1p-16f;
+
+bool fits_parts(float share) {
+  const float parts = share / part;
+  return parts >= 0.0f && parts <= 65535.0f && parts == static_cast<float>(static_cast<std::uint16_t>(parts));
+}
+
+std::int64_t difference(const Model& model, std::uint32_t i, std::uint32_t entry) {
+  return std::int64_t{model.ring[entry]} - std::int64_t{i / slice_size * slice_size};
+}
+
+bool can_be_compact(const Model& model) {
+  using Near = std::numeric_limits<std::int16_t>;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e) {
+      const std::int64_t d = difference(model, i, e);
+      if (d < Near::min() || d > Near::max()) return false;
+      if (!fits_parts(model.share_taken[e]) || !fits_parts(model.share_given[e])) return false;
+    }
+  return !model.ring.empty();
+}
+
+}  // namespace
+
+Slices make_slices(const Model& model) {
+  const std::uint32_t n = model.vertex_count;
+  Slices slices;
+  slices.count = slice_count(n);
+  slices.taken_degree.assign(std::size_t{slices.count} * slice_size, 0);
+  slices.first_row.push_back(0);
+  for (std::uint32_t s = 0; s < slices.count; ++s) {
+    std::uint32_t rows = 0;
+    auto full = std::numeric_limits<std::uint32_t>::max();
+    for (std::uint32_t i = s * slice_size; i < (s + 1) * slice_size; ++i) {
+      const std::uint32_t degree = i < n ? model.ring_offset[i + 1] - model.ring_offset[i] : 0;
+      const std::uint32_t taken = i < n && model.region_rest[4 * std::size_t{i} + 3] > 0.0f ? degree : 0;
+      slices.taken_degree[i] = static_cast<std::int32_t>(taken);
+      rows = std::max(rows, degree);
+      full = std::min(full, taken);
+    }
+    slices.full_rows.push_back(full);
+    slices.first_row.push_back(slices.first_row.back() + rows);
+  }
+
+  const std::size_t entries = std::size_t{slices.first_row.back()} * slice_size;
+  const bool compact = can_be_compact(model);
+  if (compact) {
+    slices.near_ring.resize(entries);
+    slices.taken_parts.resize(entries);
+    slices.given_parts.resize(entries);
+  } else {
+    slices.far_ring.resize(entries);
+    slices.taken.resize(entries);
+    slices.given.resize(entries);
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    std::size_t at = std::size_t{slices.first_row[i / slice_size]} * slice_size + i % slice_size;
+    for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e, at += slice_size) {
+      if (compact) {
+        slices.near_ring[at] = static_cast<std::int16_t>(difference(model, i, e));
+        slices.taken_parts[at] = static_cast<std::uint16_t>(model.share_taken[e] / part);
+        slices.given_parts[at] = static_cast<std::uint16_t>(model.share_given[e] / part);
+      } else {
+        slices.far_ring[at] = static_cast<std::int32_t>(difference(model, i, e));
+        slices.taken[at] = model.share_taken[e];
+        slices.given[at] = model.share_given[e];
+      }
+    }
+  }
+  return slices;
+}
+
+void fill_constants(const Model& model, const Slices& slices, Fields& fields) {
+  const float scale = slices.is_compact() ? part : 1.0f;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    float* vertex = fields.vertices.data() + vertex_stride * i;
+    vertex[pull_place] = model.pull[i] * scale;
+    for (std::size_t c = 0; c < 3; ++c) vertex[rest_place + c] = model.rest[3 * std::size_t{i} + c];
+    vertex[alpha_place] = model.alpha[i];
+  }
+}
+
+}  // namespace fascicle::cpu_reference

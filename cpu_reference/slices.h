@@ -1,0 +1,38 @@
+// One-rings laid out for stages in lanes: slices of slice_size vertices, as deep as the slice's largest
+// one-ring, entry k of all its vertices side by side (sliced ELL, Kreutzer et al., SIAM J. Sci. Comput.
+// 36(5), 2014). Each vertex keeps the order of its entries, and what fills a slice up is masked: sums are the
+// Model's.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cpu_reference/fields.h"
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+struct Slices {
+  std::uint32_t count = 0;
+  std::vector<std::uint32_t> first_row;  // count + 1: of slice_size entries each
+  // Rows at a slice's beginning in which the regions of all its lanes take a vertex.
+  std::vector<std::uint32_t> full_rows;    // count
+  std::vector<std::int32_t> taken_degree;  // one a lane: entries that its region sums; 0 where it is skipped
+
+  // Neighbours as differences from the slice's first vertex, 0 where nothing stands. Where all fit 16 bits
+  // and all shares are below 1: `near_ring`, shares in parts of 2^-16. Else `far_ring`, shares as they are.
+  std::vector<std::int16_t> near_ring;
+  std::vector<std::uint16_t> taken_parts, given_parts;
+  std::vector<std::int32_t> far_ring;
+  std::vector<float> taken, given;
+
+  bool is_compact() const { return !near_ring.empty(); }
+};
+
+Slices make_slices(const model::Model& model);
+
+// The constants beside the positions in Fields::vertices. With compact slices the pull is in parts of 2^-16
+// too, so that share x pull needs no further product: a power of two changes no bit of it.
+void fill_constants(const model::Model& model, const Slices& slices, Fields& fields);
+
+}  // namespace fascicle::cpu_reference
