@@ -19,13 +19,16 @@ struct LaneInput {
   std::uint32_t vertex_count;
   const std::uint32_t* first_row;
   const std::uint32_t* full_rows;
+  const std::uint32_t* degree;
   const std::int32_t* taken_degree;
+  const std::uint8_t* is_held;
+  const std::uint32_t* layer;
   const std::int16_t* near_ring;  // null: far_ring and shares as floats
   const std::uint16_t *taken_parts, *given_parts;
   const std::int32_t* far_ring;
   const float *taken, *given;
 
-  const std::uint32_t *tag, *ring_offset;
+  const std::uint32_t* tag;
   const float* region_rest;
   const float* region_volume;  // null without
   std::uint32_t muscle_count;

@@ -6,6 +6,11 @@
 #include <cstddef>
 #include <utility>
 
+#include <immintrin.h>
+
+#define KERNEL_FUNCTION \
+  template <class Real> \
+  [[gnu::always_inline]] inline
 #include "shaders/kernel/goal.inc"
 #include "shaders/kernel/integrate.inc"
 #include "shaders/kernel/predict.inc"

@@ -3,6 +3,9 @@
 #include <utility>
 
 #include "cpu_reference/lane_stages.h"
+#define KERNEL_FUNCTION \
+  template <class Real> \
+  [[gnu::always_inline]] inline
 #include "shaders/kernel/goal.inc"
 #include "shaders/kernel/integrate.inc"
 #include "shaders/kernel/predict.inc"

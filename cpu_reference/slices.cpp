@@ -31,6 +31,23 @@ bool can_be_compact(const Model& model) {
   return !model.ring.empty();
 }
 
+std::uint32_t end_of(const Model& model, std::uint32_t slice) {
+  return std::min(model.vertex_count, (slice + 1) * slice_size);
+}
+
+bool is_held(const Model& model, std::uint32_t slice) {
+  for (std::uint32_t i = slice * slice_size; i < end_of(model, slice); ++i)
+    if (!model.is_kinematic(i)) return false;
+  return true;
+}
+
+std::uint32_t layer_of_all(const Model& model, std::uint32_t slice) {
+  const std::uint32_t layer = model.layer_of(slice * slice_size);
+  for (std::uint32_t i = slice * slice_size; i < end_of(model, slice); ++i)
+    if (model.layer_of(i) != layer) return several_layers;
+  return layer;
+}
+
 }  // namespace
 
 Slices make_slices(const Model& model) {
@@ -38,6 +55,7 @@ Slices make_slices(const Model& model) {
   Slices slices;
   slices.count = slice_count(n);
   slices.taken_degree.assign(std::size_t{slices.count} * slice_size, 0);
+  slices.degree.assign(std::size_t{slices.count} * slice_size, 0);
   slices.first_row.push_back(0);
   for (std::uint32_t s = 0; s < slices.count; ++s) {
     std::uint32_t rows = 0;
@@ -45,11 +63,14 @@ Slices make_slices(const Model& model) {
     for (std::uint32_t i = s * slice_size; i < (s + 1) * slice_size; ++i) {
       const std::uint32_t degree = i < n ? model.ring_offset[i + 1] - model.ring_offset[i] : 0;
       const std::uint32_t taken = i < n && model.region_rest[4 * std::size_t{i} + 3] > 0.0f ? degree : 0;
+      slices.degree[i] = degree;
       slices.taken_degree[i] = static_cast<std::int32_t>(taken);
       rows = std::max(rows, degree);
       full = std::min(full, taken);
     }
     slices.full_rows.push_back(full);
+    slices.is_held.push_back(is_held(model, s) ? 1 : 0);
+    slices.layer.push_back(layer_of_all(model, s));
     slices.first_row.push_back(slices.first_row.back() + rows);
   }
 

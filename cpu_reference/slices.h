@@ -12,12 +12,18 @@
 
 namespace fascicle::cpu_reference {
 
+inline constexpr std::uint32_t several_layers = ~std::uint32_t{0};
+
 struct Slices {
   std::uint32_t count = 0;
   std::vector<std::uint32_t> first_row;  // count + 1: of slice_size entries each
+  std::vector<std::uint32_t> degree;     // one a lane: its one-ring's size, 0 past the last vertex
   // Rows at a slice's beginning in which the regions of all its lanes take a vertex.
   std::vector<std::uint32_t> full_rows;    // count
   std::vector<std::int32_t> taken_degree;  // one a lane: entries that its region sums; 0 where it is skipped
+
+  std::vector<std::uint8_t> is_held;  // count: all of the slice's vertices are kinematic
+  std::vector<std::uint32_t> layer;   // count: that of all its vertices, or several_layers
 
   // Neighbours as differences from the slice's first vertex, 0 where nothing stands. Where all fit 16 bits
   // and all shares are below 1: `near_ring`, shares in parts of 2^-16. Else `far_ring`, shares as they are.
