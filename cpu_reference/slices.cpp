@@ -102,6 +102,21 @@ Slices make_slices(const Model& model) {
   return slices;
 }
 
+double substep_bytes(const Model& model, std::uint32_t passes) {
+  const Slices slices = make_slices(model);
+  const double vertex = sizeof(float) * vertex_stride, region = sizeof(float) * region_stride;
+  const double vector = sizeof(float) * vector_stride, number = sizeof(std::uint32_t);
+  const double entries = double{slice_size} * slices.first_row.back() / model.vertex_count;
+  // An entry's neighbour and its share.
+  const double entry = slices.is_compact() ? 4.0 : 8.0;
+  const double regions = vertex + entries * entry + 4 * number + 2 * region;
+  // Maps, neighbours and degree, tag; position, read and written.
+  const double blend = region + entries * entry + 2 * number + 2 * vertex;
+  if (!model.is_implicit()) return regions + blend + 2 * vector;
+  // y, the iterate before, the goal, the response.
+  return passes * (regions + blend + vector + 2 * vector + vector + sizeof(shader::Response));
+}
+
 void fill_constants(const Model& model, const Slices& slices, Fields& fields) {
   const float scale = slices.is_compact() ? part : 1.0f;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {

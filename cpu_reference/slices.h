@@ -37,6 +37,11 @@ struct Slices {
 
 Slices make_slices(const model::Model& model);
 
+// Bytes that a substep of stages in lanes, without a skeleton, reads and writes of a vertex: each array once
+// a stage, neighbours' records and maps counted with their own slice. `passes` over the regions: 1, or of an
+// implicit model the iterations, whose first and last stages are not counted.
+double substep_bytes(const model::Model& model, std::uint32_t passes);
+
 // The constants beside the positions in Fields::vertices. With compact slices the pull is in parts of 2^-16
 // too, so that share x pull needs no further product: a power of two changes no bit of it.
 void fill_constants(const model::Model& model, const Slices& slices, Fields& fields);

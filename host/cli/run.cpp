@@ -95,6 +95,7 @@ int run(int argc, const char* const* argv) {
   add_export(app, command);
   add_validate(app, command);
   add_inspect(app, command);
+  add_bench(app, command);
   add_devices(app, command);
   add_scenes(app, command);
   add_schema(app, command);

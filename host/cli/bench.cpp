@@ -1,0 +1,268 @@
+// fascicle bench: how long a substep takes, on every device asked for and beside other programs. Each
+// device's bits are held against the scalar stages first; a number for a wrong result is worth nothing.
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/slices.h"
+#include "host/bake/version.h"
+#include "host/cli/bench_measure.h"
+#include "host/cli/bench_peers.h"
+#include "host/cli/bench_results.h"
+#include "host/cli/command.h"
+#include "host/cli/device_choice.h"
+#include "host/cli/text.h"
+#include "host/model/validate.h"
+
+namespace fascicle::cli {
+namespace {
+
+struct BenchArguments {
+  std::vector<std::uint32_t> vertices;
+  std::vector<unsigned> threads;
+  std::string devices = "cpu";
+  std::string integrator = "both";
+  std::uint32_t rounds = 7;
+  bool quick = false, peers = true;
+  std::string json, csv, against;
+};
+
+constexpr std::uint32_t quick_vertices = 19000;
+constexpr std::uint32_t quick_rounds = 5;
+
+// A solver that is timed, and where its times go.
+struct Contestant {
+  std::unique_ptr<model::Solver> solver;
+  std::size_t row;
+};
+
+std::vector<model::Integrator> integrators_of(const BenchArguments& arguments) {
+  using model::Integrator;
+  if (arguments.integrator == "explicit") return {Integrator::explicit_step};
+  if (arguments.integrator == "implicit") return {Integrator::implicit_step};
+  return {Integrator::explicit_step, Integrator::implicit_step};
+}
+
+// Whether two solvers end with the same state after two short frames; both start anew.
+bool ends_alike(model::Solver& a, model::Solver& b, const model::Model& model) {
+  const BenchDrive drive(model, 2);
+  for (int frame = 0; frame < 2; ++frame) {
+    timed_frame(a, drive.drive());
+    timed_frame(b, drive.drive());
+  }
+  const bool alike = a.save() == b.save();
+  const model::State rest = model::rest_state(model);
+  a.load(rest);
+  b.load(rest);
+  return alike;
+}
+
+class Bench {
+ public:
+  Bench(const BenchArguments& arguments, std::map<std::string, BenchBefore> before, Log& log)
+      : arguments_(arguments), before_(std::move(before)), log_(log) {
+    results_.machine.processor = processor_name();
+    results_.machine.compiler = ChosenDevice::cpu(1, cpu_reference::Simd::automatic, "").description().driver;
+    results_.machine.version = bake::fascicle_version;
+    results_.machine.cores = processor_threads();
+    for (const cpu_reference::Simd level : cpu_reference::available_simd())
+      results_.machine.levels.emplace_back(name_of(level));
+  }
+
+  ExitCode run() {
+    const std::vector<DeviceRequest> requests = parse_device_list(arguments_.devices);
+    for (const std::uint32_t vertices : arguments_.vertices)
+      if (!measure(vertices, requests)) return ExitCode::difference;
+    for (BenchRow& row : results_.rows)
+      if (row.bytes && results_.triad.count(row.threads) > 0)
+        row.triad = *row.bytes / row.median() / results_.triad.at(row.threads);
+    report();
+    return ExitCode::done;
+  }
+
+ private:
+  // Everything of one size in turn, round by round, so that whatever else the machine does falls on all.
+  bool measure(std::uint32_t vertices, const std::vector<DeviceRequest>& requests) {
+    std::vector<std::unique_ptr<BenchBody>> bodies;
+    std::vector<std::vector<Contestant>> contestants;
+    for (const model::Integrator integrator : integrators_of(arguments_)) {
+      reset_peak();
+      const std::uint64_t before = resident_bytes();
+      bodies.push_back(std::make_unique<BenchBody>(bench_body(vertices, integrator)));
+      const BenchBody& body = *bodies.back();
+      {
+        const auto one = cpu_reference::make_cpu_solver(body.model, body.options, 1);
+        timed_frame(*one, BenchDrive(body.model, 1).drive());
+      }
+      const double peak = static_cast<double>(peak_resident_bytes() - before) / body.model.vertex_count;
+      contestants.emplace_back();
+      if (!enter(body, requests, peak, contestants.back())) return false;
+    }
+    std::vector<Peer> peers;
+    if (arguments_.peers) peers = enter_peers(bodies.front()->grid);
+    for (std::uint32_t round = 0; round < arguments_.rounds; ++round) {
+      for (std::size_t k = 0; k < bodies.size(); ++k)
+        for (const Contestant& contestant : contestants[k]) time_one(*bodies[k], contestant);
+      for (const Peer& peer : peers)
+        results_.rows[peer.row].samples.push_back(run_peer(peer.kind, peer.grid, peer.substeps));
+      for (const unsigned threads : arguments_.threads)
+        results_.triad[threads] = std::max(results_.triad[threads], triad_rate(threads));
+      log_.info("bench: " + count_text(bodies.front()->model.vertex_count) + " vertices, round " +
+                std::to_string(round + 1) + " of " + std::to_string(arguments_.rounds));
+    }
+    return true;
+  }
+
+  // Makes the solvers of one body and holds each against the scalar stages.
+  bool enter(const BenchBody& body, const std::vector<DeviceRequest>& requests, double peak,
+             std::vector<Contestant>& contestants) {
+    const std::uint32_t passes =
+        body.options.integrator == model::Integrator::implicit_step ? body.options.iterations : 1;
+    for (const DeviceRequest& request : requests) {
+      const bool is_cpu = request.kind == DeviceRequest::Kind::cpu;
+      for (const unsigned threads : is_cpu ? arguments_.threads : std::vector<unsigned>{1}) {
+        devices_.push_back(std::make_unique<ChosenDevice>(choose_device(request, threads, log_)));
+        const ChosenDevice& device = *devices_.back();
+        std::unique_ptr<model::Solver> solver = device.make_solver(body.model, body.options);
+        const auto scalar =
+            cpu_reference::make_cpu_solver(body.model, body.options, 0, cpu_reference::Simd::scalar);
+        if (!ends_alike(*solver, *scalar, body.model)) {
+          std::cout << device.label()
+                    << ": other bits than the scalar stages, not timed; see fascicle validate\n";
+          return false;
+        }
+        BenchRow row;
+        row.solver = device.description().solver;
+        row.device = device.label();
+        row.integrator = passes > 1 ? "implicit" : "explicit";
+        row.vertices = body.model.vertex_count;
+        row.threads = threads;
+        row.passes = passes;
+        if (is_cpu && request.simd != cpu_reference::Simd::scalar)
+          row.bytes = cpu_reference::substep_bytes(body.model, passes);
+        if (is_cpu) row.peak_bytes = peak;
+        contestants.push_back({std::move(solver), results_.rows.size()});
+        results_.rows.push_back(std::move(row));
+      }
+    }
+    return true;
+  }
+
+  void time_one(const BenchBody& body, const Contestant& contestant) {
+    BenchRow& row = results_.rows[contestant.row];
+    const std::uint32_t substeps = bench_substeps(row.vertices, row.passes, arguments_.quick);
+    const BenchDrive drive(body.model, substeps);
+    const double seconds = timed_frame(*contestant.solver, drive.drive());
+    row.samples.push_back(seconds * 1e9 / substeps / row.vertices);
+  }
+
+  struct Peer {
+    std::string kind;
+    std::array<std::uint32_t, 3> grid;
+    std::uint32_t substeps;
+    std::size_t row;
+  };
+  std::vector<Peer> enter_peers(const std::array<std::uint32_t, 3>& grid) {
+    std::vector<Peer> peers;
+    const std::uint32_t vertices = grid[0] * grid[1] * grid[2];
+    // Setting up Bullet's clusters takes minutes beyond this.
+    constexpr std::uint32_t most = 150000;
+    if (!has_peer_program() || vertices > most) {
+      log_.info(has_peer_program()
+                    ? "bench: too many vertices for Bullet"
+                    : "bench: without Bullet (fascicle-bench-bullet is not beside fascicle; ./do "
+                      "bench builds it)");
+      return peers;
+    }
+    for (const char* kind : {"bullet-clusters", "bullet-links"}) {
+      BenchRow row;
+      row.solver = row.device = kind;
+      row.integrator = "its own";
+      row.vertices = vertices;
+      peers.push_back(
+          {kind, grid, std::max(3U, bench_substeps(vertices, 8, arguments_.quick)), results_.rows.size()});
+      results_.rows.push_back(std::move(row));
+    }
+    return peers;
+  }
+
+  void report() {
+    std::cout << results_.machine.processor << ", " << results_.machine.cores << " cores\n"
+              << bench_table(results_);
+    if (!arguments_.json.empty()) write_bench_json(arguments_.json, results_);
+    if (!arguments_.csv.empty()) write_bench_csv(arguments_.csv, results_);
+    if (arguments_.against.empty()) return;
+    const BenchComparison comparison = compare_bench(results_, before_);
+    std::cout << "against " << arguments_.against << "\n" << comparison.text;
+    if (comparison.text.empty()) std::cout << "  it has no row of this run\n";
+    if (comparison.slower > 0) log_.warning(std::to_string(comparison.slower) + " rows became slower");
+  }
+
+  const BenchArguments& arguments_;
+  std::map<std::string, BenchBefore> before_;
+  Log& log_;
+  BenchResults results_;
+  std::vector<std::unique_ptr<ChosenDevice>> devices_;  // outlive their solvers
+};
+
+ExitCode run_bench(BenchArguments arguments, Log& log) {
+  if (arguments.quick) arguments.rounds = std::min(arguments.rounds, quick_rounds);
+  if (arguments.vertices.empty())
+    arguments.vertices = arguments.quick ? std::vector<std::uint32_t>{quick_vertices}
+                                         : std::vector<std::uint32_t>{5000, 19000, 105000, 1000000};
+  if (arguments.threads.empty()) {
+    arguments.threads = {1};
+    if (processor_threads() > 1) arguments.threads.push_back(processor_threads());
+  }
+  std::map<std::string, BenchBefore> before;
+  if (!arguments.against.empty()) before = read_bench_json(arguments.against);
+  return Bench(arguments, std::move(before), log).run();
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Command& command) {
+  auto* subcommand = app.add_subcommand(
+      "bench", "Time substeps of a bar, beside other programs; bits are compared before time is taken");
+  const auto arguments = std::make_shared<BenchArguments>();
+  subcommand->add_flag("--quick", arguments->quick, "19,000 vertices and few rounds: under a minute");
+  subcommand
+      ->add_option(
+          "--vertices", arguments->vertices,
+          "About how many vertices, several separated by commas; without it 5000,19000,105000,1000000")
+      ->delimiter(',')
+      ->check(CLI::Range(12U, 20000000U).description(""))
+      ->option_text("LIST");
+  subcommand
+      ->add_option(
+          "--devices", arguments->devices,
+          "What to time: cpu, cpu:LEVEL (its vector instructions), vulkan, vulkan:N, separated by commas; "
+          "cpu without it")
+      ->option_text("LIST");
+  subcommand
+      ->add_option(
+          "--threads", arguments->threads,
+          "Threads of the CPU solver, several separated by commas; without it 1 and one for each core")
+      ->delimiter(',')
+      ->check(CLI::Range(1U, 1024U).description(""))
+      ->option_text("LIST");
+  subcommand->add_option("--integrator", arguments->integrator, "explicit, implicit or both; both without it")
+      ->check(CLI::IsMember({"explicit", "implicit", "both"}).description(""))
+      ->option_text("NAME");
+  subcommand->add_option("--rounds", arguments->rounds, "Samples of each, taken in turn; 7 without it")
+      ->check(CLI::Range(1U, 1000U).description(""))
+      ->option_text("N");
+  subcommand->add_flag(
+      "--peers,!--no-peers", arguments->peers,
+      "Time Bullet on the same bar where fascicle-bench-bullet is there, or not; on without it");
+  subcommand->add_option("--json", arguments->json, "Write the results as JSON")->option_text("FILE");
+  subcommand->add_option("--csv", arguments->csv, "Write the results as CSV")->option_text("FILE");
+  subcommand->add_option("--against", arguments->against, "Say what became slower since a --json FILE")
+      ->option_text("FILE");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback(
+      [arguments, &command] { command.run = [arguments](Log& log) { return run_bench(*arguments, log); }; });
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,50 @@
+// What `fascicle bench` runs: bodies, a substep's time, the memory's rate, the process's size.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/cli/device_choice.h"
+#include "host/cli/log.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+
+namespace fascicle::cli {
+
+// A bar five times as long as thick, hung by its top end: Kuhn's tetrahedra, jittered, about `vertices`
+// vertices. With beta 0.7 along it, so that weights are a fibre's.
+struct BenchBody {
+  model::Model model;
+  model::SolverOptions options;
+  std::array<std::uint32_t, 3> grid{};  // vertices along each axis
+};
+BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator);
+
+// A frame of this body: `substeps` of 1/600 s under gravity.
+class BenchDrive {
+ public:
+  BenchDrive(const model::Model& model, std::uint32_t substeps);
+  model::Drive drive() const;
+
+ private:
+  std::uint32_t substeps_;
+  std::array<float, 3> gravity_;
+  std::vector<float> decay_;
+};
+
+// Substeps of one sample: enough that a clock's and a thread's start do not count, at most 200.
+std::uint32_t bench_substeps(std::uint32_t vertices, std::uint32_t passes, bool quick);
+
+// Seconds that a frame takes.
+double timed_frame(model::Solver& solver, const model::Drive& drive);
+
+// a = b + s c on arrays of 64 MiB on this many threads, GB/s: three words moved an element, the best of a few
+// passes.
+double triad_rate(unsigned threads);
+
+// Of this process: what it holds now, and at most since the last reset; 0 where the system does not tell.
+std::uint64_t resident_bytes();
+std::uint64_t peak_resident_bytes();
+void reset_peak();
+
+}  // namespace fascicle::cli

@@ -1,0 +1,39 @@
+#include "host/cli/bench_peers.h"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "host/build/process.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* program_name = "fascicle-bench-bullet";
+
+fs::path program() {
+  std::error_code error;
+  const fs::path own = fs::read_symlink("/proc/self/exe", error);
+  return own.parent_path() / program_name;
+}
+
+}  // namespace
+
+bool has_peer_program() {
+  std::error_code error;
+  return fs::is_regular_file(program(), error);
+}
+
+double run_peer(const std::string& kind, const std::array<std::uint32_t, 3>& grid, std::uint32_t substeps) {
+  const build::ProcessResult result =
+      build::run_process(program(),
+                         {kind, std::to_string(grid[0]), std::to_string(grid[1]), std::to_string(grid[2]),
+                          std::to_string(substeps)},
+                         {.seconds = 600.0, .bytes = std::uint64_t{16} << 30});
+  if (result.end != build::ProcessEnd::exited || result.code != 0)
+    throw std::runtime_error(std::string(program_name) + " " + kind + " failed: " + result.last_words);
+  return std::stod(result.last_words);
+}
+
+}  // namespace fascicle::cli
