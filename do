@@ -4,6 +4,7 @@
 #   ./do test [CTEST...]  build everything and run the tests
 #   ./do build [PRESET]   build a preset (release)
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
+#   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
@@ -13,6 +14,7 @@ build_packages="g++ cmake ninja-build glslang-tools spirv-tools libvulkan-dev li
 libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libcgal-dev libpugixml-dev libpng-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy"
+bench_packages="libbullet-dev"
 lint_packages="clang-format clang-tidy clang"
 
 need() {
@@ -74,6 +76,12 @@ case $command in
     need $build_packages $run_packages $test_packages
     build "${1:-release}"
     ;;
+  bench)
+    need $build_packages $run_packages $bench_packages
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-} -DFASCICLE_BENCH=ON
+    exec build/release/fascicle bench "$@"
+    ;;
   paper)
     need $build_packages $run_packages python3
     build release
@@ -91,7 +99,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,9s/^# \{0,1\}//p' "$0"
+    sed -n '2,10s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "cpu_reference/simd.h"
 #include "host/scene/scene.h"
 #include "tests/cli/program.h"
 
@@ -102,6 +103,19 @@ TEST(Inspect, ModelInAFolderThatIsNotThereLeavesNothing) {
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_TRUE(contains(outcome.err, "model.vtu")) << outcome.err;
+}
+
+// Every level of instructions that the machine has, against the scalar stages.
+TEST(Validate, LevelsOfInstructionsAreIdentical) {
+  std::string devices;
+  for (const cpu_reference::Simd level : cpu_reference::available_simd())
+    devices += (devices.empty() ? "cpu:" : ",cpu:") + std::string(name_of(level));
+  for (const char* scene : {"bar-layers-iii", "rod-hang"}) {
+    const Outcome outcome =
+        fascicle({"validate", scene, "--devices", devices, "--frames", "2", "--no-oracle"});
+    EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+    EXPECT_TRUE(contains(outcome.out, "cpu:scalar and cpu:baseline: identical")) << outcome.out;
+  }
 }
 
 }  // namespace

@@ -145,6 +145,26 @@ TEST(ExactnessFlavours, KernelObjectsHoldNoFusedMultiplyAdd) {
   }
 }
 
+// Code for one set of instructions must not stand in for code that runs everywhere: where two objects hold
+// the same inline function, the linker keeps either.
+TEST(ExactnessFlavours, ObjectsInLanesShareNoFunction) {
+  const auto shared_functions = [](const std::string& object) {
+    return std::atoi(run("nm --defined-only '" + object + "' | grep -c ' [WVu] '").text.c_str());
+  };
+  for (const char* level : {"baseline", "sse4", "avx2", "avx512"}) {
+    const std::string source = std::string("cpu_reference/lane_stages_") + level + ".cpp";
+    const std::vector<std::string> objects = objects_of(source, FASCICLE_BUILD_OBJECTS);
+    ASSERT_EQ(objects.size(), 1u) << source << " must be an object of its own";
+    EXPECT_FALSE(objects[0].find("/Unity/") != std::string::npos) << objects[0];
+    EXPECT_EQ(shared_functions(objects[0]), 0) << objects[0];
+  }
+  // The control: an ordinary object has some.
+  const std::vector<std::string> ordinary =
+      objects_of("cpu_reference/cpu_solver.cpp", FASCICLE_BUILD_OBJECTS);
+  ASSERT_FALSE(ordinary.empty());
+  EXPECT_GT(shared_functions(ordinary[0]), 0) << "the grep finds nothing at all";
+}
+
 }  // namespace
 
 }  // namespace fascicle::tests

@@ -42,7 +42,7 @@ const std::vector<Room>& rooms() {
       {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
       {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
       {"tests/", every_room, every_library},
-      {"bench/", every_room, every_library},
+      {"bench/", every_room, {"Bullet"}},
   };
   return table;
 }
@@ -65,15 +65,17 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"pugixml.hpp", "pugixml"},
                                                                       {"immintrin.h", "SIMD"},
                                                                       {"xmmintrin.h", "SIMD"},
+                                                                      {"Bullet", "Bullet"},
+                                                                      {"btBullet", "Bullet"},
                                                                       {"png.h", "PNG"}};
   return table;
 }
 
 // A header of the C++ library has no dot; of POSIX these are used, some under the names of C's for what POSIX
-// adds to them.
+// adds to them, and of glibc malloc.h.
 bool is_system_header(const std::string& header) {
-  static const std::set<std::string> posix{"dlfcn.h", "fcntl.h",  "poll.h",   "pthread.h", "signal.h",
-                                           "spawn.h", "stdlib.h", "string.h", "unistd.h"};
+  static const std::set<std::string> posix{"dlfcn.h",  "fcntl.h", "malloc.h", "poll.h",   "pthread.h",
+                                           "signal.h", "spawn.h", "stdlib.h", "string.h", "unistd.h"};
   if (header.find('.') == std::string::npos) return header.find('/') == std::string::npos;
   return posix.contains(header) || header.starts_with("sys/");
 }
