@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "host/build/bones.h"
@@ -13,6 +14,7 @@
 #include "host/build/cut.h"
 #include "host/build/hold.h"
 #include "host/build/message.h"
+#include "host/build/smooth.h"
 #include "host/build/spacing.h"
 #include "host/build/tetrahedralize.h"
 #include "host/build/wrap.h"
@@ -90,6 +92,19 @@ double edge_to_fill(double volume, double vertices) {
   return high;
 }
 
+// One flag a vertex: whether it is one of the points.
+std::vector<char> vertices_at(std::vector<Vector3d> points, const scene::TetMesh& mesh) {
+  const auto before = [](const Vector3d& a, const Vector3d& b) {
+    return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+  };
+  std::sort(points.begin(), points.end(), before);
+  std::vector<char> is_one;
+  is_one.reserve(mesh.vertices.size());
+  for (const Vector3d& p : mesh.vertices)
+    is_one.push_back(std::binary_search(points.begin(), points.end(), p, before) ? 1 : 0);
+  return is_one;
+}
+
 // For a kept skin, only the inside can follow.
 double edge_of_kept(const scene::SurfaceMesh& surface, std::uint32_t vertices) {
   constexpr double coarsest = 4.0;
@@ -105,7 +120,9 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
                                              : scene.resolution.value_or(mean_edge(surface));
   const auto start = std::chrono::steady_clock::now();
   BodyMesh body;
-  body.mesh = tetrahedralize(surface, spacing, points_along_bones(skin.bones, surface, spacing), options);
+  const std::vector<Vector3d> on_bones = points_along_bones(skin.bones, surface, spacing);
+  body.mesh = tetrahedralize(surface, spacing, on_bones, options);
+  smooth_inside(body.mesh, vertices_at(on_bones, body.mesh));
   report.fill.cage.fill_seconds = seconds_since(start);
   if (scene.body.vertices && body.mesh.vertices.size() > 2 * std::size_t{*scene.body.vertices})
     warn(report, "the kept skin alone has " + std::to_string(surface.vertices.size()) +
@@ -132,14 +149,15 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   report.fill.cage.wrap_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   const double edge = mean_edge(wrap);
-  const scene::TetMesh filled =
-      tetrahedralize(wrap, edge, points_along_bones(skin.bones, wrap, edge), options);
+  const std::vector<Vector3d> on_bones = points_along_bones(skin.bones, wrap, edge);
+  scene::TetMesh filled = tetrahedralize(wrap, edge, on_bones, options);
+  smooth_inside(filled, vertices_at(on_bones, filled));
   report.fill.cage.fill_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();
   const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares});
   CutMesh cut = cut_limbs(filled, surface, limbs);
-  Hold hold = hold_skin(cut, surface, farthest_in_edges * edge);
+  Hold hold = hold_skin(cut, surface, farthest_in_edges * edge, vertices_at(on_bones, cut.mesh));
   report.fill.cage.cut_tetrahedra = cut.cut_tetrahedra;
   report.fill.cage.cut_seconds = seconds_since(start);
   return {std::move(cut.mesh), false, std::move(cut.anchor), std::move(hold.home)};

@@ -10,6 +10,7 @@
 
 #include "host/build/embedding.h"
 #include "host/build/mass.h"
+#include "host/build/smooth.h"
 #include "host/build/surface_search.h"
 
 namespace fascicle::build {
@@ -62,8 +63,9 @@ double least_of(const std::array<double, 4>& weights) {
 
 class Holder {
  public:
-  Holder(CutMesh& cage, const SurfaceMesh& skin, double farthest)
+  Holder(CutMesh& cage, const SurfaceMesh& skin, double farthest, const std::vector<char>& fixed)
       : mesh_(cage.mesh),
+        fixed_(fixed),
         cage_(cage),
         skin_(skin),
         farthest_(farthest),
@@ -91,7 +93,8 @@ class Holder {
       }
       hold = find_homes();
     }
-    return hold;
+    smooth_inside(mesh_, fixed_);
+    return find_homes();
   }
 
  private:
@@ -227,6 +230,7 @@ class Holder {
   }
 
   TetMesh& mesh_;
+  const std::vector<char>& fixed_;
   const CutMesh& cage_;
   const SurfaceMesh& skin_;
   double farthest_;
@@ -239,8 +243,8 @@ class Holder {
 
 }  // namespace
 
-Hold hold_skin(CutMesh& cage, const SurfaceMesh& skin, double farthest) {
-  return Holder(cage, skin, farthest).run();
+Hold hold_skin(CutMesh& cage, const SurfaceMesh& skin, double farthest, const std::vector<char>& fixed) {
+  return Holder(cage, skin, farthest, fixed).run();
 }
 
 }  // namespace fascicle::build

@@ -17,7 +17,9 @@ struct Hold {
 
 // A cage's boundary cuts off what bulges between its vertices, and thin parts. Faces are moved out over each
 // vertex of the skin that lies outside, at most `farthest` (m) a vertex; no tetrahedron loses more than
-// nineteen twentieths of its volume.
-Hold hold_skin(CutMesh& cage, const scene::SurfaceMesh& skin, double farthest);
+// nineteen twentieths of its volume by that. Then the vertices inside are smoothed, but for the `fixed` ones
+// (one flag a vertex of the cage).
+Hold hold_skin(CutMesh& cage, const scene::SurfaceMesh& skin, double farthest,
+               const std::vector<char>& fixed);
 
 }  // namespace fascicle::build
