@@ -22,6 +22,7 @@
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
 #include "host/bake/identity.h"
+#include "host/bake/kept_start.h"
 #include "host/bake/lead_in.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
@@ -221,8 +222,17 @@ BakeResult Run::go() {
 // The state of frame 0.
 model::State Run::lead_to_start() {
   const Stopwatch time(seconds_solver_);
+  const bool is_long = drives_.preroll_frames() > 0 || scene_.motion.settle > 0.0 || scene_.motion.seamless;
+  const std::string key = is_long ? start_key(identity_) : "";
+  if (is_long && options_.find_start)
+    if (const std::optional<std::string> bytes = options_.find_start(key))
+      if (std::optional<LeadIn> kept = read_start(*bytes, identity_)) {
+        progress_.lead_in = kept->summary;
+        return std::move(kept->state);
+      }
   LeadIn led = lead_in(scene_, model_, drives_, solver_,
                        [&] { return options_.interrupted != nullptr && options_.interrupted->load(); });
+  if (is_long && !led.stopped && options_.keep_start) options_.keep_start(key, start_bytes(led, identity_));
   interrupted_ = led.stopped;
   progress_.lead_in = led.summary;
   return std::move(led.state);

@@ -52,6 +52,10 @@ struct BakeOptions {
   std::vector<std::string> warnings;               // of the build, for the manifest
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
+  // A store of starts, by a key of hex digits: where the scene was baked before, what comes before frame 0 is
+  // not stepped again. The bits are the same. Nothing is kept without them.
+  std::function<std::optional<std::string>(const std::string& key)> find_start;
+  std::function<void(const std::string& key, std::string_view bytes)> keep_start;
 };
 
 // Regions whose stretch of equation (17) had to be kept in [0.25, 4]: their most in one frame, and that

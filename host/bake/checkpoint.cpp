@@ -59,7 +59,7 @@ class Parser {
 
 }  // namespace
 
-void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
+std::string checkpoint_text(const Checkpoint& checkpoint) {
   const std::string identity = dump(Json(checkpoint.identity));
   const model::State& state = checkpoint.state;
   std::string bytes(magic);
@@ -78,19 +78,16 @@ void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
   append_bytes(bytes, state.step_before);
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
   append_bytes(bytes, checksum);
-  write_whole(path, bytes);
+  return bytes;
 }
 
-std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
-  if (!fs::exists(path)) return std::nullopt;
-  const File file(path, FileMode::read);
-  std::string bytes(file.size(), '\0');
+Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
   Parser parser(bytes, path);
-  if (bytes.size() < magic.size() + sizeof(std::uint64_t) || !file.read_at(0, bytes)) parser.damaged();
+  if (bytes.size() < magic.size() + sizeof(std::uint64_t)) parser.damaged();
   const std::size_t length = bytes.size() - sizeof(std::uint64_t);
   std::uint64_t checksum = 0;
   std::memcpy(&checksum, bytes.data() + length, sizeof checksum);
-  parser = Parser(std::string_view(bytes).substr(0, length), path);
+  parser = Parser(bytes.substr(0, length), path);
   if (parser.take(magic.size()) != magic || XXH3_64bits(bytes.data(), length) != checksum) parser.damaged();
   if (parser.value<std::uint32_t>() != version)
     throw BakeError(path.string() +
@@ -112,6 +109,19 @@ std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
   state.velocities_before = parser.floats();
   state.step_before = parser.value<double>();
   return checkpoint;
+}
+
+void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
+  write_whole(path, checkpoint_text(checkpoint));
+}
+
+std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
+  if (!fs::exists(path)) return std::nullopt;
+  const File file(path, FileMode::read);
+  std::string bytes(file.size(), '\0');
+  if (!file.read_at(0, bytes))
+    throw BakeError(path.string() + ": the checkpoint is damaged; start again with --overwrite");
+  return parse_checkpoint(bytes, path);
 }
 
 bool is_checkpoint(const fs::path& path) {

@@ -8,6 +8,8 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "host/bake/identity.h"
 #include "host/model/solver.h"
@@ -20,6 +22,10 @@ struct Checkpoint {
   Identity identity;
   model::State state;
 };
+
+// The file's bytes, and back. Throws BakeError, naming `path`, if they are not a whole checkpoint.
+std::string checkpoint_text(const Checkpoint& checkpoint);
+Checkpoint parse_checkpoint(std::string_view bytes, const std::filesystem::path& path);
 
 // Replaces the file whole.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);

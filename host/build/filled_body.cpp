@@ -32,25 +32,6 @@ void add_rows(scene::ContentHash& hash, const std::vector<T>& rows) {
   for (const T& row : rows) hash.add_array(std::span(row.data(), row.size()));
 }
 
-// Nothing where a program cannot be read.
-std::optional<std::string> hash_of_programs(const BuildOptions& options) {
-  try {
-    scene::ContentHash hash;
-    for (const fs::path& path : {fs::path("/proc/self/exe"), mesher_path(options)}) {
-      const scene::File file(path, scene::FileMode::read);
-      std::vector<char> bytes(static_cast<std::size_t>(file.size()));
-      if (!file.read_at(0, bytes)) return std::nullopt;
-      hash.add_array(std::span<const char>(bytes));
-    }
-    return hash.text();
-  } catch (const std::system_error&) {
-    return std::nullopt;
-  } catch (const scene::SceneError&) {
-    // There is no mesher; whoever asks for it says so.
-    return std::nullopt;
-  }
-}
-
 FilledBody make_filled_body(const FillInput& input, Report& report, const BuildOptions& options) {
   const std::vector<scene::Joint> no_skeleton;
   const std::vector<scene::Joint>& skeleton =
@@ -127,6 +108,24 @@ bool is_usable_render(const RenderMesh& render, std::size_t vertices, std::size_
 }
 
 }  // namespace
+
+std::optional<std::string> hash_of_programs(const BuildOptions& options) {
+  try {
+    scene::ContentHash hash;
+    for (const fs::path& path : {fs::path("/proc/self/exe"), mesher_path(options)}) {
+      const scene::File file(path, scene::FileMode::read);
+      std::vector<char> bytes(static_cast<std::size_t>(file.size()));
+      if (!file.read_at(0, bytes)) return std::nullopt;
+      hash.add_array(std::span<const char>(bytes));
+    }
+    return hash.text();
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  } catch (const scene::SceneError&) {
+    // There is no mesher; whoever asks for it says so.
+    return std::nullopt;
+  }
+}
 
 std::string fill_key(const FillInput& input, const std::string& programs) {
   scene::ContentHash hash;

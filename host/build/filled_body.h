@@ -1,6 +1,7 @@
 // The part of a body that takes long to make: the filled surface, its skin weights and its embedding.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct FillInput {
 // From options.cache, where the same input was filled before by the same programs, else made and kept there:
 // the result and what goes to the report are the same, bit for bit. Throws scene::SceneError.
 FilledBody fill_body(const FillInput& input, Report& report, const BuildOptions& options);
+
+// A hash of this program and of the mesher: what is kept was made by them. Nothing where one cannot be read.
+std::optional<std::string> hash_of_programs(const BuildOptions& options);
 
 // The name of the input in the cache: changes with all that changes the result, `programs` among them.
 std::string fill_key(const FillInput& input, const std::string& programs);

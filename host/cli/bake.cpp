@@ -10,11 +10,14 @@
 #include "host/bake/drive_source.h"
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
+#include "host/build/cache.h"
+#include "host/build/filled_body.h"
 #include "host/cli/command.h"
 #include "host/cli/device_choice.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
+#include "host/scene/content_hash.h"
 
 namespace fascicle::cli {
 namespace {
@@ -150,6 +153,25 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_how_to_look(arguments, result.files);
 }
 
+// Beside the filled bodies, under what these programs make of it.
+void keep_starts(bake::BakeOptions& options) {
+  build::BuildOptions paths;
+  const std::optional<std::string> programs = build::hash_of_programs(paths);
+  if (!programs) return;
+  const build::Cache cache(build::default_cache_folder());
+  const auto name = [programs = *programs](const std::string& key) {
+    scene::ContentHash hash;
+    hash.add(std::string_view("start"));
+    hash.add(std::string_view(programs));
+    hash.add(std::string_view(key));
+    return hash.text();
+  };
+  options.find_start = [cache, name](const std::string& key) { return cache.find(name(key)); };
+  options.keep_start = [cache, name](const std::string& key, std::string_view bytes) {
+    cache.put(name(key), bytes);
+  };
+}
+
 ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (arguments.scene.name.empty()) {
     arguments.scene.name = scene::default_scene;
@@ -186,6 +208,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   for (const build::Warning& warning : built.report.warnings) options.warnings.push_back(warning.text);
   options.interrupted = &catch_interrupts();
   options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
+  if (!arguments.scene.no_cache) keep_starts(options);
   const bake::BakeResult result = bake::bake(scene, built.model, *simulation.solver, options);
   log.clear_bar();
   if (result.clamped.regions > 0)
