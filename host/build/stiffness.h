@@ -44,10 +44,14 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
                   const RestState& state, std::span<const double> volume, RegionWeights& weights,
                   model::Model& model, Report& report);
 
-// Sets the scene's substeps where it says "auto": the least with which
+// Sets the scene's substeps where it says "auto".
+//
+// Explicit: so many that an alpha means the same stiffness at every frame rate and spacing, at least 4.
+//
+// Implicit: the least with which
 //   2 pi f h <= 0.16 for the lowest mode f of every layer, by which the stepping's own errors stay small, and
 //   K H^2 / m, the mean over each layer, is what the iterations resolve (model::resolved_stiffness),
-// at most most_auto_substeps, which is a warning. The model knows the frequencies.
+// at most most_auto_substeps, which is a warning for the implicit. The model knows the frequencies.
 void choose_steps(scene::Scene& scene, const model::Model& model, Report& report);
 
 inline constexpr std::uint32_t most_auto_substeps = 32;

@@ -103,8 +103,8 @@ std::string layers_for_character(const Character& character, Stiffness by) {
   const std::string painted =
       by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
   const auto stiffness = [&](const char* alpha, const char* material) {
-    return by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted
-                    : "material = \"" + std::string(material) + "\"\n";
+    return by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted + "damping = 8.0\nvolume = 1.0\n"
+                    : "material = \"" + std::string(material) + "\"\ndamping = 6.0\n";
   };
   // 1 is bone, 2 muscle, 3 fat; 0, which is what vertices have before they are painted, leaves it to the
   // depth.
@@ -115,15 +115,11 @@ std::string layers_for_character(const Character& character, Stiffness by) {
     if (has_layers) return "where = [" + shape + ", " + by_paint + "]\n";
     return number == rest ? std::string() : "where = " + shape + "\n";
   };
-  return "[layers.fat]\n" + stiffness("0.3", "fat") +
-         "beta = 0.0\n"
-         "damping = 6.0\n" +
-         where("{ everywhere = true }", rest) +
+  return "[layers.fat]\n" + stiffness("0.3", "fat") + "beta = 0.0\n" + where("{ everywhere = true }", rest) +
          "\n"
          "[layers.muscle]\n" +
          stiffness("1.0", "relaxed-muscle") +
          "beta = 1.0\n"
-         "damping = 6.0\n"
          "fibre_field = true\n" +
          where("{ depth = { maximum = 0.65 } }", muscle) +
          "\n"
@@ -132,7 +128,7 @@ std::string layers_for_character(const Character& character, Stiffness by) {
          where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
          "[solver]\n" +
-         (by_alpha ? "substeps = 8\n" : "integrator = \"implicit\"\nsubsteps = \"auto\"\n");
+         (by_alpha ? "" : "integrator = \"implicit\"\n") + "substeps = \"auto\"\n";
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const Character& character,

@@ -341,10 +341,6 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
   const toml::node* substeps = table.get("substeps");
   solver.auto_substeps = substeps != nullptr && substeps->is_string();
   if (!solver.auto_substeps) read(table, "substeps", solver.substeps);
-  if (solver.auto_substeps && !implicit)
-    fail(substeps->source(), "solver.substeps",
-         "\"auto\" takes solver.integrator = \"implicit\", whose stiffness does not change with them; give a "
-         "number");
   read(table, "iterations", solver.iterations);
   if (table.contains("iterations") && !implicit)
     fail(table.get("iterations")->source(), "solver.iterations",

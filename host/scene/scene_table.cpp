@@ -205,9 +205,10 @@ struct Tables {
            .allowed = {"symmetric", "kaneda2017"}},
           {.name = "substeps",
            .type = KeyType::integer,
-           .doc = "Steps a frame; the stiffness that alpha means grows with their square. auto, with the "
-                  "implicit "
-                  "integrator: as many as the layers' lowest modes need.",
+           .doc =
+               "Steps a frame; the stiffness that alpha means grows with their square. auto: as many as make "
+               "it the same at every frame rate and spacing; with the implicit integrator, as many as the "
+               "layers' lowest modes need.",
            .range = between(1, 1000),
            .fallback = SolverSettings{}.substeps,
            .allowed = {"auto"}},

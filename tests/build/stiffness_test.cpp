@@ -128,5 +128,26 @@ TEST(Stiffness, SubstepsFollowTheStiffness) {
   EXPECT_EQ(warnings, 1u);
 }
 
+// An explicit "auto" keeps h / spacing: half the frame rate or half the spacing takes twice the substeps.
+TEST(Stiffness, ExplicitSubstepsFollowFrameRateAndSpacing) {
+  const auto substeps = [](const std::array<std::uint32_t, 3>& vertices, double fps) {
+    scene::Scene scene = bar_scene();
+    scene.geometry = scene::Bar{.vertices = vertices};
+    scene.solver.auto_substeps = true;
+    scene.fps = fps;
+    build::Report report;
+    const Model m = build::build_model(scene, report);
+    build::choose_steps(scene, m, report);
+    return scene.solver.substeps;
+  };
+  const std::uint32_t coarse = substeps({11, 3, 3}, 30.0);
+  EXPECT_GT(coarse, 4u);
+  // Rounded up; and a finer bar has a smaller part of its edges at the surface.
+  EXPECT_NEAR(substeps({11, 3, 3}, 15.0), 2.0 * coarse, 1.0);
+  EXPECT_NEAR(substeps({21, 5, 5}, 30.0), 2.0 * coarse, 1.0);
+  EXPECT_EQ(substeps({11, 3, 3}, 1000.0), 4u);
+  EXPECT_EQ(substeps({11, 3, 3}, 1.0), build::most_auto_substeps);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

@@ -9,6 +9,7 @@
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
 #include "host/build/build.h"
+#include "host/build/stiffness.h"
 #include "host/scene/scene.h"
 #include "tests/support/assets.h"
 
@@ -21,11 +22,12 @@ using Frames = std::vector<std::vector<float>>;  // metres, the render mesh in w
 Frames bake(const std::string& file, const std::vector<std::string>& set, std::uint64_t frames) {
   scene::SceneOverrides overrides;
   overrides.set = set;
-  const scene::Scene scene = scene::load_scene(file, overrides);
+  scene::Scene scene = scene::load_scene(file, overrides);
   build::Report report;
   build::BuildOptions options;
   options.mesher = FASCICLE_MESHER;
   const model::Model model = build::build_model(scene, report, options);
+  build::choose_steps(scene, model, report);
   bake::DriveSource drives(scene, model);
   const auto solver = cpu_reference::make_cpu_solver(model, {}, 0);
   solver->load(drives.initial_state());
