@@ -241,8 +241,8 @@ double growth(float alpha, float gain) {
   return largest / first;
 }
 
-// The gains that host/build gives, for the stiffest vertex of 1, 0.3 and 0.14, do not feed the motion; more does,
-// and that is seen.
+// The gains that host/build gives, for the stiffest vertex of 1, 0.3 and 0.14, do not feed the motion; more
+// does, and that is seen.
 TEST(Volume, UndampedMotionDoesNotGrow) {
   EXPECT_LT(growth(1.0f, 0.0f), 1.05);
   EXPECT_LT(growth(1.0f, full_gain), 1.05);
