@@ -51,19 +51,6 @@ struct DriveSource::Impl {
 
 namespace {
 
-double extent_of(const model::Model& model) {
-  float largest = 0.0f;
-  for (std::size_t axis = 0; axis < 3 && !model.rest.empty(); ++axis) {
-    float low = model.rest[axis], high = low;
-    for (std::size_t k = axis; k < model.rest.size(); k += 3) {
-      low = std::min(low, model.rest[k]);
-      high = std::max(high, model.rest[k]);
-    }
-    largest = std::max(largest, high - low);
-  }
-  return double{largest} * model.unit;
-}
-
 std::array<double, 3> array_of(const Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
@@ -89,7 +76,7 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
   must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
-  if (character != nullptr) timeline.emplace(scene, *character, extent_of(model));
+  if (character != nullptr) timeline.emplace(scene, *character, model::extent(model));
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
     decay.push_back(static_cast<float>(scene::exact_exp(-layer.damping * h())));

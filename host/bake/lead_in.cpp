@@ -22,19 +22,6 @@ double speed(const model::Model& model, const std::vector<float>& velocities) {
   return count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(count)) * model.unit;
 }
 
-double extent(const model::Model& model) {
-  float largest = 0.0f;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    float low = model.rest[axis], high = low;
-    for (std::size_t k = axis; k < model.rest.size(); k += 3) {
-      low = std::min(low, model.rest[k]);
-      high = std::max(high, model.rest[k]);
-    }
-    largest = std::max(largest, high - low);
-  }
-  return double{largest} * model.unit;
-}
-
 }  // namespace
 
 double largest_distance(const model::Model& model, const std::vector<float>& positions,
@@ -77,7 +64,7 @@ LeadIn lead_in(const scene::Scene& scene, const model::Model& model, DriveSource
   result.state = drives.started(solver.save());
   solver.load(result.state);
   if (!motion.seamless) return result;
-  const double tolerance = motion.seamless_tolerance * extent(model);
+  const double tolerance = motion.seamless_tolerance * model::extent(model);
   const std::uint64_t frames = scene::cycle_frames(scene);
   for (std::uint64_t cycle = 1; cycle <= motion.seamless_cycles; ++cycle) {
     for (std::uint64_t k = 1; k <= frames; ++k) {

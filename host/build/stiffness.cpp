@@ -128,15 +128,6 @@ constexpr double earth_gravity = 9.81;
 constexpr double least_explicit_substeps = 4.0;
 
 std::uint32_t explicit_substeps(const scene::Scene& scene, const model::Model& model) {
-  double longest = 0.0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    float low = model.rest[axis], high = low;
-    for (std::size_t k = axis; k < model.rest.size(); k += 3) {
-      low = std::min(low, model.rest[k]);
-      high = std::max(high, model.rest[k]);
-    }
-    longest = std::max(longest, double{high} - double{low});
-  }
   double edges = 0.0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     for (std::uint32_t k = model.ring_offset[i]; k < model.ring_offset[i + 1]; ++k) {
@@ -149,7 +140,7 @@ std::uint32_t explicit_substeps(const scene::Scene& scene, const model::Model& m
       edges += std::sqrt(squared);
     }
   const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
-  const double needed = std::ceil(std::sqrt(0.9 * earth_gravity * longest * model.unit / explicit_stretch) /
+  const double needed = std::ceil(std::sqrt(0.9 * earth_gravity * model::extent(model) / explicit_stretch) /
                                   (mean_edge * scene.fps));
   return static_cast<std::uint32_t>(std::clamp(needed, least_explicit_substeps, double{most_auto_substeps}));
 }

@@ -141,6 +141,9 @@ struct Model {
 // with the first array and index that breaks a promise. Solvers may rely on it.
 void check_model(const Model& model);
 
+// m, the longest side of the rest shape's box along the axes; 0 without vertices.
+double extent(const Model& model);
+
 // Bytes of the arrays a solver keeps for this model and its state.
 std::uint64_t solver_bytes(const Model& model);
 
