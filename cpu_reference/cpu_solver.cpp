@@ -51,7 +51,7 @@ class CpuSolver : public model::Solver {
       throw std::invalid_argument(std::string("this machine has no ") + name_of(simd) + " instructions");
     make_fields();
     if (lanes_ != nullptr) {
-      slices_ = make_slices(model);
+      slices_ = make_slices(model, fields_.memory);
       fill_constants(model, slices_, fields_);
     }
     CpuSolver::load(model::rest_state(model));
@@ -273,8 +273,9 @@ class CpuSolver : public model::Solver {
   model::SolverOptions options_;
   ThreadPool pool_;
   const LaneStages* lanes_ = nullptr;  // null: one by one
-  Slices slices_;                      // where lanes_ is
-  Fields fields_;
+  HugePages pages_;
+  Fields fields_{LineAllocator<float>(pages_)};
+  Slices slices_;  // where lanes_ is
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;

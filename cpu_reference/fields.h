@@ -6,7 +6,10 @@
 #include <cstdint>
 #include <new>
 #include <span>
+#include <type_traits>
 #include <vector>
+
+#include "cpu_reference/huge_pages.h"
 
 namespace fascicle::cpu_reference {
 
@@ -18,19 +21,30 @@ inline std::uint32_t slice_count(std::uint32_t vertices) {
   return vertices / slice_size + (vertices % slice_size != 0 ? 1 : 0);
 }
 
-// Floats that begin at a cache line.
+// Numbers that begin at a cache line, in `pages` where given.
 template <class T>
 struct LineAllocator {
   using value_type = T;
+  using propagate_on_container_move_assignment = std::true_type;
   static constexpr std::align_val_t line{64};
   LineAllocator() = default;
+  explicit LineAllocator(HugePages& from) : pages(&from) {}
   template <class U>
-  LineAllocator(const LineAllocator<U>&) {}
-  T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), line)); }
-  void deallocate(T* values, std::size_t) { ::operator delete(values, line); }
+  LineAllocator(const LineAllocator<U>& other) : pages(other.pages) {}
+  T* allocate(std::size_t count) {
+    if (pages) return static_cast<T*>(pages->allocate(count * sizeof(T)));
+    return static_cast<T*>(::operator new(count * sizeof(T), line));
+  }
+  void deallocate(T* values, std::size_t) {
+    if (!pages) ::operator delete(values, line);
+  }
   bool operator==(const LineAllocator&) const = default;
+
+  HugePages* pages = nullptr;
 };
-using Floats = std::vector<float, LineAllocator<float>>;
+template <class T>
+using LineVector = std::vector<T, LineAllocator<T>>;
+using Floats = LineVector<float>;
 
 // Floats of a vertex in each array, and where its parts begin.
 inline constexpr std::size_t vertex_stride = 8, pull_place = 3, rest_place = 4, alpha_place = 7;
@@ -39,24 +53,28 @@ inline constexpr std::size_t vector_stride = 4;
 
 // Working units. Sizes below are of one vertex; vectors are three floats and one that is 0.
 struct Fields {
+  explicit Fields(LineAllocator<float> from = {}) : memory(from) {}
+
+  LineAllocator<float> memory;
+
   // 8: position; then constants of the model that only stages in lanes read: pull, rest position, alpha.
-  Floats vertices;
+  Floats vertices{memory};
   // 16: the region's transform in rows, three of its linear map and one of the translation each, then its
   // rotation's quaternion w x y z.
-  Floats regions;
-  Floats velocities;           // 4
-  Floats predicted;            // 4: velocities with the external forces in; implicit: y
-  Floats goals;                // 4
-  Floats skinned;              // 4, empty without a skeleton
-  Floats skinned_before;       // 4, the same of the substep before
-  Floats skinned_velocities;   // 4: u of the substep before, empty where no stage needs it
-  Floats gravity;              // 4: the bones' change of gravity, empty without a skeleton
-  std::vector<float> surface;  // 3 a render vertex
+  Floats regions{memory};
+  Floats velocities{memory};          // 4
+  Floats predicted{memory};           // 4: velocities with the external forces in; implicit: y
+  Floats goals{memory};               // 4
+  Floats skinned{memory};             // 4, empty without a skeleton
+  Floats skinned_before{memory};      // 4, the same of the substep before
+  Floats skinned_velocities{memory};  // 4: u of the substep before, empty where no stage needs it
+  Floats gravity{memory};             // 4: the bones' change of gravity, empty without a skeleton
+  std::vector<float> surface;         // 3 a render vertex
   // Of an implicit model, else empty.
-  Floats positions_before;   // 4, a substep before
-  Floats velocities_before;  // 4
-  Floats begun;              // 4: positions where the substep began
-  Floats iterate_before;     // 4: the last iteration but one
+  Floats positions_before{memory};   // 4, a substep before
+  Floats velocities_before{memory};  // 4
+  Floats begun{memory};              // 4: positions where the substep began
+  Floats iterate_before{memory};     // 4: the last iteration but one
 };
 
 // `width` floats of each of `count` items, `stride` apart in a field from `place` on.

@@ -43,8 +43,8 @@ const LaneStages* compiled_stages(Simd level) {
   return nullptr;
 }
 
-template <class T>
-const T* data_or_null(const std::vector<T>& values) {
+template <class Values>
+const typename Values::value_type* data_or_null(const Values& values) {
   return values.empty() ? nullptr : values.data();
 }
 
@@ -82,6 +82,7 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
           .taken_degree = slices.taken_degree.data(),
           .is_held = slices.is_held.data(),
           .layer = slices.layer.data(),
+          .reach = slices.reach.data(),
           .near_ring = data_or_null(slices.near_ring),
           .taken_parts = slices.taken_parts.data(),
           .given_parts = slices.given_parts.data(),

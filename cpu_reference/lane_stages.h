@@ -23,6 +23,7 @@ struct LaneInput {
   const std::int32_t* taken_degree;
   const std::uint8_t* is_held;
   const std::uint32_t* layer;
+  const std::uint32_t* reach;
   const std::int16_t* near_ring;  // null: far_ring and shares as floats
   const std::uint16_t *taken_parts, *given_parts;
   const std::int32_t* far_ring;

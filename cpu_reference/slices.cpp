@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace fascicle::cpu_reference {
 
@@ -31,6 +32,19 @@ bool can_be_compact(const Model& model) {
   return !model.ring.empty();
 }
 
+std::vector<std::uint32_t> reach_of_slices(const Model& model, std::uint32_t slices) {
+  std::vector<std::uint32_t> reach(slices + slices_ahead + 1, 0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    std::uint32_t& last = reach[i / slice_size];
+    last = std::max(last, i + 1);
+    for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
+      last = std::max(last, model.ring[e] + 1);
+  }
+  std::inclusive_scan(reach.begin(), reach.end(), reach.begin(),
+                      [](std::uint32_t a, std::uint32_t b) { return std::max(a, b); });
+  return reach;
+}
+
 std::uint32_t end_of(const Model& model, std::uint32_t slice) {
   return std::min(model.vertex_count, (slice + 1) * slice_size);
 }
@@ -50,13 +64,14 @@ std::uint32_t layer_of_all(const Model& model, std::uint32_t slice) {
 
 }  // namespace
 
-Slices make_slices(const Model& model) {
+Slices make_slices(const Model& model, LineAllocator<float> memory) {
   const std::uint32_t n = model.vertex_count;
-  Slices slices;
+  Slices slices(memory);
   slices.count = slice_count(n);
   slices.taken_degree.assign(std::size_t{slices.count} * slice_size, 0);
   slices.degree.assign(std::size_t{slices.count} * slice_size, 0);
   slices.first_row.push_back(0);
+  slices.reach = reach_of_slices(model, slices.count);
   for (std::uint32_t s = 0; s < slices.count; ++s) {
     std::uint32_t rows = 0;
     auto full = std::numeric_limits<std::uint32_t>::max();

@@ -13,8 +13,14 @@
 namespace fascicle::cpu_reference {
 
 inline constexpr std::uint32_t several_layers = ~std::uint32_t{0};
+// How far before its use a stage asks for memory.
+inline constexpr std::uint32_t slices_ahead = 4;
 
 struct Slices {
+  explicit Slices(LineAllocator<float> from = {}) : memory(from) {}
+
+  LineAllocator<float> memory;  // of the arrays by entry
+
   std::uint32_t count = 0;
   std::vector<std::uint32_t> first_row;  // count + 1: of slice_size entries each
   std::vector<std::uint32_t> degree;     // one a lane: its one-ring's size, 0 past the last vertex
@@ -25,17 +31,20 @@ struct Slices {
   std::vector<std::uint8_t> is_held;  // count: all of the slice's vertices are kinematic
   std::vector<std::uint32_t> layer;   // count: that of all its vertices, or several_layers
 
+  // One past the last vertex in the one-rings of slices up to this one; behind the last slice it stays.
+  std::vector<std::uint32_t> reach;  // count + slices_ahead + 1
+
   // Neighbours as differences from the slice's first vertex, 0 where nothing stands. Where all fit 16 bits
   // and all shares are below 1: `near_ring`, shares in parts of 2^-16. Else `far_ring`, shares as they are.
-  std::vector<std::int16_t> near_ring;
-  std::vector<std::uint16_t> taken_parts, given_parts;
-  std::vector<std::int32_t> far_ring;
-  std::vector<float> taken, given;
+  LineVector<std::int16_t> near_ring{memory};
+  LineVector<std::uint16_t> taken_parts{memory}, given_parts{memory};
+  LineVector<std::int32_t> far_ring{memory};
+  Floats taken{memory}, given{memory};
 
   bool is_compact() const { return !near_ring.empty(); }
 };
 
-Slices make_slices(const model::Model& model);
+Slices make_slices(const model::Model& model, LineAllocator<float> memory = {});
 
 // Bytes that a substep of stages in lanes, without a skeleton, reads and writes of a vertex: each array once
 // a stage, neighbours' records and maps counted with their own slice. `passes` over the regions: 1, or of an

@@ -8,14 +8,26 @@ namespace fascicle::cpu_reference {
 
 namespace {
 
+// Enough that what others take of a core can be made up for, few enough that claims cost nothing.
+constexpr std::size_t chunks_of_thread = 4;
+
 // Long enough to bridge the gap between two stages, short enough not to burn a core others need.
-constexpr int spins_before_sleep = 200;
+constexpr int spins_before_sleep = 1000;
+
+// Not std::this_thread::yield: where other programs are busy that gives the core away for milliseconds.
+void relax() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
 
 template <class Ready>
 bool spin_until(Ready ready) {
   for (int spin = 0; spin < spins_before_sleep; ++spin) {
     if (ready()) return true;
-    std::this_thread::yield();
+    relax();
   }
   return false;
 }
@@ -25,7 +37,7 @@ bool spin_until(Ready ready) {
 ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   // A thread that is underway must be joined whatever happens, so nothing may leave this loop by an
-  // exception.
+  // exception. Workers touch no claim before the first round.
   try {
     for (unsigned worker = 1; worker < threads; ++worker)
       workers_.emplace_back([this, worker] { work(worker); });
@@ -35,42 +47,77 @@ ThreadPool::ThreadPool(unsigned threads) {
 }
 
 ThreadPool::~ThreadPool() {
-  stop_.store(true, std::memory_order_relaxed);
-  round_.fetch_add(1, std::memory_order_release);
-  round_.notify_all();
+  {
+    const std::lock_guard lock(sleep_);
+    stop_.store(true);
+    round_.fetch_add(1);
+  }
+  called_.notify_all();
   for (std::thread& worker : workers_) worker.join();
 }
 
-void ThreadPool::run_part(unsigned part) const {
-  const std::uint64_t parts = size();
-  const auto first = static_cast<std::uint32_t>(std::uint64_t{count_} * part / parts);
-  const auto last = static_cast<std::uint32_t>(std::uint64_t{count_} * (part + 1) / parts);
+void ThreadPool::run_chunk(std::size_t chunk) const {
+  const std::uint64_t chunks = claims_.size();
+  const auto first = static_cast<std::uint32_t>(count_ * std::uint64_t{chunk} / chunks);
+  const auto last = static_cast<std::uint32_t>(count_ * (std::uint64_t{chunk} + 1) / chunks);
   if (first < last) (*job_)(first, last);
 }
 
+// Every chunk is claimed once a round, so that a thread which comes late, still with the number of a round
+// that is over, finds nothing to claim. While a claim holds, its round is not over: job_ and count_ stand.
+void ThreadPool::take_chunks(unsigned thread, std::uint64_t round) {
+  for (std::size_t k = 0; k < claims_.size(); ++k) {
+    const std::size_t chunk = (thread * chunks_of_thread + k) % claims_.size();
+    std::atomic<std::uint64_t>& claim = claims_[chunk].round;
+    std::uint64_t before = round - 1;
+    // A failed exchange takes the cache line from whoever works; a look does not.
+    if (claim.load(std::memory_order_relaxed) != before || !claim.compare_exchange_strong(before, round))
+      continue;
+    run_chunk(chunk);
+    if (unfinished_.fetch_sub(1) == 1 && caller_sleeps_.load()) {
+      const std::lock_guard lock(sleep_);
+      finished_.notify_one();
+    }
+  }
+}
+
 void ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t, std::uint32_t)>& job) {
+  if (workers_.empty()) {
+    if (count != 0) job(0, count);
+    return;
+  }
+  if (claims_.empty()) claims_ = std::vector<Claim>(chunks_of_thread * size());
   job_ = &job;
   count_ = count;
-  running_.store(static_cast<unsigned>(workers_.size()), std::memory_order_relaxed);
-  round_.fetch_add(1, std::memory_order_release);
-  if (!workers_.empty()) round_.notify_all();
-  run_part(0);
-  const auto done = [this] { return running_.load(std::memory_order_acquire) == 0; };
-  while (!spin_until(done)) {
-    const unsigned left = running_.load(std::memory_order_acquire);
-    if (left != 0) running_.wait(left, std::memory_order_acquire);
+  unfinished_.store(claims_.size());
+  const std::uint64_t round = round_.fetch_add(1) + 1;
+  if (sleeping_.load() != 0) {
+    // Taken and given back, so that no worker is between its last look and its sleep.
+    { const std::lock_guard lock(sleep_); }
+    called_.notify_all();
   }
+  take_chunks(0, round);
+  const auto done = [this] { return unfinished_.load() == 0; };
+  if (spin_until(done)) return;
+  std::unique_lock lock(sleep_);
+  caller_sleeps_.store(true);
+  finished_.wait(lock, done);
+  caller_sleeps_.store(false);
 }
 
 void ThreadPool::work(unsigned worker) {
   std::uint64_t seen = 0;
   for (;;) {
-    const auto called = [&] { return round_.load(std::memory_order_acquire) != seen; };
-    while (!spin_until(called)) round_.wait(seen, std::memory_order_acquire);
-    seen = round_.load(std::memory_order_acquire);
-    if (stop_.load(std::memory_order_relaxed)) return;
-    run_part(worker);
-    if (running_.fetch_sub(1, std::memory_order_acq_rel) == 1) running_.notify_all();
+    const auto called = [&] { return round_.load() != seen; };
+    if (!spin_until(called)) {
+      std::unique_lock lock(sleep_);
+      sleeping_.fetch_add(1);
+      called_.wait(lock, called);
+      sleeping_.fetch_sub(1);
+    }
+    seen = round_.load();
+    if (stop_.load()) return;
+    take_chunks(worker, seen);
   }
 }
 

@@ -1,10 +1,13 @@
 // A fixed set of threads that run one job together. Small on purpose: a substep is tens of microseconds, so
-// workers spin briefly between jobs and then sleep.
+// workers spin briefly between jobs and then sleep. A job is cut into chunks that threads claim, so that a
+// worker to whom the system gives no core holds nobody up: the others take its chunks.
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -21,20 +24,35 @@ class ThreadPool {
 
   unsigned size() const { return static_cast<unsigned>(workers_.size()) + 1; }
 
-  // Runs job(first, last) once on each thread over a split of [0, count) and returns when all are done. The
-  // split depends on count and size() alone. The job must not throw.
+  // Runs job(first, last) on the chunks of a split of [0, count), each once, and returns when all are done.
+  // The split depends on count and size() alone; which thread takes a chunk does not: each begins with its
+  // own, in order, then helps the next thread. The job must not throw.
   void run(std::uint32_t count, const std::function<void(std::uint32_t first, std::uint32_t last)>& job);
 
  private:
+  // The last round in which somebody took the chunk. Apart, so that claims of different threads do not share
+  // a cache line.
+  struct alignas(64) Claim {
+    std::atomic<std::uint64_t> round{0};
+  };
+
   void work(unsigned worker);
-  void run_part(unsigned part) const;
+  void take_chunks(unsigned thread, std::uint64_t round);
+  void run_chunk(std::size_t chunk) const;
 
   std::vector<std::thread> workers_;
+  std::vector<Claim> claims_;  // chunks_of_thread for each thread, thread by thread
   const std::function<void(std::uint32_t, std::uint32_t)>* job_ = nullptr;
   std::uint32_t count_ = 0;
   std::atomic<std::uint64_t> round_{0};
-  std::atomic<unsigned> running_{0};
+  std::atomic<std::size_t> unfinished_{0};  // chunks of this round
   std::atomic<bool> stop_{false};
+
+  // For threads that have spun in vain.
+  std::mutex sleep_;
+  std::condition_variable called_, finished_;
+  std::atomic<unsigned> sleeping_{0};
+  std::atomic<bool> caller_sleeps_{false};
 };
 
 }  // namespace fascicle::cpu_reference

@@ -5,6 +5,7 @@
 #define cpu_reference cpu_reference_without_snap
 #include "cpu_reference/cpu_solver.cpp"
 #include "cpu_reference/fields.cpp"
+#include "cpu_reference/huge_pages.cpp"
 #include "cpu_reference/lane_stages.cpp"
 #include "cpu_reference/slices.cpp"
 #include "cpu_reference/stages.cpp"
