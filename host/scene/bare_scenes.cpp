@@ -103,7 +103,7 @@ std::string layers_for_character(const Character& character, Stiffness by) {
   const std::string painted =
       by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
   const auto stiffness = [&](const char* alpha, const char* material) {
-    return by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted + "damping = 8.0\nvolume = 1.0\n"
+    return by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted + "damping = 12.0\nvolume = 1.0\n"
                     : "material = \"" + std::string(material) + "\"\ndamping = 6.0\n";
   };
   // 1 is bone, 2 muscle, 3 fat; 0, which is what vertices have before they are painted, leaves it to the
