@@ -95,20 +95,24 @@ std::vector<double> moduli_of_regions(const Layering& layering, const LayerModul
   return moduli;
 }
 
-// The square of a layer's lowest circular frequency, 1/s^2, at 1 Pa.
+// The square of a layer's lowest circular frequency, 1/s^2, at 1 Pa; 0 where nothing holds the layer and
+// nothing but "auto" asks, which then goes by the stiffness alone.
 double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const Layering& layering,
                                 const ElasticBody& body, Report& report) {
   std::vector<char> is_free(layering.layer.size());
   for (std::size_t i = 0; i < is_free.size(); ++i)
     is_free[i] = layering.layer[i] == l && layering.kinematic[i] == 0;
+  const scene::Layer& layer = scene.layers[l];
   const std::optional<LowestMode> lowest = lowest_mode(body, is_free);
-  if (!lowest)
-    fail(scene.source, "layers." + scene.layers[l].name +
+  if (!lowest) {
+    if (!layer.frequency && !layer.damping_ratio) return 0.0;
+    fail(scene.source, "layers." + layer.name +
                            ": nothing holds it, so its lowest mode has no frequency; pin a part, or state "
-                           "youngs_modulus and damping, and substeps as a number");
+                           "youngs_modulus and damping");
+  }
   if (!lowest->settled)
     warn(report,
-         "layers." + scene.layers[l].name +
+         "layers." + layer.name +
              ": the search for its lowest mode did not settle, so its frequency may lie lower than it "
              "says; state youngs_modulus, and substeps as a number");
   return lowest->square;

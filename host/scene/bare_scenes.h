@@ -9,7 +9,7 @@
 namespace fascicle::scene {
 
 // One soft layer under gravity, its lowest 5 % held.
-// The substeps are chosen from the mesh's size and mean edge, so that it stands under its own weight.
+// Its Young's modulus is chosen by the mesh's size, so that it stands under its own weight.
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh);
 
 // By what the layers state theirs: alpha for the explicit integrator, a material for the implicit one.

@@ -1,6 +1,7 @@
 #include "host/scene/scene_file.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -16,18 +17,34 @@
 namespace fascicle::scene {
 namespace {
 
+constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency", "material",
+                                                   "damping_ratio"};
+constexpr std::array<const char*, 3> explicit_keys{"alpha", "alpha_outer", "alpha_attribute"};
+
+// The one that the layers speak to, where the scene names none.
+std::string integrator_of(const toml::table& root) {
+  if (const auto stated = root["solver"]["integrator"].value<std::string>()) return *stated;
+  bool has_implicit = false, has_explicit = false;
+  for_each_named(root, "layers", [&](const std::string&, const toml::table& layer, const std::string&) {
+    const auto states = [&](const char* key) { return layer.contains(key); };
+    has_implicit = has_implicit || std::any_of(implicit_keys.begin(), implicit_keys.end(), states);
+    has_explicit = has_explicit || std::any_of(explicit_keys.begin(), explicit_keys.end(), states);
+  });
+  return has_implicit && !has_explicit ? "implicit" : SolverSettings{}.integrator;
+}
+
 // How a layer says how stiff it is, and by what right: alpha is the explicit integrator's, the rest the
 // implicit one's. check_scene has seen that no two of them stand beside each other.
 void read_stiffness(const toml::table& table, const std::string& path, bool implicit, Layer& layer) {
   const auto refuse = [&](const char* key, const std::string& what) {
     if (const toml::node* node = table.get(key)) fail(node->source(), join_path(path, key), what);
   };
-  for (const char* key : {"youngs_modulus", "frequency", "material", "damping_ratio"})
+  for (const char* key : implicit_keys)
     if (!implicit)
       refuse(key, "takes solver.integrator = \"implicit\"; say that, or " +
                       std::string(key == std::string_view("damping_ratio") ? "damping" : "alpha") +
                       " instead");
-  for (const char* key : {"alpha", "alpha_outer", "alpha_attribute"})
+  for (const char* key : explicit_keys)
     if (implicit)
       refuse(key,
              "takes solver.integrator = \"explicit\"; say youngs_modulus, frequency or material instead");
@@ -407,7 +424,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   scene.text = has_added || has_overrides(overrides) ? write_scene(root) : input.text;
 
   const toml::table& solver = table_at(root, "solver");
-  read(solver, "integrator", scene.solver.integrator);
+  scene.solver.integrator = integrator_of(root);
   read(solver, "rotation", scene.solver.rotation);
   read(solver, "weights", scene.solver.weights);
   read_steps(solver, scene.solver);

@@ -190,8 +190,9 @@ struct Tables {
           {.name = "integrator",
            .type = KeyType::text,
            .doc = "Time stepping: explicit, equations (4) and (5), with stiffness as alpha; implicit, with "
-                  "stiffness as youngs_modulus, frequency or material, the same at every fps and resolution.",
-           .fallback = SolverSettings{}.integrator,
+                  "stiffness as youngs_modulus, frequency or material, the same at every fps and resolution. "
+                  "Left "
+                  "out, the one whose stiffness the layers state, explicit where they state none.",
            .allowed = {"explicit", "implicit"}},
           {.name = "rotation",
            .type = KeyType::text,

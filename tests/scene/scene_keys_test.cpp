@@ -454,6 +454,25 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
                   .material.empty());
 }
 
+// A scene that names no integrator gets the one whose stiffness its layers state.
+TEST_F(SceneKeys, LayersChooseTheIntegrator) {
+  const auto integrator_of = [this](const std::string& body, const std::vector<std::string>& set) {
+    return parse(
+               "[bar]\n[layers.bone]\nkinematic = true\nwhere = { below = { axis = \"y\", fraction = 0.1 } "
+               "}\n"
+               "[layers.body]\n" +
+                   body,
+               {.set = set})
+        .solver.integrator;
+  };
+  EXPECT_EQ(integrator_of("", {}), "explicit");
+  EXPECT_EQ(integrator_of("alpha = 0.5\n", {}), "explicit");
+  for (const char* stated : {"youngs_modulus = 1e4\n", "frequency = 5.0\n", "material = \"fat\"\n"})
+    EXPECT_EQ(integrator_of(stated, {}), "implicit") << stated;
+  EXPECT_EQ(integrator_of("alpha = 0.5\n", {"layers.body.frequency=5"}), "implicit");
+  EXPECT_EQ(integrator_of("frequency = 5.0\n", {"layers.body.alpha=0.5"}), "explicit");
+}
+
 // A layer says how stiff it is in exactly one way, and in one that its integrator knows.
 TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
   const auto with = [](const std::string& line) {
