@@ -44,7 +44,7 @@ std::array<Column, 7> regions_of(const Fields& fields) {
 class CpuSolver : public model::Solver {
  public:
   CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads, Simd simd)
-      : model_(model), options_(options), pool_(threads) {
+      : model_(model), options_(options) {
     check_options(model, options);
     if (simd != Simd::scalar) lanes_ = lane_stages(simd);
     if (simd != Simd::scalar && simd != Simd::automatic && lanes_ == nullptr)
@@ -55,6 +55,8 @@ class CpuSolver : public model::Solver {
       fill_constants(model, slices_, fields_);
     }
     CpuSolver::load(model::rest_state(model));
+    // Last, as it makes do with what memory is left.
+    pool_.emplace(threads);
   }
 
   void submit(const Drive& drive, Read what, Probe* probe) override {
@@ -162,7 +164,7 @@ class CpuSolver : public model::Solver {
 
   using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
   void run(std::uint32_t count, ModelStage stage, const SubstepInput& in) {
-    pool_.run(count, [&](std::uint32_t first, std::uint32_t last) {
+    pool_->run(count, [&](std::uint32_t first, std::uint32_t last) {
       stage(model_, in, fields_, {first, last});
     });
   }
@@ -174,7 +176,7 @@ class CpuSolver : public model::Solver {
       return;
     }
     const LaneInput input = lane_input(model_, slices_, in, fields_);
-    pool_.run(slices_.count, [&](std::uint32_t first, std::uint32_t last) {
+    pool_->run(slices_.count, [&](std::uint32_t first, std::uint32_t last) {
       (lanes_->*in_lanes)(input, {first, last});
     });
   }
@@ -208,7 +210,7 @@ class CpuSolver : public model::Solver {
       if (probe) probe->on_stage({where.frame, where.substep, stage}, all(columns));
     };
     if (s == 0 && drive.origin_shift != std::array<float, 3>{0, 0, 0})
-      pool_.run(n, [&](std::uint32_t first, std::uint32_t last) { rebase(in, fields_, {first, last}); });
+      pool_->run(n, [&](std::uint32_t first, std::uint32_t last) { rebase(in, fields_, {first, last}); });
     if (model_.has_skeleton()) {
       std::swap(fields_.skinned, fields_.skinned_before);
       run(&LaneStages::skin, &skin, in);
@@ -271,7 +273,7 @@ class CpuSolver : public model::Solver {
 
   const Model& model_;
   model::SolverOptions options_;
-  ThreadPool pool_;
+  std::optional<ThreadPool> pool_;
   const LaneStages* lanes_ = nullptr;  // null: one by one
   HugePages pages_;
   Fields fields_{LineAllocator<float>(pages_)};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace fascicle::cpu_reference {
@@ -19,7 +20,14 @@ class HugePages {
   void* allocate(std::size_t bytes);
 
  private:
-  std::vector<void*> blocks_;
+  struct Block {
+    void* begin;
+    std::size_t size;
+  };
+  // Makes free_ begin in a new one that holds so many bytes.
+  void add_block(std::size_t bytes);
+
+  std::vector<Block> blocks_;
   std::byte* free_ = nullptr;  // of the last block
   std::size_t left_ = 0;
 };

@@ -33,7 +33,7 @@ bool can_be_compact(const Model& model) {
 }
 
 std::vector<std::uint32_t> reach_of_slices(const Model& model, std::uint32_t slices) {
-  std::vector<std::uint32_t> reach(slices + slices_ahead + 1, 0);
+  std::vector<std::uint32_t> reach(slices + slices_ahead, 0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     std::uint32_t& last = reach[i / slice_size];
     last = std::max(last, i + 1);

@@ -14,7 +14,7 @@ namespace fascicle::cpu_reference {
 
 inline constexpr std::uint32_t several_layers = ~std::uint32_t{0};
 // How far before its use a stage asks for memory.
-inline constexpr std::uint32_t slices_ahead = 4;
+inline constexpr std::uint32_t slices_ahead = 5;
 
 struct Slices {
   explicit Slices(LineAllocator<float> from = {}) : memory(from) {}
@@ -32,7 +32,7 @@ struct Slices {
   std::vector<std::uint32_t> layer;   // count: that of all its vertices, or several_layers
 
   // One past the last vertex in the one-rings of slices up to this one; behind the last slice it stays.
-  std::vector<std::uint32_t> reach;  // count + slices_ahead + 1
+  std::vector<std::uint32_t> reach;  // count + slices_ahead
 
   // Neighbours as differences from the slice's first vertex, 0 where nothing stands. Where all fit 16 bits
   // and all shares are below 1: `near_ring`, shares in parts of 2^-16. Else `far_ring`, shares as they are.

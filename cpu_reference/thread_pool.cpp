@@ -36,6 +36,7 @@ bool spin_until(Ready ready) {
 
 ThreadPool::ThreadPool(unsigned threads) {
   if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+  claims_ = std::make_unique<Claim[]>(chunks_of_thread * threads);
   // A thread that is underway must be joined whatever happens, so nothing may leave this loop by an
   // exception. Workers touch no claim before the first round.
   try {
@@ -56,8 +57,12 @@ ThreadPool::~ThreadPool() {
   for (std::thread& worker : workers_) worker.join();
 }
 
+std::size_t ThreadPool::chunk_count() const {
+  return chunks_of_thread * size();
+}
+
 void ThreadPool::run_chunk(std::size_t chunk) const {
-  const std::uint64_t chunks = claims_.size();
+  const std::uint64_t chunks = chunk_count();
   const auto first = static_cast<std::uint32_t>(count_ * std::uint64_t{chunk} / chunks);
   const auto last = static_cast<std::uint32_t>(count_ * (std::uint64_t{chunk} + 1) / chunks);
   if (first < last) (*job_)(first, last);
@@ -66,8 +71,9 @@ void ThreadPool::run_chunk(std::size_t chunk) const {
 // Every chunk is claimed once a round, so that a thread which comes late, still with the number of a round
 // that is over, finds nothing to claim. While a claim holds, its round is not over: job_ and count_ stand.
 void ThreadPool::take_chunks(unsigned thread, std::uint64_t round) {
-  for (std::size_t k = 0; k < claims_.size(); ++k) {
-    const std::size_t chunk = (thread * chunks_of_thread + k) % claims_.size();
+  const std::size_t chunks = chunk_count();
+  for (std::size_t k = 0; k < chunks; ++k) {
+    const std::size_t chunk = (thread * chunks_of_thread + k) % chunks;
     std::atomic<std::uint64_t>& claim = claims_[chunk].round;
     std::uint64_t before = round - 1;
     // A failed exchange takes the cache line from whoever works; a look does not.
@@ -82,14 +88,13 @@ void ThreadPool::take_chunks(unsigned thread, std::uint64_t round) {
 }
 
 void ThreadPool::run(std::uint32_t count, const std::function<void(std::uint32_t, std::uint32_t)>& job) {
-  if (workers_.empty()) {
+  if (workers_.empty() || count < 2) {
     if (count != 0) job(0, count);
     return;
   }
-  if (claims_.empty()) claims_ = std::vector<Claim>(chunks_of_thread * size());
   job_ = &job;
   count_ = count;
-  unfinished_.store(claims_.size());
+  unfinished_.store(chunk_count());
   const std::uint64_t round = round_.fetch_add(1) + 1;
   if (sleeping_.load() != 0) {
     // Taken and given back, so that no worker is between its last look and its sleep.

@@ -1,12 +1,13 @@
 // A fixed set of threads that run one job together. Small on purpose: a substep is tens of microseconds, so
 // workers spin briefly between jobs and then sleep. A job is cut into chunks that threads claim, so that a
-// worker to whom the system gives no core holds nobody up: the others take its chunks.
+// worker to whom the system gives no core holds up one chunk at most, that which it has begun.
 #pragma once
 
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -30,26 +31,28 @@ class ThreadPool {
   void run(std::uint32_t count, const std::function<void(std::uint32_t first, std::uint32_t last)>& job);
 
  private:
-  // The last round in which somebody took the chunk. Apart, so that claims of different threads do not share
-  // a cache line.
-  struct alignas(64) Claim {
+  // The last round in which somebody took the chunk. What different threads write lies apart, so that they do
+  // not share cache lines.
+  static constexpr std::size_t line = 64;
+  struct alignas(line) Claim {
     std::atomic<std::uint64_t> round{0};
   };
 
   void work(unsigned worker);
   void take_chunks(unsigned thread, std::uint64_t round);
   void run_chunk(std::size_t chunk) const;
+  std::size_t chunk_count() const;
 
   std::vector<std::thread> workers_;
-  std::vector<Claim> claims_;  // chunks_of_thread for each thread, thread by thread
+  std::unique_ptr<Claim[]> claims_;  // chunk_count of them, thread by thread
   const std::function<void(std::uint32_t, std::uint32_t)>* job_ = nullptr;
   std::uint32_t count_ = 0;
-  std::atomic<std::uint64_t> round_{0};
-  std::atomic<std::size_t> unfinished_{0};  // chunks of this round
+  alignas(line) std::atomic<std::uint64_t> round_{0};
   std::atomic<bool> stop_{false};
+  alignas(line) std::atomic<std::size_t> unfinished_{0};  // chunks of this round
 
   // For threads that have spun in vain.
-  std::mutex sleep_;
+  alignas(line) std::mutex sleep_;
   std::condition_variable called_, finished_;
   std::atomic<unsigned> sleeping_{0};
   std::atomic<bool> caller_sleeps_{false};

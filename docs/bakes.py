@@ -78,9 +78,9 @@ class Bake:
         return self.manifest["scene"]["geometry"]["bar"]["size"][axis]
 
     def timing(self):
-        """What table 2 tells of a bake; frames include those before frame 0."""
+        """What table 2 tells of a bake; frames include those before frame 0, where they were stepped."""
         m, lead = self.manifest, self.manifest["lead_in"]
-        frames = m["frames_done"] + lead["preroll_frames"] + lead["settle_frames"]
+        frames = m["frames_done"] + (0 if lead["was_kept"] else lead["preroll_frames"] + lead["settle_frames"])
         return {"vertices": m["model"]["vertices"], "tetrahedra": m["model"]["tetrahedra"], "frames": frames,
                 "substeps": m["scene"]["solver"]["substeps"], "fps": m["scene"]["fps"], "milliseconds": 1e3 * m["timings"]["solver_seconds"] / frames,
                 "device": m["device"]["name"], "threads": m["device"]["threads"]}

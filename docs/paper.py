@@ -79,7 +79,7 @@ def check(program, docs):
 
 def main(arguments):
     docs = os.path.dirname(os.path.abspath(__file__))
-    if "--docs" in arguments:
+    if "--docs" in arguments[:-1]:
         at = arguments.index("--docs")
         docs = arguments[at + 1]
         del arguments[at:at + 2]
@@ -89,7 +89,7 @@ def main(arguments):
         for line in wrong:
             print("paper: " + line, file=sys.stderr)
         return 1 if wrong else 0
-    if not arguments:
+    if not arguments or arguments[0].startswith("-"):
         print(__doc__, file=sys.stderr)
         return 2
     make(bakes.Program(arguments[0], "out/paper"), arguments[1] if len(arguments) > 1 else "", docs)

@@ -228,6 +228,7 @@ model::State Run::lead_to_start() {
     if (const std::optional<std::string> bytes = options_.find_start(key))
       if (std::optional<LeadIn> kept = read_start(*bytes, identity_)) {
         progress_.lead_in = kept->summary;
+        progress_.lead_in.was_kept = true;
         return std::move(kept->state);
       }
   LeadIn led = lead_in(scene_, model_, drives_, solver_,

@@ -105,6 +105,11 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   std::string list;
   for (const std::string& format : formats) list += (list.empty() ? "" : ",") + format;
   identity.emplace_back("--format", list);
+  if (std::find(formats.begin(), formats.end(), "glb") != formats.end()) {
+    identity.emplace_back("--glb-stride", number_text(options.glb.stride));
+    identity.emplace_back("--glb-tolerance",
+                          options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
+  }
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;

@@ -23,8 +23,9 @@ std::optional<double> present(double value) {
   return value == value ? std::optional<double>(value) : std::nullopt;
 }
 
+// Nor what only the formats obey: none of them decides a bit of the motion.
 Identity without_formats(Identity identity) {
-  std::erase_if(identity, [](const auto& entry) { return entry.first == "--format"; });
+  std::erase_if(identity, [](const auto& entry) { return entry.first.starts_with("--"); });
   return identity;
 }
 
@@ -55,8 +56,11 @@ std::optional<LeadIn> read_start(std::string_view bytes, const Identity& identit
     Checkpoint found = parse_checkpoint(bytes.substr(sizeof head), "the kept start");
     if (found.identity != without_formats(identity)) return std::nullopt;
     LeadIn start;
-    start.summary = {head.preroll_frames, head.settle_frames, present(head.settled_speed), head.cycles,
-                     present(head.jump)};
+    start.summary = {.preroll_frames = head.preroll_frames,
+                     .settle_frames = head.settle_frames,
+                     .settled_speed = present(head.settled_speed),
+                     .cycles = head.cycles,
+                     .jump = present(head.jump)};
     start.state = std::move(found.state);
     return start;
   } catch (const BakeError&) {

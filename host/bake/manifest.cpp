@@ -74,6 +74,7 @@ Json json_of(const LeadInSummary& led) {
   };
   return {{"preroll_frames", led.preroll_frames},
           {"settle_frames", led.settle_frames},
+          {"was_kept", led.was_kept},
           {"settled_speed", or_null(led.settled_speed)},
           {"cycles", led.cycles},
           {"cycle_jump", or_null(led.jump)}};

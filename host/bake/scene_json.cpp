@@ -221,6 +221,7 @@ Json json_of(const scene::Scene& scene) {
           {"end", scene.end},
           {"frames", scene::frame_count(scene)},
           {"clip", scene.clip},
+          {"clip_name", scene.clip_name},
           {"gravity", json_of(scene.gravity)},
           {"motion", json_of(scene.motion)},
           {"solver",

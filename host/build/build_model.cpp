@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <stdexcept>
 
 #include "host/build/body.h"
@@ -219,6 +221,19 @@ void warn_of_parts(const OneRings& rings, const Model& model, Report& report) {
          falling);
 }
 
+// A file in centimetres or in hundredths is a giant or a dwarf, on whom gravity acts as on one.
+void warn_of_size(const Model& model, Report& report) {
+  constexpr double smallest = 0.05, largest = 20.0;
+  const double size = model::extent(model) * model.unit;
+  if (size >= smallest && size <= largest) return;
+  std::ostringstream text;
+  text << std::setprecision(3) << "the character is " << size
+       << " m long; where its file is not in metres, scale its root there, or gravity and stiffness will not "
+          "be "
+          "those of its size";
+  warn(report, text.str());
+}
+
 model::WeightForm weight_form_of(const scene::Scene& scene) {
   if (scene.solver.weights == "symmetric") return model::WeightForm::symmetric;
   if (scene.solver.weights == "kaneda2017") return model::WeightForm::kaneda2017;
@@ -243,6 +258,8 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
   model.vertex_count = static_cast<std::uint32_t>(body.mesh.vertices.size());
   choose_unit(body.mesh, scene.source, model);
   write_rest(body.mesh, scene.source, model);
+
+  if (std::holds_alternative<scene::Character>(scene.geometry)) warn_of_size(model, report);
 
   OneRings rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
   report_edges(body.mesh, rings, report);

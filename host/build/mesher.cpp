@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
 #include <system_error>
 
@@ -38,8 +39,27 @@ std::string last_line(const ProcessResult& result) {
 
 }  // namespace
 
+namespace {
+
+constexpr const char* folder_prefix = "fascicle-mesh-";
+
+// Those of programs that were killed: no mesher runs for as long as an hour.
+void remove_abandoned_folders() {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(fs::temp_directory_path(), error)) {
+    if (entry.path().filename().string().rfind(folder_prefix, 0) != 0) continue;
+    std::error_code ignored;
+    const fs::file_time_type written = entry.last_write_time(ignored);
+    if (!ignored && fs::file_time_type::clock::now() - written > std::chrono::hours(1))
+      fs::remove_all(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
 TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "fascicle-mesh-XXXXXX").string();
+  remove_abandoned_folders();
+  std::string name = (fs::temp_directory_path() / (std::string(folder_prefix) + "XXXXXX")).string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw std::system_error(errno, std::generic_category(), "cannot create a folder " + name);
   }

@@ -8,7 +8,7 @@
 
 namespace fascicle::build {
 
-// How far a tetrahedron is from regular: 1 there, 0 where it is flat, 0.1 for one of a fifth of the regular
+// How far a tetrahedron is from regular: 1 there, 0 where it is flat, 0.13 for one of a fifth of the regular
 // one's height. It is the cube of the mean ratio, 15552 V^2 / (sum of the squares of the edges)^3 (Liu and
 // Joe, "On the shape of tetrahedra from bisection", Math. Comp. 63, 1994).
 double shape_quality(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron);

@@ -132,7 +132,7 @@ constexpr double earth_gravity = 9.81;
 // Fewer do not hold flesh, whatever alpha.
 constexpr double least_explicit_substeps = 4.0;
 
-std::uint32_t explicit_substeps(const scene::Scene& scene, const model::Model& model) {
+double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
   double edges = 0.0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     for (std::uint32_t k = model.ring_offset[i]; k < model.ring_offset[i + 1]; ++k) {
@@ -147,7 +147,17 @@ std::uint32_t explicit_substeps(const scene::Scene& scene, const model::Model& m
   const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
   const double needed = std::ceil(std::sqrt(0.9 * earth_gravity * model::extent(model) / explicit_stretch) /
                                   (mean_edge * scene.fps));
-  return static_cast<std::uint32_t>(std::clamp(needed, least_explicit_substeps, double{most_auto_substeps}));
+  return std::max(needed, least_explicit_substeps);
+}
+
+void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Report& report) {
+  const double needed = explicit_substeps(scene, model);
+  scene.solver.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps}));
+  if (needed > most_explicit_auto_substeps)
+    warn(report, "solver.substeps: alpha would mean what it does at other frame rates and spacings with " +
+                     std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) +
+                     " substeps; \"auto\" takes " + std::to_string(most_explicit_auto_substeps) +
+                     " at most, so flesh will be softer; raise fps, or take a coarser mesh");
 }
 
 }  // namespace
@@ -235,7 +245,7 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
 void choose_steps(scene::Scene& scene, const model::Model& model, Report& report) {
   if (!scene.solver.auto_substeps) return;
   if (!model.is_implicit()) {
-    scene.solver.substeps = explicit_substeps(scene, model);
+    choose_explicit_steps(scene, model, report);
     return;
   }
   std::vector<double> pull(model.layers.size(), 0.0), mass(model.layers.size(), 0.0);

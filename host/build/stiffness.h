@@ -46,7 +46,8 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
 
 // Sets the scene's substeps where it says "auto".
 //
-// Explicit: so many that an alpha means the same stiffness at every frame rate and spacing, at least 4.
+// Explicit: so many that an alpha means the same stiffness at every frame rate and spacing, at least 4, at
+// most most_explicit_auto_substeps, which is a warning.
 //
 // Implicit: the least with which
 //   2 pi f h <= 0.16 for the lowest mode f of every layer, by which the stepping's own errors stay small, and
@@ -54,6 +55,7 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
 // at most most_auto_substeps, which is a warning for the implicit. The model knows the frequencies.
 void choose_steps(scene::Scene& scene, const model::Model& model, Report& report);
 
-inline constexpr std::uint32_t most_auto_substeps = 32;
+// An explicit substep costs a twentieth of an implicit one.
+inline constexpr std::uint32_t most_auto_substeps = 32, most_explicit_auto_substeps = 256;
 
 }  // namespace fascicle::build

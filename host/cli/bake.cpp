@@ -180,6 +180,10 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   }
   const DeviceRequest request = parse_device(arguments.device);
   scene::Scene scene = load(arguments.scene);
+  if (const auto* character = std::get_if<scene::Character>(&scene.geometry);
+      character != nullptr && scene.clip.empty() && character->clips.size() > 1)
+    log.info("clip: " + scene.clip_name + ", the first of " + std::to_string(character->clips.size()) +
+             " (fascicle inspect lists them, --clip chooses)");
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
   // Before the work of building, not after it.
   if (!arguments.dry_run && !arguments.overwrite && !arguments.resume && bake::holds_bake(arguments.folder))

@@ -4,6 +4,8 @@
 #include <iostream>
 #include <memory>
 
+#include <unistd.h>
+
 #include "cpu_reference/cpu_solver.h"
 #include "cpu_reference/slices.h"
 #include "host/bake/version.h"
@@ -58,9 +60,18 @@ bool ends_alike(model::Solver& a, model::Solver& b, const model::Model& model) {
   return alike;
 }
 
+// Before the work, not after it.
+void refuse_unwritable(const std::string& option, const std::string& file) {
+  if (file.empty()) return;
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  if (::access(folder.c_str(), W_OK) != 0)
+    throw bake::BakeError(option + " " + file + ": " + folder.string() +
+                          " is no folder that can be written to");
+}
+
 class Bench {
  public:
-  Bench(const BenchArguments& arguments, std::map<std::string, BenchBefore> before, Log& log)
+  Bench(const BenchArguments& arguments, BenchBefore before, Log& log)
       : arguments_(arguments), before_(std::move(before)), log_(log) {
     results_.machine.processor = processor_name();
     results_.machine.compiler = ChosenDevice::cpu(1, cpu_reference::Simd::automatic, "").description().driver;
@@ -193,6 +204,9 @@ class Bench {
     if (!arguments_.json.empty()) write_bench_json(arguments_.json, results_);
     if (!arguments_.csv.empty()) write_bench_csv(arguments_.csv, results_);
     if (arguments_.against.empty()) return;
+    if (before_.processor != results_.machine.processor)
+      log_.warning(arguments_.against + " is of another processor, " + before_.processor +
+                   ": what differs says nothing of the program");
     const BenchComparison comparison = compare_bench(results_, before_);
     std::cout << "against " << arguments_.against << "\n" << comparison.text;
     if (comparison.text.empty()) std::cout << "  it has no row of this run\n";
@@ -200,7 +214,7 @@ class Bench {
   }
 
   const BenchArguments& arguments_;
-  std::map<std::string, BenchBefore> before_;
+  BenchBefore before_;
   Log& log_;
   BenchResults results_;
   std::vector<std::unique_ptr<ChosenDevice>> devices_;  // outlive their solvers
@@ -215,8 +229,10 @@ ExitCode run_bench(BenchArguments arguments, Log& log) {
     arguments.threads = {1};
     if (processor_threads() > 1) arguments.threads.push_back(processor_threads());
   }
-  std::map<std::string, BenchBefore> before;
+  BenchBefore before;
   if (!arguments.against.empty()) before = read_bench_json(arguments.against);
+  refuse_unwritable("--json", arguments.json);
+  refuse_unwritable("--csv", arguments.csv);
   return Bench(arguments, std::move(before), log).run();
 }
 

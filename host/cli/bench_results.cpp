@@ -119,33 +119,34 @@ std::string bench_table(const BenchResults& results) {
   return text + "\n";
 }
 
-std::map<std::string, BenchBefore> read_bench_json(const std::filesystem::path& file) {
+BenchBefore read_bench_json(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw bake::BakeError(file.string() + ": cannot be read; name a file that --json wrote");
-  std::map<std::string, BenchBefore> rows;
+  BenchBefore before;
   try {
     const Json object = Json::parse(in);
+    before.processor = object.at("machine").at("processor").get<std::string>();
     for (const Json& entry : object.at("results")) {
       BenchRow row;
       row.device = entry.at("device").get<std::string>();
       row.integrator = entry.at("integrator").get<std::string>();
       row.vertices = entry.at("vertices").get<std::uint32_t>();
       row.threads = entry.at("threads").get<unsigned>();
-      rows[key_of(row)] = {entry.at("ns_per_vertex_substep").get<double>(),
-                           entry.at("ns_least").get<double>()};
+      before.rows[key_of(row)] = {entry.at("ns_per_vertex_substep").get<double>(),
+                                  entry.at("ns_least").get<double>()};
     }
   } catch (const Json::exception& error) {
     throw bake::BakeError(file.string() + ": is no result of fascicle bench (" + error.what() +
                           "); name a file that --json wrote");
   }
-  return rows;
+  return before;
 }
 
-BenchComparison compare_bench(const BenchResults& now, const std::map<std::string, BenchBefore>& before) {
+BenchComparison compare_bench(const BenchResults& now, const BenchBefore& before) {
   BenchComparison comparison;
   for (const BenchRow& row : now.rows) {
-    const auto found = before.find(key_of(row));
-    if (found == before.end() || found->second.median <= 0.0 || found->second.least <= 0.0) continue;
+    const auto found = before.rows.find(key_of(row));
+    if (found == before.rows.end() || found->second.median <= 0.0 || found->second.least <= 0.0) continue;
     const double median = row.median() / found->second.median, least = row.least() / found->second.least;
     const char* verdict = "same";
     if (median > 1 + notable_change && least > 1 + notable_change) {

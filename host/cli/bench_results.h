@@ -46,11 +46,14 @@ void write_bench_csv(const std::filesystem::path& file, const BenchResults& resu
 std::string bench_table(const BenchResults& results);
 
 // A row of another run: its median and its least time.
-struct BenchBefore {
+struct BenchTimes {
   double median = 0.0, least = 0.0;
 };
-// The rows of a file by key_of().
-std::map<std::string, BenchBefore> read_bench_json(const std::filesystem::path& file);
+struct BenchBefore {
+  std::string processor;
+  std::map<std::string, BenchTimes> rows;  // by key_of()
+};
+BenchBefore read_bench_json(const std::filesystem::path& file);
 std::string key_of(const BenchRow& row);
 
 // A run is called slower, or faster, where its median and its least time both moved by more than a tenth: on
@@ -61,6 +64,6 @@ struct BenchComparison {
   std::string text;
   unsigned slower = 0;
 };
-BenchComparison compare_bench(const BenchResults& now, const std::map<std::string, BenchBefore>& before);
+BenchComparison compare_bench(const BenchResults& now, const BenchBefore& before);
 
 }  // namespace fascicle::cli

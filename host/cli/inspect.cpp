@@ -1,6 +1,7 @@
 // fascicle inspect: what is in a scene or a mesh, before anything is simulated.
 #include <iostream>
 #include <memory>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -109,6 +110,12 @@ Json json_of(const build::CageReport& cage) {
           {"cut_seconds", cage.cut_seconds}};
 }
 
+std::span<const scene::Clip> clips_of(const scene::Scene& scene) {
+  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  return character != nullptr ? std::span<const scene::Clip>(character->clips)
+                              : std::span<const scene::Clip>();
+}
+
 Json json_of(const scene::Scene& scene, const Built& built) {
   const build::Report& report = built.report;
   const model::Model& model = built.model;
@@ -122,6 +129,9 @@ Json json_of(const scene::Scene& scene, const Built& built) {
   Json probes = Json::array();
   for (const model::ProbeSet& probe : model.probes)
     probes.push_back({{"name", probe.name}, {"vertices", probe.vertices.size()}});
+  Json clips = Json::array();
+  for (const scene::Clip& clip : clips_of(scene))
+    clips.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
   Json muscles = Json::array();
   for (const MuscleCount& muscle : count_muscles(scene, model))
     muscles.push_back({{"name", muscle.name},
@@ -159,6 +169,8 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"skipped_regions", report.skipped_regions},
           {"frames", scene::frame_count(scene)},
           {"fps", scene.fps},
+          {"clips", clips},
+          {"clip", scene.clip_name},
           {"substeps", scene.solver.substeps},
           {"solver_bytes", model::solver_bytes(model)},
           {"skeleton", json_of(report.joints)},
@@ -280,8 +292,13 @@ void print_text(const scene::Scene& scene, const Built& built) {
                     {"weights", model::name_of(model.weight_form)},
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
   print_skin(report.fill.cage, report.volume);
-  std::cout << "layers\n";
   std::vector<std::pair<std::string, std::string>> rows;
+  for (const scene::Clip& clip : clips_of(scene))
+    rows.emplace_back(clip.name, number_text(clip.duration, 3) + " s" +
+                                     (clip.name == scene.clip_name ? ", the one to bake" : ""));
+  if (!rows.empty()) std::cout << "clips\n" << columns_text(rows);
+  std::cout << "layers\n";
+  rows.clear();
   for (const build::LayerShare& layer : report.layers)
     rows.emplace_back(layer.name, count_text(layer.vertices) + " vertices, " +
                                       number_text(100.0 * share_of(layer.volume, report.volume), 3) +

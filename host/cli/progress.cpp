@@ -20,9 +20,11 @@ Progress::~Progress() {
 void Progress::update(std::uint64_t done) {
   const Clock::time_point now = Clock::now();
   if (!started_) {
-    // What led up to the first frame (its allocation, a driver's compiling) counts as that frame's time.
+    // What led up to the first frame (its allocation, a driver's compiling, all that comes before frame 0)
+    // says nothing of the others.
     started_ = true;
-    first_ = done == 0 ? 0 : done - 1;
+    first_ = done;
+    start_ = now;
   }
   const std::chrono::duration<double> since_shown = now - shown_;
   if (since_shown < (log_.draws_bar() ? between_bars : between_lines) && done != total_) return;

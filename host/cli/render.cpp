@@ -244,6 +244,11 @@ struct Plan {
 Plan plan_of(const RenderArguments& arguments) {
   Plan plan;
   const bool is_file = fs::path(arguments.output).extension() == ".png";
+  const std::string extension = fs::path(arguments.output).extension().string();
+  for (const char* other : {".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".exr", ".webp", ".mp4"})
+    if (extension == other)
+      throw UsageError("-o " + arguments.output +
+                       ": pictures are PNG; give a name that ends in .png, or a folder");
   if (!is_file && arguments.frame)
     throw UsageError("--frame is for one picture; give -o a name that ends in .png");
   if (!is_file && !arguments.sheet.empty())

@@ -21,6 +21,7 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
 }
 
 [[noreturn]] void fail_unknown_scene(const std::string& name) {
+  if (name.empty()) throw SceneError("the scene's name is empty; leave it out, or give one");
   std::vector<std::string> names;
   for (const BuiltinScene& builtin : builtin_scenes()) names.push_back(builtin.name);
   throw SceneError(name +

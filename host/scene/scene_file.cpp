@@ -283,6 +283,7 @@ void read_time(const toml::table& root, Scene& scene) {
   read(table, "fps", scene.fps);
   read(table, "start", scene.start);
   const Clip* clip = clip_of(root, scene);
+  if (clip != nullptr) scene.clip_name = clip->name;
   const toml::node* end = table.get("end");
   if (end != nullptr) {
     read(table, "end", scene.end);
@@ -379,6 +380,13 @@ toml::table parse_toml(const SceneText& input) {
   }
 }
 
+// The file that will be read, which --set may change; none where the character is made.
+std::optional<std::string> character_file(const toml::table& table, const SceneOverrides& overrides) {
+  if (const auto file = overridden(overrides, "character.file")) return file;
+  if (overridden(overrides, "character.made")) return std::nullopt;
+  return table["file"].value<std::string>();
+}
+
 // A character whose scene says nothing of layers gets those that it has without a scene file; whether there
 // was need. Comes before overrides, which may change them.
 bool add_layers(toml::table& root, const std::filesystem::path& folder, const SceneOverrides& overrides) {
@@ -386,7 +394,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   if (table == nullptr || root.contains("layers")) return false;
   Scene loaded;
   loaded.geometry = Character{};
-  if (const auto file = (*table)["file"].value<std::string>()) {
+  if (const auto file = character_file(*table, overrides)) {
     try {
       load_character(folder / *file, loaded);
     } catch (const std::runtime_error&) {

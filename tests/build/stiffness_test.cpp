@@ -130,14 +130,17 @@ TEST(Stiffness, SubstepsFollowTheStiffness) {
 
 // An explicit "auto" keeps h / spacing: half the frame rate or half the spacing takes twice the substeps.
 TEST(Stiffness, ExplicitSubstepsFollowFrameRateAndSpacing) {
-  const auto substeps = [](const std::array<std::uint32_t, 3>& vertices, double fps) {
+  std::size_t warnings = 0;
+  const auto substeps = [&warnings](const std::array<std::uint32_t, 3>& vertices, double fps) {
     scene::Scene scene = bar_scene();
     scene.geometry = scene::Bar{.vertices = vertices};
     scene.solver.auto_substeps = true;
     scene.fps = fps;
     build::Report report;
     const Model m = build::build_model(scene, report);
+    const std::size_t before = report.warnings.size();
     build::choose_steps(scene, m, report);
+    warnings = report.warnings.size() - before;
     return scene.solver.substeps;
   };
   const std::uint32_t coarse = substeps({11, 3, 3}, 30.0);
@@ -146,7 +149,9 @@ TEST(Stiffness, ExplicitSubstepsFollowFrameRateAndSpacing) {
   EXPECT_NEAR(substeps({11, 3, 3}, 15.0), 2.0 * coarse, 1.0);
   EXPECT_NEAR(substeps({21, 5, 5}, 30.0), 2.0 * coarse, 1.0);
   EXPECT_EQ(substeps({11, 3, 3}, 1000.0), 4u);
-  EXPECT_EQ(substeps({11, 3, 3}, 1.0), build::most_auto_substeps);
+  EXPECT_EQ(warnings, 0u);
+  EXPECT_EQ(substeps({11, 3, 3}, 0.5), build::most_explicit_auto_substeps);
+  EXPECT_EQ(warnings, 1u);
 }
 
 }  // namespace

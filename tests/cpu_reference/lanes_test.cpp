@@ -1,5 +1,6 @@
 // Stages in lanes against the scalar stages: the same bits at every level of instructions that the machine
 // has, for any number of threads.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -64,9 +65,31 @@ void expect_same_bits(const Model& model, int frames = 10) {
   expect_same_bits(model, frames, options_of(model));
 }
 
-TEST(Lanes, TheMachineHasMoreThanOneLevel) {
-  EXPECT_GE(available_simd().size(), 2u);
-  EXPECT_EQ(available_simd().front(), Simd::scalar);
+// A level that the build lost would be left out everywhere, and no other test would miss it.
+TEST(Lanes, EveryLevelOfTheMachineIsThere) {
+  const std::vector<Simd> levels = available_simd();
+  const auto has = [&levels](Simd level) {
+    return std::find(levels.begin(), levels.end(), level) != levels.end();
+  };
+  EXPECT_EQ(levels.front(), Simd::scalar);
+  EXPECT_TRUE(has(Simd::baseline));
+#if defined(__x86_64__) || defined(__i386__)
+  EXPECT_EQ(has(Simd::sse4), __builtin_cpu_supports("sse4.1") != 0);
+  EXPECT_EQ(has(Simd::avx2), __builtin_cpu_supports("avx2") != 0);
+  const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                          __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+  EXPECT_EQ(has(Simd::avx512), has_avx512);
+#endif
+}
+
+// Large enough for chunks of many slices, an odd one at their end, and memory asked for ahead.
+TEST(Lanes, HaveTheScalarBitsOnALargerModel) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Model model = random_model(seed, 12);
+    EXPECT_GT(model.vertex_count, 500u);
+    expect_same_bits(model, 3);
+  }
 }
 
 TEST(Lanes, HaveTheScalarBitsOnRandomModels) {

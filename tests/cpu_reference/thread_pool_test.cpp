@@ -2,14 +2,21 @@
 // for.
 #include "cpu_reference/thread_pool.h"
 
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "tests/cpu_reference/solver_runs.h"
+#include "tests/support/test_models.h"
 
 namespace fascicle::tests {
 
@@ -36,6 +43,39 @@ TEST(ThreadPool, VisitsEachItemOnce) {
     EXPECT_EQ(pool.size(), threads);
     for (const std::uint32_t count : {0u, 1u, 7u, 1000u})
       EXPECT_TRUE(visits_each_once(pool, count)) << threads << " threads, " << count << " items";
+  }
+}
+
+// What a pool without workers, or with workers that take nothing, would not pass: each chunk waits, ten
+// seconds at most, until as many are begun as there are threads.
+TEST(ThreadPool, EveryThreadTakesPart) {
+  for (const unsigned threads : {2u, 3u, 8u}) {
+    ThreadPool pool(threads);
+    for (int round = 0; round < 3; ++round) {
+      std::atomic<unsigned> begun{0}, late{0};
+      pool.run(1000, [&](std::uint32_t, std::uint32_t) {
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+        ++begun;
+        while (begun < threads && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+        if (begun < threads) ++late;
+      });
+      EXPECT_EQ(late, 0u) << threads << " threads";
+    }
+  }
+}
+
+// Rounds so short that workers come late, and pauses in which they fall asleep.
+TEST(ThreadPool, VisitsEachItemOnceInManyShortRounds) {
+  ThreadPool pool(4);
+  std::vector<std::atomic<int>> visits(64);
+  for (int round = 1; round <= 20'000; ++round) {
+    const auto count = static_cast<std::uint32_t>(round % 65);
+    pool.run(count, [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t i = first; i < last; ++i) ++visits[i];
+    });
+    for (std::uint32_t i = 0; i < visits.size(); ++i)
+      ASSERT_EQ(visits[i].exchange(0), i < count ? 1 : 0) << "round " << round << ", item " << i;
+    if (round % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 
@@ -73,6 +113,25 @@ std::size_t address_space_used() {
     std::fprintf(stderr, "%u threads\n", pool.size());
   }
   std::_Exit(status);
+}
+
+// A solver's arrays come before its threads, which take what is left.
+[[noreturn]] void make_a_solver_under_a_limit() {
+  const rlim_t limit = address_space_used() + (200u << 20);
+  const rlimit space{limit, limit};
+  setrlimit(RLIMIT_AS, &space);
+  try {
+    const model::Model model = random_model(1);
+    cpu_reference::make_cpu_solver(model, options_of(model), 1000)->save();
+  } catch (const std::bad_alloc&) {
+    std::_Exit(1);
+  }
+  std::fprintf(stderr, "made\n");
+  std::_Exit(0);
+}
+
+TEST(ThreadPoolDeathTest, ASolverGoesOnWithTheThreadsThatCouldBeMade) {
+  EXPECT_EXIT(make_a_solver_under_a_limit(), testing::ExitedWithCode(0), "made");
 }
 
 TEST(ThreadPoolDeathTest, GoesOnWithTheThreadsThatCouldBeMade) {

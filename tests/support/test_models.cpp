@@ -272,7 +272,7 @@ void add_skeleton(Model& model) {
   }
 }
 
-Model random_model(unsigned seed) {
+Model random_model(unsigned seed, std::uint32_t most_cells) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   std::normal_distribution<double> normal;
@@ -280,7 +280,10 @@ Model random_model(unsigned seed) {
   const auto direction = [&] {
     return Vector3d(normal(random), normal(random), normal(random)).normalized();
   };
-  const auto cells = [&] { return 1 + std::uint32_t(3.0 * unit(random)); };
+  const auto cells = [&] {
+    const std::uint32_t least = most_cells > 3 ? most_cells / 2 : 1;
+    return least + std::uint32_t(double(most_cells - least + 1) * unit(random));
+  };
 
   const double spacing = 1.0 / 16.0;
   const std::uint32_t nx = cells(), ny = cells(), nz = cells();

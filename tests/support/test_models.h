@@ -63,7 +63,7 @@ void add_skeleton(model::Model& model);
 // Bars of random size, shape and material: alpha, beta and fibre of each vertex, two layers, some kinematic
 // vertices, either weight form, momentum-scaled or not, with or without skeleton, muscle, force and volume
 // term. Passes check_model.
-model::Model random_model(unsigned seed);
+model::Model random_model(unsigned seed, std::uint32_t most_cells = 3);  // cells along each axis
 
 // A drive that owns what its spans point to. get() after filling in.
 struct TestDrive {
