@@ -1,0 +1,282 @@
+// A bake that was stopped goes on to the same bytes, and only where nothing has changed that decides them.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "host/bake/checkpoint.h"
+#include "host/bake/read_frame_cache.h"
+#include "tests/bake/bending_bar.h"
+#include "tests/bake/fake_bakes.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::bake;
+using bake::BakeError;
+using bake::BakeOptions;
+using bake::BakeResult;
+
+TEST(BakeResume, AtEveryFrameGivesTheSameBytes) {
+  const TemporaryFolder folder;
+  fake_bake_into(options_for(folder / "whole"), short_scene(9));
+  const auto whole = content_of(folder / "whole");
+  for (std::uint64_t last = 0; last < 9; ++last) {
+    const fs::path out = folder / ("cut" + std::to_string(last));
+    const BakeResult first = bake_until(options_for(out), short_scene(9), last);
+    EXPECT_TRUE(first.interrupted);
+    EXPECT_EQ(first.frames_done, last);
+    EXPECT_EQ(manifest_in(out)["status"], "interrupted");
+    EXPECT_EQ(manifest_in(out)["frames_done"], last);
+    // Nothing carries a final name but what is whole.
+    EXPECT_FALSE(fs::exists(out / "surface.pc2"));
+    EXPECT_FALSE(fs::exists(out / "metrics.csv"));
+    EXPECT_FALSE(fs::exists(out / "vtu/series.pvd"));
+    for (const char* name : {"surface.mdd", "surface.abc", "surface.usda", "surface.glb"})
+      EXPECT_FALSE(fs::exists(out / name)) << name;
+    BakeOptions options = options_for(out);
+    options.resume = true;
+    const BakeResult second = fake_bake_into(options, short_scene(9));
+    EXPECT_EQ(second.frames_done, 9u);
+    EXPECT_EQ(content_of(out), whole) << "stopped after frame " << last;
+    EXPECT_EQ(manifest_in(out)["timings"]["runs"], 2);
+  }
+}
+
+// Of muscles that a run before the stop drove too far, the whole bake's report still tells.
+TEST(BakeResume, RemembersClampedMuscles) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  bake_until(options_for(out), short_scene(6), 3);
+  nlohmann::json manifest = manifest_in(out);
+  manifest["clamped_muscles"] = {{"regions", 5}, {"frame", 2}};
+  write_text(out / "manifest.json", manifest.dump());
+  BakeOptions options = options_for(out);
+  options.resume = true;
+  const BakeResult result = fake_bake_into(options, short_scene(6));
+  EXPECT_EQ(result.clamped.regions, 5u);
+  EXPECT_EQ(result.clamped.frame, 2u);
+  EXPECT_EQ(manifest_in(out)["clamped_muscles"]["regions"], 5);
+}
+
+// What leads in before frame 0 is not run again, and its end is the state that frame 0 starts from.
+TEST(BakeResume, GoesOnAfterALeadIn) {
+  const TemporaryFolder folder;
+  BendingBar bar = bending_bar(0.2);
+  bar.character().clips.push_back({"bent", 0.2, {turn_channel(1, {0.0, 0.2}, {1.0, 1.4})}});
+  // Three riders, each on a vertex, are all its skin.
+  bar.model.surface_vertex = {0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5};
+  bar.model.surface_weight = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  bar.model.surface_triangle = {0, 1, 2};
+  bar.character().surface = {{3, Eigen::Vector3d::Zero()}, {{0, 1, 2}}};
+  bar.character().joints.assign(3, {});
+  bar.character().weights.assign(3, {1.0});
+  bar.scene.motion.preroll = 0.1;
+  bar.scene.motion.settle = 0.3;
+  const auto bake_bar = [&](BakeOptions options, std::uint64_t last) {
+    std::atomic<bool> interrupted = false;
+    options.interrupted = &interrupted;
+    options.on_frame = [&](std::uint64_t frame, std::uint64_t) { interrupted = frame >= last; };
+    const auto solver = cpu_reference::make_cpu_solver(bar.model, {}, 2);
+    return bake(bar.scene, bar.model, *solver, options);
+  };
+  const std::uint64_t frames = bake_bar(options_for(folder / "whole"), 1000).frames_done;
+  EXPECT_EQ(frames, 12u);
+  const auto whole = content_of(folder / "whole");
+  for (const std::uint64_t last : {1u, 7u}) {
+    const fs::path out = folder / ("cut" + std::to_string(last));
+    EXPECT_TRUE(bake_bar(options_for(out), last).interrupted);
+    BakeOptions options = options_for(out);
+    options.resume = true;
+    EXPECT_EQ(bake_bar(options, 1000).frames_done, frames);
+    EXPECT_EQ(content_of(out), whole) << "stopped after frame " << last;
+  }
+}
+
+TEST(BakeResume, ACompleteBakeStaysAsItIs) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  const auto before = content_of(folder / "out");
+  options.resume = true;
+  EXPECT_EQ(fake_bake_into(options, short_scene(4)).frames_done, 4u);
+  EXPECT_EQ(content_of(folder / "out"), before);
+}
+
+TEST(BakeResume, StartsWhereThereIsNothing) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.resume = true;
+  EXPECT_EQ(fake_bake_into(options, short_scene(2)).frames_done, 2u);
+}
+
+// A bake that stops between the renames at its end has some files under their final names.
+TEST(BakeResume, TakesBackFinishedFiles) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  fake_bake_into(options, short_scene(4));
+  const auto whole = content_of(folder / "out");
+  fs::rename(folder / "out/surface.pc2", folder / "out/surface.pc2.part");
+  fs::remove(folder / "out/vtu/series.pvd");
+  options.resume = true;
+  fake_bake_into(options, short_scene(4));
+  EXPECT_EQ(content_of(folder / "out"), whole);
+}
+
+TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  bake_until(options, short_scene(6), 3);
+  options.resume = true;
+  const auto refusal = [&](const scene::Scene& scene, const BakeOptions& changed) {
+    return message_of<BakeError>([&] { fake_bake_into(changed, scene); });
+  };
+  scene::Scene scene = short_scene(6);
+  scene.fps = 30.0;
+  EXPECT_TRUE(contains(refusal(scene, options), "fps was 24 and is 30"));
+  scene = short_scene(6);
+  scene.solver.substeps = 3;
+  EXPECT_TRUE(contains(refusal(scene, options), "solver.substeps was 2 and is 3"));
+  scene = short_scene(6);
+  scene.gravity.y() = 0.0;
+  EXPECT_TRUE(contains(refusal(scene, options), "gravity was [0.0,-9.81,0.0] and is [0.0,0.0,0.0]"));
+  scene = short_scene(6);
+  scene.input_hashes[0].second = "ffffffffffffffff";
+  EXPECT_TRUE(contains(refusal(scene, options), "the content of body.mesh was 0123456789abcdef"));
+  BakeOptions changed = options;
+  changed.formats = {"pc2"};
+  EXPECT_TRUE(
+      contains(refusal(short_scene(6), changed), "--format was abc,glb,mdd,obj,pc2,usda,vtu and is pc2"));
+  changed = options;
+  changed.glb.stride = 2;
+  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--glb-stride was 1 and is 2"));
+  changed.glb = {.tolerance = 0.25};
+  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--glb-tolerance was nothing and is 0.25"));
+  changed = options;
+  changed.device.exact = false;
+  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "device was exact and is fake, none"));
+  // Another exact device has the same bits.
+  changed = options;
+  changed.device.name = "another";
+  EXPECT_EQ(fake_bake_into(changed, short_scene(6)).frames_done, 6u);
+}
+
+TEST(BakeResume, RefusesAnotherModel) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  bake_until(options, short_scene(6), 3);
+  options.resume = true;
+  model::Model model = two_tetrahedra();
+  model.beta[2] = 0.5f;
+  FakeSolver solver(model);
+  EXPECT_TRUE(
+      contains(message_of<BakeError>([&] { bake(short_scene(6), model, solver, options); }), "model was "));
+}
+
+TEST(BakeResume, RefusesDamagedFiles) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  const auto refusal_after = [&](const std::string& name, const auto& damage) {
+    fs::remove_all(folder / "out");
+    options.resume = false;
+    bake_until(options, short_scene(6), 4);
+    const fs::path path = folder / ("out/" + name);
+    std::string text = read_text(path);
+    damage(text);
+    write_text(path, text);
+    options.resume = true;
+    return message_of<BakeError>([&] { fake_bake_into(options, short_scene(6)); });
+  };
+  const auto halve = [](std::string& text) { text.resize(text.size() / 2); };
+  const auto flip_middle = [](std::string& text) {
+    text[text.size() / 2] = static_cast<char>(text[text.size() / 2] ^ 4);
+  };
+  EXPECT_TRUE(contains(refusal_after("checkpoint", halve), "checkpoint is damaged"));
+  EXPECT_TRUE(contains(refusal_after("checkpoint", flip_middle), "checkpoint is damaged"));
+  EXPECT_TRUE(contains(refusal_after("checkpoint", [](std::string& text) { text.clear(); }),
+                       "checkpoint is damaged"));
+  EXPECT_TRUE(contains(refusal_after("frames.fascicle", halve), "whole frames and the checkpoint 5"));
+  EXPECT_TRUE(contains(refusal_after("frames.fascicle", flip_middle), "is damaged"));
+  EXPECT_TRUE(contains(refusal_after("surface.pc2.part", halve), "fewer frames than the checkpoint"));
+  EXPECT_TRUE(contains(refusal_after("metrics.csv.part", halve), "fewer frames than the checkpoint"));
+  // And after any of it a new start works.
+  options.resume = false;
+  options.overwrite = true;
+  EXPECT_EQ(fake_bake_into(options, short_scene(6)).frames_done, 6u);
+}
+
+TEST(BakeResume, DropsAHalfWrittenFrame) {
+  const TemporaryFolder folder;
+  fake_bake_into(options_for(folder / "whole"), short_scene(6));
+  const auto whole = content_of(folder / "whole");
+  BakeOptions options = options_for(folder / "out");
+  bake_until(options, short_scene(6), 3);
+  for (const char* name : {"out/frames.fascicle", "out/surface.pc2.part", "out/metrics.csv.part"})
+    write_text(folder / name, read_text(folder / name) + "half a frame");
+  options.resume = true;
+  fake_bake_into(options, short_scene(6));
+  EXPECT_EQ(content_of(folder / "out"), whole);
+}
+
+// Death at any moment: the child is killed, often several times, until a run comes through.
+TEST(BakeResume, SurvivesBeingKilledAtRandomMoments) {
+  const TemporaryFolder folder;
+  constexpr std::uint64_t frames = 24;
+  constexpr unsigned frame_microseconds = 1000;
+  const auto before = std::chrono::steady_clock::now();
+  fake_bake_into(options_for(folder / "whole"), short_scene(frames));
+  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - before;
+  const auto whole = content_of(folder / "whole");
+  std::mt19937 random(1);
+  int kills = 0, kills_with_checkpoint = 0;
+  for (int round = 0; round < 5; ++round) {
+    const fs::path out = folder / ("round" + std::to_string(round));
+    // The first life is shorter than the solver's own time, so each round has a kill; later ones grow, so
+    // each ends.
+    unsigned longest = frames * frame_microseconds;
+    for (bool done = false; !done; longest += static_cast<unsigned>(took.count() / 4)) {
+      BakeOptions options = options_for(out);
+      options.resume = true;
+      options.checkpoint_frames = 1 + random() % 7;
+      const unsigned life = static_cast<unsigned>(random() % longest);
+      const pid_t child = ::fork();
+      ASSERT_GE(child, 0);
+      if (child == 0) {
+        int code = 1;
+        try {
+          FakeOptions fake;
+          fake.microseconds = frame_microseconds;
+          fake_bake_into(options, short_scene(frames), fake);
+          code = 0;
+        } catch (const std::exception& error) {
+          std::fprintf(stderr, "child: %s\n", error.what());
+        }
+        ::_exit(code);
+      }
+      ::usleep(life);
+      ::kill(child, SIGKILL);
+      int status = 0;
+      ASSERT_EQ(::waitpid(child, &status, 0), child);
+      if (WIFSIGNALED(status)) {
+        ++kills;
+        if (fs::exists(out / "checkpoint")) ++kills_with_checkpoint;
+        continue;
+      }
+      ASSERT_EQ(WEXITSTATUS(status), 0) << "a resumed bake failed";
+      done = true;
+    }
+    EXPECT_EQ(content_of(out), whole) << "round " << round;
+  }
+  EXPECT_GE(kills, 5);
+  EXPECT_GT(kills_with_checkpoint, 0);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
