@@ -5,6 +5,7 @@
 #   ./do build [PRESET]   build a preset (release)
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
+#   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
@@ -87,6 +88,10 @@ case $command in
     build release
     exec python3 -B docs/paper.py build/release/fascicle "${1:-../shared/assets}"
     ;;
+  plot)
+    need python3
+    exec python3 -B bench/plot.py "$@"
+    ;;
   lint)
     need $build_packages $test_packages $lint_packages
     # Source by source, as clang-tidy reads them.
@@ -99,7 +104,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,10s/^# \{0,1\}//p' "$0"
+    sed -n '2,11s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac
