@@ -24,21 +24,29 @@ Face make_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   return {{a, b, c}, outward};
 }
 
-}  // namespace
+// Lowest corners whose faces are looked at together: all faces of a mesh at once would be a third of the
+// memory that building it takes.
+struct Band {
+  std::uint32_t begin, end;
+};
 
-std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
-                                                             const std::string& source) {
-  std::vector<Face> faces;
-  faces.reserve(4 * mesh.tetrahedra.size());
+void collect_faces(const scene::TetMesh& mesh, Band band, std::vector<Face>& faces) {
+  faces.clear();
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const std::uint32_t lowest = std::min({a, b, c});
+    if (lowest >= band.begin && lowest < band.end) faces.push_back(make_face(a, b, c));
+  };
   for (const auto& t : mesh.tetrahedra) {
-    faces.push_back(make_face(t[1], t[2], t[3]));
-    faces.push_back(make_face(t[0], t[3], t[2]));
-    faces.push_back(make_face(t[0], t[1], t[3]));
-    faces.push_back(make_face(t[0], t[2], t[1]));
+    add(t[1], t[2], t[3]);
+    add(t[0], t[3], t[2]);
+    add(t[0], t[1], t[3]);
+    add(t[0], t[2], t[1]);
   }
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
+}
 
-  std::vector<std::array<std::uint32_t, 3>> triangles;
+void append_boundary(const std::vector<Face>& faces, const std::string& source,
+                     std::vector<std::array<std::uint32_t, 3>>& triangles) {
   for (std::size_t k = 0; k < faces.size();) {
     std::size_t end = k + 1;
     while (end < faces.size() && faces[end].corners == faces[k].corners) ++end;
@@ -49,6 +57,23 @@ std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMes
                        " (counted from 0); a triangle must have one tetrahedron on each side at most");
     if (end - k == 1) triangles.push_back(faces[k].outward ? std::array{a, b, c} : std::array{a, c, b});
     k = end;
+  }
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
+                                                             const std::string& source) {
+  constexpr std::uint32_t bands = 8;
+  const auto vertices = static_cast<std::uint32_t>(mesh.vertices.size());
+  std::vector<Face> faces;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t band = 0; band < bands; ++band) {
+    const auto begin = [&](std::uint32_t k) {
+      return static_cast<std::uint32_t>(std::uint64_t{vertices} * k / bands);
+    };
+    collect_faces(mesh, {begin(band), begin(band + 1)}, faces);
+    append_boundary(faces, source, triangles);
   }
   return triangles;
 }

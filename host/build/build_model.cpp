@@ -60,6 +60,7 @@ void write_rest(const scene::TetMesh& mesh, const std::string& source, Model& mo
       p[a] = static_cast<double>(model.rest.back());
     }
   std::vector<std::uint32_t> lost;
+  model.tetrahedron.reserve(4 * mesh.tetrahedra.size());
   for (const auto& t : mesh.tetrahedra) {
     if (!(signed_volume(rounded, t) > 0.0)) lost.push_back(model.source_vertex[t[0]]);
     model.tetrahedron.insert(model.tetrahedron.end(), t.begin(), t.end());

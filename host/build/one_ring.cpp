@@ -43,6 +43,7 @@ OneRings one_rings(std::size_t vertex_count, const std::vector<std::array<std::u
     rings.neighbour.insert(rings.neighbour.end(), ring.begin(), ring.end());
     rings.offset[i + 1] = static_cast<std::uint32_t>(rings.neighbour.size());
   }
+  rings.neighbour.shrink_to_fit();
   return rings;
 }
 
