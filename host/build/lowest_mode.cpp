@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -55,22 +56,26 @@ class Stiffness {
   };
   template <class Visit>
   void for_each_member(std::size_t r, Visit visit) const {
-    visit(r, own_[r], offset_own_[r]);
+    const Vector3d here = rest(r), centre = centre_[r];
+    visit(r, own_[r], Vector3d(Vector3d::Zero() - centre));
     for (std::uint32_t e = rings_.offset[r]; e < rings_.offset[r + 1]; ++e)
-      visit(std::size_t{rings_.neighbour[e]}, taken_[e], offset_[e]);
+      visit(std::size_t{rings_.neighbour[e]}, taken_[e],
+            Vector3d((rest(rings_.neighbour[e]) - here) - centre));
   }
+  Vector3d rest(std::size_t i) const { return {rest_[3 * i], rest_[3 * i + 1], rest_[3 * i + 2]}; }
 
   const OneRings& rings_;
   const std::vector<char>& is_free_;
   std::vector<double> pull_;
   std::vector<double> own_, taken_;  // w_ir, scaled, as in RegionWeights
-  Field offset_own_, offset_;        // q0_i - c0_r, likewise
+  std::span<const float> rest_;
+  Field centre_;  // c0_r, from the region's own vertex; q0_i - c0_r follow, as to keep them takes the most
   std::vector<Region> regions_;
   std::vector<char> touches_;  // a region that holds a free vertex
 };
 
 Stiffness::Stiffness(const ElasticBody& body, const std::vector<char>& is_free)
-    : rings_(body.rings), is_free_(is_free) {
+    : rings_(body.rings), is_free_(is_free), rest_(body.state.rest) {
   const std::size_t n = rings_.size();
   pull_.assign(body.k.begin(), body.k.end());
   for (std::size_t i = 0; i < n; ++i) {
@@ -88,28 +93,18 @@ Stiffness::Stiffness(const ElasticBody& body, const std::vector<char>& is_free)
   for (std::size_t e = 0; e < taken_.size(); ++e)
     taken_[e] *= pull_[rings_.neighbour[e]] / given[rings_.neighbour[e]];
 
-  const auto rest = [&](std::size_t i) {
-    return Vector3d(double{body.state.rest[3 * i]}, double{body.state.rest[3 * i + 1]},
-                    double{body.state.rest[3 * i + 2]});
-  };
-  offset_own_.resize(n);
-  offset_.resize(taken_.size());
+  centre_.assign(n, Vector3d::Zero());
   regions_.resize(n);
   touches_.assign(n, 0);
   for (std::size_t r = 0; r < n; ++r) {
     Region& region = regions_[r];
-    offset_own_[r].setZero();
-    for (std::uint32_t e = rings_.offset[r]; e < rings_.offset[r + 1]; ++e)
-      offset_[e] = rest(rings_.neighbour[e]) - rest(r);
     Vector3d centre = Vector3d::Zero();
     for_each_member(r, [&](std::size_t i, double w, const Vector3d& p) {
       region.weight += w;
       centre += w * p;
       if (is_free_[i]) touches_[r] = 1;
     });
-    centre /= region.weight;
-    offset_own_[r] -= centre;
-    for (std::uint32_t e = rings_.offset[r]; e < rings_.offset[r + 1]; ++e) offset_[e] -= centre;
+    centre_[r] = centre / region.weight;
     for_each_member(r, [&](std::size_t, double w, const Vector3d& p) {
       const double xx = p[0] * p[0], yy = p[1] * p[1], zz = p[2] * p[2];
       const std::array<double, 6> terms{yy + zz, xx + zz, xx + yy, -p[0] * p[1], -p[0] * p[2], -p[1] * p[2]};
