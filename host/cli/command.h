@@ -28,6 +28,7 @@ void add_bake(CLI::App& app, Command& command);
 void add_export(CLI::App& app, Command& command);
 void add_validate(CLI::App& app, Command& command);
 void add_inspect(CLI::App& app, Command& command);
+void add_batch(CLI::App& app, Command& command);
 void add_bench(CLI::App& app, Command& command);
 void add_devices(CLI::App& app, Command& command);
 void add_scenes(CLI::App& app, Command& command);

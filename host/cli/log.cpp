@@ -14,6 +14,7 @@ namespace fascicle::cli {
 namespace {
 
 constexpr unsigned bar_cells = 24;
+constexpr std::chrono::seconds between_states{3};
 
 // One write a line, so that lines of several processes on one stderr do not mix.
 void put(const std::string& text) {
@@ -97,11 +98,26 @@ void Log::progress(const Advance& advance) {
     put(advance_text(advance, 0) + "\n");
     return;
   }
-  const std::string text = advance_text(advance, bar_cells);
+  draw(advance_text(advance, bar_cells));
+}
+
+void Log::draw(const std::string& text) {
   const std::size_t length = text.size();
   const std::size_t rest = bar_width_ > length ? bar_width_ - length : 0;
   put("\r" + text + std::string(rest, ' '));
   bar_width_ = length;
+}
+
+void Log::state(const std::string& text) {
+  if (options_.verbosity == Verbosity::quiet || text == last_state_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (!bar_allowed_ && !last_state_.empty() && now - stated_ < between_states) return;
+  stated_ = now;
+  last_state_ = text;
+  if (bar_allowed_)
+    draw(text);
+  else
+    line("progress", "", text);
 }
 
 void Log::clear_bar() {

@@ -40,18 +40,23 @@ class Log {
 
   // On a terminal redraws one line; elsewhere and in JSON adds one, so call it seldom there (see draws_bar).
   void progress(const Advance& advance);
+  // The same of work that is no count of frames: one line that tells how things stand. May be called often:
+  // where it draws no bar it says what is new every few seconds.
+  void state(const std::string& text);
   // Takes the bar away, if there is one.
   void clear_bar();
   // True where progress redraws a line in place: text on a terminal that can.
   bool draws_bar() const { return bar_allowed_; }
 
  private:
+  void draw(const std::string& text);
   void line(const char* level, const std::string& prefix, const std::string& message);
 
   LogOptions options_;
   bool bar_allowed_ = false, colour_ = false;
   std::size_t bar_width_ = 0;  // characters of the bar now on the terminal
-  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point start_, stated_;
+  std::string last_state_;
 };
 
 // "baking  [######------]  50 %  frame 60/120  35.1 frames/s  1.71 s left"; without the bar if `width` is 0.

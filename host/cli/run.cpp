@@ -91,6 +91,7 @@ int run(int argc, const char* const* argv) {
       "numbers,\n"
       "6 validation found a difference, 75 interrupted (go on with --resume), 1 anything else.");
   add_bake(app, command);
+  add_batch(app, command);
   add_render(app, command);
   add_export(app, command);
   add_validate(app, command);

@@ -35,6 +35,7 @@ TEST(CommandLine, HelpListsEveryFlag) {
   const std::vector<std::string> scene{"--set", "--fps", "--start", "--end", "--clip"};
   std::map<std::string, std::vector<std::string>> flags{
       {"bake", {"--output", "--format", "--device", "--threads", "--overwrite", "--resume", "--dry-run"}},
+      {"batch", {"--device", "--threads", "--overwrite", "--resume", "--dry-run"}},
       {"validate", {"--devices", "--frames", "--threads", "--json", "--oracle", "--no-oracle"}},
       {"render",
        {"--output", "--frame", "--mode", "--tets", "--clip", "--view", "--turn", "--zoom", "--size"}},

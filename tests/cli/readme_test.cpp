@@ -47,6 +47,15 @@ class Readme : public testing::Test {
 };
 
 TEST_F(Readme, CommandsRun) {
+  // The list that the batch command names.
+  std::ofstream jobs(folder_ / "jobs.toml");
+  bool is_jobs = false;
+  for (const std::string& line : fenced("toml")) {
+    is_jobs = (is_jobs && line != "[scene]" && line != "[bar]" && line != "[character]") ||
+              line.starts_with("output = ");
+    if (is_jobs) jobs << line << "\n";
+  }
+  jobs.close();
   std::size_t ran = 0;
   for (const std::string& line : fenced("sh")) {
     if (line.rfind("fascicle ", 0) != 0) continue;
@@ -83,8 +92,12 @@ TEST_F(Readme, SceneFilesAreSome) {
   // A new file begins with [scene], or with a second body.
   std::vector<std::string> texts;
   bool has_body = true;
+  bool is_jobs = false;
   for (const std::string& line : fenced("toml")) {
     const bool is_body = line.starts_with("[bar]") || line.starts_with("[character]");
+    // The list of a batch is none.
+    is_jobs = (is_jobs && !is_body && line != "[scene]") || line.starts_with("output = ");
+    if (is_jobs) continue;
     if (line == "[scene]" || (is_body && has_body)) {
       texts.emplace_back();
       has_body = false;

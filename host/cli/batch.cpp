@@ -1,0 +1,319 @@
+// fascicle batch: a list of bakes on several devices, one process on each at a time, with one view of all and
+// resumable as a whole.
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <nlohmann/json.hpp>
+#include <poll.h>
+
+#include "host/bake/bake.h"
+#include "host/bake/file.h"
+#include "host/cli/child_bake.h"
+#include "host/cli/command.h"
+#include "host/cli/device_choice.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/text.h"
+#include "host/scene/jobs.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+struct BatchArguments {
+  std::string jobs, devices = "cpu";
+  unsigned threads = 0;
+  bool overwrite = false, resume = false, dry_run = false;
+};
+
+// What has become of a job; of one that was never begun there is no status.
+struct Outcome {
+  std::string device;
+  std::optional<int> status;
+  double seconds = 0.0;
+  std::string error, hash;
+  std::vector<std::string> warnings;
+};
+
+std::string word_of(const Outcome& outcome) {
+  if (!outcome.status) return "not begun";
+  if (*outcome.status == static_cast<int>(ExitCode::done)) return "done";
+  if (*outcome.status == static_cast<int>(ExitCode::interrupted)) return "interrupted";
+  return "failed";
+}
+
+// "cpu,vulkan:1" cut up again: the children read it for themselves.
+std::vector<std::string> labels_of(const std::string& devices) {
+  (void)parse_device_list(devices);
+  std::vector<std::string> labels;
+  for (std::size_t begin = 0; begin <= devices.size();) {
+    const std::size_t end = std::min(devices.find(',', begin), devices.size());
+    labels.push_back(devices.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return labels;
+}
+
+std::string last_hash(const fs::path& folder) {
+  try {
+    std::ifstream file(folder / "manifest.json");
+    const Json manifest = Json::parse(file);
+    return manifest.at("position_hashes").back().get<std::string>();
+  } catch (const std::exception&) {
+    return {};  // another program's folder, or none
+  }
+}
+
+class Batch {
+ public:
+  Batch(const BatchArguments& arguments, scene::Jobs jobs, Log& log)
+      : arguments_(arguments), jobs_(std::move(jobs)), log_(log), outcomes_(jobs_.jobs.size()) {}
+
+  ExitCode run() {
+    check_all();
+    if (arguments_.dry_run) {
+      print_plan();
+      return ExitCode::done;
+    }
+    for (const std::string& label : labels_of(arguments_.devices)) slots_.push_back({label, nullptr, 0, {}});
+    for (std::size_t job = 0; job < jobs_.jobs.size(); ++job) waiting_.push_back(job);
+    const std::atomic<bool>& interrupted = catch_interrupts();
+    bool told = false;
+    while (is_busy() || (!waiting_.empty() && !interrupted)) {
+      if (!interrupted) begin_jobs();
+      if (interrupted && !told) {
+        told = true;
+        for (const Slot& slot : slots_)
+          if (slot.bake) slot.bake->interrupt();
+      }
+      wait_for_words();
+      end_jobs();
+      show();
+    }
+    log_.clear_bar();
+    write_summary();
+    print_results();
+    return code(interrupted);
+  }
+
+ private:
+  struct Slot {
+    std::string device;
+    std::unique_ptr<ChildBake> bake;
+    std::size_t job;
+    Clock::time_point start;
+  };
+
+  fs::path folder_of(const scene::Job& job) const { return jobs_.output / job.name; }
+
+  // Everything that can be refused before the first bake begins.
+  void check_all() const {
+    for (const scene::Job& job : jobs_.jobs) {
+      scene::SceneOverrides overrides;
+      overrides.set = job.set;
+      if (!job.clip.empty()) overrides.clip = job.clip;
+      try {
+        (void)scene::load_scene(job.scene, overrides);
+      } catch (const scene::SceneError& error) {
+        throw scene::SceneError("job." + job.name + ": " + error.what());
+      }
+      for (const std::string& format : job.formats)
+        if (const std::vector<std::string> names = bake::format_names();
+            std::find(names.begin(), names.end(), format) == names.end())
+          throw scene::SceneError("job." + job.name + ": there is no format \"" + format + "\"" +
+                                  scene::nearest_name_hint(format, names));
+      if (!arguments_.overwrite && !arguments_.resume && bake::holds_bake(folder_of(job)))
+        throw bake::FolderInUse(folder_of(job).string() +
+                                ": holds a bake; --resume goes on with all that is not done, --overwrite "
+                                "starts all again");
+    }
+  }
+
+  std::vector<std::string> command_of(const scene::Job& job, const std::string& device) const {
+    std::vector<std::string> command{"bake", job.scene, "-o", folder_of(job).string(), "--device", device};
+    if (arguments_.threads > 0)
+      command.insert(command.end(), {"--threads", std::to_string(arguments_.threads)});
+    command.push_back(arguments_.overwrite ? "--overwrite" : "--resume");
+    if (!job.clip.empty()) command.insert(command.end(), {"--clip", job.clip});
+    for (const std::string& set : job.set) command.push_back("--set=" + set);
+    for (const std::string& format : job.formats) command.push_back("--format=" + format);
+    return command;
+  }
+
+  bool is_busy() const {
+    return std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.bake != nullptr; });
+  }
+
+  void begin_jobs() {
+    for (Slot& slot : slots_) {
+      if (slot.bake || waiting_.empty()) continue;
+      slot.job = waiting_.front();
+      waiting_.pop_front();
+      const scene::Job& job = jobs_.jobs[slot.job];
+      slot.start = Clock::now();
+      slot.bake = std::make_unique<ChildBake>(command_of(job, slot.device));
+      log_.detail(job.name + " begins on " + slot.device);
+    }
+  }
+
+  void wait_for_words() {
+    std::vector<pollfd> ends;
+    for (const Slot& slot : slots_)
+      if (slot.bake && slot.bake->descriptor() >= 0) ends.push_back({slot.bake->descriptor(), POLLIN, 0});
+    constexpr int milliseconds = 100;
+    (void)::poll(ends.data(), ends.size(), milliseconds);
+    for (const Slot& slot : slots_)
+      if (slot.bake) slot.bake->listen();
+  }
+
+  void end_jobs() {
+    for (Slot& slot : slots_) {
+      if (!slot.bake || !slot.bake->has_ended()) continue;
+      const scene::Job& job = jobs_.jobs[slot.job];
+      Outcome& outcome = outcomes_[slot.job];
+      outcome = {.device = slot.device,
+                 .status = slot.bake->status(),
+                 .seconds = std::chrono::duration<double>(Clock::now() - slot.start).count(),
+                 .error = slot.bake->error(),
+                 .hash = last_hash(folder_of(job)),
+                 .warnings = slot.bake->warnings()};
+      slot.bake.reset();
+      ++ended_;
+      for (const std::string& warning : outcome.warnings) log_.warning(job.name + ": " + warning);
+      const std::string line = "[" + std::to_string(ended_) + "/" + std::to_string(jobs_.jobs.size()) + "] " +
+                               job.name + " on " + slot.device + ": " + word_of(outcome) + ", " +
+                               duration_text(outcome.seconds);
+      if (word_of(outcome) == "failed")
+        log_.error(line + ": " +
+                   (outcome.error.empty() ? "status " + std::to_string(*outcome.status) : outcome.error));
+      else
+        log_.info(line);
+    }
+  }
+
+  // One line for all devices: what each is at.
+  void show() {
+    std::string text = std::to_string(ended_) + " of " + std::to_string(jobs_.jobs.size()) + " done";
+    for (const Slot& slot : slots_) {
+      if (!slot.bake) continue;
+      text += "; " + slot.device + ": " + jobs_.jobs[slot.job].name;
+      if (slot.bake->frames() > 0)
+        text += " " + std::to_string(slot.bake->frame()) + "/" + std::to_string(slot.bake->frames());
+    }
+    log_.state(text);
+  }
+
+  void write_summary() const {
+    Json rows = Json::array();
+    for (std::size_t k = 0; k < outcomes_.size(); ++k) {
+      const scene::Job& job = jobs_.jobs[k];
+      const Outcome& outcome = outcomes_[k];
+      rows.push_back({{"job", job.name},
+                      {"folder", folder_of(job).string()},
+                      {"scene", job.scene},
+                      {"clip", job.clip},
+                      {"set", job.set},
+                      {"format", job.formats},
+                      {"device", outcome.device},
+                      {"status", word_of(outcome)},
+                      {"exit_status", outcome.status ? Json(*outcome.status) : Json()},
+                      {"seconds", outcome.seconds},
+                      {"last_position_hash", outcome.hash},
+                      {"error", outcome.error},
+                      {"warnings", outcome.warnings}});
+    }
+    fs::create_directories(jobs_.output);
+    bake::write_whole(jobs_.output / "batch.json",
+                      Json{{"jobs", rows}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  }
+
+  void print_plan() const {
+    std::cout << "dry run of " << jobs_.jobs.size() << (jobs_.jobs.size() == 1 ? " job" : " jobs")
+              << ": nothing is written\n";
+    for (const scene::Job& job : jobs_.jobs) {
+      std::cout << "  fascicle";
+      for (const std::string& word : command_of(job, labels_of(arguments_.devices).front()))
+        std::cout << " "
+                  << (word.find_first_of(" |\"'[]{}()$&;*?") == std::string::npos ? word : "'" + word + "'");
+      std::cout << "\n";
+    }
+  }
+
+  void print_results() const {
+    std::vector<std::pair<std::string, std::string>> rows;
+    for (std::size_t k = 0; k < outcomes_.size(); ++k) {
+      const Outcome& outcome = outcomes_[k];
+      std::string text = word_of(outcome);
+      if (outcome.status) text += " on " + outcome.device + " in " + duration_text(outcome.seconds);
+      if (!outcome.hash.empty()) text += ", last frame " + outcome.hash;
+      rows.emplace_back(jobs_.jobs[k].name, text);
+    }
+    std::cout << columns_text(rows) << "wrote " << (jobs_.output / "batch.json").string() << "\n";
+  }
+
+  // The first failure's, as the others may follow from it.
+  ExitCode code(bool interrupted) const {
+    for (const Outcome& outcome : outcomes_)
+      if (word_of(outcome) == "failed") {
+        const int status = *outcome.status;
+        return status <= static_cast<int>(ExitCode::difference) ? static_cast<ExitCode>(status)
+                                                                : ExitCode::unforeseen;
+      }
+    if (!interrupted) return ExitCode::done;
+    log_.warning("interrupted; the same command with --resume goes on");
+    return ExitCode::interrupted;
+  }
+
+  const BatchArguments& arguments_;
+  scene::Jobs jobs_;
+  Log& log_;
+  std::vector<Outcome> outcomes_;
+  std::vector<Slot> slots_;
+  std::deque<std::size_t> waiting_;
+  std::size_t ended_ = 0;
+};
+
+}  // namespace
+
+void add_batch(CLI::App& app, Command& command) {
+  auto* subcommand =
+      app.add_subcommand("batch", "Bake a list of scenes, clips and variations, on several devices");
+  const auto arguments = std::make_shared<BatchArguments>();
+  subcommand
+      ->add_option(
+          "JOBS", arguments->jobs,
+          "TOML: [job.NAME] with scene, clips = [...], set = [\"KEY=VALUE\", ...], format = [...] and "
+          "[job.NAME.vary] \"KEY\" = [values]; output and format for all")
+      ->required()
+      ->option_text(" ");
+  subcommand
+      ->add_option(
+          "--device", arguments->devices,
+          "Devices to share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; cpu without it")
+      ->option_text("LIST");
+  subcommand
+      ->add_option("--threads", arguments->threads, "Threads of each CPU bake; 0 takes one for each core")
+      ->check(CLI::Range(0U, 1024U).description(""))
+      ->option_text("N");
+  auto* overwrite = subcommand->add_flag("--overwrite", arguments->overwrite, "Replace bakes that are there");
+  auto* resume = subcommand->add_flag("--resume", arguments->resume, "Go on with what is not done yet");
+  overwrite->excludes(resume);
+  subcommand->add_flag("--dry-run", arguments->dry_run, "Print each job's command; write nothing");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback([arguments, &command] {
+    command.run = [arguments](Log& log) {
+      return Batch(*arguments, scene::read_jobs(arguments->jobs), log).run();
+    };
+  });
+}
+
+}  // namespace fascicle::cli

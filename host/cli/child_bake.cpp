@@ -1,0 +1,134 @@
+#include "host/cli/child_bake.h"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <system_error>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace fascicle::cli {
+namespace {
+
+void check(int error, const char* what) {
+  if (error != 0) throw std::system_error(error, std::generic_category(), what);
+}
+
+struct FileActions {
+  FileActions() { check(::posix_spawn_file_actions_init(&value), "posix_spawn_file_actions_init"); }
+  ~FileActions() { ::posix_spawn_file_actions_destroy(&value); }
+  FileActions(const FileActions&) = delete;
+  FileActions& operator=(const FileActions&) = delete;
+  posix_spawn_file_actions_t value{};
+};
+
+struct Attributes {
+  Attributes() { check(::posix_spawnattr_init(&value), "posix_spawnattr_init"); }
+  ~Attributes() { ::posix_spawnattr_destroy(&value); }
+  Attributes(const Attributes&) = delete;
+  Attributes& operator=(const Attributes&) = delete;
+  posix_spawnattr_t value{};
+};
+
+pid_t spawn(const std::vector<std::string>& arguments, int error_output) {
+  FileActions actions;
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO})
+    check(::posix_spawn_file_actions_addopen(&actions.value, descriptor, "/dev/null", O_RDWR, 0),
+          "posix_spawn_file_actions_addopen");
+  check(::posix_spawn_file_actions_adddup2(&actions.value, error_output, STDERR_FILENO),
+        "posix_spawn_file_actions_adddup2");
+  Attributes attributes;
+  // Signals as a program from a shell has them, whatever this process ignores or catches.
+  sigset_t all;
+  ::sigemptyset(&all);
+  for (const int number : {SIGINT, SIGTERM, SIGPIPE}) ::sigaddset(&all, number);
+  check(::posix_spawnattr_setsigdefault(&attributes.value, &all), "posix_spawnattr_setsigdefault");
+  check(::posix_spawnattr_setflags(&attributes.value, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF),
+        "posix_spawnattr_setflags");
+  std::vector<char*> list;
+  for (const std::string& argument : arguments) list.push_back(const_cast<char*>(argument.c_str()));
+  list.push_back(nullptr);
+  pid_t process = -1;
+  check(::posix_spawn(&process, list[0], &actions.value, &attributes.value, list.data(), environ), list[0]);
+  return process;
+}
+
+}  // namespace
+
+ChildBake::ChildBake(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), std::filesystem::read_symlink("/proc/self/exe").string());
+  arguments.insert(arguments.end(), {"--log-format", "json"});
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) check(errno, "pipe");
+  descriptor_ = ends[0];
+  ::fcntl(descriptor_, F_SETFL, O_NONBLOCK);
+  try {
+    process_ = spawn(arguments, ends[1]);
+  } catch (...) {
+    ::close(ends[0]);
+    ::close(ends[1]);
+    throw;
+  }
+  ::close(ends[1]);
+}
+
+ChildBake::~ChildBake() {
+  if (!ended_) {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void ChildBake::listen() {
+  std::array<char, 4096> part{};
+  while (descriptor_ >= 0) {
+    const ssize_t count = ::read(descriptor_, part.data(), part.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return;
+    if (count == 0) {
+      ::close(descriptor_);
+      descriptor_ = -1;
+      return;
+    }
+    unread_.append(part.data(), static_cast<std::size_t>(count));
+    for (std::size_t end; (end = unread_.find('\n')) != std::string::npos;) {
+      take_line(unread_.substr(0, end));
+      unread_.erase(0, end + 1);
+    }
+  }
+}
+
+// What is no line of the log, such as a driver's, is nobody's.
+void ChildBake::take_line(const std::string& line) {
+  const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
+  if (!said.is_object()) return;
+  const std::string level = said.value("level", ""), message = said.value("message", "");
+  if (level == "error") error_ = message;
+  if (level == "warning") warnings_.push_back(message);
+  if (level == "progress") {
+    frame_ = said.value("frame", frame_);
+    frames_ = said.value("frames", frames_);
+  }
+}
+
+void ChildBake::interrupt() const {
+  if (!ended_) ::kill(process_, SIGINT);
+}
+
+bool ChildBake::has_ended() {
+  if (ended_) return true;
+  int status = 0;
+  if (::waitpid(process_, &status, WNOHANG) != process_) return false;
+  ended_ = true;
+  listen();
+  status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return true;
+}
+
+}  // namespace fascicle::cli

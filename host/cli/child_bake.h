@@ -1,0 +1,49 @@
+// A bake in a process of its own, heard through its log.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace fascicle::cli {
+
+class ChildBake {
+ public:
+  // Runs this executable with these arguments and `--log-format json`. Throws std::system_error.
+  explicit ChildBake(std::vector<std::string> arguments);
+  // Kills it where it still runs.
+  ~ChildBake();
+  ChildBake(const ChildBake&) = delete;
+  ChildBake& operator=(const ChildBake&) = delete;
+
+  // To poll() for what it says; -1 once it has closed it.
+  int descriptor() const { return descriptor_; }
+  // Takes in what it has said.
+  void listen();
+  // As on ctrl-C: it ends after the frame it is at. Its own group keeps the terminal's from it.
+  void interrupt() const;
+  // Whether it is over; then status() is its exit status, that of a signal 128 + its number.
+  bool has_ended();
+  int status() const { return status_; }
+
+  std::uint64_t frame() const { return frame_; }
+  std::uint64_t frames() const { return frames_; }
+  // Its last error, else empty.
+  const std::string& error() const { return error_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  void take_line(const std::string& line);
+
+  pid_t process_ = -1;
+  int descriptor_ = -1;
+  bool ended_ = false;
+  int status_ = 0;
+  std::uint64_t frame_ = 0, frames_ = 0;
+  std::string unread_, error_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace fascicle::cli

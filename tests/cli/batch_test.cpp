@@ -1,0 +1,126 @@
+// fascicle batch as a user runs it: every bake is the one that `fascicle bake` makes, and a batch that was
+// stopped goes on to the same bytes.
+#include <csignal>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+using json = nlohmann::json;
+
+const std::string three_bars =
+    "format = [\"pc2\"]\n"
+    "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=1.5\"]\n"
+    "[job.bar.vary]\n\"layers.body.alpha\" = [0.4, 0.6, 0.8]\n";
+
+std::string list_in(const TemporaryFolder& folder, const std::string& text) {
+  write_text(folder / "jobs.toml", "output = \"" + (folder / "out") + "\"\n" + text);
+  return folder / "jobs.toml";
+}
+
+json summary_of(const TemporaryFolder& folder) {
+  return json::parse(read_text(folder / "out/batch.json")).at("jobs");
+}
+
+void expect_what_bake_makes(const TemporaryFolder& folder) {
+  for (const char* alpha : {"0.4", "0.6", "0.8"}) {
+    const std::string one = std::string("one-") + alpha;
+    const Outcome baked = fascicle({"bake", "bar-beta-1", "--set", "scene.end=1.5", "--set",
+                                    std::string("layers.body.alpha=") + alpha, "--format", "pc2", "--device",
+                                    "cpu", "-o", folder / one});
+    ASSERT_EQ(baked.status, 0) << baked.err;
+    for (const char* file : {"/frames.fascicle", "/surface.pc2", "/metrics.csv"})
+      EXPECT_TRUE(read_text(folder / (one + file)) ==
+                  read_text(folder / ("out/bar-" + std::string(alpha) + file)))
+          << alpha << file;
+  }
+}
+
+TEST(Batch, MakesWhatBakeMakesOnSeveralDevices) {
+  const TemporaryFolder folder;
+  const std::string list = list_in(folder, three_bars);
+  const Outcome outcome = fascicle({"batch", list, "--device", "cpu,cpu:scalar"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  expect_what_bake_makes(folder);
+  for (const json& row : summary_of(folder)) {
+    EXPECT_EQ(row.at("status"), "done");
+    EXPECT_TRUE(contains(outcome.out, row.at("job").get<std::string>())) << outcome.out;
+    EXPECT_TRUE(contains(outcome.out, row.at("last_position_hash").get<std::string>())) << outcome.out;
+  }
+  // Its folders hold bakes now.
+  const Outcome again = fascicle({"batch", list});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_TRUE(contains(again.err, "--resume")) << again.err;
+  const std::string hashes = summary_of(folder).dump();
+  EXPECT_EQ(fascicle({"batch", list, "--resume"}).status, 0);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_TRUE(contains(hashes, summary_of(folder).at(k).at("last_position_hash").get<std::string>()));
+}
+
+TEST(Batch, InterruptedAndResumedIsAsIfNeverStopped) {
+  const TemporaryFolder folder;
+  const std::string list = list_in(folder, three_bars);
+  Program program({"batch", list, "--device", "cpu"});
+  while (program.is_running() && !std::filesystem::exists(folder.path() / "out/bar-0.6/manifest.json")) {
+  }
+  program.send(SIGINT);
+  const Outcome stopped = program.wait();
+  // On a machine that is fast enough it may have been done before.
+  if (stopped.status != 0) {
+    ASSERT_EQ(stopped.status, 75) << stopped.err;
+    EXPECT_TRUE(contains(stopped.err, "--resume")) << stopped.err;
+    EXPECT_EQ(summary_of(folder).at(0).at("status"), "done");
+    EXPECT_NE(summary_of(folder).at(2).at("status"), "done");
+  }
+  EXPECT_EQ(fascicle({"batch", list, "--resume"}).status, 0);
+  expect_what_bake_makes(folder);
+}
+
+TEST(Batch, OneFailureDoesNotEndTheOthers) {
+  const TemporaryFolder folder;
+  // Too light for the force on it: it leaves the finite numbers in its first frame.
+  write_text(folder / "light.toml",
+             "[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [5, 3, 3]\n[layers.body]\ndensity = 1e-28\n"
+             "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
+             "[force.push]\nkind = \"point\"\nvector = [0.0, -1e9, 0.0]\nwhere = { everywhere = true }\n");
+  const std::string list = list_in(folder,
+                                   "[job.light]\nscene = \"light.toml\"\n"
+                                   "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.2\"]\n");
+  const Outcome outcome = fascicle({"batch", list});
+  EXPECT_EQ(outcome.status, 5) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "light on cpu: failed")) << outcome.err;
+  EXPECT_EQ(summary_of(folder).at(0).at("status"), "failed");
+  EXPECT_EQ(summary_of(folder).at(0).at("exit_status"), 5);
+  EXPECT_EQ(summary_of(folder).at(1).at("status"), "done");
+}
+
+TEST(Batch, RefusesBeforeItBegins) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& jobs, int status, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"batch", list_in(folder, jobs)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = fascicle(arguments);
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out")) << outcome.err;
+    return outcome.err;
+  };
+  const std::string good = "[job.good]\nscene = \"bar-beta-1\"\n";
+  EXPECT_TRUE(contains(refusal(good + "[job.bad]\nscene = \"bar-beta-2\"\n", 3), "job.bad: bar-beta-2"));
+  EXPECT_TRUE(
+      contains(refusal(good + "[job.bad]\nscene = \"arm\"\nset = [\"layers.fat.alpa=1\"]\n", 3), "alpha"));
+  EXPECT_TRUE(contains(refusal(good + "[job.bad]\nscene = \"arm\"\nformat = [\"pc3\"]\n", 3), "pc2"));
+  EXPECT_TRUE(contains(refusal(good, 2, {"--device", "cpu,gpu"}), "gpu"));
+  const Outcome plan = fascicle({"batch", list_in(folder, good), "--dry-run"});
+  EXPECT_EQ(plan.status, 0) << plan.err;
+  EXPECT_TRUE(contains(plan.out, "fascicle bake bar-beta-1")) << plan.out;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,89 @@
+// read_jobs: which bakes a list makes, what they are called, and what is refused.
+#include "host/scene/jobs.h"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ReadJobs : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("fascicle-jobs-" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path write(const std::string& text, const std::string& name = "walks.toml") const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  scene::Jobs jobs(const std::string& text) const { return scene::read_jobs(write(text)); }
+  std::string refusal(const std::string& text) const {
+    try {
+      (void)jobs(text);
+    } catch (const scene::SceneError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(ReadJobs, TakesEachCombinationOfClipsAndValues) {
+  const scene::Jobs read = jobs(
+      "output = \"out/all\"\nformat = [\"pc2\"]\n"
+      "[job.man]\nscene = \"jump\"\nclips = [\"walk\", \"a run\"]\nset = [\"scene.fps=24\"]\n"
+      "[job.man.vary]\n\"layers.fat.alpha\" = [0.1, 0.3]\n\"solver.substeps\" = [\"auto\"]\n"
+      "[job.arm]\nscene = \"arm\"\nformat = [\"glb\", \"abc\"]\n");
+  EXPECT_EQ(read.output, "out/all");
+  ASSERT_EQ(read.jobs.size(), 5u);
+  std::vector<std::string> names;
+  for (const scene::Job& job : read.jobs) names.push_back(job.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"man-walk-0.1", "man-walk-0.3", "man-a_run-0.1", "man-a_run-0.3",
+                                             "arm"}));
+  EXPECT_EQ(read.jobs[2].clip, "a run");
+  EXPECT_EQ(read.jobs[2].set,
+            (std::vector<std::string>{"scene.fps=24", "layers.fat.alpha=0.1", "solver.substeps='auto'"}));
+  EXPECT_EQ(read.jobs[2].formats, std::vector<std::string>{"pc2"});
+  EXPECT_EQ(read.jobs[4].formats, (std::vector<std::string>{"glb", "abc"}));
+  EXPECT_EQ(read.jobs[4].clip, "");
+}
+
+TEST_F(ReadJobs, FindsScenesBesideTheFile) {
+  (void)write("", "mine.toml");
+  const scene::Jobs read = jobs("[job.a]\nscene = \"mine.toml\"\n[job.b]\nscene = \"jump\"\n");
+  EXPECT_EQ(read.jobs[0].scene, (folder_ / "mine.toml").string());
+  EXPECT_EQ(read.jobs[1].scene, "jump");
+  EXPECT_EQ(read.output, fs::path("out") / "walks");
+}
+
+TEST_F(ReadJobs, RefusesWithLineAndKey) {
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {"", "job: is missing"},
+      {"job = 3\n", ":1: job: is a table"},
+      {"[job.a]\nset = [\"a=1\"]\n", "job.a: lacks scene"},
+      {"[job.a]\nscen = \"jump\"\n", ":2: job.a.scen: unknown; did you mean scene?"},
+      {"[job.a]\nscene = 3\n", ":2: job.a.scene: takes a text"},
+      {"[job.a]\nscene = \"jump\"\nclips = \"walk\"\n", ":3: job.a.clips: takes a list of texts"},
+      {"[job.a]\nscene = \"jump\"\nvary = 2\n", ":3: job.a.vary: is a table"},
+      {"[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.fps\" = 3\n", "takes a list of values"},
+      {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that is no file's"},
+      {"[job.\"a b\"]\nscene = \"jump\"\n[job.a_b]\nscene = \"arm\"\n", "makes a second bake called a_b"},
+      {"[job.a\n", "TOML"}};
+  for (const auto& [text, reason] : refused)
+    EXPECT_NE(refusal(text).find(reason), std::string::npos) << text << refusal(text);
+  EXPECT_THROW((void)scene::read_jobs(folder_ / "nowhere.toml"), scene::SceneError);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
