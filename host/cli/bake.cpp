@@ -190,6 +190,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     throw bake::FolderInUse(
         arguments.folder +
         ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
+  if (!arguments.dry_run) refuse_unwritable("-o", (fs::path(arguments.folder) / "").string(), true);
   const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   const Simulation simulation =

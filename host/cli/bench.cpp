@@ -4,8 +4,6 @@
 #include <iostream>
 #include <memory>
 
-#include <unistd.h>
-
 #include "cpu_reference/cpu_solver.h"
 #include "cpu_reference/slices.h"
 #include "host/bake/version.h"
@@ -58,15 +56,6 @@ bool ends_alike(model::Solver& a, model::Solver& b, const model::Model& model) {
   a.load(rest);
   b.load(rest);
   return alike;
-}
-
-// Before the work, not after it.
-void refuse_unwritable(const std::string& option, const std::string& file) {
-  if (file.empty()) return;
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  if (::access(folder.c_str(), W_OK) != 0)
-    throw bake::BakeError(option + " " + file + ": " + folder.string() +
-                          " is no folder that can be written to");
 }
 
 class Bench {

@@ -1,8 +1,12 @@
 #include "host/cli/command.h"
 
+#include <filesystem>
 #include <map>
 #include <vector>
 
+#include <unistd.h>
+
+#include "host/bake/bake.h"
 #include "host/build/cache.h"
 #include "host/build/stiffness.h"
 #include "host/cli/text.h"
@@ -107,6 +111,17 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       .add_option("--resolution", overrides.resolution,
                   "How fine: a number of vertices (20000), or an edge length with its unit (20mm)")
       ->option_text("SIZE");
+}
+
+void refuse_unwritable(const std::string& option, const std::string& file, bool folders) {
+  if (file.empty()) return;
+  std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  std::error_code ignored;
+  while (folders && !std::filesystem::exists(folder, ignored) && folder.has_relative_path())
+    folder = folder.parent_path();
+  if (!std::filesystem::is_directory(folder, ignored) || ::access(folder.c_str(), W_OK) != 0)
+    throw bake::BakeError(option + " " + file + ": " + folder.string() +
+                          " is no folder that can be written to; choose another");
 }
 
 scene::Scene load(const SceneArguments& arguments) {

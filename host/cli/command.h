@@ -52,6 +52,10 @@ struct SceneArguments {
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
                        bool required);
 
+// Throws bake::BakeError where the file of an option could not be made, so that it is told before the work
+// and not after it. Empty: none was asked for. `folders`: those that are missing will be made.
+void refuse_unwritable(const std::string& option, const std::string& file, bool folders = false);
+
 // Throws scene::SceneError; UsageError where the scene is good and an override is not.
 scene::Scene load(const SceneArguments& arguments);
 

@@ -339,6 +339,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
 
 ExitCode inspect(const InspectArguments& arguments, Log& log) {
   scene::Scene scene = load(arguments.scene);
+  refuse_unwritable("--model", arguments.model_file);
   const Built built = build(scene, log, arguments.scene.no_cache);
   if (!arguments.model_file.empty()) write_model_vtu(arguments.model_file, built.model);
   if (arguments.json) {

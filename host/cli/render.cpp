@@ -353,6 +353,7 @@ void print_legend(const render::Legend& legend) {
 
 ExitCode render_frames(const RenderArguments& arguments, Log& log) {
   Plan plan = plan_of(arguments);
+  if (plan.is_file()) refuse_unwritable("-o", arguments.output);
   Frames frames(arguments, log);
   choose_frames(arguments, frames.count(), plan);
   const Artist artist(arguments, frames, plan);

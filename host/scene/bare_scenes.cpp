@@ -10,9 +10,11 @@
 namespace fascicle::scene {
 namespace {
 
+// Whole, so that a bake goes on with --resume however its file is spelled.
 std::string in_quotes(const std::filesystem::path& path) {
   std::ostringstream out;
-  out << toml::toml_formatter{toml::value<std::string>(path.string())};
+  out << toml::toml_formatter{
+      toml::value<std::string>(std::filesystem::absolute(path).lexically_normal().string())};
   return out.str();
 }
 

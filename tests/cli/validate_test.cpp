@@ -100,7 +100,7 @@ TEST(Inspect, ModelByItsNameAlone) {
 TEST(Inspect, ModelInAFolderThatIsNotThereLeavesNothing) {
   const TemporaryFolder folder;
   const Outcome outcome = fascicle({"inspect", "bar-hang-none", "--model", folder / "no/such/model.vtu"});
-  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_TRUE(contains(outcome.err, "model.vtu")) << outcome.err;
 }
