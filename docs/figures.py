@@ -15,7 +15,7 @@ def save(folder, name, content):
     path = os.path.join(folder, name)
     with open(path, "wb") as file:
         file.write(content if isinstance(content, bytes) else content.encode())
-    print(path)
+    print(name)
 
 
 def sunk(bake):

@@ -44,7 +44,17 @@ def write(docs, record):
 
 
 def make(program, assets, docs):
-    pictures = os.path.join(docs, "figures")
+    with tempfile.TemporaryDirectory(dir=docs) as pictures:
+        record = measure(program, assets, docs, pictures)
+        # All of it or nothing: pictures of this run beside numbers of another would belong to no program.
+        os.makedirs(os.path.join(docs, "figures"), exist_ok=True)
+        for name in sorted(os.listdir(pictures)):
+            os.replace(os.path.join(pictures, name), os.path.join(docs, "figures", name))
+    write(docs, record)
+
+
+def measure(program, assets, docs, pictures):
+    """What paper.json holds; draws into the folder `pictures`."""
     why = characters.missing(assets) if assets else "no folder of assets was given"
     kept = read(docs) if os.path.exists(os.path.join(docs, "paper.json")) else {}
     record = {"numbers": {}, "timings": {}, "assets": kept.get("assets"), "assets timings": kept.get("assets timings", {})}
@@ -56,7 +66,7 @@ def make(program, assets, docs):
         print(f"paper: {why}: the pictures and numbers of characters that are not part of the project stay as they are", file=sys.stderr)
     else:
         record["assets"], record["assets timings"] = map(rounded, characters.measure(program, assets, pictures))
-    write(docs, record)
+    return record
 
 
 def check(program, docs):
