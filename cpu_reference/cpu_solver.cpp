@@ -116,6 +116,7 @@ class CpuSolver : public model::Solver {
         field->resize(vector_stride * n);
       if (!model_.carried.empty()) fields_.skinned_velocities.resize(vector_stride * n);
     }
+    if (model_.has_ties()) fields_.tied.resize(vector_stride * n);
     if (model_.is_implicit())
       for (Floats* field : {&fields_.positions_before, &fields_.velocities_before, &fields_.begun,
                             &fields_.iterate_before, &fields_.predicted, &fields_.goals})
@@ -215,6 +216,10 @@ class CpuSolver : public model::Solver {
       std::swap(fields_.skinned, fields_.skinned_before);
       run(&LaneStages::skin, &skin, in);
       show(Stage::skin, std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
+    }
+    if (model_.has_ties()) {
+      run(n, &tie, in);
+      show(Stage::tie, std::array{vectors_of(fields_.tied)});
     }
     if (model_.is_implicit()) {
       implicit_substep(in, drive.h, where, probe);

@@ -69,6 +69,7 @@ struct Fields {
   Floats skinned_before{memory};      // 4, the same of the substep before
   Floats skinned_velocities{memory};  // 4: u of the substep before, empty where no stage needs it
   Floats gravity{memory};             // 4: the bones' change of gravity, empty without a skeleton
+  Floats tied{memory};                // 4: accelerations by ties, empty without
   std::vector<float> surface;         // 3 a render vertex
   // Of an implicit model, else empty.
   Floats positions_before{memory};   // 4, a substep before

@@ -120,6 +120,7 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
           .skinned = fields.skinned.data(),
           .skinned_velocities = fields.skinned_velocities.data(),
           .gravity = fields.gravity.data(),
+          .tied = data_or_null(fields.tied),
           .iterate_before = fields.iterate_before.data(),
           .skinned_before = fields.skinned_before.data()};
 }

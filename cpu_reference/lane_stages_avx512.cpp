@@ -17,6 +17,7 @@
 #include "shaders/kernel/region.inc"
 #include "shaders/kernel/relax.inc"
 #include "shaders/kernel/skin.inc"
+#include "shaders/kernel/tie.inc"
 #include "shaders/kernel/volume.inc"
 
 #define FASCICLE_LANES 16

@@ -10,6 +10,7 @@
 
 #include "cpu_reference/oracle_equations.h"
 #include "cpu_reference/oracle_implicit.h"
+#include "cpu_reference/oracle_tie.h"
 #include "cpu_reference/oracle_weights.h"
 
 namespace fascicle::cpu_reference {
@@ -67,6 +68,7 @@ struct Oracle::Impl {
         options(with),
         rest(points_of(of.rest)),
         weights(region_weights(of)),
+        ties(of),
         regions(of.vertex_count) {
     if (model.is_implicit()) stiffness = vertex_stiffness(model, region_stiffness(model));
     for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
@@ -80,6 +82,7 @@ struct Oracle::Impl {
   const model::SolverOptions options;
   const Points rest;
   const Weights weights;
+  const Ties ties;
   std::vector<Matrix3d> rest_moment;  // A_r at rest
   std::vector<double> stiffness;      // K_i; empty with the explicit integrator
 
@@ -96,6 +99,7 @@ struct Oracle::Impl {
   // Between the stages of a substep.
   Points skinned_before;
   Points turned_gravity;  // the bones' change of gravity
+  Points tied;            // accelerations by ties; empty without
   Points goals;
   Points surface;
   Points y, iterate_before;            // implicit
@@ -163,10 +167,11 @@ void Oracle::Impl::carry(const model::Cut& cut, double h) {
   step_before = 0.0;
 }
 
-// f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's forces by their coefficients.
+// f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's forces by their coefficients +
+// ties.
 Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
                                        std::span<const shader::Force> forces) const {
-  Vector3d acceleration = gravity;
+  Vector3d acceleration = tied.empty() ? gravity : gravity + tied[i];
   if (model.has_skeleton()) acceleration += turned_gravity[i];
   if (model.force_count > 0) {
     for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
@@ -324,6 +329,8 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
         append(values, turned_gravity[i]);
       }
       return values;
+    case Stage::tie:
+      return floats_of(tied);
     case Stage::predict:
       return floats_of(model.is_implicit() ? y : v);
     case Stage::region:
@@ -382,6 +389,10 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
     if (m.has_skeleton()) {
       s.skin(drive.bones.subspan(std::size_t{substep} * m.joint_count, m.joint_count));
       show(Stage::skin);
+    }
+    if (!s.ties.empty()) {
+      s.tied = s.ties.accelerations(s.q, s.v, h);
+      show(Stage::tie);
     }
     const auto forces = drive.forces.subspan(std::size_t{substep} * m.force_count, m.force_count);
     const auto muscles = drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count);

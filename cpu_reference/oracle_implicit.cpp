@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "cpu_reference/oracle_tie.h"
 #include "cpu_reference/oracle_weights.h"
 
 namespace fascicle::cpu_reference {
@@ -22,35 +23,86 @@ Vector3d rest_of(const Model& model, std::uint32_t i) {
   return Vector3d(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
 }
 
+// Calls visit(face, n) for each triangle of the body's surface, n its outward normal as long as its area.
+template <class Visit>
+void for_each_surface_triangle(const Model& model, Visit visit) {
+  struct Sides {
+    int tetrahedra = 0;
+    std::uint32_t opposite = 0;
+  };
+  std::map<std::array<std::uint32_t, 3>, Sides> faces;
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
+    for (std::size_t opposite = 0; opposite < 4; ++opposite) {
+      std::array<std::uint32_t, 3> face{};
+      for (std::size_t k = 0; k < 3; ++k) face[k] = model.tetrahedron[t + (opposite + 1 + k) % 4];
+      std::sort(face.begin(), face.end());
+      Sides& sides = faces[face];
+      ++sides.tetrahedra;
+      sides.opposite = model.tetrahedron[t + opposite];
+    }
+  for (const auto& [face, sides] : faces) {
+    if (sides.tetrahedra != 1) continue;
+    const Vector3d o = rest_of(model, face[0]);
+    const Vector3d n = (rest_of(model, face[1]) - o).cross(rest_of(model, face[2]) - o) / 2.0;
+    visit(face, n.dot(rest_of(model, sides.opposite) - o) > 0.0 ? Vector3d(-n) : n);
+  }
+}
+
 // The mean of u u^T over the directions u in which stress is passed on at each vertex: I/3 inside; (I - N)/2
 // on the free surface, N the mean of n n^T by area over the surface's triangles at the vertex.
 std::vector<Matrix3d> stress_directions(const Model& model) {
-  std::map<std::array<std::uint32_t, 3>, int> tetrahedra_at;
-  const auto for_each_face = [&](auto visit) {
-    for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
-      for (std::size_t opposite = 0; opposite < 4; ++opposite) {
-        std::array<std::uint32_t, 3> face{};
-        for (std::size_t k = 0; k < 3; ++k) face[k] = model.tetrahedron[t + (opposite + 1 + k) % 4];
-        std::sort(face.begin(), face.end());
-        visit(face);
-      }
-  };
-  for_each_face([&](const auto& face) { ++tetrahedra_at[face]; });
   std::vector<Matrix3d> normals(model.vertex_count, Matrix3d::Zero());
   std::vector<double> area(model.vertex_count, 0.0);
-  for_each_face([&](const auto& face) {
-    if (tetrahedra_at[face] != 1) return;
-    const Vector3d o = rest_of(model, face[0]);
-    const Vector3d n = (rest_of(model, face[1]) - o).cross(rest_of(model, face[2]) - o) / 2.0;
+  for_each_surface_triangle(model, [&](const auto& face, const Vector3d& n) {
     for (const std::uint32_t v : face) {
       area[v] += n.norm();
       normals[v] += n.norm() * n.normalized() * n.normalized().transpose();
     }
   });
+  // Flesh ends under skin that slides: at the tetrahedra with one corner in it.
+  const std::vector<bool> slides = sliding_vertices(model);
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    std::vector<std::uint32_t> below;
+    for (std::size_t k = t; k < t + 4; ++k)
+      if (!slides[model.tetrahedron[k]]) below.push_back(model.tetrahedron[k]);
+    if (below.size() != 3) continue;
+    const Vector3d o = rest_of(model, below[0]);
+    const Vector3d n = (rest_of(model, below[1]) - o).cross(rest_of(model, below[2]) - o) / 2.0;
+    for (const std::uint32_t v : below) {
+      area[v] += n.norm();
+      normals[v] += n * n.transpose() / n.norm();
+    }
+  }
   std::vector<Matrix3d> directions(model.vertex_count, Matrix3d::Identity() / 3.0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     if (area[i] > 0.0) directions[i] = (Matrix3d::Identity() - normals[i] / area[i]) / 2.0;
   return directions;
+}
+
+// The tangents of the regions that are sheets (of free vertices in layers that slide, with all members on the
+// surface in such layers) as two columns: across the mean normal of the surface within these layers. 0 of
+// others.
+std::vector<Eigen::Matrix<double, 3, 2>> sheet_tangents(const Model& model) {
+  const std::vector<bool> slides = sliding_vertices(model);
+  std::vector<Vector3d> normals(model.vertex_count, Vector3d::Zero());
+  std::vector<bool> in_sheet(model.vertex_count);
+  for_each_surface_triangle(model, [&](const auto& face, const Vector3d& n) {
+    const bool all_slide = slides[face[0]] && slides[face[1]] && slides[face[2]];
+    for (const std::uint32_t v : face) {
+      in_sheet[v] = slides[v];
+      if (all_slide) normals[v] += n;
+    }
+  });
+  std::vector<Eigen::Matrix<double, 3, 2>> tangents(model.vertex_count, Eigen::Matrix<double, 3, 2>::Zero());
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    bool is_sheet = in_sheet[r] && !model.is_kinematic(r) && !normals[r].isZero(0.0);
+    for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e)
+      is_sheet = is_sheet && in_sheet[model.ring[e]];
+    if (!is_sheet) continue;
+    const Vector3d n = normals[r].normalized();
+    tangents[r] << n.unitOrthogonal(), n.cross(n.unitOrthogonal());
+  }
+  return tangents;
 }
 
 }  // namespace
@@ -67,6 +119,7 @@ std::vector<double> region_stiffness(const Model& model) {
     for (int k = 0; k < 4; ++k) volume[corner[k]] += v / 4.0;
   }
   const std::vector<Matrix3d> directions = stress_directions(model);
+  const std::vector<Eigen::Matrix<double, 3, 2>> tangents = sheet_tangents(model);
   std::vector<double> k(model.vertex_count);
   for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
     Matrix3d S = Matrix3d::Zero();
@@ -79,7 +132,10 @@ std::vector<double> region_stiffness(const Model& model) {
     // k_r D S = V_r u u^T under the stress u u^T, D what is left of the deformation when the region is turned
     // back: it stretches by u.D u = (V_r/k_r) u.S^-1 u. Lengths are in working units: V holds unit^3 and S
     // unit^2.
-    const double compliance = (directions[r] * S.inverse()).trace();
+    // In a sheet, u lies in it and so does D.
+    const Eigen::Matrix<double, 3, 2>& B = tangents[r];
+    const double compliance = B.isZero(0.0) ? (directions[r] * S.inverse()).trace()
+                                            : Eigen::Matrix2d(B.transpose() * S * B).inverse().trace() / 2.0;
     k[r] = model.youngs_modulus[r] * volume[r] * model.unit * compliance;
   }
   return k;

@@ -13,7 +13,7 @@ namespace fascicle::cpu_reference {
 
 // k_r = E_r V_r C_r, 1/s^2: V_r a quarter of each tetrahedron at r, C_r the region's compliance under a
 // uniaxial stress, averaged over the directions in which stress is passed on: all, and at a free surface
-// those along it.
+// those along it. A sheet of skin that slides has no others.
 std::vector<double> region_stiffness(const model::Model& model);
 
 // K_i = sum_{r: i in N_r} k_r m_i, kg/s^2.

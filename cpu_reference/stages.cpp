@@ -7,6 +7,7 @@
 #include "shaders/kernel/region.inc"
 #include "shaders/kernel/relax.inc"
 #include "shaders/kernel/skin.inc"
+#include "shaders/kernel/tie.inc"
 #include "shaders/kernel/volume.inc"
 
 namespace fascicle::cpu_reference {
@@ -78,7 +79,7 @@ Vector velocity_of_skin(const Model& model, const SubstepInput& in, const Fields
                                          load_vector(fields.skinned_before, i), in.step.inverse_h);
 }
 
-// Gravity and the scene's forces on vertex i.
+// Gravity, the scene's forces and the ties on vertex i.
 Vector external_acceleration(const Model& model, const SubstepInput& in, const Fields& fields,
                              std::uint32_t i) {
   Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
@@ -90,6 +91,7 @@ Vector external_acceleration(const Model& model, const SubstepInput& in, const F
       acceleration = kernel::add_force<float>(acceleration, model.force_coefficient[k], {f.x, f.y, f.z});
     }
   }
+  if (model.has_ties()) acceleration = kernel::tie_add<float>(acceleration, load_vector(fields.tied, i));
   return acceleration;
 }
 
@@ -239,6 +241,33 @@ void skin(const Model& model, const SubstepInput& in, Fields& fields, Range rang
     }
     store_vector(fields.skinned, i, kernel::skin_position<float>(blend, rest_of(model, i)));
     store_vector(fields.gravity, i, kernel::snap_vector<float>(gravity));
+  }
+}
+
+void tie(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  const auto place_of = [&](std::uint32_t i) {
+    const Vector x = load_position(fields, i);
+    return model.is_implicit() ? kernel::tie_ahead<float>(x, load_vector(fields.velocities, i), in.step.h)
+                               : x;
+  };
+  const auto entry_term = [&](std::uint32_t i, std::uint32_t e) {
+    const shader::Tie& t = model.tie[model.tie_index[e]];
+    const kernel::TiePush<float> p = kernel::tie_push<float>(
+        place_of(t.sliding), place_of(t.corner_a), place_of(t.corner_b), place_of(t.corner_c), t.mobility_a,
+        t.mobility_b, t.mobility_c, t.rest_height);
+    const float of_corner = i == t.corner_a ? p.of_a : i == t.corner_b ? p.of_b : p.of_c;
+    const float coefficient = model.tie_coefficient[e];
+    return kernel::tie_term<float>(i == t.sliding ? -coefficient : coefficient * of_corner, p.push);
+  };
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    const std::uint32_t first = model.tie_offset[i], end = model.tie_offset[i + 1];
+    Vector acceleration{0.0f, 0.0f, 0.0f};
+    if (first < end) {
+      Vector sum = entry_term(i, first);
+      for (std::uint32_t e = first + 1; e < end; ++e) sum = kernel::tie_add<float>(sum, entry_term(i, e));
+      acceleration = kernel::tie_acceleration<float>(sum, in.step.inverse_h);
+    }
+    store_vector(fields.tied, i, acceleration);
   }
 }
 

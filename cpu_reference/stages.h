@@ -1,6 +1,6 @@
 // The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Only indexing: the
 // arithmetic is in shaders/kernel. Ranges may run on any threads: what a stage reads of other vertices, an
-// earlier stage wrote (region reads positions of its one-ring, goal and update read transforms), and what it
+// earlier stage wrote (region and tie read positions, goal and update read transforms), and what it
 // writes over (rotations, velocities, positions) only the vertex itself reads in that stage.
 #pragma once
 
@@ -33,6 +33,7 @@ struct SubstepInput {
 // Each takes the implicit integrator's way where the model is an implicit one; it alone has relax.
 void rebase(const SubstepInput& in, Fields& fields, Range range);
 void skin(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void tie(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void predict(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void region(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void goal(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);

@@ -72,6 +72,11 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_predicted, "predicted", 16 * implicit},
       {shader::buffer_iterate_before, "iterate before", 16 * implicit},
       {shader::buffer_response, "response", 2 * sizeof(shader::Response) * implicit},
+      {shader::buffer_tied, "tied", model.has_ties() ? 16 * n : 0},
+      {shader::buffer_tie, "tie", sizeof(shader::Tie) * model.tie.size()},
+      {shader::buffer_tie_offset, "tie offset", words(model.tie_offset)},
+      {shader::buffer_tie_index, "tie index", words(model.tie_index)},
+      {shader::buffer_tie_coefficient, "tie coefficient", words(model.tie_coefficient)},
   };
 }
 
@@ -113,6 +118,10 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
   fill(shader::buffer_region_muscle, model.region_muscle);
   fill(shader::buffer_region_frame, model.region_frame);
   fill(shader::buffer_region_volume, widened(model.region_volume));
+  fill(shader::buffer_tie, model.tie);
+  fill(shader::buffer_tie_offset, model.tie_offset);
+  fill(shader::buffer_tie_index, model.tie_index);
+  fill(shader::buffer_tie_coefficient, model.tie_coefficient);
   fill(shader::buffer_skin_offset, model.skin_offset);
   fill(shader::buffer_skin_joint, model.skin_joint);
   fill(shader::buffer_skin_weight, model.skin_weight);

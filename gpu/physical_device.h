@@ -10,7 +10,7 @@
 namespace fascicle::gpu {
 
 // Buffers that the largest kernel (update) binds. A test compares it with the shaders.
-inline constexpr std::uint32_t most_buffers_of_a_kernel = 17;
+inline constexpr std::uint32_t most_buffers_of_a_kernel = 18;
 
 struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;

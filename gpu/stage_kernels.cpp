@@ -14,6 +14,8 @@ spirv_exact::Module module_of(StageKernel kernel) {
       return shader::rebase_module();
     case StageKernel::skin:
       return shader::skin_module();
+    case StageKernel::tie:
+      return shader::tie_module();
     case StageKernel::predict:
       return shader::predict_module();
     case StageKernel::region:
@@ -37,8 +39,9 @@ spirv_exact::Module module_of(StageKernel kernel) {
 }  // namespace
 
 const char* name_of(StageKernel kernel) {
-  constexpr std::array<const char*, stage_kernel_count> names{
-      "rebase", "skin", "predict", "region", "goal", "relax", "integrate", "update", "iterate", "embed"};
+  constexpr std::array<const char*, stage_kernel_count> names{"rebase", "skin",    "tie",   "predict",
+                                                              "region", "goal",    "relax", "integrate",
+                                                              "update", "iterate", "embed"};
   return names[static_cast<std::uint32_t>(kernel)];
 }
 
@@ -53,6 +56,7 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   constants[shader::constant_carried] = model.carried.empty() ? 0 : 1;
   constants[shader::constant_volume] = model.region_volume.empty() ? 0 : 1;
   constants[shader::constant_implicit] = model.is_implicit() ? 1 : 0;
+  constants[shader::constant_ties] = model.has_ties() ? 1 : 0;
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
     if (alter)

@@ -13,6 +13,7 @@ namespace fascicle::gpu {
 enum class StageKernel : std::uint32_t {
   rebase,
   skin,
+  tie,
   predict,
   region,
   goal,
@@ -22,7 +23,7 @@ enum class StageKernel : std::uint32_t {
   iterate,
   embed
 };
-inline constexpr std::uint32_t stage_kernel_count = 10;
+inline constexpr std::uint32_t stage_kernel_count = 11;
 
 const char* name_of(StageKernel kernel);
 

@@ -195,6 +195,7 @@ class VulkanSolver : public model::Solver {
     if (model_.is_implicit())
       used = {StageKernel::predict, StageKernel::region, StageKernel::iterate, StageKernel::integrate};
     if (model_.has_skeleton()) used.push_back(StageKernel::skin);
+    if (model_.has_ties()) used.push_back(StageKernel::tie);
     if (model_.surface_count() > 0) used.push_back(StageKernel::embed);
     for (const StageKernel kernel : used) {
       CommandBuffer commands(device_, slot.pool);
@@ -221,6 +222,10 @@ class VulkanSolver : public model::Solver {
       probe->on_stage(where, shown(stage));
     };
     if (model_.has_skeleton()) show(Stage::skin);
+    if (model_.has_ties()) {
+      run(StageKernel::tie);
+      show(Stage::tie);
+    }
     if (model_.is_implicit()) {
       implicit = model::implicit_step(model_, tables_, step_before_ == h);
       const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
@@ -278,6 +283,7 @@ class VulkanSolver : public model::Solver {
                                  read_triples(shader::buffer_velocity), 3);
     if (stage == Stage::skin)
       return model::side_by_side(read_triples(skinned_buffer()), 3, read_triples(shader::buffer_gravity), 3);
+    if (stage == Stage::tie) return read_triples(shader::buffer_tied);
     if (stage == Stage::relax) return read_triples(shader::buffer_position);
     if (stage == Stage::goal) return read_triples(shader::buffer_goal);
     return read_triples(model_.is_implicit() ? shader::buffer_predicted : shader::buffer_velocity);

@@ -64,7 +64,14 @@ BUFFERS_CONSTANT uint buffer_predicted = 38u;       // y
 BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the last iteration but one
 BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, of backward Euler, then of BDF2
 
-BUFFERS_CONSTANT uint buffer_count = 41u;
+// Of a model with ties.
+BUFFERS_CONSTANT uint buffer_tied = 41u;  // the accelerations by ties, one vec4 a vertex
+BUFFERS_CONSTANT uint buffer_tie = 42u;   // Tie
+BUFFERS_CONSTANT uint buffer_tie_offset = 43u;
+BUFFERS_CONSTANT uint buffer_tie_index = 44u;
+BUFFERS_CONSTANT uint buffer_tie_coefficient = 45u;
+
+BUFFERS_CONSTANT uint buffer_count = 46u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
@@ -73,7 +80,8 @@ BUFFERS_CONSTANT uint constant_forces = 2u;    // the model has forces beside gr
 BUFFERS_CONSTANT uint constant_carried = 3u;   // some vertices do not feel all of the skeleton's acceleration
 BUFFERS_CONSTANT uint constant_volume = 4u;    // some regions have a volume term
 BUFFERS_CONSTANT uint constant_implicit = 5u;  // the model is an implicit one
-BUFFERS_CONSTANT uint constant_count = 6u;
+BUFFERS_CONSTANT uint constant_ties = 6u;      // the model has ties
+BUFFERS_CONSTANT uint constant_count = 7u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;

@@ -8,6 +8,7 @@ namespace fascicle::shader {
 
 std::span<const std::uint32_t> rebase_module();
 std::span<const std::uint32_t> skin_module();
+std::span<const std::uint32_t> tie_module();
 std::span<const std::uint32_t> predict_module();
 std::span<const std::uint32_t> region_module();
 std::span<const std::uint32_t> goal_module();

@@ -50,6 +50,16 @@ struct RegionFrame {
   float around_x, around_y, around_z;
 };
 
+// What keeps a vertex of a layer that slides at its distance from the flesh below: a spring between the
+// vertex and its foot on the plane of a triangle, which faces it. Mobilities are n_j w_j / w_s
+// (kernel/tie.inc), 0 of corners that are kinematic.
+struct Tie {
+  uint sliding;
+  uint corner_a, corner_b, corner_c;
+  float mobility_a, mobility_b, mobility_c;
+  float rest_height;  // working units
+};
+
 // One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex
 // takes its share of it through Model::force_coefficient (1/kg, for wind m^2/kg).
 struct Force {

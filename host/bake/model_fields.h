@@ -46,6 +46,10 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit.optional("region_frame", model.region_frame);
   visit.optional("volume_gain", model.volume_gain);
   visit.optional("region_volume", model.region_volume);
+  visit.optional("tie", model.tie);
+  visit.optional("tie_offset", model.tie_offset);
+  visit.optional("tie_index", model.tie_index);
+  visit.optional("tie_coefficient", model.tie_coefficient);
   visit("joint_count", model.joint_count);
   visit("skin_offset", model.skin_offset);
   visit("skin_joint", model.skin_joint);

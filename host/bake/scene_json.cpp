@@ -114,6 +114,7 @@ Json json_of_layer(const scene::Layer& layer) {
               {"inertia_scale", layer.inertia_scale},
               {"where", json_of(layer.where)}};
   if (layer.volume > 0.0) object["volume"] = layer.volume;
+  if (layer.sliding) object["sliding"] = true;
   return object;
 }
 

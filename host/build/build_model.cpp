@@ -21,6 +21,7 @@
 #include "host/build/order.h"
 #include "host/build/shares.h"
 #include "host/build/stiffness.h"
+#include "host/build/ties.h"
 #include "host/build/volume.h"
 #include "host/build/weights.h"
 #include "host/build/where.h"
@@ -271,10 +272,13 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
   warn_of_parts(rings, model, report);
+  if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
+    rings = without_sliding_pairs(rings, model, slides);
   write_weights(scene, layering, volume, std::move(rings), model, report);
   std::vector<double> volume_terms;
   for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
   write_volume(volume_terms, model);
+  write_ties(scene, model, report);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);
   write_render_mesh(body.render, model);

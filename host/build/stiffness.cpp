@@ -11,6 +11,7 @@
 #include "host/build/boundary.h"
 #include "host/build/lowest_mode.h"
 #include "host/build/message.h"
+#include "host/build/ties.h"
 #include "host/model/implicit.h"
 
 namespace fascicle::build {
@@ -63,6 +64,24 @@ double compliance(const Symmetric& w, const Symmetric& s) {
   return (w[0] * adjugate[0] + w[1] * adjugate[1] + w[2] * adjugate[2] +
           2.0 * (w[3] * adjugate[3] + w[4] * adjugate[4] + w[5] * adjugate[5])) /
          determinant;
+}
+
+// C_r of a sheet of unit normal n, from its S.
+double sheet_compliance(const Vector3d& n, const Symmetric& s) {
+  const auto [xx, yy, zz, xy, xz, yz] = s;
+  const Vector3d sn(xx * n[0] + xy * n[1] + xz * n[2], xy * n[0] + yy * n[1] + yz * n[2],
+                    xz * n[0] + yz * n[1] + zz * n[2]);
+  const double nsn = n[0] * sn[0] + n[1] * sn[1] + n[2] * sn[2];
+  const double across = (xx + yy + zz - nsn) / 2.0;
+  const Vector3d both = n + sn;
+  Symmetric w{}, flat = s;
+  add(0.5, {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}, w);
+  add(-0.5, product(n), w);
+  // P S P = S - (n (S n)^T + S n n^T) + (n.S n) n n^T, and n a^T + a n^T is (n + a)(n + a)^T less their own.
+  add(-1.0, product(both), flat);
+  add(1.0, product(sn), flat);
+  add(1.0 + nsn + across, product(n), flat);
+  return compliance(w, flat);
 }
 
 // Pa, or nothing where the layer states none; a layer that states a frequency has it from its lowest mode.
@@ -163,7 +182,7 @@ void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Repor
 }  // namespace
 
 std::vector<Symmetric> stress_directions(const RestState& state, const model::Model& model,
-                                         const std::string& source) {
+                                         const std::string& source, const std::vector<char>& slides) {
   scene::TetMesh mesh;
   for (std::size_t i = 0; i < state.mass.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
@@ -172,7 +191,10 @@ std::vector<Symmetric> stress_directions(const RestState& state, const model::Mo
   }
   std::vector<Symmetric> normals(state.mass.size(), Symmetric{});
   std::vector<double> area(state.mass.size(), 0.0);
-  for (const auto& [a, b, c] : boundary_triangles(mesh, source)) {
+  std::vector<std::array<std::uint32_t, 3>> free_surface = boundary_triangles(mesh, source);
+  const auto below = triangles_below(model, slides);
+  free_surface.insert(free_surface.end(), below.begin(), below.end());
+  for (const auto& [a, b, c] : free_surface) {
     const Vector3d p = mesh.vertices[b] - mesh.vertices[a], q = mesh.vertices[c] - mesh.vertices[a];
     const Vector3d n(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
     const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
@@ -194,18 +216,25 @@ std::vector<Symmetric> stress_directions(const RestState& state, const model::Mo
 
 std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState& state,
                                          std::span<const Symmetric> directions,
-                                         std::span<const double> volume, double unit) {
+                                         std::span<const double> volume, double unit,
+                                         std::span<const Vector3d> sheets) {
   std::vector<double> k(rings.size());
-  for (std::size_t r = 0; r < k.size(); ++r)
-    k[r] = volume[r] * compliance(directions[r], second_moment(rings, state, r)) / (unit * unit);
+  for (std::size_t r = 0; r < k.size(); ++r) {
+    const Symmetric s = second_moment(rings, state, r);
+    const bool is_sheet = !sheets.empty() && !sheets[r].isZero(0.0);
+    const double c = is_sheet ? sheet_compliance(sheets[r], s) : compliance(directions[r], s);
+    k[r] = volume[r] * c / (unit * unit);
+  }
   return k;
 }
 
 void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
                   const RestState& state, std::span<const double> volume, RegionWeights& weights,
                   model::Model& model, Report& report) {
+  const std::vector<char> slides = of_sliding_layers(scene, model);
   const std::vector<double> per_pascal =
-      stiffness_per_pascal(rings, state, stress_directions(state, model, scene.source), volume, model.unit);
+      stiffness_per_pascal(rings, state, stress_directions(state, model, scene.source, slides), volume,
+                           model.unit, sheet_normals(rings, state, model, slides, scene.source));
   std::vector<std::uint32_t> flat;
   for (std::uint32_t r = 0; r < rings.size(); ++r)
     if (!(per_pascal[r] > 0.0) || !std::isfinite(per_pascal[r])) flat.push_back(model.source_vertex[r]);

@@ -148,6 +148,40 @@ void check_volume(const Model& m) {
       broken("region_volume", 3 * r + 1, "is a norm that is not positive");
 }
 
+void check_ties(const Model& m) {
+  if (!m.has_ties()) {
+    check_size("tie_offset", m.tie_offset, 0);
+    check_size("tie_index", m.tie_index, 0);
+    check_size("tie_coefficient", m.tie_coefficient, 0);
+    return;
+  }
+  for (std::size_t k = 0; k < m.tie.size(); ++k) {
+    const shader::Tie& t = m.tie[k];
+    for (const std::uint32_t i : {t.sliding, t.corner_a, t.corner_b, t.corner_c})
+      if (i >= m.vertex_count) broken("tie", k, "names no vertex");
+    for (const std::uint32_t i : {t.corner_a, t.corner_b, t.corner_c})
+      if (i == t.sliding) broken("tie", k, "ties a vertex to itself");
+    for (const float mobility : {t.mobility_a, t.mobility_b, t.mobility_c})
+      if (mobility != 0.0f && !(mobility >= least_factor && mobility <= 0x1p40f))
+        broken("tie", k, "has a mobility that is out of its range");
+    if (!(t.rest_height >= least_factor) || !std::isfinite(t.rest_height)) broken("tie", k, "has no height");
+  }
+  check_offsets("tie_offset", m.tie_offset, m.vertex_count, m.tie_index.size());
+  check_indices("tie_index", m.tie_index, static_cast<std::uint32_t>(m.tie.size()));
+  check_size("tie_coefficient", m.tie_coefficient, m.tie_index.size());
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+    for (std::uint32_t e = m.tie_offset[i]; e < m.tie_offset[i + 1]; ++e) {
+      const shader::Tie& t = m.tie[m.tie_index[e]];
+      if (m.is_kinematic(i)) broken("tie_index", e, "acts on a kinematic vertex");
+      if (e > m.tie_offset[i] && m.tie_index[e - 1] >= m.tie_index[e])
+        broken("tie_index", e, "is not ascending");
+      if (i != t.sliding && i != t.corner_a && i != t.corner_b && i != t.corner_c)
+        broken("tie_index", e, "is not a tie of this vertex");
+      if (!(m.tie_coefficient[e] >= least_factor && m.tie_coefficient[e] <= 0x1p40f))
+        broken("tie_coefficient", e, "is out of its range");
+    }
+}
+
 void check_skin(const Model& m) {
   if (m.joint_count == 0) {
     check_size("skin_offset", m.skin_offset, 0);
@@ -218,6 +252,7 @@ void check_model(const Model& m) {
   check_stiffness(m);
   check_muscles(m);
   check_volume(m);
+  check_ties(m);
   check_skin(m);
   check_forces(m);
   check_size("surface_weight", m.surface_weight, m.surface_vertex.size());
@@ -239,11 +274,12 @@ std::uint64_t solver_bytes(const Model& m) {
   const std::uint64_t fixed =
       bytes(m.rest) + bytes(m.alpha) + bytes(m.tag) + bytes(m.ring_offset) + bytes(m.ring) + bytes(m.pull) +
       bytes(m.share_taken) + bytes(m.share_given) + bytes(m.region_rest) + bytes(m.muscle_offset) +
-      bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.region_volume) + bytes(m.skin_offset) +
+      bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.region_volume) + bytes(m.tie) +
+      bytes(m.tie_offset) + bytes(m.tie_index) + bytes(m.tie_coefficient) + bytes(m.skin_offset) +
       bytes(m.skin_joint) + bytes(m.skin_weight) + bytes(m.carried) + bytes(m.force_offset) +
       bytes(m.force_index) + bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
   const std::uint64_t floats_of_state = 3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) +
-                                        (m.carried.empty() ? 0 : 3) +
+                                        (m.carried.empty() ? 0 : 3) + (m.has_ties() ? 3 : 0) +
                                         (m.is_implicit() ? 3 + 3 + 3 + 3 + 8 : 0);
   return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);
 }

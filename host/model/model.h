@@ -101,6 +101,14 @@ struct Model {
   std::vector<float> region_volume;  // 3n or 0: b = det(A0_r)^(-1/3), then |A0^-1|^2 and
                                      // G |A0^-1|^2 / trace(A0^-1) with A0 = b A0_r; 0 1 0 where G is 0
 
+  // Ties between layers that slide and the flesh below, by ascending sliding vertex; empty without. Of each
+  // vertex the ties that act on it (CSR, ascending) with the share of a substep that they bear times w_i /
+  // w_s (shaders/kernel/tie.inc), at least least_factor; kinematic vertices have none.
+  std::vector<shader::Tie> tie;
+  std::vector<std::uint32_t> tie_offset;  // n + 1 or 0
+  std::vector<std::uint32_t> tie_index;
+  std::vector<float> tie_coefficient;
+
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
   std::vector<std::uint32_t> skin_offset;  // n + 1 or 0
@@ -132,6 +140,7 @@ struct Model {
   std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface_vertex.size() / 4); }
   std::uint32_t tetrahedron_count() const { return static_cast<std::uint32_t>(tetrahedron.size() / 4); }
   bool has_skeleton() const { return joint_count > 0; }
+  bool has_ties() const { return !tie.empty(); }
   bool is_implicit() const { return !stiffness.empty(); }
   bool is_kinematic(std::uint32_t i) const { return (tag[i] & shader::tag_kinematic) != 0; }
   std::uint32_t layer_of(std::uint32_t i) const { return tag[i] & shader::tag_layer_mask; }

@@ -11,6 +11,8 @@ const char* name_of(Stage stage) {
   switch (stage) {
     case Stage::skin:
       return "skin";
+    case Stage::tie:
+      return "tie";
     case Stage::predict:
       return "predict";
     case Stage::region:

@@ -14,15 +14,16 @@
 namespace fascicle::model {
 
 // The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
-// shader (region.comp), the kernel (kernel/region.inc), and the test. An implicit substep goes through
-// region, goal and relax once an iteration; an explicit one has no relax.
-enum class Stage { skin, predict, region, goal, relax, integrate, embed };
-inline constexpr std::array<Stage, 7> all_stages{Stage::skin,  Stage::predict,   Stage::region, Stage::goal,
-                                                 Stage::relax, Stage::integrate, Stage::embed};
+// shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
+// only one with ties has tie. An implicit substep goes through region, goal and relax once an iteration; an
+// explicit one has no relax.
+enum class Stage { skin, tie, predict, region, goal, relax, integrate, embed };
+inline constexpr std::array<Stage, 8> all_stages{Stage::skin, Stage::tie,   Stage::predict,   Stage::region,
+                                                 Stage::goal, Stage::relax, Stage::integrate, Stage::embed};
 const char* name_of(Stage stage);
 
 // Floats an item of the stage's output holds. skin: skinned position (3), the bones' change of gravity (3);
-// predict: velocity with the external
+// tie: acceleration by the ties; predict: velocity with the external
 // forces in (explicit), or the predicted position y (implicit); region: linear map (row by row, 9),
 // translation (3), quaternion w x y z (4); goal: position; relax: position, the iterate; integrate: position
 // (3), velocity (3); embed: position. One item a vertex, for embed one a render vertex.

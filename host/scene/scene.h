@@ -173,6 +173,7 @@ struct Layer {
   std::optional<Vector3d> fibre;         // constant direction, normalised when read
   bool fibre_field = false;              // the direction comes from the fibre field; not beside `fibre`
   bool kinematic = false;                // a bone layer: moved by skinning, pinned without a skeleton
+  bool sliding = false;                  // skin: tied to the flesh of other layers across it only
   double inertia_scale = 1.0;            // [0, 1]: share of the skeleton's acceleration that the flesh feels
   double volume = 0.0;                   // [0, 1]: how strongly volume is drawn back to rest
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins

@@ -64,6 +64,13 @@ void read_stiffness(const toml::table& table, const std::string& path, bool impl
          "lacks one of youngs_modulus, frequency, material, of which the implicit integrator takes one");
 }
 
+void read_sliding(const toml::table& table, const std::string& path, Layer& layer) {
+  read(table, "sliding", layer.sliding);
+  if (layer.sliding && layer.kinematic)
+    fail(table.get("sliding")->source(), join_path(path, "sliding"),
+         "is for flesh that moves by itself, and a kinematic layer does not; leave one of them out");
+}
+
 void read_layers(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
   std::string rest_of_body;
   for_each_named(root, "layers",
@@ -80,6 +87,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    read(table, "beta", layer.beta);
                    read(table, "damping", layer.damping);
                    read(table, "kinematic", layer.kinematic);
+                   read_sliding(table, path, layer);
                    read_stiffness(table, path, scene.solver.integrator == "implicit", layer);
                    read(table, "density", layer.density);
                    read(table, "inertia_scale", layer.inertia_scale);

@@ -167,6 +167,12 @@ struct Tables {
             .type = KeyType::boolean,
             .doc = "Moved by the skeleton alone, or held still where there is none: bone.",
             .fallback = Layer{}.kinematic},
+           {.name = "sliding",
+            .type = KeyType::boolean,
+            .doc = "Skin: slides along the flesh of other layers and keeps its distance from it; attached "
+                   "where it "
+                   "meets bone.",
+            .fallback = Layer{}.sliding},
            {.name = "inertia_scale",
             .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",
             .range = between(0.0, 1.0),

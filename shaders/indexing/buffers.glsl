@@ -14,6 +14,7 @@ layout(constant_id = constant_forces) const bool with_forces = false;
 layout(constant_id = constant_carried) const bool with_carried = false;
 layout(constant_id = constant_volume) const bool with_volume = false;
 layout(constant_id = constant_implicit) const bool with_implicit = false;
+layout(constant_id = constant_ties) const bool with_ties = false;
 
 layout(std430, binding = buffer_position) buffer PositionBuffer { vec4 position[]; };
 layout(std430, binding = buffer_velocity) buffer VelocityBuffer { vec4 velocity[]; };
@@ -57,6 +58,12 @@ layout(std430, binding = buffer_begun) buffer BegunBuffer { vec4 begun[]; };
 layout(std430, binding = buffer_predicted) buffer PredictedBuffer { vec4 predicted[]; };
 layout(std430, binding = buffer_iterate_before) buffer IterateBeforeBuffer { vec4 iterate_before[]; };
 layout(std430, binding = buffer_response) readonly buffer ResponseBuffer { Response response[]; };
+
+layout(std430, binding = buffer_tied) buffer TiedBuffer { vec4 tied[]; };
+layout(std430, binding = buffer_tie) readonly buffer TieBuffer { Tie tie[]; };
+layout(std430, binding = buffer_tie_offset) readonly buffer TieOffsetBuffer { uint tie_offset[]; };
+layout(std430, binding = buffer_tie_index) readonly buffer TieIndexBuffer { uint tie_index[]; };
+layout(std430, binding = buffer_tie_coefficient) readonly buffer TieCoefficientBuffer { float tie_coefficient[]; };
 
 uint item_index() { return (push.first_slice + gl_WorkGroupID.x) * slice_width + gl_LocalInvocationID.x; }
 

@@ -3,8 +3,9 @@
 #define FASCICLE_INDEXING_PREDICT_GLSL
 #include "shaders/indexing/skeleton.glsl"
 #include "shaders/kernel/predict.inc"
+#include "shaders/kernel/tie.inc"
 
-// Gravity and the scene's forces on vertex i.
+// Gravity, the scene's forces and the ties on vertex i.
 Vector external_acceleration(uint i) {
   Vector a;
   a.x = push.substep.gravity_x;
@@ -22,6 +23,7 @@ Vector external_acceleration(uint i) {
       a = add_force(a, force_coefficient[k], direction);
     }
   }
+  if (with_ties) a = tie_add(a, vector_of(tied[i]));
   return a;
 }
 

@@ -74,6 +74,24 @@ TEST_F(ModelFile, AVolumeTermIsInTheFileOfThoseThatHaveOne) {
   EXPECT_EQ(bake::encode_model(read), bytes);
 }
 
+TEST_F(ModelFile, TiesAreInTheFileOfThoseThatHaveThem) {
+  EXPECT_EQ(bytes_.find("tie_index"), std::string::npos);
+  model_.tie = {{0, 1, 2, 3, 1.0f, 1.0f, 0.5f, 0.125f}};
+  model_.tie_offset.assign(std::size_t{model_.vertex_count} + 1, 1);
+  model_.tie_offset[0] = 0;
+  model_.tie_index = {0};
+  model_.tie_coefficient = {0.375f};
+  const std::string bytes = bake::encode_model(model_);
+  EXPECT_EQ(bake::encoded_bytes(model_), bytes.size());
+  EXPECT_NE(bake::model_hash(model_), hash_);
+  hash_ = bake::model_hash(model_);
+  write(bytes);
+  const model::Model read = bake::read_model_file(path_, hash_);
+  EXPECT_EQ(read.tie.size(), 1u);
+  EXPECT_EQ(read.tie_coefficient, model_.tie_coefficient);
+  EXPECT_EQ(bake::encode_model(read), bytes);
+}
+
 TEST_F(ModelFile, WhatIsCutShortOrChangedIsRefused) {
   for (std::size_t length = 0; length < bytes_.size(); length += 1 + length / 7)
     EXPECT_NE(refusal(bytes_.substr(0, length)), "") << length;

@@ -97,6 +97,34 @@ void add_skin(Model& m, double length) {
   }
 }
 
+// A tie from every vertex above to the triangle of its neighbours below.
+void add_ties(const BarOptions& o, Model& m) {
+  std::vector<std::vector<std::pair<std::uint32_t, float>>> entries(m.vertex_count);
+  for (std::uint32_t along = 1; along + 1 < o.x; ++along)
+    for (std::uint32_t k = 0; k < o.z; ++k) {
+      const auto at = [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+        return (x * o.y + y) * o.z + z;
+      };
+      const auto t = static_cast<std::uint32_t>(m.tie.size());
+      const std::uint32_t s = at(along, o.y - 1, k);
+      const std::uint32_t corners[3] = {at(along, o.y - 2, k), at(along - 1, o.y - 2, k),
+                                        at(along + 1, o.y - 2, (k + 1) % o.z)};
+      m.tie.push_back({s, corners[0], corners[1], corners[2], 2.0f, along == 1 ? 0.0f : 1.0f, 0.5f,
+                       0.9f * static_cast<float>(spacing)});
+      entries[s].emplace_back(t, 0.5f);
+      for (const std::uint32_t j : corners)
+        if (!m.is_kinematic(j)) entries[j].emplace_back(t, 0.2f + 0.01f * static_cast<float>(t % 7));
+    }
+  m.tie_offset.push_back(0);
+  for (const auto& of_vertex : entries) {
+    for (const auto& [tie, coefficient] : of_vertex) {
+      m.tie_index.push_back(tie);
+      m.tie_coefficient.push_back(coefficient);
+    }
+    m.tie_offset.push_back(static_cast<std::uint32_t>(m.tie_index.size()));
+  }
+}
+
 }  // namespace
 
 Model make_bar(const BarOptions& o) {
@@ -147,6 +175,7 @@ Model make_bar(const BarOptions& o) {
                              {some ? 1.5f / size : 0.0f, some ? 4.0f : 1.0f, some ? 2.5f : 0.0f});
     }
   }
+  if (o.ties) add_ties(o, m);
   if (o.forces) {
     m.force_count = 2;
     m.force_offset.push_back(0);

@@ -18,6 +18,7 @@ struct BarOptions {
   bool muscle = false;
   bool forces = false;
   bool volume = false;  // a volume term in two of three regions
+  bool ties = false;    // of the uppermost vertices to triangles below them, some of which are held
   bool surface = true;
   bool implicit = false;      // for the implicit integrator, from soft to stiff
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight

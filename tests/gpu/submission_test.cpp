@@ -37,7 +37,7 @@ class Submissions : public VulkanTest {
  protected:
   // 385 vertices: 13 slices a stage, the last of them a short one.
   const model::Model model =
-      make_bar({.x = 11, .y = 7, .z = 5, .skeleton = true, .muscle = true, .forces = true});
+      make_bar({.x = 11, .y = 7, .z = 5, .skeleton = true, .muscle = true, .forces = true, .ties = true});
   static constexpr std::uint64_t slices_of_stage = 13;
 
   void expect_bits_of_cpu(const gpu::Experiments& experiments) {
@@ -72,9 +72,9 @@ TEST_F(Submissions, WithoutLimitsAFrameOfASmallBodyIsOne) {
   BarMotion motion(model, 3);
   vulkan->submit(motion.drive(1), all_but_skinned);
   EXPECT_EQ(counts.slices.size(), 1u);
-  // skin, region and update of each substep; embed has 37 render vertices, two slices.
-  EXPECT_EQ(counts.slices[0], 3 * 3 * slices_of_stage + 2);
-  EXPECT_EQ(counts.groups.size(), 10u);
+  // skin, tie, region and update of each substep; embed has 37 render vertices, two slices.
+  EXPECT_EQ(counts.slices[0], 3 * 4 * slices_of_stage + 2);
+  EXPECT_EQ(counts.groups.size(), 13u);
 }
 
 TEST_F(Submissions, HoldNoMoreSlicesThanAllowedAndKeepTheBits) {

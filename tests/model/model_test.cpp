@@ -8,6 +8,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/model/validate.h"
+#include "tests/support/sliding_models.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {
@@ -38,6 +39,12 @@ TEST(Factor, BelowTheLeastIsZero) {
     EXPECT_EQ(model::as_factor(sign * 1e-42), 0.0f);
     EXPECT_EQ(model::as_factor(sign * 0.75), sign * 0.75);
   }
+}
+
+// Its upper half slides.
+Model& tie_down(Model& model) {
+  add_sliding(model, [](const Eigen::Vector3d& p) { return p.y() > 0.4; });
+  return model;
 }
 
 TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
@@ -76,6 +83,20 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
          add_volume(m, 1.0f);
          m.region_volume[4] = 0.0f;
        }},
+      {"tie", [](Model& m) { tie_down(m).tie[0].corner_b = m.vertex_count; }},
+      {"tie",
+       [](Model& m) {
+         tie_down(m);
+         m.tie[0].corner_b = m.tie[0].sliding;
+       }},
+      {"tie", [](Model& m) { tie_down(m).tie[0].mobility_a = 1e-42f; }},
+      {"tie", [](Model& m) { tie_down(m).tie[0].rest_height = 0.0f; }},
+      {"tie_offset", [](Model& m) { tie_down(m).tie_offset.pop_back(); }},
+      {"tie_index", [](Model& m) { tie_down(m).tie_index[0] = 1000; }},
+      {"tie_index", [](Model& m) { make_kinematic(m, tie_down(m).tie[0].sliding); }},
+      {"tie_coefficient", [](Model& m) { tie_down(m).tie_coefficient[0] *= -1.0f; }},
+      {"tie_coefficient", [](Model& m) { tie_down(m).tie_coefficient.back() = 1e-42f; }},
+      {"tie_index", [](Model& m) { m.tie_index.push_back(0); }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
       {"force_index", [](Model& m) { m.force_index.push_back(0); }},
       {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},

@@ -59,6 +59,7 @@ Scene random_scene(scene::Geometry geometry) {
     if (const Vector3d d = direction(); d.norm() > 0.1 && *rc::gen::arbitrary<bool>())
       layer.fibre = d.normalized();
     layer.kinematic = *rc::gen::inRange(0, 6) == 0;
+    layer.sliding = !layer.kinematic && *rc::gen::inRange(0, 4) == 0;
     if (k > 0)
       layer.where = {scene::HalfSpace{.axis = static_cast<scene::Axis>(*rc::gen::inRange(0, 3)),
                                       .below = *rc::gen::arbitrary<bool>(),
@@ -89,7 +90,7 @@ Scene random_scene(scene::Geometry geometry) {
 // tetrahedra by number, or a key of the scene file.
 bool names_what_is_wrong(const std::string& message) {
   static const std::regex named(
-      R"(random: (?:.*\b(?:vertex|vertices|tetrahedron) \(?\d|(?:layers|pins|probe|force)\.\w+: )"
+      R"(random: (?:.*\b(?:vertex|vertices|tetrahedron) \(?\d|(?:layers|pins|probe|force)\.\w+(?:\.\w+)?: )"
       R"(|layers: no layer takes |bar: (?:size|vertices|jitter): |mesh: there are no t|mesh: .*set `scale`))");
   return std::regex_search(message, named, std::regex_constants::match_continuous);
 }

@@ -492,6 +492,9 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
                 .find("layers.more.alpha: takes solver.integrator = \"explicit\""),
             std::string::npos);
   EXPECT_EQ(refusal(with("kinematic = true\n" + where)), "no error");
+  EXPECT_EQ(refusal(with("frequency = 2.0\nsliding = true\n" + where)), "no error");
+  const std::string slides = refusal(with("kinematic = true\nsliding = true\n" + where));
+  EXPECT_NE(slides.find("sliding: is for flesh that moves by itself"), std::string::npos) << slides;
   EXPECT_NE(refusal(with("kinematic = true\nfrequency = 2.0\n" + where)).find("a kinematic layer has none"),
             std::string::npos);
   const std::vector<std::pair<std::string, std::string>> refused{

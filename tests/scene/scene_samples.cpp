@@ -143,6 +143,7 @@ connect = false
 alpha = 0.5
 inertia_scale = 0.5
 volume = 0.75
+sliding = true
 
 [motion]
 rest = "sculpted"
@@ -324,7 +325,7 @@ std::string describe(const Scene& scene) {
   }
   for (const Layer& l : scene.layers) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
-           l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.where);
+           l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.sliding, l.where);
     d.line("stiffness", l.youngs_modulus, l.frequency, l.material, l.damping_ratio);
   }
   for (const Muscle& m : scene.muscles) {

@@ -99,6 +99,14 @@ TEST(SharedLayout, Force) {
   EXPECT_EQ(layout.stride, sizeof(shader::Force));
 }
 
+TEST(SharedLayout, Tie) {
+  const Layout layout = layout_in(shader::tie_module(), "Tie");
+  EXPECT_EQ(layout.members, (Members{MEMBER(Tie, sliding), MEMBER(Tie, corner_a), MEMBER(Tie, corner_b),
+                                     MEMBER(Tie, corner_c), MEMBER(Tie, mobility_a), MEMBER(Tie, mobility_b),
+                                     MEMBER(Tie, mobility_c), MEMBER(Tie, rest_height)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::Tie));
+}
+
 TEST(SharedLayout, VertexRecord) {
   const Layout layout = layout_in(shader::update_module(), "VertexRecord");
   EXPECT_EQ(layout.members, (Members{MEMBER(VertexRecord, tag), MEMBER(VertexRecord, degree),
