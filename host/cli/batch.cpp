@@ -14,6 +14,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/file.h"
+#include "host/bake/folder.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/command.h"
 #include "host/cli/device_choice.h"

@@ -122,7 +122,7 @@ std::size_t address_space_used() {
   setrlimit(RLIMIT_AS, &space);
   try {
     const model::Model model = random_model(1);
-    cpu_reference::make_cpu_solver(model, options_of(model), 1000)->save();
+    cpu_reference::make_cpu_solver(model, {}, 1000)->save();
   } catch (const std::bad_alloc&) {
     std::_Exit(1);
   }
