@@ -9,8 +9,14 @@ const file = fs.readFileSync(process.argv[2]);
 // Its WebAssembly is built for browsers and looks for one.
 process.type = 'renderer';
 globalThis.window = globalThis;
-const program = fs.readFileSync(createRequire(import.meta.url).resolve('tinyusdz/tinyusdz.wasm'));
-const tinyusdz = await (await import('tinyusdz/tinyusdz.js')).default({
+const find = createRequire(import.meta.url).resolve;
+const program = fs.readFileSync(find('tinyusdz/tinyusdz.wasm'));
+// An ES module by its content, which only newer versions of node look at; older ones go by the name.
+const named = new URL(`./tinyusdz-${process.pid}.mjs`, import.meta.url);
+fs.copyFileSync(find('tinyusdz/tinyusdz.js'), named);
+const module = await import(named);
+fs.unlinkSync(named);
+const tinyusdz = await module.default({
   instantiateWasm: (imports, done) => {
     WebAssembly.instantiate(program, imports).then(({ instance, module }) => done(instance, module));
     return {};
