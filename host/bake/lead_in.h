@@ -18,7 +18,7 @@ struct LeadInSummary {
   std::uint64_t settle_frames = 0;
   std::optional<double> settled_speed;  // m/s, root mean square over the free vertices, after settling
   std::uint64_t cycles = 0;
-  bool was_kept = false;      // not stepped now: an earlier bake's
+  bool was_kept = false;       // not stepped now: an earlier bake's
   std::optional<double> jump;  // m: how far a vertex ended from where it began in the last of them
 };
 
