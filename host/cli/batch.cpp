@@ -128,7 +128,7 @@ class Batch {
         throw scene::SceneError("job." + job.name + ": " + error.what());
       }
       for (const std::string& format : job.formats)
-        if (const std::vector<std::string> names = bake::format_names();
+        if (const std::vector<std::string>& names = bake::format_names();
             std::find(names.begin(), names.end(), format) == names.end())
           throw scene::SceneError("job." + job.name + ": there is no format \"" + format + "\"" +
                                   scene::nearest_name_hint(format, names));
