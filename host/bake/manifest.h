@@ -49,6 +49,7 @@ struct ManifestSummary {
   // Of the scene, as scene::Scene has them: enough to read it again while its inputs are where they were.
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;
+  std::string last_position_hash;  // empty before frame 0
   Timings timings;
   LeadInSummary lead_in;
   ClampedMuscles clamped;

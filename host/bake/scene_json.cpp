@@ -2,6 +2,8 @@
 
 #include <type_traits>
 
+#include "host/scene/pose.h"
+
 namespace fascicle::bake {
 
 namespace {
@@ -222,7 +224,7 @@ Json json_of(const scene::Scene& scene) {
           {"end", scene.end},
           {"frames", scene::frame_count(scene)},
           {"clip", scene.clip},
-          {"clip_name", scene.clip_name},
+          {"clip_name", scene::clip_name(scene)},
           {"gravity", json_of(scene.gravity)},
           {"motion", json_of(scene.motion)},
           {"solver",

@@ -62,6 +62,16 @@ void append_boundary(const std::vector<Face>& faces, const std::string& source,
 
 }  // namespace
 
+scene::TetMesh rest_mesh(const RestState& state, const model::Model& model) {
+  scene::TetMesh mesh;
+  for (std::size_t i = 0; i < state.mass.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const std::uint32_t* v = &model.tetrahedron[t];
+    mesh.tetrahedra.push_back({v[0], v[1], v[2], v[3]});
+  }
+  return mesh;
+}
+
 std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
                                                              const std::string& source) {
   constexpr std::uint32_t bands = 8;

@@ -7,8 +7,13 @@
 #include <vector>
 
 #include "host/build/body.h"
+#include "host/build/weights.h"
+#include "host/model/model.h"
 
 namespace fascicle::build {
+
+// The body at rest, in working units.
+scene::TetMesh rest_mesh(const RestState& state, const model::Model& model);
 
 // Triangles that belong to one tetrahedron only, facing outward, ordered by their corners. Throws
 // scene::SceneError where three or more tetrahedra share a triangle. Tetrahedra must have positive volume.

@@ -183,12 +183,7 @@ void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Repor
 
 std::vector<Symmetric> stress_directions(const RestState& state, const model::Model& model,
                                          const std::string& source, const std::vector<char>& slides) {
-  scene::TetMesh mesh;
-  for (std::size_t i = 0; i < state.mass.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
-    const std::uint32_t* v = &model.tetrahedron[t];
-    mesh.tetrahedra.push_back({v[0], v[1], v[2], v[3]});
-  }
+  const scene::TetMesh mesh = rest_mesh(state, model);
   std::vector<Symmetric> normals(state.mass.size(), Symmetric{});
   std::vector<double> area(state.mass.size(), 0.0);
   std::vector<std::array<std::uint32_t, 3>> free_surface = boundary_triangles(mesh, source);

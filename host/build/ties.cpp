@@ -192,12 +192,7 @@ OneRings without_sliding_pairs(const OneRings& rings, const Model& model, const 
 std::vector<Vector3d> sheet_normals(const OneRings& rings, const RestState& state, const Model& model,
                                     const std::vector<char>& slides, const std::string& source) {
   if (slides.empty()) return {};
-  scene::TetMesh mesh;
-  for (std::size_t i = 0; i < rings.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
-    const std::uint32_t* v = &model.tetrahedron[t];
-    mesh.tetrahedra.push_back({v[0], v[1], v[2], v[3]});
-  }
+  const scene::TetMesh mesh = rest_mesh(state, model);
   std::vector<Vector3d> normals(rings.size(), Vector3d::Zero());
   std::vector<char> in_sheet(rings.size(), 0);  // on the surface, in a layer that slides
   for (const auto& triangle : boundary_triangles(mesh, source)) {

@@ -18,6 +18,7 @@
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
 #include "host/scene/content_hash.h"
+#include "host/scene/pose.h"
 
 namespace fascicle::cli {
 namespace {
@@ -182,8 +183,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   scene::Scene scene = load(arguments.scene);
   if (const auto* character = std::get_if<scene::Character>(&scene.geometry);
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
-    log.info("clip: " + scene.clip_name + ", the first of " + std::to_string(character->clips.size()) +
-             " (fascicle inspect lists them, --clip chooses)");
+    log.info("clip: " + scene::clip_name(scene) + ", the first of " +
+             std::to_string(character->clips.size()) + " (fascicle inspect lists them, --clip chooses)");
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
   // Before the work of building, not after it.
   if (!arguments.dry_run && !arguments.overwrite && !arguments.resume && bake::holds_bake(arguments.folder))

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <deque>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/file.h"
 #include "host/bake/folder.h"
+#include "host/bake/manifest.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/command.h"
 #include "host/cli/device_choice.h"
@@ -52,26 +52,9 @@ std::string word_of(const Outcome& outcome) {
   return "failed";
 }
 
-// "cpu,vulkan:1" cut up again: the children read it for themselves.
-std::vector<std::string> labels_of(const std::string& devices) {
-  (void)parse_device_list(devices);
-  std::vector<std::string> labels;
-  for (std::size_t begin = 0; begin <= devices.size();) {
-    const std::size_t end = std::min(devices.find(',', begin), devices.size());
-    labels.push_back(devices.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return labels;
-}
-
 std::string last_hash(const fs::path& folder) {
-  try {
-    std::ifstream file(folder / "manifest.json");
-    const Json manifest = Json::parse(file);
-    return manifest.at("position_hashes").back().get<std::string>();
-  } catch (const std::exception&) {
-    return {};  // another program's folder, or none
-  }
+  const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
+  return manifest ? manifest->last_position_hash : std::string();
 }
 
 class Batch {
@@ -80,12 +63,14 @@ class Batch {
       : arguments_(arguments), jobs_(std::move(jobs)), log_(log), outcomes_(jobs_.jobs.size()) {}
 
   ExitCode run() {
+    (void)parse_device_list(arguments_.devices);
     check_all();
     if (arguments_.dry_run) {
       print_plan();
       return ExitCode::done;
     }
-    for (const std::string& label : labels_of(arguments_.devices)) slots_.push_back({label, nullptr, 0, {}});
+    for (const std::string& label : split_device_list(arguments_.devices))
+      slots_.push_back({label, nullptr, 0, {}});
     for (std::size_t job = 0; job < jobs_.jobs.size(); ++job) waiting_.push_back(job);
     const std::atomic<bool>& interrupted = catch_interrupts();
     bool told = false;
@@ -242,7 +227,7 @@ class Batch {
               << ": nothing is written\n";
     for (const scene::Job& job : jobs_.jobs) {
       std::cout << "  fascicle";
-      for (const std::string& word : command_of(job, labels_of(arguments_.devices).front()))
+      for (const std::string& word : command_of(job, split_device_list(arguments_.devices).front()))
         std::cout << " "
                   << (word.find_first_of(" |\"'[]{}()$&;*?") == std::string::npos ? word : "'" + word + "'");
       std::cout << "\n";

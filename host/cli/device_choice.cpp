@@ -52,17 +52,24 @@ DeviceRequest parse_device(const std::string& text) {
   throw UsageError("device \"" + text + "\" is not one; " + known_devices);
 }
 
-std::vector<DeviceRequest> parse_device_list(const std::string& text) {
-  std::vector<DeviceRequest> requests;
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t comma = text.find(',', begin);
-    requests.push_back(parse_device(text.substr(begin, comma - begin)));
-    if (requests.back().kind == DeviceRequest::Kind::automatic)
-      throw UsageError("--devices names what to compare: cpu, cpu:LEVEL, vulkan or vulkan:N, not auto");
-    if (comma == std::string::npos) return requests;
+std::vector<std::string> split_device_list(const std::string& text) {
+  std::vector<std::string> entries;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    entries.push_back(text.substr(begin, comma - begin));
     begin = comma + 1;
   }
+  return entries;
+}
+
+std::vector<DeviceRequest> parse_device_list(const std::string& text) {
+  std::vector<DeviceRequest> requests;
+  for (const std::string& entry : split_device_list(text)) {
+    requests.push_back(parse_device(entry));
+    if (requests.back().kind == DeviceRequest::Kind::automatic)
+      throw UsageError("a list of devices names each: cpu, cpu:LEVEL, vulkan or vulkan:N, not auto");
+  }
+  return requests;
 }
 
 std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,

@@ -25,6 +25,8 @@ struct DeviceRequest {
 
 // "auto", "cpu", "cpu:LEVEL" (the instructions to use, see simd.h), "vulkan", "vulkan:N". Throws UsageError.
 DeviceRequest parse_device(const std::string& text);
+// "cpu,vulkan:1" cut at its commas.
+std::vector<std::string> split_device_list(const std::string& text);
 // "cpu,vulkan:1". Throws UsageError, for an empty entry and for "auto" too.
 std::vector<DeviceRequest> parse_device_list(const std::string& text);
 

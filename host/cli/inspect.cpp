@@ -9,6 +9,7 @@
 #include "host/cli/model_vtu.h"
 #include "host/cli/text.h"
 #include "host/scene/muscle_bones.h"
+#include "host/scene/pose.h"
 
 namespace fascicle::cli {
 namespace {
@@ -170,7 +171,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"frames", scene::frame_count(scene)},
           {"fps", scene.fps},
           {"clips", clips},
-          {"clip", scene.clip_name},
+          {"clip", scene::clip_name(scene)},
           {"substeps", scene.solver.substeps},
           {"solver_bytes", model::solver_bytes(model)},
           {"skeleton", json_of(report.joints)},
@@ -295,7 +296,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
   std::vector<std::pair<std::string, std::string>> rows;
   for (const scene::Clip& clip : clips_of(scene))
     rows.emplace_back(clip.name, number_text(clip.duration, 3) + " s" +
-                                     (clip.name == scene.clip_name ? ", the one to bake" : ""));
+                                     (clip.name == scene::clip_name(scene) ? ", the one to bake" : ""));
   if (!rows.empty()) std::cout << "clips\n" << columns_text(rows);
   std::cout << "layers\n";
   rows.clear();

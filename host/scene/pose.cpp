@@ -23,6 +23,12 @@ const Clip* find_clip(const Character& character, const std::string& name) {
   throw SceneError(text);
 }
 
+std::string clip_name(const Scene& scene) {
+  const auto* character = std::get_if<Character>(&scene.geometry);
+  const Clip* clip = character != nullptr ? find_clip(*character, scene.clip) : nullptr;
+  return clip != nullptr ? clip->name : std::string();
+}
+
 std::vector<Eigen::Matrix4d> joint_transforms_at(const Character& character, const Clip* clip, double time) {
   const std::size_t count = character.skeleton.size();
   std::vector<Eigen::Matrix4d> local(count);

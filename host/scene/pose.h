@@ -10,6 +10,8 @@ namespace fascicle::scene {
 // The clip named `name`, by index if it is a number, or the first if empty. Null if the character has no clip
 // and name is empty. Throws SceneError with the names there are.
 const Clip* find_clip(const Character& character, const std::string& name);
+// The name of the clip that the scene plays; empty where it plays none.
+std::string clip_name(const Scene& scene);
 
 // For each joint the affine map from the bind pose (metres) to the pose at `time` (s, clamped to the clip;
 // null clip: the rest transforms). The same bits on every machine: no library trigonometry.

@@ -305,10 +305,9 @@ struct Scene {
   SolverSettings solver;
   Motion motion;
   double fps = 60.0;
-  double start = 0.0;     // s of the clip where frame 0 stands
-  double end = 2.0;       // s of the clip; a cycle has round((end - start) fps) frames
-  std::string clip;       // name or index; empty: the first
-  std::string clip_name;  // that of the one found
+  double start = 0.0;  // s of the clip where frame 0 stands
+  double end = 2.0;    // s of the clip; a cycle has round((end - start) fps) frames
+  std::string clip;    // name or index; empty: the first
 };
 
 // Frames of one cycle of the clip.

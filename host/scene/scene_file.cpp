@@ -291,7 +291,6 @@ void read_time(const toml::table& root, Scene& scene) {
   read(table, "fps", scene.fps);
   read(table, "start", scene.start);
   const Clip* clip = clip_of(root, scene);
-  if (clip != nullptr) scene.clip_name = clip->name;
   const toml::node* end = table.get("end");
   if (end != nullptr) {
     read(table, "end", scene.end);
