@@ -1,5 +1,6 @@
-// Ties between skin that slides and the flesh below, in double precision, from the rest data: central springs
-// that bear a share of what a substep can. They are ours and not the paper's.
+// Ties between skin that slides and the flesh below, in double precision, from the rest data: springs
+// to a vertex's foot on the plane below, which bear a share of what a substep can. They are ours and not the
+// paper's.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// Layers that slide: their free vertices share no region with the free vertices of other layers, and ties
-// keep them at their distance from the flesh below, which acts across the two and leaves them free along each
-// other.
+// Layers that slide, all of them one skin that does not slide within itself: their free vertices share no
+// region with the free vertices of other layers, and ties keep them at their distance from the flesh below,
+// which acts across the two and leaves them free along each other.
 #pragma once
 
 #include <array>

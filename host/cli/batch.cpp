@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 #include <poll.h>
@@ -41,8 +42,8 @@ struct Outcome {
   std::string device;
   std::optional<int> status;
   double seconds = 0.0;
-  std::string error, hash;
-  std::vector<std::string> warnings;
+  std::string error = {}, hash = {};
+  std::vector<std::string> warnings = {};
 };
 
 std::string word_of(const Outcome& outcome) {
@@ -63,7 +64,7 @@ class Batch {
       : arguments_(arguments), jobs_(std::move(jobs)), log_(log), outcomes_(jobs_.jobs.size()) {}
 
   ExitCode run() {
-    (void)parse_device_list(arguments_.devices);
+    check_devices();
     check_all();
     if (arguments_.dry_run) {
       print_plan();
@@ -72,6 +73,7 @@ class Batch {
     for (const std::string& label : split_device_list(arguments_.devices))
       slots_.push_back({label, nullptr, 0, {}});
     for (std::size_t job = 0; job < jobs_.jobs.size(); ++job) waiting_.push_back(job);
+    bake::make_folder(jobs_.output);
     const std::atomic<bool>& interrupted = catch_interrupts();
     bool told = false;
     while (is_busy() || (!waiting_.empty() && !interrupted)) {
@@ -86,8 +88,8 @@ class Batch {
       show();
     }
     log_.clear_bar();
-    write_summary();
     print_results();
+    write_summary();
     return code(interrupted);
   }
 
@@ -101,7 +103,23 @@ class Batch {
 
   fs::path folder_of(const scene::Job& job) const { return jobs_.output / job.name; }
 
-  // Everything that can be refused before the first bake begins.
+  // A device that is not there would fail one job after the other, faster than the others bake them.
+  void check_devices() const {
+    const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
+    const std::vector<std::string> labels = split_device_list(arguments_.devices);
+    const std::vector<DeviceRequest> requests = parse_device_list(arguments_.devices);
+    for (std::size_t k = 0; k < requests.size(); ++k) {
+      const std::vector<cpu_reference::Simd> levels = cpu_reference::available_simd();
+      const cpu_reference::Simd simd = requests[k].simd;
+      const bool is_there = requests[k].kind == DeviceRequest::Kind::cpu
+                                ? simd == cpu_reference::Simd::automatic ||
+                                      std::find(levels.begin(), levels.end(), simd) != levels.end()
+                                : !candidates(requests[k], devices).empty();
+      if (!is_there) throw NoSuchDevice(labels[k] + ": there is no such device; fascicle devices lists them");
+    }
+  }
+
+  // Everything else that can be refused before the first bake begins.
   void check_all() const {
     for (const scene::Job& job : jobs_.jobs) {
       scene::SceneOverrides overrides;
@@ -146,8 +164,14 @@ class Batch {
       waiting_.pop_front();
       const scene::Job& job = jobs_.jobs[slot.job];
       slot.start = Clock::now();
-      slot.bake = std::make_unique<ChildBake>(command_of(job, slot.device));
-      log_.detail(job.name + " begins on " + slot.device);
+      try {
+        slot.bake = std::make_unique<ChildBake>(command_of(job, slot.device));
+        log_.detail(job.name + " begins on " + slot.device);
+      } catch (const std::system_error& error) {
+        end_job(
+            slot,
+            {.device = slot.device, .status = static_cast<int>(ExitCode::unforeseen), .error = error.what()});
+      }
     }
   }
 
@@ -164,31 +188,36 @@ class Batch {
   void end_jobs() {
     for (Slot& slot : slots_) {
       if (!slot.bake || !slot.bake->has_ended()) continue;
-      const scene::Job& job = jobs_.jobs[slot.job];
-      Outcome& outcome = outcomes_[slot.job];
-      outcome = {.device = slot.device,
-                 .status = slot.bake->status(),
-                 .seconds = std::chrono::duration<double>(Clock::now() - slot.start).count(),
-                 .error = slot.bake->error(),
-                 .hash = last_hash(folder_of(job)),
-                 .warnings = slot.bake->warnings()};
+      Outcome outcome{.device = slot.device,
+                      .status = slot.bake->status(),
+                      .seconds = std::chrono::duration<double>(Clock::now() - slot.start).count(),
+                      .error = slot.bake->error(),
+                      .warnings = slot.bake->warnings()};
+      // Of a bake that was refused the folder may hold an older one.
+      if (word_of(outcome) != "failed") outcome.hash = last_hash(folder_of(jobs_.jobs[slot.job]));
       slot.bake.reset();
-      ++ended_;
-      for (const std::string& warning : outcome.warnings) log_.warning(job.name + ": " + warning);
-      const std::string line = "[" + std::to_string(ended_) + "/" + std::to_string(jobs_.jobs.size()) + "] " +
-                               job.name + " on " + slot.device + ": " + word_of(outcome) + ", " +
-                               duration_text(outcome.seconds);
-      if (word_of(outcome) == "failed")
-        log_.error(line + ": " +
-                   (outcome.error.empty() ? "status " + std::to_string(*outcome.status) : outcome.error));
-      else
-        log_.info(line);
+      end_job(slot, std::move(outcome));
     }
+  }
+
+  void end_job(const Slot& slot, Outcome outcome) {
+    const scene::Job& job = jobs_.jobs[slot.job];
+    ++ended_;
+    for (const std::string& warning : outcome.warnings) log_.warning(job.name + ": " + warning);
+    const std::string line = "[" + std::to_string(ended_) + "/" + std::to_string(jobs_.jobs.size()) + "] " +
+                             job.name + " on " + slot.device + ": " + word_of(outcome) + ", " +
+                             duration_text(outcome.seconds);
+    if (word_of(outcome) == "failed")
+      log_.error(line + ": " +
+                 (outcome.error.empty() ? "status " + std::to_string(*outcome.status) : outcome.error));
+    else
+      log_.info(line);
+    outcomes_[slot.job] = std::move(outcome);
   }
 
   // One line for all devices: what each is at.
   void show() {
-    std::string text = std::to_string(ended_) + " of " + std::to_string(jobs_.jobs.size()) + " done";
+    std::string text = std::to_string(ended_) + " of " + std::to_string(jobs_.jobs.size()) + " ended";
     for (const Slot& slot : slots_) {
       if (!slot.bake) continue;
       text += "; " + slot.device + ": " + jobs_.jobs[slot.job].name;
@@ -217,8 +246,7 @@ class Batch {
                       {"error", outcome.error},
                       {"warnings", outcome.warnings}});
     }
-    fs::create_directories(jobs_.output);
-    bake::write_whole(jobs_.output / "batch.json",
+    bake::write_whole(jobs_.output / scene::batch_summary,
                       Json{{"jobs", rows}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
 
@@ -243,7 +271,7 @@ class Batch {
       if (!outcome.hash.empty()) text += ", last frame " + outcome.hash;
       rows.emplace_back(jobs_.jobs[k].name, text);
     }
-    std::cout << columns_text(rows) << "wrote " << (jobs_.output / "batch.json").string() << "\n";
+    std::cout << columns_text(rows) << "wrote " << (jobs_.output / scene::batch_summary).string() << "\n";
   }
 
   // The first failure's, as the others may follow from it.
@@ -255,7 +283,10 @@ class Batch {
                                                                 : ExitCode::unforeseen;
       }
     if (!interrupted) return ExitCode::done;
-    log_.warning("interrupted; the same command with --resume goes on");
+    log_.warning(arguments_.overwrite
+                     ? "interrupted; the same command with --resume (and without --overwrite) goes on with "
+                       "what was begun, --overwrite starts all again"
+                     : "interrupted; the same command with --resume goes on");
     return ExitCode::interrupted;
   }
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <filesystem>
 #include <system_error>
 
 #include <fcntl.h>
@@ -11,6 +10,8 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
 namespace {
@@ -61,7 +62,8 @@ pid_t spawn(const std::vector<std::string>& arguments, int error_output) {
 }  // namespace
 
 ChildBake::ChildBake(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), std::filesystem::read_symlink("/proc/self/exe").string());
+  // Not what it is a link to: that may have been replaced since this program began.
+  arguments.insert(arguments.begin(), "/proc/self/exe");
   arguments.insert(arguments.end(), {"--log-format", "json"});
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) check(errno, "pipe");
@@ -117,7 +119,8 @@ void ChildBake::take_line(const std::string& line) {
   }
 }
 
-void ChildBake::interrupt() const {
+void ChildBake::interrupt() {
+  interrupted_ = true;
   if (!ended_) ::kill(process_, SIGINT);
 }
 
@@ -128,6 +131,9 @@ bool ChildBake::has_ended() {
   ended_ = true;
   listen();
   status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  // Before its first frame it does not catch the signal, and there is nothing to bring to an end.
+  if (interrupted_ && WIFSIGNALED(status) && WTERMSIG(status) == SIGINT)
+    status_ = static_cast<int>(ExitCode::interrupted);
   return true;
 }
 

@@ -23,7 +23,7 @@ class ChildBake {
   // Takes in what it has said.
   void listen();
   // As on ctrl-C: it ends after the frame it is at. Its own group keeps the terminal's from it.
-  void interrupt() const;
+  void interrupt();
   // Whether it is over; then status() is its exit status, that of a signal 128 + its number.
   bool has_ended();
   int status() const { return status_; }
@@ -39,7 +39,7 @@ class ChildBake {
 
   pid_t process_ = -1;
   int descriptor_ = -1;
-  bool ended_ = false;
+  bool ended_ = false, interrupted_ = false;
   int status_ = 0;
   std::uint64_t frame_ = 0, frames_ = 0;
   std::string unread_, error_;

@@ -14,6 +14,7 @@ namespace {
 
 // More are a slip, and would take weeks.
 constexpr std::size_t most_jobs = 10'000;
+constexpr std::size_t longest_job_name = 200;
 
 void check_keys(const toml::table& table, const std::string& path, const std::vector<std::string>& names) {
   for (const auto& [key, node] : table)
@@ -95,7 +96,7 @@ std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
           .formats = texts_at(table, path, "format")};
   if (job.scene.empty()) fail(table.source(), path, "lacks scene");
   if (job.name.empty()) fail(table.source(), path, "has a name that is no file's; use letters and digits");
-  if (std::filesystem::exists(folder / job.scene)) job.scene = (folder / job.scene).string();
+  if (std::filesystem::is_regular_file(folder / job.scene)) job.scene = (folder / job.scene).string();
   if (job.formats.empty()) job.formats = formats;
 
   const std::vector<std::string> clips = texts_at(table, path, "clips");
@@ -135,11 +136,17 @@ Jobs read_jobs(const std::filesystem::path& file) {
   const std::vector<std::string> formats = texts_at(root, "", "format");
   const toml::node* list = root.get("job");
   if (list == nullptr) fail(root.source(), "job", "is missing; give at least one [job.NAME]");
-  std::set<std::string> names;
+  std::set<std::string> names;  // in lower case: some file systems have one folder for both
   for (const auto& [name, node] : in_order(table_of(*list, "job"))) {
     const std::string path = join_path("job", name->str());
     for (Job& job : jobs_of(std::string(name->str()), table_of(*node, path), file.parent_path(), formats)) {
-      if (!names.insert(job.name).second)
+      if (job.name.front() == '.' || job.name.size() > longest_job_name || job.name == batch_summary)
+        fail(name->source(), path,
+             "makes a bake called " + job.name +
+                 ", which is no name for its folder; name it otherwise, in 200 letters");
+      std::string lower = job.name;
+      for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      if (!names.insert(lower).second)
         fail(name->source(), path, "makes a second bake called " + job.name + "; name it otherwise");
       jobs.jobs.push_back(std::move(job));
     }

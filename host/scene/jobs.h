@@ -9,6 +9,9 @@
 
 namespace fascicle::scene {
 
+// What became of each job; it lies in `output` among the jobs' folders.
+inline constexpr const char* batch_summary = "batch.json";
+
 // One bake.
 struct Job {
   std::string name;   // a file name

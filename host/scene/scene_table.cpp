@@ -169,9 +169,8 @@ struct Tables {
             .fallback = Layer{}.kinematic},
            {.name = "sliding",
             .type = KeyType::boolean,
-            .doc = "Skin: slides along the flesh of other layers and keeps its distance from it; attached "
-                   "where it "
-                   "meets bone.",
+            .doc = "Skin: slides along the flesh of layers that do not slide and keeps its distance from it; "
+                   "attached where it meets bone.",
             .fallback = Layer{}.sliding},
            {.name = "inertia_scale",
             .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",

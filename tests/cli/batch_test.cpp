@@ -116,6 +116,7 @@ TEST(Batch, RefusesBeforeItBegins) {
       contains(refusal(good + "[job.bad]\nscene = \"arm\"\nset = [\"layers.fat.alpa=1\"]\n", 3), "alpha"));
   EXPECT_TRUE(contains(refusal(good + "[job.bad]\nscene = \"arm\"\nformat = [\"pc3\"]\n", 3), "pc2"));
   EXPECT_TRUE(contains(refusal(good, 2, {"--device", "cpu,gpu"}), "gpu"));
+  EXPECT_TRUE(contains(refusal(good, 4, {"--device", "cpu,vulkan:99"}), "vulkan:99"));
   const Outcome plan = fascicle({"batch", list_in(folder, good), "--dry-run"});
   EXPECT_EQ(plan.status, 0) << plan.err;
   EXPECT_TRUE(contains(plan.out, "fascicle bake bar-beta-1")) << plan.out;

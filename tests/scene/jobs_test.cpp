@@ -67,6 +67,12 @@ TEST_F(ReadJobs, FindsScenesBesideTheFile) {
   EXPECT_EQ(read.output, fs::path("out") / "walks");
 }
 
+// What `fascicle bake rod-hang -o rod-hang` leaves beside the list.
+TEST_F(ReadJobs, AFolderHidesNoBuiltInScene) {
+  fs::create_directory(folder_ / "rod-hang");
+  EXPECT_EQ(jobs("[job.a]\nscene = \"rod-hang\"\n").jobs[0].scene, "rod-hang");
+}
+
 TEST_F(ReadJobs, RefusesWithLineAndKey) {
   const std::vector<std::pair<std::string, std::string>> refused{
       {"", "job: is missing"},
@@ -79,6 +85,10 @@ TEST_F(ReadJobs, RefusesWithLineAndKey) {
       {"[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.fps\" = 3\n", "takes a list of values"},
       {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that is no file's"},
       {"[job.\"a b\"]\nscene = \"jump\"\n[job.a_b]\nscene = \"arm\"\n", "makes a second bake called a_b"},
+      {"[job.\"..\"]\nscene = \"jump\"\n", "which is no name for its folder"},
+      {"[job.\"batch.json\"]\nscene = \"jump\"\n", "which is no name for its folder"},
+      {"[job." + std::string(300, 'a') + "]\nscene = \"jump\"\n", "which is no name for its folder"},
+      {"[job.A]\nscene = \"jump\"\n[job.a]\nscene = \"arm\"\n", "makes a second bake called a"},
       {"[job.a\n", "TOML"}};
   for (const auto& [text, reason] : refused)
     EXPECT_NE(refusal(text).find(reason), std::string::npos) << text << refusal(text);
