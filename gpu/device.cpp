@@ -1,5 +1,6 @@
 #include "gpu/device.h"
 
+#include <cstring>
 #include <string>
 
 #include "gpu/device_impl.h"
@@ -18,6 +19,16 @@ PhysicalDevice find_device(const Instance& instance, std::uint32_t index) {
     throw DeviceError("Vulkan device " + std::to_string(index) + " (" + device.info.name +
                       ") cannot be used: " + device.info.why_not);
   return device;
+}
+
+// Drivers need not survive bytes that are not their own.
+bool is_pipelines_of(const PhysicalDevice& device, const std::string& bytes) {
+  VkPipelineCacheHeaderVersionOne header{};
+  if (bytes.size() < sizeof header) return false;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  return header.headerSize == sizeof header && header.headerVersion == VK_PIPELINE_CACHE_HEADER_VERSION_ONE &&
+         pipelines_key(header.vendorID, header.deviceID, header.pipelineCacheUUID) ==
+             device.info.pipelines_key;
 }
 
 }  // namespace
@@ -58,11 +69,20 @@ Device::Impl::Impl(std::uint32_t index, const DeviceOptions& options)
   VULKAN_CHECK(vkCreateDevice(physical.handle, &device_info, nullptr, &device));
   volkLoadDeviceTable(&call, device);
   call.vkGetDeviceQueue(device, physical.queue_family, 0, &queue);
+
+  VkPipelineCacheCreateInfo cache_info{};
+  cache_info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+  if (is_pipelines_of(physical, options.pipelines)) {
+    cache_info.initialDataSize = options.pipelines.size();
+    cache_info.pInitialData = options.pipelines.data();
+  }
+  VULKAN_CHECK(call.vkCreatePipelineCache(device, &cache_info, nullptr, &pipelines));
 }
 
 Device::Impl::~Impl() {
   if (device == VK_NULL_HANDLE) return;
   call.vkDeviceWaitIdle(device);  // an error here has nobody left to tell
+  call.vkDestroyPipelineCache(device, pipelines, nullptr);
   call.vkDestroyDevice(device, nullptr);
 }
 
@@ -98,6 +118,20 @@ Device::~Device() = default;
 
 const DeviceInfo& Device::info() const {
   return impl_->info();
+}
+
+std::string Device::pipelines() const {
+  std::string bytes;
+  for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
+    // Another thread may add to it between the two calls.
+    std::size_t size = 0;
+    VULKAN_CHECK(impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines, &size, nullptr));
+    bytes.resize(size);
+    result = impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines, &size, bytes.data());
+    check(result, "vkGetPipelineCacheData");
+    bytes.resize(size);
+  }
+  return bytes;
 }
 
 bool Device::self_test(std::string* why) {

@@ -26,6 +26,7 @@ struct DeviceInfo {
   std::uint32_t subgroup_size = 0;
   bool rounding_rte = false, signed_zero_inf_nan_preserve = false,
        denorm_preserve = false;  // float controls, 32 bit
+  std::string pipelines_key;     // hex digits: devices that share it can use each other's compiled pipelines
   bool usable = true;
   std::string why_not;  // if not usable
 };
@@ -35,7 +36,9 @@ std::vector<DeviceInfo> list_devices(std::string* why_none = nullptr);
 
 struct DeviceOptions {
   bool validation = false;  // Khronos validation layer with synchronization validation
-  std::function<void(const std::string&)> on_validation_message;
+  std::function<void(const std::string&)> on_validation_message = {};
+  std::string pipelines =
+      {};  // Device::pipelines() of an earlier run; what is of another device is left alone
 };
 
 // A device opened for compute. Move-only inside; see device_impl.h for the room's own use.
@@ -49,6 +52,9 @@ class Device {
   const DeviceInfo& info() const;
   // Runs the self-test kernel over a table of operations and compares bits; the first difference is in `why`.
   bool self_test(std::string* why = nullptr);
+
+  // The driver's compiled form of all pipelines made so far, so that a later run need not compile them.
+  std::string pipelines() const;
 
   struct Impl;
   Impl& impl() { return *impl_; }

@@ -40,6 +40,7 @@ struct Device::Impl {
   VkDevice device = VK_NULL_HANDLE;
   VolkDeviceTable call{};  // the device's own entry points
   VkQueue queue = VK_NULL_HANDLE;
+  VkPipelineCache pipelines = VK_NULL_HANDLE;
 
  private:
   std::mutex queue_mutex_;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "gpu/frame_recorder.h"
 #include "gpu/stage_kernels.h"
@@ -19,6 +20,8 @@ struct Experiments {
   // Gives shaders no float modes. A driver may take those as a reason to reorder nothing (Mesa does), so the
   // tests of NoContraction do without them.
   bool leave_out_float_controls = false;
+  // In place of what suits the device.
+  std::optional<Tuning> tuning = {};
   // Takes other shaders in place of the compiled, exact ones.
   AlterModule alter_module = {};
   // Work is cut where these say, if they say less than the pace and the device.

@@ -39,13 +39,18 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
   shader::Push push{substep, 0, implicit};
   while (push.first_slice < slices) {
     if (recorded_ >= allowed_slices_) submit(VK_NULL_HANDLE);
-    const std::uint64_t room = std::min(allowed_slices_ - recorded_, allowed_groups_);
-    const auto groups = static_cast<std::uint32_t>(std::min<std::uint64_t>(room, slices - push.first_slice));
+    const std::uint32_t left = slices - push.first_slice, of_group = slot_.slices_per_group();
+    // A workgroup is not cut, as its rest would be done twice.
+    const std::uint64_t room = std::max<std::uint64_t>((allowed_slices_ - recorded_) / of_group, 1);
+    const auto groups = static_cast<std::uint32_t>(
+        std::min({room, allowed_groups_, std::uint64_t{left / of_group + (left % of_group != 0 ? 1 : 0)}}));
+    const auto done =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{groups} * of_group, left));
     commands().dispatch(slot_.kernel(kernel), slot_.set(kernel, swapped), push, groups);
     if (options_.with_barriers) commands().barrier();
     if (options_.on_dispatch) options_.on_dispatch(groups);
-    push.first_slice += groups;
-    recorded_ += groups;
+    push.first_slice += done;
+    recorded_ += done;
   }
 }
 

@@ -29,6 +29,7 @@ class FrameSlot {
                std::uint32_t surface_vertices);
 
   const Kernel& kernel(StageKernel kernel) const { return (*kernels_)[kernel]; }
+  std::uint32_t slices_per_group() const { return kernels_->slices_per_group(); }
   VkDescriptorSet set(StageKernel kernel, bool swapped) const {
     return sets_[2 * static_cast<std::uint32_t>(kernel) + (swapped ? 1 : 0)];
   }

@@ -71,7 +71,7 @@ Kernel::Kernel(const Device::Impl& device, spirv_exact::Module module,
   info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
   VULKAN_CHECK(
-      device.call.vkCreateComputePipelines(device.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
+      device.call.vkCreateComputePipelines(device.device, device.pipelines, 1, &info, nullptr, &pipeline));
   pipeline_ = {device.device, pipeline, device.call.vkDestroyPipeline};
 }
 

@@ -19,11 +19,15 @@ std::vector<float> records(const std::vector<float>& triples, const std::vector<
   return out;
 }
 
-std::vector<shader::VertexRecord> vertex_records(const Model& model) {
-  std::vector<shader::VertexRecord> out(model.vertex_count);
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
-    out[i] = {model.tag[i], model.ring_offset[i + 1] - model.ring_offset[i], model.alpha[i],
-              model.carried.empty() ? 0.0f : model.carried[i]};
+std::vector<std::uint32_t> tags_and_degrees(const Model& model) {
+  std::vector<std::uint32_t> out(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const std::uint32_t degree = model.ring_offset[i + 1] - model.ring_offset[i];
+    if (degree >= 1u << (32 - shader::degree_shift))
+      throw DeviceError("vertex " + std::to_string(i) + " of the model has " + std::to_string(degree) +
+                        " neighbours, the GPU's layout holds 65535; use --device cpu, or a better mesh");
+    out[i] = model.tag[i] | degree << shader::degree_shift;
+  }
   return out;
 }
 
@@ -47,9 +51,11 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_gravity, "gravity", 16 * skinned},
       {shader::buffer_surface, "surface", 12 * m},
       {shader::buffer_rest, "rest", 16 * n},
-      {shader::buffer_vertex, "vertex", sizeof(shader::VertexRecord) * n},
+      {shader::buffer_tag, "tag", 4 * n},
+      {shader::buffer_alpha, "alpha", 4 * n},
+      {shader::buffer_carried, "carried", words(model.carried)},
       {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},
-      {shader::buffer_ring, "ring", 4 * entries},
+      {shader::buffer_ring, "ring", is_near(model) ? 0 : 4 * entries},
       {shader::buffer_share_taken, "share taken", 4 * entries},
       {shader::buffer_share_given, "share given", 4 * entries},
       {shader::buffer_region_rest, "region rest", 16 * n},
@@ -105,7 +111,9 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
     write_buffer(device, buffers_[number], std::as_bytes(std::span(values)));
   };
   fill(shader::buffer_rest, records(model.rest, model.pull));
-  fill(shader::buffer_vertex, vertex_records(model));
+  fill(shader::buffer_tag, tags_and_degrees(model));
+  fill(shader::buffer_alpha, model.alpha);
+  fill(shader::buffer_carried, model.carried);
   {
     const SlicedRings rings = slice_rings(model);
     fill(shader::buffer_slice, rings.slice);

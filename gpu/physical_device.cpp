@@ -1,6 +1,7 @@
 #include "gpu/physical_device.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <optional>
 #include <string>
@@ -111,6 +112,7 @@ DeviceInfo info_of(const VkPhysicalDeviceProperties& core, const MoreProperties&
     if (memory.memoryHeaps[h].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
       info.memory = std::max<std::uint64_t>(info.memory, memory.memoryHeaps[h].size);
   info.max_storage_buffer_range = core.limits.maxStorageBufferRange;
+  info.pipelines_key = pipelines_key(core.vendorID, core.deviceID, core.pipelineCacheUUID);
   info.max_groups = core.limits.maxComputeWorkGroupCount[0];
   info.subgroup_size = more.subgroup.subgroupSize;
   // Where widths depend on each other, a mode for 32 bits alone is not allowed.
@@ -139,6 +141,21 @@ std::string refusal(const VkPhysicalDeviceProperties& core, bool has_compute) {
 }
 
 }  // namespace
+
+std::string pipelines_key(std::uint32_t vendor, std::uint32_t device,
+                          std::span<const std::uint8_t, VK_UUID_SIZE> driver) {
+  std::string key;
+  char digits[16];
+  std::snprintf(digits, sizeof digits, "%08x", vendor);
+  key += digits;
+  std::snprintf(digits, sizeof digits, "%08x", device);
+  key += digits;
+  for (const std::uint8_t byte : driver) {
+    std::snprintf(digits, sizeof digits, "%02x", byte);
+    key += digits;
+  }
+  return key;
+}
 
 PhysicalDevice describe(VkPhysicalDevice handle, std::uint32_t index) {
   PhysicalDevice device;

@@ -1,6 +1,8 @@
 // What a physical device is and can do.
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include <volk.h>
@@ -10,7 +12,7 @@
 namespace fascicle::gpu {
 
 // Buffers that the largest kernel (update) binds. A test compares it with the shaders.
-inline constexpr std::uint32_t most_buffers_of_a_kernel = 18;
+inline constexpr std::uint32_t most_buffers_of_a_kernel = 20;
 
 struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;
@@ -21,6 +23,11 @@ struct PhysicalDevice {
   bool has_timestamps = false;     // on that family
   bool float_controls_extension = false;
 };
+
+// DeviceInfo::pipelines_key of a device with these numbers; `driver`: VkPhysicalDeviceProperties'
+// pipelineCacheUUID, which changes with the driver.
+std::string pipelines_key(std::uint32_t vendor, std::uint32_t device,
+                          std::span<const std::uint8_t, VK_UUID_SIZE> driver);
 
 PhysicalDevice describe(VkPhysicalDevice handle, std::uint32_t index);
 

@@ -13,9 +13,14 @@ namespace fascicle::gpu {
 
 struct SlicedRings {
   std::vector<std::uint32_t> slice;  // first entry of each slice
-  std::vector<std::uint32_t> ring;   // 0 where nothing stands
-  std::vector<float> share_taken, share_given;
+  // Where all neighbours lie near (is_near): neighbour and share in one word each, as shaders/buffers.h says,
+  // and no ring. Else the neighbours, and the shares' bits. 0 where nothing stands.
+  std::vector<std::uint32_t> ring, share_taken, share_given;
 };
+
+// Whether every neighbour's number less that of its slice's first vertex fits 16 signed bits, and every share
+// is below 1.
+bool is_near(const model::Model& model);
 
 // Entries with the filling, without building anything.
 std::uint64_t sliced_entry_count(const model::Model& model);

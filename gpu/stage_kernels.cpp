@@ -1,7 +1,10 @@
 #include "gpu/stage_kernels.h"
 
+#include <algorithm>
 #include <array>
+#include <cassert>
 
+#include "gpu/sliced_rings.h"
 #include "shaders/buffers.h"
 #include "shaders/modules.h"
 
@@ -45,9 +48,20 @@ const char* name_of(StageKernel kernel) {
   return names[static_cast<std::uint32_t>(kernel)];
 }
 
+Tuning tuning_for(const DeviceInfo& device) {
+  // Software devices run one workgroup at a time, and have no loads to wait for.
+  if (device.software) return {};
+  // Measured, bench/README.md: larger workgroups balance worse. One smaller than a subgroup leaves lanes
+  // empty.
+  const std::uint32_t width = shader::slice_width;
+  return {.group_size = std::max(1u, (device.subgroup_size + width - 1) / width) * width, .ahead = 4};
+}
+
 StageKernels::StageKernels(const Device::Impl& device, const model::Model& model,
                            const model::SolverOptions& options, spirv_exact::FloatControls controls,
-                           const AlterModule& alter) {
+                           const Tuning& tuning, const AlterModule& alter)
+    : slices_per_group_(tuning.group_size / shader::slice_width) {
+  assert(tuning.group_size > 0 && tuning.group_size % shader::slice_width == 0 && tuning.ahead > 0);
   std::array<std::uint32_t, shader::constant_count> constants{};
   constants[shader::constant_rotation] =
       options.rotation == model::Rotation::qcp ? shader::rotation_qcp : shader::rotation_mueller2016;
@@ -57,6 +71,9 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   constants[shader::constant_volume] = model.region_volume.empty() ? 0 : 1;
   constants[shader::constant_implicit] = model.is_implicit() ? 1 : 0;
   constants[shader::constant_ties] = model.has_ties() ? 1 : 0;
+  constants[shader::constant_near] = is_near(model) ? 1 : 0;
+  constants[shader::constant_ahead] = tuning.ahead;
+  constants[shader::constant_group_size] = tuning.group_size;
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
     if (alter)

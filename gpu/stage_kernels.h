@@ -27,16 +27,26 @@ inline constexpr std::uint32_t stage_kernel_count = 11;
 
 const char* name_of(StageKernel kernel);
 
+// What suits a device; no result depends on it.
+struct Tuning {
+  std::uint32_t group_size = shader::slice_width;  // invocations of a workgroup, a multiple of slice_width
+  std::uint32_t ahead = 1;                         // neighbours that are read before the first is used
+  bool operator==(const Tuning&) const = default;
+};
+Tuning tuning_for(const DeviceInfo& device);
+
 // Stands between a module and its pipeline: tests use it to see what goes wrong with a different shader.
 using AlterModule = std::function<spirv_exact::Words(StageKernel, spirv_exact::Module)>;
 
 class StageKernels {
  public:
   StageKernels(const Device::Impl& device, const model::Model& model, const model::SolverOptions& options,
-               spirv_exact::FloatControls controls, const AlterModule& alter);
+               spirv_exact::FloatControls controls, const Tuning& tuning, const AlterModule& alter);
+  std::uint32_t slices_per_group() const { return slices_per_group_; }
   const Kernel& operator[](StageKernel kernel) const { return kernels_[static_cast<std::uint32_t>(kernel)]; }
 
  private:
+  std::uint32_t slices_per_group_;
   std::vector<Kernel> kernels_;
 };
 

@@ -47,7 +47,7 @@ class VulkanSolver : public model::Solver {
         kernels_(
             device_, model, options,
             experiments.leave_out_float_controls ? spirv_exact::FloatControls{} : device_.float_controls(),
-            experiments.alter_module),
+            experiments.tuning.value_or(tuning_for(device_.info())), experiments.alter_module),
         buffers_(device_, model),
         pace_(device.info().software),
         options_(options) {
@@ -273,9 +273,11 @@ class VulkanSolver : public model::Solver {
       const std::vector<float> rows = read(shader::buffer_transform, 12 * n);
       std::vector<float> transforms;
       transforms.reserve(12 * n);
-      for (std::size_t r = 0; r < n; ++r)
-        for (const std::size_t k : {0u, 1u, 2u, 4u, 5u, 6u, 8u, 9u, 10u, 3u, 7u, 11u})
-          transforms.push_back(rows[12 * r + k]);
+      for (std::size_t r = 0; r < n; ++r) {
+        for (std::size_t row = 0; row < 3; ++row)
+          for (std::size_t k = 0; k < 3; ++k) transforms.push_back(rows[4 * (row * n + r) + k]);
+        for (std::size_t row = 0; row < 3; ++row) transforms.push_back(rows[4 * (row * n + r) + 3]);
+      }
       return model::side_by_side(transforms, 12, read(shader::buffer_rotation, 4 * n), 4);
     }
     if (stage == Stage::integrate)

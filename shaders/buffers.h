@@ -17,7 +17,7 @@ namespace fascicle::shader {
 BUFFERS_CONSTANT uint buffer_position = 0u;
 BUFFERS_CONSTANT uint buffer_velocity = 1u;
 BUFFERS_CONSTANT uint buffer_rotation = 2u;   // w x y z
-BUFFERS_CONSTANT uint buffer_transform = 3u;  // three vec4, the rows of linear map and translation
+BUFFERS_CONSTANT uint buffer_transform = 3u;  // the rows of linear map and translation: all first ones, all second, all third
 BUFFERS_CONSTANT uint buffer_goal = 4u;
 BUFFERS_CONSTANT uint buffer_skinned = 5u;           // this substep's
 BUFFERS_CONSTANT uint buffer_skinned_before = 6u;    // the last substep's
@@ -27,11 +27,11 @@ BUFFERS_CONSTANT uint buffer_surface = 9u;           // three floats a render ve
 
 // Static.
 BUFFERS_CONSTANT uint buffer_rest = 10u;           // rest position, pull
-BUFFERS_CONSTANT uint buffer_vertex = 11u;         // VertexRecord
+BUFFERS_CONSTANT uint buffer_tag = 11u;            // tag of shared.h, above it the one-ring's size
 BUFFERS_CONSTANT uint buffer_slice = 12u;          // first entry of each slice of one-rings
-BUFFERS_CONSTANT uint buffer_ring = 13u;           // entries, sliced
-BUFFERS_CONSTANT uint buffer_share_taken = 14u;    // entries, sliced
-BUFFERS_CONSTANT uint buffer_share_given = 15u;    // entries, sliced
+BUFFERS_CONSTANT uint buffer_ring = 13u;           // entries, sliced: neighbours; empty where they are near
+BUFFERS_CONSTANT uint buffer_share_taken = 14u;    // entries, sliced: shares; near: and neighbours
+BUFFERS_CONSTANT uint buffer_share_given = 15u;    // entries, sliced: shares; near: and neighbours
 BUFFERS_CONSTANT uint buffer_region_rest = 16u;    // c0_r - q0_r, 1/W_r
 BUFFERS_CONSTANT uint buffer_muscle_offset = 17u;  // first RegionMuscle of each region, and the count
 BUFFERS_CONSTANT uint buffer_region_frame = 18u;   // RegionFrame
@@ -71,7 +71,16 @@ BUFFERS_CONSTANT uint buffer_tie_offset = 43u;
 BUFFERS_CONSTANT uint buffer_tie_index = 44u;
 BUFFERS_CONSTANT uint buffer_tie_coefficient = 45u;
 
-BUFFERS_CONSTANT uint buffer_count = 46u;
+BUFFERS_CONSTANT uint buffer_alpha = 46u;
+BUFFERS_CONSTANT uint buffer_carried = 47u;  // share of the skeleton's acceleration that a vertex does not feel
+
+BUFFERS_CONSTANT uint buffer_count = 48u;
+
+// In buffer_tag.
+BUFFERS_CONSTANT uint degree_shift = 16u;
+// Of near entries: the neighbour less the slice's first vertex, signed, and above it the share in parts of
+// 2^-16.
+BUFFERS_CONSTANT uint share_shift = 16u;
 
 // Specialisation constants.
 BUFFERS_CONSTANT uint constant_rotation = 0u;  // rotation_qcp or rotation_mueller2016
@@ -81,23 +90,18 @@ BUFFERS_CONSTANT uint constant_carried = 3u;   // some vertices do not feel all 
 BUFFERS_CONSTANT uint constant_volume = 4u;    // some regions have a volume term
 BUFFERS_CONSTANT uint constant_implicit = 5u;  // the model is an implicit one
 BUFFERS_CONSTANT uint constant_ties = 6u;      // the model has ties
-BUFFERS_CONSTANT uint constant_count = 7u;
+BUFFERS_CONSTANT uint constant_group_size = 7u;  // invocations of a workgroup, a multiple of slice_width
+BUFFERS_CONSTANT uint constant_near = 8u;        // all neighbours and shares fit 16 bits
+BUFFERS_CONSTANT uint constant_ahead = 9u;       // neighbours that are read before the first is used
+BUFFERS_CONSTANT uint constant_count = 10u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;
 BUFFERS_CONSTANT uint self_test_positives = 3u;
 BUFFERS_CONSTANT uint self_test_results = self_test_scalars + self_test_positives + 8u;
 
-// What a vertex's own invocation needs to know of it.
-struct VertexRecord {
-  uint tag;
-  uint degree;  // neighbours in the one-ring
-  float alpha;
-  float carried;  // share of the skeleton's acceleration that it does not feel
-};
-
-// A dispatch's push constants. Invocation k of workgroup g works on item (first_slice + g) slice_width + k,
-// so that a stage can be cut into several dispatches.
+// A dispatch's push constants. Invocation k of all works on item first_slice x slice_width + k, so that a stage
+// can be cut into several dispatches.
 struct Push {
   Substep substep;
   uint first_slice;

@@ -18,5 +18,6 @@ std::span<const std::uint32_t> update_module();
 std::span<const std::uint32_t> iterate_module();
 std::span<const std::uint32_t> embed_module();
 std::span<const std::uint32_t> self_test_module();
+std::span<const std::uint32_t> copy_module();
 
 }  // namespace fascicle::shader

@@ -20,10 +20,44 @@ RegionSum no_terms() {
   return sum;
 }
 
-RegionSum neighbour_term(uint entry, Vector q, Vector q0) {
-  uint i = ring[entry];
-  vec4 record = rest[i];
-  return region_term(share_taken[entry] * record.w, subtract(vector_of(position[i]), q), subtract(vector_of(record), q0));
+// What a region reads of one neighbour.
+struct Neighbour {
+  float share;
+  vec4 place;
+  vec4 record;  // of buffer_rest
+};
+
+Neighbour load_neighbour(uint r, uint entry) {
+  uint word = share_taken[entry];
+  uint i = neighbour_of(r, entry, word);
+  Neighbour n;
+  n.share = share_of(word);
+  n.place = position[i];
+  n.record = rest[i];
+  return n;
+}
+
+RegionSum neighbour_term(Neighbour n, Vector q, Vector q0) {
+  return region_term(n.share * n.record.w, subtract(vector_of(n.place), q), subtract(vector_of(n.record), q0));
+}
+
+// `degree` is at least 1. What several neighbours are is on its way before the first of them is needed.
+RegionSum sum_of_neighbours(uint r, uint degree, Vector q, Vector q0) {
+  uint entry = ring_start(r);
+  RegionSum sum = neighbour_term(load_neighbour(r, entry), q, q0);
+  entry += ring_stride;
+  uint left = degree - 1u;
+  for (; left >= ahead; left -= ahead) {
+    Neighbour n[ahead];
+    for (uint j = 0u; j < ahead; ++j) n[j] = load_neighbour(r, entry + j * ring_stride);
+    for (uint j = 0u; j < ahead; ++j) sum = region_add(sum, neighbour_term(n[j], q, q0));
+    entry += ahead * ring_stride;
+  }
+  for (; left > 0u; --left) {
+    sum = region_add(sum, neighbour_term(load_neighbour(r, entry), q, q0));
+    entry += ring_stride;
+  }
+  return sum;
 }
 
 Muscle muscle_of(uint entry) { return muscle[push.substep.first_muscle + region_muscle[entry].muscle]; }
@@ -75,18 +109,11 @@ void main() {
   turn.y = last.z;
   turn.z = last.w;
   vec4 centre = region_rest[r];
-  RegionSum sum = no_terms();
 
   // Without neighbours, or with no weight at all, the sums are nothing: the last rotation stays.
-  uint degree = vertex[r].degree;
-  if (degree != 0u && centre.w > 0.0f) {
-    uint entry = ring_start(r);
-    sum = neighbour_term(entry, q, q0);
-    for (uint k = 1u; k < degree; ++k) {
-      entry += ring_stride;
-      sum = region_add(sum, neighbour_term(entry, q, q0));
-    }
-  }
+  RegionSum sum = no_terms();
+  uint degree = ring_size(r);
+  if (degree != 0u && centre.w > 0.0f) sum = sum_of_neighbours(r, degree, q, q0);
 
   Vector o = vector_of(centre);
   Matrix a = region_moment(sum, o);

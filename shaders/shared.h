@@ -102,8 +102,7 @@ struct Response {
   float dragged;     // d H / (1 + d H): the share of the skeleton's
 };
 
-// Vertices per slice of the sliced one-ring lists on the GPU, and invocations per workgroup. No result
-// depends on it.
+// Vertices per slice of the sliced one-ring lists on the GPU. No result depends on it.
 SHARED_CONSTANT uint slice_width = 32u;
 
 // A vertex's tag: the layer in the low byte, and whether it is kinematic (moved by skinning or pinned).

@@ -179,7 +179,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     if (arguments.formats.empty()) arguments.formats = {"pc2", "vtu"};
     log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
   }
-  const DeviceRequest request = parse_device(arguments.device);
+  DeviceRequest request = parse_device(arguments.device);
+  request.keeps_pipelines = !arguments.scene.no_cache;
   scene::Scene scene = load(arguments.scene);
   if (const auto* character = std::get_if<scene::Character>(&scene.geometry);
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)

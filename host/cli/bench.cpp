@@ -6,6 +6,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "cpu_reference/slices.h"
+#include "gpu/measure.h"
 #include "host/bake/version.h"
 #include "host/cli/bench_measure.h"
 #include "host/cli/bench_peers.h"
@@ -35,6 +36,7 @@ constexpr std::uint32_t quick_rounds = 5;
 struct Contestant {
   std::unique_ptr<model::Solver> solver;
   std::size_t row;
+  std::uint32_t substeps;  // of a sample
 };
 
 std::vector<model::Integrator> integrators_of(const BenchArguments& arguments) {
@@ -74,9 +76,12 @@ class Bench {
     const std::vector<DeviceRequest> requests = parse_device_list(arguments_.devices);
     for (const std::uint32_t vertices : arguments_.vertices)
       if (!measure(vertices, requests)) return ExitCode::difference;
-    for (BenchRow& row : results_.rows)
-      if (row.bytes && results_.triad.count(row.threads) > 0)
-        row.triad = *row.bytes / row.median() / results_.triad.at(row.threads);
+    for (BenchRow& row : results_.rows) {
+      if (!row.bytes) continue;
+      const auto copy = results_.copy.find(row.device);
+      const double rate = copy != results_.copy.end() ? copy->second : results_.triad.at(row.threads);
+      row.triad = *row.bytes / row.median() / rate;
+    }
     report();
     return ExitCode::done;
   }
@@ -142,7 +147,18 @@ class Bench {
         if (is_cpu && request.simd != cpu_reference::Simd::scalar)
           row.bytes = cpu_reference::substep_bytes(body.model, passes);
         if (is_cpu) row.peak_bytes = peak;
-        contestants.push_back({std::move(solver), results_.rows.size()});
+        if (gpu::Device* const gpu_device = device.gpu()) {
+          double& rate = results_.copy[row.device];
+          rate = std::max(rate, gpu::copy_rate(*gpu_device) * 1e-9);
+          row.bytes = gpu::substep_bytes(body.model, passes);
+          for (const gpu::StageTime& time :
+               gpu::stage_times(*gpu_device, body.model, body.options, BenchDrive(body.model, 1).drive()))
+            row.stages[time.stage] = time.nanoseconds / row.vertices;
+        }
+        const std::uint32_t substeps = is_cpu
+                                           ? bench_substeps(row.vertices, passes, arguments_.quick)
+                                           : substeps_in(arguments_.quick ? 0.1 : 0.3, *solver, body.model);
+        contestants.push_back({std::move(solver), results_.rows.size(), substeps});
         results_.rows.push_back(std::move(row));
       }
     }
@@ -151,7 +167,7 @@ class Bench {
 
   void time_one(const BenchBody& body, const Contestant& contestant) {
     BenchRow& row = results_.rows[contestant.row];
-    const std::uint32_t substeps = bench_substeps(row.vertices, row.passes, arguments_.quick);
+    const std::uint32_t substeps = contestant.substeps;
     const BenchDrive drive(body.model, substeps);
     const double seconds = timed_frame(*contestant.solver, drive.drive());
     row.samples.push_back(seconds * 1e9 / substeps / row.vertices);

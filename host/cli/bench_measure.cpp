@@ -74,9 +74,20 @@ std::uint32_t bench_substeps(std::uint32_t vertices, std::uint32_t passes, bool 
   return static_cast<std::uint32_t>(std::clamp(work, 2.0, 200.0));
 }
 
+std::uint32_t substeps_in(double seconds, model::Solver& solver, const model::Model& model) {
+  constexpr std::uint32_t fewest = 2, most = 4000;
+  std::uint32_t substeps = fewest;
+  double took = timed_frame(solver, BenchDrive(model, substeps).drive());
+  while (took < seconds / 4 && substeps < most) {
+    substeps = std::min(4 * substeps, most);
+    took = timed_frame(solver, BenchDrive(model, substeps).drive());
+  }
+  return std::clamp(static_cast<std::uint32_t>(substeps * seconds / took), fewest, most);
+}
+
 double timed_frame(model::Solver& solver, const model::Drive& drive) {
   const Clock::time_point start = Clock::now();
-  solver.submit(drive, {.positions = true});
+  solver.submit(drive, {});
   solver.collect();
   return seconds_since(start);
 }

@@ -35,7 +35,10 @@ class BenchDrive {
 // Substeps of one sample: enough that a clock's and a thread's start do not count, at most 200.
 std::uint32_t bench_substeps(std::uint32_t vertices, std::uint32_t passes, bool quick);
 
-// Seconds that a frame takes.
+// The same of a device of unknown speed: as many as take about `seconds`, 2 to 4000, found by trying.
+std::uint32_t substeps_in(double seconds, model::Solver& solver, const model::Model& model);
+
+// Seconds that a frame takes, of which nothing is read back.
 double timed_frame(model::Solver& solver, const model::Drive& drive);
 
 // a = b + s c on arrays of 64 MiB on this many threads, GB/s: three words moved an element, the best of a few

@@ -33,7 +33,8 @@ Json json_of(const BenchRow& row) {
           {"samples", row.samples},
           {"bytes_per_vertex_substep", json_of(row.bytes)},
           {"triad_fraction", json_of(row.triad)},
-          {"peak_bytes_per_vertex", json_of(row.peak_bytes)}};
+          {"peak_bytes_per_vertex", json_of(row.peak_bytes)},
+          {"ns_by_stage", row.stages}};
 }
 
 void write_text_file(const std::filesystem::path& path, const std::string& text) {
@@ -79,6 +80,7 @@ void write_bench_json(const std::filesystem::path& file, const BenchResults& res
                 {"compiler", results.machine.compiler},
                 {"fascicle", results.machine.version}}},
               {"triad_gb_s", Json::object()},
+              {"copy_gb_s", results.copy},
               {"results", Json::array()}};
   for (const auto& [threads, rate] : results.triad) object["triad_gb_s"][std::to_string(threads)] = rate;
   for (const BenchRow& row : results.rows) object["results"].push_back(json_of(row));
@@ -103,6 +105,9 @@ std::string bench_table(const BenchResults& results) {
   for (const auto& [threads, rate] : results.triad)
     text += "  " + std::to_string(threads) + (threads == 1 ? " thread " : " threads ") +
             number_text(rate, 3) + " GB/s";
+  for (const auto& [device, rate] : results.copy)
+    text += "\n" + device + " copies " + number_text(rate, 4) + " GB/s: the floor of " +
+            number_text(floor_bytes, 3) + " bytes is " + number_text(floor_bytes / rate, 3) + " ns";
   const std::vector<std::size_t> widths{18, 11, 11, 9, 9, 9, 7, 9, 10};
   const auto line = [&](const std::vector<std::string>& cells) {
     text += "\n ";
@@ -116,6 +121,11 @@ std::string bench_table(const BenchResults& results) {
           number_text(row.median() / row.passes, 3), number_text(row.least() / row.passes, 3),
           row.bytes ? number_text(*row.bytes / row.passes, 3) : "", or_nothing(row.triad, 2),
           or_nothing(row.peak_bytes, 4)});
+  for (const BenchRow& row : results.rows) {
+    if (row.stages.empty()) continue;
+    text += "\n  stages of " + key_of(row) + ":";
+    for (const auto& [stage, time] : row.stages) text += " " + stage + " " + number_text(time, 3);
+  }
   return text + "\n";
 }
 

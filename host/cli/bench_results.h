@@ -16,12 +16,14 @@ struct BenchRow {
   std::string integrator;  // explicit, implicit; of a peer its own
   std::uint32_t vertices = 0;
   unsigned threads = 1;
-  std::uint32_t passes = 1;          // over the regions, a substep: the iterations of the implicit integrator
-  std::vector<double> samples;       // ns a vertex and substep, one a round
-  std::optional<double> bytes;       // a vertex and substep, counted
-  std::optional<double> triad;       // bytes over time, over the triad of as many threads
+  std::uint32_t passes = 1;     // over the regions, a substep: the iterations of the implicit integrator
+  std::vector<double> samples;  // ns a vertex and substep, one a round
+  std::optional<double> bytes;  // a vertex and substep, counted
+  std::optional<double> triad;  // bytes over time, over the triad of as many threads or the device's copies
   std::optional<double> peak_bytes;  // a vertex: the process at its largest, building and stepping, less what
                                      // it held before
+
+  std::map<std::string, double> stages;  // of a Vulkan device: ns a vertex of each, by its own clock
 
   double median() const;
   double least() const;
@@ -35,7 +37,8 @@ struct BenchMachine {
 
 struct BenchResults {
   BenchMachine machine;
-  std::map<unsigned, double> triad;  // GB/s by threads
+  std::map<unsigned, double> triad;    // GB/s by threads
+  std::map<std::string, double> copy;  // GB/s by Vulkan device, read plus written
   std::vector<BenchRow> rows;
 };
 
@@ -44,6 +47,9 @@ struct BenchResults {
 void write_bench_json(const std::filesystem::path& file, const BenchResults& results);
 void write_bench_csv(const std::filesystem::path& file, const BenchResults& results);
 std::string bench_table(const BenchResults& results);
+
+// What the layout of docs/architecture.md moves of a vertex in a substep: what bench compares devices by.
+inline constexpr double floor_bytes = 460;
 
 // A row of another run: its median and its least time.
 struct BenchTimes {

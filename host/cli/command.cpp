@@ -78,9 +78,10 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_option("--start", overrides.start, "Time of frame 0, s");
   subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
   subcommand.add_option("--clip", overrides.clip, "The character's clip, by name or number");
-  subcommand.add_flag("--no-cache", arguments.no_cache,
-                      "Neither use nor keep filled bodies and what comes before the first frame "
-                      "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
+  subcommand.add_flag(
+      "--no-cache", arguments.no_cache,
+      "Neither use nor keep filled bodies, what comes before the first frame and compiled shaders "
+      "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
   subcommand
       .add_option(
           "--rest", overrides.rest,

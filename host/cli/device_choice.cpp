@@ -8,6 +8,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "gpu/vulkan_solver.h"
+#include "host/build/cache.h"
 #include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
@@ -111,11 +112,16 @@ ChosenDevice ChosenDevice::cpu(unsigned threads, Simd simd, std::string why) {
   return chosen;
 }
 
-ChosenDevice ChosenDevice::vulkan(const gpu::DeviceInfo& info, std::string why) {
+ChosenDevice ChosenDevice::vulkan(const gpu::DeviceInfo& info, bool keeps_pipelines, std::string why) {
   ChosenDevice chosen;
   chosen.label_ = "vulkan:" + std::to_string(info.index);
   chosen.why_ = std::move(why);
-  chosen.device_ = std::make_unique<gpu::Device>(info.index);
+  chosen.keeps_pipelines_ = keeps_pipelines;
+  gpu::DeviceOptions options;
+  if (keeps_pipelines)
+    options.pipelines =
+        build::Cache(build::default_cache_folder()).find(info.pipelines_key).value_or(std::string());
+  chosen.device_ = std::make_unique<gpu::Device>(info.index, options);
   chosen.description_.solver = "vulkan";
   chosen.description_.name = info.name;
   chosen.description_.driver = info.driver;
@@ -140,7 +146,12 @@ std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& mod
                                                          const model::SolverOptions& options) const {
   if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads, simd_);
   try {
-    return gpu::make_vulkan_solver(*device_, model, options);
+    const std::string before = device_->pipelines();
+    std::unique_ptr<model::Solver> solver = gpu::make_vulkan_solver(*device_, model, options);
+    const std::string pipelines = device_->pipelines();
+    if (keeps_pipelines_ && pipelines != before)
+      build::Cache(build::default_cache_folder()).put(device_->info().pipelines_key, pipelines);
+    return solver;
   } catch (const gpu::DeviceError& error) {
     throw NoSuchDevice(label_ + " (" + description_.name + ") cannot run this scene: " + error.what() +
                        "; use --device cpu or a coarser mesh");
@@ -164,7 +175,7 @@ ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& 
         why = "auto: a GPU that passes the self-test";
       else if (!request.index)
         why = info.software ? "no real GPU; the first software device" : "the first real GPU";
-      ChosenDevice chosen = ChosenDevice::vulkan(info, why);
+      ChosenDevice chosen = ChosenDevice::vulkan(info, request.keeps_pipelines, why);
       if (!automatic || chosen.description().exact) return chosen;
       refusal = label + " is not exact: " + chosen.why_not_exact();
     } catch (const gpu::DeviceError& error) {

@@ -21,6 +21,7 @@ struct DeviceRequest {
   Kind kind = Kind::automatic;
   std::optional<std::uint32_t> index = std::nullopt;          // of vulkan:N
   cpu_reference::Simd simd = cpu_reference::Simd::automatic;  // of cpu:LEVEL
+  bool keeps_pipelines = true;  // uses and keeps compiled shaders in build::default_cache_folder()
 };
 
 // "auto", "cpu", "cpu:LEVEL" (the instructions to use, see simd.h), "vulkan", "vulkan:N". Throws UsageError.
@@ -41,7 +42,7 @@ class ChosenDevice {
   // Throws NoSuchDevice where the machine lacks the instructions.
   static ChosenDevice cpu(unsigned threads, cpu_reference::Simd simd, std::string why);
   // Opens it and runs its self-test. Throws gpu::DeviceError.
-  static ChosenDevice vulkan(const gpu::DeviceInfo& info, std::string why);
+  static ChosenDevice vulkan(const gpu::DeviceInfo& info, bool keeps_pipelines, std::string why);
 
   // "cpu", "cpu:LEVEL" or "vulkan:N"
   const std::string& label() const { return label_; }
@@ -53,12 +54,15 @@ class ChosenDevice {
   // Throws NoSuchDevice where the model does not fit the device.
   std::unique_ptr<model::Solver> make_solver(const model::Model& model,
                                              const model::SolverOptions& options) const;
+  // The Vulkan device; null: the CPU.
+  gpu::Device* gpu() const { return device_.get(); }
 
  private:
   std::string label_, why_, why_not_exact_;
   bake::DeviceDescription description_;
   cpu_reference::Simd simd_ = cpu_reference::Simd::automatic;
   std::unique_ptr<gpu::Device> device_;  // null: the CPU
+  bool keeps_pipelines_ = false;
 };
 
 // Takes a device. automatic: the first real GPU that passes its self-test, else the CPU. Throws NoSuchDevice.

@@ -178,7 +178,8 @@ void print_text(const model::Model& model, const Validation& validation) {
 }
 
 ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
-  const std::vector<DeviceRequest> requests = parse_device_list(arguments.devices);
+  std::vector<DeviceRequest> requests = parse_device_list(arguments.devices);
+  for (DeviceRequest& request : requests) request.keeps_pipelines = !arguments.scene.no_cache;
   if (requests.size() < 2 && !arguments.oracle)
     throw UsageError("--devices " + arguments.devices +
                      " with --no-oracle leaves nothing to compare; name two devices");

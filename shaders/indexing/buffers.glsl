@@ -4,7 +4,7 @@
 #include "shaders/buffers.h"
 #include "shaders/kernel/algebra.inc"
 
-layout(local_size_x = slice_width) in;
+layout(local_size_x = slice_width, local_size_x_id = constant_group_size) in;
 
 layout(push_constant, std430) uniform PushBlock { Push push; };
 
@@ -15,6 +15,8 @@ layout(constant_id = constant_carried) const bool with_carried = false;
 layout(constant_id = constant_volume) const bool with_volume = false;
 layout(constant_id = constant_implicit) const bool with_implicit = false;
 layout(constant_id = constant_ties) const bool with_ties = false;
+layout(constant_id = constant_near) const bool with_near = false;
+layout(constant_id = constant_ahead) const uint ahead = 1u;
 
 layout(std430, binding = buffer_position) buffer PositionBuffer { vec4 position[]; };
 layout(std430, binding = buffer_velocity) buffer VelocityBuffer { vec4 velocity[]; };
@@ -28,11 +30,13 @@ layout(std430, binding = buffer_gravity) buffer GravityBuffer { vec4 gravity[]; 
 layout(std430, binding = buffer_surface) buffer SurfaceBuffer { float surface[]; };
 
 layout(std430, binding = buffer_rest) readonly buffer RestBuffer { vec4 rest[]; };
-layout(std430, binding = buffer_vertex) readonly buffer VertexBuffer { VertexRecord vertex[]; };
+layout(std430, binding = buffer_tag) readonly buffer TagBuffer { uint tag_and_degree[]; };
 layout(std430, binding = buffer_slice) readonly buffer SliceBuffer { uint slice[]; };
 layout(std430, binding = buffer_ring) readonly buffer RingBuffer { uint ring[]; };
-layout(std430, binding = buffer_share_taken) readonly buffer ShareTakenBuffer { float share_taken[]; };
-layout(std430, binding = buffer_share_given) readonly buffer ShareGivenBuffer { float share_given[]; };
+layout(std430, binding = buffer_share_taken) readonly buffer ShareTakenBuffer { uint share_taken[]; };
+layout(std430, binding = buffer_share_given) readonly buffer ShareGivenBuffer { uint share_given[]; };
+layout(std430, binding = buffer_alpha) readonly buffer AlphaBuffer { float alpha[]; };
+layout(std430, binding = buffer_carried) readonly buffer CarriedBuffer { float carried[]; };
 layout(std430, binding = buffer_region_rest) readonly buffer RegionRestBuffer { vec4 region_rest[]; };
 layout(std430, binding = buffer_muscle_offset) readonly buffer MuscleOffsetBuffer { uint muscle_offset[]; };
 layout(std430, binding = buffer_region_muscle) readonly buffer RegionMuscleBuffer { RegionMuscle region_muscle[]; };
@@ -65,13 +69,26 @@ layout(std430, binding = buffer_tie_offset) readonly buffer TieOffsetBuffer { ui
 layout(std430, binding = buffer_tie_index) readonly buffer TieIndexBuffer { uint tie_index[]; };
 layout(std430, binding = buffer_tie_coefficient) readonly buffer TieCoefficientBuffer { float tie_coefficient[]; };
 
-uint item_index() { return (push.first_slice + gl_WorkGroupID.x) * slice_width + gl_LocalInvocationID.x; }
+uint item_index() { return push.first_slice * slice_width + gl_GlobalInvocationID.x; }
 
 // Entry k of the one-ring of vertex i lies at ring_start(i) + k ring_stride.
 const uint ring_stride = slice_width;
 uint ring_start(uint i) { return slice[i / slice_width] + (i % slice_width); }
+uint ring_size(uint i) { return tag_and_degree[i] >> degree_shift; }
 
-bool is_kinematic(uint i) { return (vertex[i].tag & tag_kinematic) != 0u; }
+// An entry of vertex i, `word` what share_taken or share_given holds of it: the neighbour and its share.
+uint neighbour_of(uint i, uint entry, uint word) {
+  if (with_near) return uint(int(i / slice_width * slice_width) + (int(word << share_shift) >> share_shift));
+  return ring[entry];
+}
+float share_of(uint word) {
+  // 16 bits below the one of 1 are a share: without a conversion, and exact.
+  if (with_near) return uintBitsToFloat(0x3f800000u | (word >> share_shift) << 7u) - 1.0f;
+  return uintBitsToFloat(word);
+}
+
+bool is_kinematic(uint i) { return (tag_and_degree[i] & tag_kinematic) != 0u; }
+uint layer_of(uint i) { return tag_and_degree[i] & tag_layer_mask; }
 bool has_skeleton() { return push.substep.joint_count != 0u; }
 
 Vector vector_of(vec4 r) {
@@ -93,9 +110,10 @@ Vector zero_vector() {
 }
 
 Transform load_transform(uint i) {
-  vec4 x = transform[3u * i];
-  vec4 y = transform[3u * i + 1u];
-  vec4 z = transform[3u * i + 2u];
+  uint n = push.substep.vertex_count;
+  vec4 x = transform[i];
+  vec4 y = transform[n + i];
+  vec4 z = transform[2u * n + i];
   Transform t;
   t.linear.xx = x.x;
   t.linear.xy = x.y;
@@ -113,9 +131,10 @@ Transform load_transform(uint i) {
 }
 
 void store_transform(uint i, Transform t) {
-  transform[3u * i] = vec4(t.linear.xx, t.linear.xy, t.linear.xz, t.translation.x);
-  transform[3u * i + 1u] = vec4(t.linear.yx, t.linear.yy, t.linear.yz, t.translation.y);
-  transform[3u * i + 2u] = vec4(t.linear.zx, t.linear.zy, t.linear.zz, t.translation.z);
+  uint n = push.substep.vertex_count;
+  transform[i] = vec4(t.linear.xx, t.linear.xy, t.linear.xz, t.translation.x);
+  transform[n + i] = vec4(t.linear.yx, t.linear.yy, t.linear.yz, t.translation.y);
+  transform[2u * n + i] = vec4(t.linear.zx, t.linear.zy, t.linear.zz, t.translation.z);
 }
 
 #endif

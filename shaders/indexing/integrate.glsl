@@ -6,9 +6,9 @@
 
 void move_free(uint i, Vector v, Vector g) {
   Vector q = vector_of(position[i]);
-  float alpha_over_h = vertex[i].alpha * push.substep.inverse_h;
+  float alpha_over_h = alpha[i] * push.substep.inverse_h;
   Vector u = velocity_of_skin(i);
-  v = integrate_velocity(v, q, g, alpha_over_h, u, decay[vertex[i].tag & tag_layer_mask]);
+  v = integrate_velocity(v, q, g, alpha_over_h, u, decay[layer_of(i)]);
   if (with_carried) skinned_velocity_before[i] = record_of(u);
   velocity[i] = record_of(v);
   position[i] = record_of(integrate_position(q, v, push.substep.h));

@@ -32,7 +32,7 @@ Vector predicted_velocity(uint i) {
   Vector a = external_acceleration(i);
   Vector v = vector_of(velocity[i]);
   if (with_carried)
-    v = carry_velocity(v, vertex[i].carried, velocity_of_skin(i), vector_of(skinned_velocity_before[i]));
+    v = carry_velocity(v, carried[i], velocity_of_skin(i), vector_of(skinned_velocity_before[i]));
   return predict_velocity(v, a, push.substep.h);
 }
 
@@ -50,7 +50,7 @@ void begin_implicit(uint i) {
   Vector u = velocity_of_skin(i);
   if (with_carried) {
     Vector before = vector_of(skinned_velocity_before[i]);
-    a = carry_acceleration(a, vertex[i].carried * push.substep.inverse_h, u, before);
+    a = carry_acceleration(a, carried[i] * push.substep.inverse_h, u, before);
     u = with_history(u, before, push.implicit.skin_history);
   }
   Response answer = response[push.implicit.first_response + i];

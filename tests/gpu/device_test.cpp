@@ -1,6 +1,7 @@
 #include "gpu/device.h"
 
 #include <algorithm>
+#include <array>
 
 #include <gtest/gtest.h>
 
@@ -41,14 +42,39 @@ TEST(Check, ThrowsTheCallsText) {
 TEST(PhysicalDevice, MostBuffersOfAKernelIsTheLargestKernels) {
   std::size_t most = 0;
   for (const spirv_exact::Module module :
-       {shader::rebase_module(), shader::skin_module(), shader::predict_module(), shader::region_module(),
-        shader::goal_module(), shader::integrate_module(), shader::update_module(), shader::embed_module(),
-        shader::self_test_module()})
+       {shader::rebase_module(), shader::skin_module(), shader::tie_module(), shader::predict_module(),
+        shader::region_module(), shader::goal_module(), shader::relax_module(), shader::integrate_module(),
+        shader::update_module(), shader::iterate_module(), shader::embed_module(), shader::self_test_module(),
+        shader::copy_module()})
     most = std::max(most, spirv_exact::used_bindings(module).size());
   EXPECT_EQ(most, gpu::most_buffers_of_a_kernel);
 }
 
 class OpenDevice : public VulkanTest {};
+
+// Whatever is handed in, the device computes the same: its own bytes are used, others are left alone.
+TEST_F(OpenDevice, TakesPipelinesOfAnEarlierRunAndLeavesOthersAlone) {
+  gpu::Device first(*index);
+  ASSERT_TRUE(first.self_test());
+  const std::string own = first.pipelines();
+  ASSERT_GE(own.size(), 32u) << "not even a header";
+  EXPECT_EQ(first.info().pipelines_key.size(), 48u);
+  std::string of_another_driver = own;
+  of_another_driver[20] = static_cast<char>(of_another_driver[20] + 1);  // in the driver's UUID
+  for (const std::string& pipelines : {own, of_another_driver, own.substr(0, 9), std::string(500, 'x')}) {
+    gpu::Device device(*index, {.pipelines = pipelines});
+    EXPECT_TRUE(device.self_test());
+  }
+}
+
+TEST(PhysicalDevice, PipelinesAreKeptByDeviceAndDriver) {
+  std::array<std::uint8_t, VK_UUID_SIZE> driver{};
+  const std::string key = gpu::pipelines_key(0x10de, 1, driver);
+  EXPECT_EQ(key, "000010de00000001" + std::string(32, '0'));
+  EXPECT_NE(gpu::pipelines_key(0x10de, 2, driver), key);
+  driver[15] = 1;
+  EXPECT_NE(gpu::pipelines_key(0x10de, 1, driver), key);
+}
 
 TEST_F(OpenDevice, ThatDoesNotExistIsRefusedWithTheCount) {
   try {

@@ -1,4 +1,6 @@
 // What the GPU room computes on the host: the sliced one-rings and the pace of submissions.
+#include <bit>
+
 #include <gtest/gtest.h>
 
 #include "gpu/sliced_rings.h"
@@ -8,21 +10,49 @@
 namespace fascicle::tests {
 namespace {
 
-TEST(SlicedRings, HoldEachOneRingInOrder) {
-  const model::Model m = make_bar({.x = 7, .y = 3, .z = 5, .odd_vertices = true});
-  ASSERT_NE(m.vertex_count % shader::slice_width, 0u) << "the last slice should be a short one";
+// Every vertex's entries, in order, as the shaders read them.
+void expect_rings_of(const model::Model& m) {
   const gpu::SlicedRings rings = gpu::slice_rings(m);
-  EXPECT_EQ(rings.ring.size(), gpu::sliced_entry_count(m));
+  const bool near = gpu::is_near(m);
+  EXPECT_EQ(rings.share_taken.size(), gpu::sliced_entry_count(m));
+  EXPECT_EQ(rings.ring.size(), near ? 0 : gpu::sliced_entry_count(m));
   EXPECT_EQ(rings.slice.size(), (m.vertex_count + shader::slice_width - 1) / shader::slice_width);
+  const auto neighbour = [&](std::uint32_t i, std::size_t at, std::uint32_t word) {
+    const auto difference = static_cast<std::int16_t>(word & 0xffffu);
+    return near ? i / shader::slice_width * shader::slice_width + static_cast<std::uint32_t>(difference)
+                : rings.ring[at];
+  };
+  const auto share = [&](std::uint32_t word) {
+    return near ? static_cast<float>(word >> 16) * 0x1p-16f : std::bit_cast<float>(word);
+  };
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
     std::size_t at = rings.slice[i / shader::slice_width] + i % shader::slice_width;
     for (std::uint32_t e = m.ring_offset[i]; e < m.ring_offset[i + 1]; ++e, at += shader::slice_width) {
-      ASSERT_LT(at, rings.ring.size());
-      EXPECT_EQ(rings.ring[at], m.ring[e]);
-      EXPECT_EQ(rings.share_taken[at], m.share_taken[e]);
-      EXPECT_EQ(rings.share_given[at], m.share_given[e]);
+      ASSERT_LT(at, rings.share_given.size());
+      ASSERT_EQ(neighbour(i, at, rings.share_taken[at]), m.ring[e]);
+      ASSERT_EQ(neighbour(i, at, rings.share_given[at]), m.ring[e]);
+      ASSERT_EQ(share(rings.share_taken[at]), m.share_taken[e]);
+      ASSERT_EQ(share(rings.share_given[at]), m.share_given[e]);
     }
   }
+}
+
+TEST(SlicedRings, HoldEachOneRingInOrder) {
+  const model::Model m = make_bar({.x = 7, .y = 3, .z = 5, .odd_vertices = true});
+  ASSERT_NE(m.vertex_count % shader::slice_width, 0u) << "the last slice should be a short one";
+  EXPECT_TRUE(gpu::is_near(m));
+  expect_rings_of(m);
+}
+
+TEST(SlicedRings, HoldNeighboursFarAwayAndWholeShares) {
+  model::Model far = make_bar({.x = 7, .y = 3, .z = 5});
+  far.share_given[3] = 1.0f;
+  EXPECT_FALSE(gpu::is_near(far));
+  expect_rings_of(far);
+  // A bar with sides so wide that neighbours lie 33,489 vertices apart.
+  const model::Model wide = make_bar({.x = 3, .y = 183, .z = 183});
+  EXPECT_FALSE(gpu::is_near(wide));
+  expect_rings_of(wide);
 }
 
 TEST(SubmissionPace, KeepsSubmissionsUnder100Milliseconds) {

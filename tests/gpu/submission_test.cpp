@@ -11,6 +11,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "gpu/experiments.h"
+#include "gpu/sliced_rings.h"
 #include "host/model/validate.h"
 #include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
@@ -96,6 +97,34 @@ TEST_F(Submissions, OfOneSliceEachKeepTheBits) {
   Counts counts;
   expect_bits_of_cpu(counts.watching({.slices_per_submission = 1, .groups_per_dispatch = 1}));
   EXPECT_EQ(*std::max_element(counts.slices.begin(), counts.slices.end()), 1u);
+}
+
+// Workgroups of several slices, neighbours read several at a time, and a model whose neighbours do not fit 16
+// bits: none of it is in a bit of the result, nor where a stage is cut.
+TEST_F(Submissions, OfAnyTuningKeepTheBits) {
+  for (const gpu::Tuning tuning : {gpu::Tuning{64, 2}, gpu::Tuning{128, 4}, gpu::Tuning{96, 7}}) {
+    Counts counts;
+    gpu::Experiments experiments = counts.watching({.slices_per_submission = 7, .groups_per_dispatch = 3});
+    experiments.tuning = tuning;
+    expect_bits_of_cpu(experiments);
+    EXPECT_GT(counts.groups.size(), 468u * shader::slice_width / tuning.group_size / 3);
+  }
+}
+
+TEST_F(Submissions, OfNeighboursThatAreNotNearKeepTheBits) {
+  ASSERT_TRUE(gpu::is_near(model));
+  model::Model far = model;
+  // A region that takes all of a vertex, and gives it nothing back: a share of 1 has no 16 bits.
+  far.share_given[0] = 1.0f;
+  ASSERT_FALSE(gpu::is_near(far));
+  gpu::Device device(*index);
+  for (const gpu::Tuning tuning : {gpu::Tuning{}, gpu::Tuning{64, 4}}) {
+    const auto cpu = cpu_reference::make_cpu_solver(far, {}, 1);
+    const auto vulkan = gpu::make_experimental_solver(device, far, {}, {.tuning = tuning});
+    BarMotion motion(far, 2);
+    EXPECT_FALSE(first_difference(
+        *cpu, *vulkan, [&](std::uint64_t k) { return motion.drive(k); }, 3));
+  }
 }
 
 // Frames that nobody collects do not pile up on the device; they are kept, in order.

@@ -107,13 +107,6 @@ TEST(SharedLayout, Tie) {
   EXPECT_EQ(layout.stride, sizeof(shader::Tie));
 }
 
-TEST(SharedLayout, VertexRecord) {
-  const Layout layout = layout_in(shader::update_module(), "VertexRecord");
-  EXPECT_EQ(layout.members, (Members{MEMBER(VertexRecord, tag), MEMBER(VertexRecord, degree),
-                                     MEMBER(VertexRecord, alpha), MEMBER(VertexRecord, carried)}));
-  EXPECT_EQ(layout.stride, sizeof(shader::VertexRecord));
-}
-
 TEST(SharedLayout, SubstepAndPush) {
   const Layout substep = layout_in(shader::update_module(), "Substep");
   EXPECT_EQ(

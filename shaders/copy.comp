@@ -1,0 +1,10 @@
+// Copies 16 bytes an invocation from one buffer to another: the rate of a device's memory, for fascicle bench.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/indexing/buffers.glsl"
+
+void main() {
+  uint i = item_index();
+  if (i >= push.substep.vertex_count) return;
+  velocity[i] = position[i];
+}
