@@ -2,6 +2,7 @@
 // device's bits are held against the scalar stages first; a number for a wrong result is worth nothing.
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include "cpu_reference/cpu_solver.h"
@@ -37,6 +38,7 @@ struct Contestant {
   std::unique_ptr<model::Solver> solver;
   std::size_t row;
   std::uint32_t substeps;  // of a sample
+  gpu::Device* gpu;        // null: the CPU
 };
 
 std::vector<model::Integrator> integrators_of(const BenchArguments& arguments) {
@@ -113,9 +115,14 @@ class Bench {
         results_.rows[peer.row].samples.push_back(run_peer(peer.kind, peer.grid, peer.substeps));
       for (const unsigned threads : arguments_.threads)
         results_.triad[threads] = std::max(results_.triad[threads], triad_rate(threads));
+      for (const auto& [label, device] : gpus_)
+        results_.copy[label] = std::max(results_.copy[label], gpu::copy_rate(*device) * 1e-9);
       log_.info("bench: " + count_text(bodies.front()->model.vertex_count) + " vertices, round " +
                 std::to_string(round + 1) + " of " + std::to_string(arguments_.rounds));
     }
+    for (std::size_t k = 0; k < bodies.size(); ++k)
+      for (const Contestant& contestant : contestants[k])
+        if (contestant.gpu) time_stages(*bodies[k], contestant);
     return true;
   }
 
@@ -148,17 +155,14 @@ class Bench {
           row.bytes = cpu_reference::substep_bytes(body.model, passes);
         if (is_cpu) row.peak_bytes = peak;
         if (gpu::Device* const gpu_device = device.gpu()) {
-          double& rate = results_.copy[row.device];
-          rate = std::max(rate, gpu::copy_rate(*gpu_device) * 1e-9);
           row.bytes = gpu::substep_bytes(body.model, passes);
-          for (const gpu::StageTime& time :
-               gpu::stage_times(*gpu_device, body.model, body.options, BenchDrive(body.model, 1).drive()))
-            row.stages[time.stage] = time.nanoseconds / row.vertices;
+          gpus_[row.device] = gpu_device;
+          results_.machine.gpus[row.device] = device.description().name + ", " + device.description().driver;
         }
         const std::uint32_t substeps = is_cpu
                                            ? bench_substeps(row.vertices, passes, arguments_.quick)
                                            : substeps_in(arguments_.quick ? 0.1 : 0.3, *solver, body.model);
-        contestants.push_back({std::move(solver), results_.rows.size(), substeps});
+        contestants.push_back({std::move(solver), results_.rows.size(), substeps, device.gpu()});
         results_.rows.push_back(std::move(row));
       }
     }
@@ -171,6 +175,17 @@ class Bench {
     const BenchDrive drive(body.model, substeps);
     const double seconds = timed_frame(*contestant.solver, drive.drive());
     row.samples.push_back(seconds * 1e9 / substeps / row.vertices);
+  }
+
+  void time_stages(const BenchBody& body, const Contestant& contestant) {
+    BenchRow& row = results_.rows[contestant.row];
+    // Devices slow their clocks down when there is nothing to do.
+    time_one(body, contestant);
+    row.samples.pop_back();
+    const BenchDrive drive(body.model, 1);
+    for (const gpu::StageTime& time :
+         gpu::stage_times(*contestant.gpu, body.model, body.options, drive.drive()))
+      row.stages[time.stage] = time.nanoseconds / row.vertices;
   }
 
   struct Peer {
@@ -223,6 +238,7 @@ class Bench {
   Log& log_;
   BenchResults results_;
   std::vector<std::unique_ptr<ChosenDevice>> devices_;  // outlive their solvers
+  std::map<std::string, gpu::Device*> gpus_;            // by label
 };
 
 ExitCode run_bench(BenchArguments arguments, Log& log) {

@@ -77,6 +77,7 @@ void write_bench_json(const std::filesystem::path& file, const BenchResults& res
                {{"processor", results.machine.processor},
                 {"cores", results.machine.cores},
                 {"levels", results.machine.levels},
+                {"gpus", results.machine.gpus},
                 {"compiler", results.machine.compiler},
                 {"fascicle", results.machine.version}}},
               {"triad_gb_s", Json::object()},
@@ -106,8 +107,9 @@ std::string bench_table(const BenchResults& results) {
     text += "  " + std::to_string(threads) + (threads == 1 ? " thread " : " threads ") +
             number_text(rate, 3) + " GB/s";
   for (const auto& [device, rate] : results.copy)
-    text += "\n" + device + " copies " + number_text(rate, 4) + " GB/s: the floor of " +
-            number_text(floor_bytes, 3) + " bytes is " + number_text(floor_bytes / rate, 3) + " ns";
+    text += "\n" + device + ", " + results.machine.gpus.at(device) + ", copies " + number_text(rate, 4) +
+            " GB/s: the floor of " + number_text(floor_bytes, 3) + " bytes is " +
+            number_text(floor_bytes / rate, 3) + " ns";
   const std::vector<std::size_t> widths{18, 11, 11, 9, 9, 9, 7, 9, 10};
   const auto line = [&](const std::vector<std::string>& cells) {
     text += "\n ";

@@ -32,7 +32,8 @@ struct BenchRow {
 struct BenchMachine {
   std::string processor, compiler, version;
   unsigned cores = 0;
-  std::vector<std::string> levels;  // of vector instructions
+  std::vector<std::string> levels;          // of vector instructions
+  std::map<std::string, std::string> gpus;  // names and drivers of the Vulkan devices, by label
 };
 
 struct BenchResults {
