@@ -10,6 +10,7 @@
 #include "cpu_reference/lane_stages.h"
 #include "cpu_reference/slices.h"
 #include "cpu_reference/stages.h"
+#include "cpu_reference/sweeps.h"
 #include "cpu_reference/thread_pool.h"
 #include "host/model/implicit.h"
 
@@ -57,6 +58,8 @@ class CpuSolver : public model::Solver {
     CpuSolver::load(model::rest_state(model));
     // Last, as it makes do with what memory is left.
     pool_.emplace(threads);
+    if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)
+      sweeps_ = make_sweeps(model, slices_, pool_->size());
   }
 
   void submit(const Drive& drive, Read what, Probe* probe) override {
@@ -182,6 +185,23 @@ class CpuSolver : public model::Solver {
     });
   }
 
+  // region, then update or iterate, where nobody looks in between.
+  void run_region_and(LaneStage LaneStages::*move_in_lanes, ModelStage move, const SubstepInput& in) {
+    if (sweeps_.empty()) {
+      run_region(in);
+      run(move_in_lanes, move, in);
+      return;
+    }
+    const LaneInput input = lane_input(model_, slices_, in, fields_);
+    const auto of_sweeps = [&](const auto& job) {
+      pool_->run(static_cast<std::uint32_t>(sweeps_.size()), [&](std::uint32_t first, std::uint32_t last) {
+        for (std::uint32_t k = first; k < last; ++k) job(sweeps_[k]);
+      });
+    };
+    if (sweeps_.size() > 1) of_sweeps([&](const Sweep& sweep) { run_shared_regions(*lanes_, input, sweep); });
+    of_sweeps([&](const Sweep& sweep) { run_sweep(*lanes_, lanes_->*move_in_lanes, input, sweep); });
+  }
+
   // The regions' stage in lanes has the default rotation only.
   void run_region(const SubstepInput& in) {
     if (in.mueller)
@@ -226,8 +246,7 @@ class CpuSolver : public model::Solver {
       return;
     }
     if (!probe) {
-      run_region(in);
-      run(&LaneStages::update, &update, in);
+      run_region_and(&LaneStages::update, &update, in);
       return;
     }
     make_fields_between_stages();
@@ -259,11 +278,11 @@ class CpuSolver : public model::Solver {
     for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
       in.implicit.gain = relaxations[where.iteration].gain;
       in.implicit.omega = relaxations[where.iteration].omega;
-      run_region(in);
       if (!probe) {
-        run(&LaneStages::iterate, &iterate, in);
+        run_region_and(&LaneStages::iterate, &iterate, in);
         continue;
       }
+      run_region(in);
       show(Stage::region, regions_of(fields_));
       run(n, &goal, in);
       show(Stage::goal, std::array{vectors_of(fields_.goals)});
@@ -282,7 +301,8 @@ class CpuSolver : public model::Solver {
   const LaneStages* lanes_ = nullptr;  // null: one by one
   HugePages pages_;
   Fields fields_{LineAllocator<float>(pages_)};
-  Slices slices_;  // where lanes_ is
+  Slices slices_;              // where lanes_ is
+  std::vector<Sweep> sweeps_;  // none: stage by stage
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;

@@ -9,6 +9,7 @@
 #include "cpu_reference/lane_stages.cpp"
 #include "cpu_reference/slices.cpp"
 #include "cpu_reference/stages.cpp"
+#include "cpu_reference/sweeps.cpp"
 #include "cpu_reference/thread_pool.cpp"
 
 // Only the lanes that need no compiler options; those are in without_snap_lanes.cpp.

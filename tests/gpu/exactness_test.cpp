@@ -6,9 +6,9 @@
 #include "cpu_reference/cpu_solver.h"
 #include "gpu/experiments.h"
 #include "host/model/validate.h"
-#include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
 #include "tests/shaders/read_module.h"
+#include "tests/support/bar_model.h"
 
 namespace fascicle::tests {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "gpu/sliced_rings.h"
 #include "gpu/submission_pace.h"
-#include "tests/gpu/bar_model.h"
+#include "tests/support/bar_model.h"
 
 namespace fascicle::tests {
 namespace {

@@ -13,8 +13,8 @@
 #include "gpu/experiments.h"
 #include "gpu/sliced_rings.h"
 #include "host/model/validate.h"
-#include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
+#include "tests/support/bar_model.h"
 
 namespace fascicle::tests {
 namespace {

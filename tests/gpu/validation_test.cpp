@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "gpu/experiments.h"
-#include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
+#include "tests/support/bar_model.h"
 
 namespace fascicle::tests {
 namespace {

@@ -9,8 +9,8 @@
 #include "cpu_reference/cpu_solver.h"
 #include "gpu/device_impl.h"
 #include "host/model/validate.h"
-#include "tests/gpu/bar_model.h"
 #include "tests/gpu/vulkan_device.h"
+#include "tests/support/bar_model.h"
 
 namespace fascicle::tests {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/gpu/bar_model.h"
+#include "tests/support/bar_model.h"
 
 #include <algorithm>
 #include <cmath>
