@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Draws what `fascicle bench --json` wrote: nanoseconds a vertex and substep over the number of vertices, a curve a device.
 
-    python3 bench/plot.py RESULTS.json PLOT.svg [--threads N] [--integrator NAME]
+    python3 bench/plot.py RESULTS.json PLOT.svg [--threads N] [--integrator NAME] [--mesh NAME]
 
-One thread and the explicit integrator without the options; an implicit time is that of one iteration. Only Python's
+One thread, the explicit integrator and the regular mesh without the options; an implicit time is that of one iteration. Only Python's
 standard library is used.
 """
 import argparse
@@ -19,11 +19,13 @@ INKS = ["#1b6ca8", "#c0392b", "#2e8b57", "#8e44ad", "#d68910", "#566573", "#117a
 LEFT, TOP, WIDTH, HEIGHT, RIGHT = 70, 50, 640, 360, 230
 
 
-def curves_of(record, threads, integrator):
+def curves_of(record, threads, integrator, mesh):
     """Points (vertices, median, least) of each device, by vertices. Peers take part in the explicit ones: they have no other."""
     curves = {}
     for row in record["results"]:
         is_peer = row["solver"].startswith("bullet")
+        if row.get("mesh", "regular") != mesh:
+            continue
         if row["threads"] != threads or (row["integrator"] != integrator and not (is_peer and integrator == "explicit")):
             continue
         curves.setdefault(row["device"], []).append(
@@ -47,10 +49,10 @@ def spread(places, apart):
     return dict(zip(sorted(places), moved))
 
 
-def plot(record, threads, integrator):
-    curves = curves_of(record, threads, integrator)
+def plot(record, threads, integrator, mesh):
+    curves = curves_of(record, threads, integrator, mesh)
     if not curves:
-        raise SystemExit(f"plot: no row has {threads} threads and the integrator {integrator}")
+        raise SystemExit(f"plot: no row has {threads} threads, the integrator {integrator} and a {mesh} mesh")
     points = [p for curve in curves.values() for p in curve]
     across = ticks(min(p[0] for p in points), max(p[0] for p in points), (1,))
     up = ticks(min(p[2] for p in points), max(p[1] for p in points))
@@ -83,7 +85,7 @@ def plot(record, threads, integrator):
             body += f'<circle cx="{x(n):.1f}" cy="{y(median):.1f}" r="3.5" fill="{ink}"/>\n'
         body += drawing.text(LEFT + WIDTH + 12, f"{labels[ends[device]] + 5:.1f}", f"{device}  {curve[-1][1]:.3g}", "start", fill=ink)
     machine = record["machine"]
-    what = f"{threads} thread{'' if threads == 1 else 's'}, {integrator}"
+    what = f"{threads} thread{'' if threads == 1 else 's'}, {integrator}, {mesh} mesh"
     body += drawing.text(LEFT, 24, f"ns a vertex and {'iteration' if integrator == 'implicit' else 'substep'}, {what}: {machine['processor']}, {machine['cores']} cores", "start", font_weight="bold")
     body += drawing.text(LEFT + WIDTH, TOP + HEIGHT + 40, "vertices; points are medians, lines reach down to the least", "end", font_size=12)
     return drawing.svg(LEFT + WIDTH + RIGHT, TOP + HEIGHT + 56, body)
@@ -95,9 +97,10 @@ def main():
     parser.add_argument("plot")
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--integrator", choices=("explicit", "implicit"), default="explicit")
+    parser.add_argument("--mesh", choices=("regular", "filled"), default="regular")
     arguments = parser.parse_args()
     with open(arguments.results, encoding="utf-8") as file:
-        drawn = plot(json.load(file), arguments.threads, arguments.integrator)
+        drawn = plot(json.load(file), arguments.threads, arguments.integrator, arguments.mesh)
     with open(arguments.plot + ".tmp", "w", encoding="utf-8") as file:
         file.write(drawn)
     os.replace(arguments.plot + ".tmp", arguments.plot)

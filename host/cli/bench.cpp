@@ -25,6 +25,7 @@ struct BenchArguments {
   std::vector<unsigned> threads;
   std::string devices = "cpu";
   std::string integrator = "both";
+  std::vector<std::string> meshes;
   std::uint32_t rounds = 7;
   bool quick = false, peers = true;
   std::string json, csv, against;
@@ -76,8 +77,11 @@ class Bench {
 
   ExitCode run() {
     const std::vector<DeviceRequest> requests = parse_device_list(arguments_.devices);
-    for (const std::uint32_t vertices : arguments_.vertices)
-      if (!measure(vertices, requests)) return ExitCode::difference;
+    for (const std::string& mesh : arguments_.meshes)
+      for (const std::uint32_t vertices : arguments_.vertices)
+        if (!measure(vertices, mesh == name_of(BenchMesh::filled) ? BenchMesh::filled : BenchMesh::regular,
+                     requests))
+          return ExitCode::difference;
     for (BenchRow& row : results_.rows) {
       if (!row.bytes) continue;
       const auto copy = results_.copy.find(row.device);
@@ -90,13 +94,13 @@ class Bench {
 
  private:
   // Everything of one size in turn, round by round, so that whatever else the machine does falls on all.
-  bool measure(std::uint32_t vertices, const std::vector<DeviceRequest>& requests) {
+  bool measure(std::uint32_t vertices, BenchMesh mesh, const std::vector<DeviceRequest>& requests) {
     std::vector<std::unique_ptr<BenchBody>> bodies;
     std::vector<std::vector<Contestant>> contestants;
     for (const model::Integrator integrator : integrators_of(arguments_)) {
       reset_peak();
       const std::uint64_t before = resident_bytes();
-      bodies.push_back(std::make_unique<BenchBody>(bench_body(vertices, integrator)));
+      bodies.push_back(std::make_unique<BenchBody>(bench_body(vertices, integrator, mesh)));
       const BenchBody& body = *bodies.back();
       {
         const auto one = cpu_reference::make_cpu_solver(body.model, body.options, 1);
@@ -104,10 +108,10 @@ class Bench {
       }
       const double peak = static_cast<double>(peak_resident_bytes() - before) / body.model.vertex_count;
       contestants.emplace_back();
-      if (!enter(body, requests, peak, contestants.back())) return false;
+      if (!enter(body, mesh, requests, peak, contestants.back())) return false;
     }
     std::vector<Peer> peers;
-    if (arguments_.peers) peers = enter_peers(bodies.front()->grid);
+    if (arguments_.peers && mesh == BenchMesh::regular) peers = enter_peers(bodies.front()->grid);
     for (std::uint32_t round = 0; round < arguments_.rounds; ++round) {
       for (std::size_t k = 0; k < bodies.size(); ++k)
         for (const Contestant& contestant : contestants[k]) time_one(*bodies[k], contestant);
@@ -127,7 +131,7 @@ class Bench {
   }
 
   // Makes the solvers of one body and holds each against the scalar stages.
-  bool enter(const BenchBody& body, const std::vector<DeviceRequest>& requests, double peak,
+  bool enter(const BenchBody& body, BenchMesh mesh, const std::vector<DeviceRequest>& requests, double peak,
              std::vector<Contestant>& contestants) {
     const std::uint32_t passes =
         body.options.integrator == model::Integrator::implicit_step ? body.options.iterations : 1;
@@ -147,6 +151,7 @@ class Bench {
         BenchRow row;
         row.solver = device.description().solver;
         row.device = device.label();
+        row.mesh = name_of(mesh);
         row.integrator = passes > 1 ? "implicit" : "explicit";
         row.vertices = body.model.vertex_count;
         row.threads = threads;
@@ -246,6 +251,7 @@ ExitCode run_bench(BenchArguments arguments, Log& log) {
   if (arguments.vertices.empty())
     arguments.vertices = arguments.quick ? std::vector<std::uint32_t>{quick_vertices}
                                          : std::vector<std::uint32_t>{5000, 19000, 105000, 1000000};
+  if (arguments.meshes.empty()) arguments.meshes = {name_of(BenchMesh::regular)};
   if (arguments.threads.empty()) {
     arguments.threads = {1};
     if (processor_threads() > 1) arguments.threads.push_back(processor_threads());
@@ -287,6 +293,13 @@ void add_bench(CLI::App& app, Command& command) {
   subcommand->add_option("--integrator", arguments->integrator, "explicit, implicit or both; both without it")
       ->check(CLI::IsMember({"explicit", "implicit", "both"}).description(""))
       ->option_text("NAME");
+  subcommand
+      ->add_option("--meshes", arguments->meshes,
+                   "regular, filled (what the mesher makes of the same bar's surface) or both, separated by "
+                   "commas; regular without it")
+      ->delimiter(',')
+      ->check(CLI::IsMember({name_of(BenchMesh::regular), name_of(BenchMesh::filled)}).description(""))
+      ->option_text("LIST");
   subcommand->add_option("--rounds", arguments->rounds, "Samples of each, taken in turn; 7 without it")
       ->check(CLI::Range(1U, 1000U).description(""))
       ->option_text("N");

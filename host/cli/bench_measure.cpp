@@ -9,6 +9,8 @@
 
 #include <malloc.h>
 
+#include "host/build/bar.h"
+#include "host/build/boundary.h"
 #include "host/build/build.h"
 #include "host/scene/scene.h"
 
@@ -33,7 +35,11 @@ std::uint64_t status_bytes(const std::string& key) {
 
 }  // namespace
 
-BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator) {
+const char* name_of(BenchMesh mesh) {
+  return mesh == BenchMesh::filled ? "filled" : "regular";
+}
+
+BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator, BenchMesh mesh) {
   // (k + 1)^2 (5 k + 1) vertices.
   std::uint32_t k = 1;
   const auto count = [](std::uint64_t cells) { return (cells + 1) * (cells + 1) * (5 * cells + 1); };
@@ -47,9 +53,25 @@ BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator) {
                    "bar.vertices=[" + std::to_string(k + 1) + ", " + std::to_string(5 * k + 1) + ", " +
                        std::to_string(k + 1) + "]",
                    "bar.jitter=0.1", "layers.body.beta=0.7", "layers.body.fibre=[0.0, 1.0, 0.0]"};
-  const scene::Scene scene = scene::load_scene(implicit ? "rod-hang" : "bar-hang-none", overrides);
+  scene::Scene scene = scene::load_scene(implicit ? "rod-hang" : "bar-hang-none", overrides);
+  build::BuildOptions options;
+  if (mesh == BenchMesh::filled) {
+    const scene::TetMesh regular = build::make_bar(std::get<scene::Bar>(scene.geometry), scene.name);
+    const build::RenderMesh boundary = build::boundary_render_mesh(regular, scene.name);
+    scene::SurfaceMesh surface{.vertices = {}, .triangles = boundary.triangles};
+    for (std::size_t v = 0; v < boundary.corners.size(); ++v) {
+      scene::Vector3d place = scene::Vector3d::Zero();
+      for (std::size_t c = 0; c < 4; ++c)
+        place += boundary.weights[v][c] * regular.vertices[boundary.corners[v][c]];
+      surface.vertices.push_back(place);
+    }
+    scene.geometry = std::move(surface);
+    scene.body.cage = "off";
+    scene.body.vertices = vertices;
+    options.mesher_seconds = 600.0;
+  }
   build::Report report;
-  body.model = build::build_model(scene, report);
+  body.model = build::build_model(scene, report, options);
   body.options = {.integrator = integrator, .iterations = bench_iterations};
   return body;
 }

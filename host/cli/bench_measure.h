@@ -11,14 +11,20 @@
 
 namespace fascicle::cli {
 
-// A bar five times as long as thick, hung by its top end: Kuhn's tetrahedra, jittered, about `vertices`
-// vertices. With beta 0.7 along it, so that weights are a fibre's.
+// A bar five times as long as thick, hung by its top end, about `vertices` vertices. With beta 0.7 along it,
+// so that weights are a fibre's.
 struct BenchBody {
   model::Model model;
   model::SolverOptions options;
-  std::array<std::uint32_t, 3> grid{};  // vertices along each axis
+  std::array<std::uint32_t, 3> grid{};  // vertices along each axis; of a filled one as it would be regular
 };
-BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator);
+enum class BenchMesh {
+  regular,
+  filled
+};  // Kuhn's tetrahedra, jittered; or the mesher's inside their boundary
+const char* name_of(BenchMesh mesh);
+BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator,
+                     BenchMesh mesh = BenchMesh::regular);
 
 // A frame of this body: `substeps` of 1/600 s under gravity.
 class BenchDrive {

@@ -24,6 +24,7 @@ Json json_of(const std::optional<double>& value) {
 Json json_of(const BenchRow& row) {
   return {{"solver", row.solver},
           {"device", row.device},
+          {"mesh", row.mesh},
           {"vertices", row.vertices},
           {"threads", row.threads},
           {"integrator", row.integrator},
@@ -68,8 +69,9 @@ double BenchRow::least() const {
 }
 
 std::string key_of(const BenchRow& row) {
-  return row.device + ", " + row.integrator + ", " + count_text(row.vertices) + " vertices, " +
-         std::to_string(row.threads) + (row.threads == 1 ? " thread" : " threads");
+  return row.device + ", " + row.integrator + ", " + (row.mesh == BenchRow{}.mesh ? "" : row.mesh + ", ") +
+         count_text(row.vertices) + " vertices, " + std::to_string(row.threads) +
+         (row.threads == 1 ? " thread" : " threads");
 }
 
 void write_bench_json(const std::filesystem::path& file, const BenchResults& results) {
@@ -90,10 +92,10 @@ void write_bench_json(const std::filesystem::path& file, const BenchResults& res
 
 void write_bench_csv(const std::filesystem::path& file, const BenchResults& results) {
   std::string text =
-      "solver,device,vertices,threads,integrator,passes,ns_per_vertex_substep,ns_least,"
+      "solver,device,mesh,vertices,threads,integrator,passes,ns_per_vertex_substep,ns_least,"
       "bytes_per_vertex_substep,triad_fraction,peak_bytes_per_vertex\n";
   for (const BenchRow& row : results.rows)
-    text += row.solver + "," + row.device + "," + std::to_string(row.vertices) + "," +
+    text += row.solver + "," + row.device + "," + row.mesh + "," + std::to_string(row.vertices) + "," +
             std::to_string(row.threads) + "," + row.integrator + "," + std::to_string(row.passes) + "," +
             number_text(row.median(), 6) + "," + number_text(row.least(), 6) + "," +
             or_nothing(row.bytes, 6) + "," + or_nothing(row.triad, 6) + "," + or_nothing(row.peak_bytes, 6) +
@@ -110,16 +112,17 @@ std::string bench_table(const BenchResults& results) {
     text += "\n" + device + ", " + results.machine.gpus.at(device) + ", copies " + number_text(rate, 4) +
             " GB/s: the floor of " + number_text(floor_bytes, 3) + " bytes is " +
             number_text(floor_bytes / rate, 3) + " ns";
-  const std::vector<std::size_t> widths{18, 11, 11, 9, 9, 9, 7, 9, 10};
+  const std::vector<std::size_t> widths{18, 11, 8, 11, 9, 9, 9, 7, 9, 10};
   const auto line = [&](const std::vector<std::string>& cells) {
     text += "\n ";
     for (std::size_t k = 0; k < cells.size(); ++k) text += " " + padded(cells[k], widths[k]);
     text.erase(text.find_last_not_of(' ') + 1);
   };
   text += "\nns a vertex and substep, of an implicit one a vertex and iteration:";
-  line({"device", "integrator", "vertices", "threads", "median", "least", "bytes", "of triad", "peak bytes"});
+  line({"device", "integrator", "mesh", "vertices", "threads", "median", "least", "bytes", "of triad",
+        "peak bytes"});
   for (const BenchRow& row : results.rows)
-    line({row.device, row.integrator, count_text(row.vertices), std::to_string(row.threads),
+    line({row.device, row.integrator, row.mesh, count_text(row.vertices), std::to_string(row.threads),
           number_text(row.median() / row.passes, 3), number_text(row.least() / row.passes, 3),
           row.bytes ? number_text(*row.bytes / row.passes, 3) : "", or_nothing(row.triad, 2),
           or_nothing(row.peak_bytes, 4)});
@@ -142,6 +145,7 @@ BenchBefore read_bench_json(const std::filesystem::path& file) {
       BenchRow row;
       row.device = entry.at("device").get<std::string>();
       row.integrator = entry.at("integrator").get<std::string>();
+      row.mesh = entry.value("mesh", row.mesh);
       row.vertices = entry.at("vertices").get<std::uint32_t>();
       row.threads = entry.at("threads").get<unsigned>();
       before.rows[key_of(row)] = {entry.at("ns_per_vertex_substep").get<double>(),

@@ -11,9 +11,10 @@
 namespace fascicle::cli {
 
 struct BenchRow {
-  std::string solver;      // cpu, vulkan, bullet-clusters, bullet-links
-  std::string device;      // as --devices names it; of a peer its own name
-  std::string integrator;  // explicit, implicit; of a peer its own
+  std::string solver;            // cpu, vulkan, bullet-clusters, bullet-links
+  std::string device;            // as --devices names it; of a peer its own name
+  std::string integrator;        // explicit, implicit; of a peer its own
+  std::string mesh = "regular";  // or filled
   std::uint32_t vertices = 0;
   unsigned threads = 1;
   std::uint32_t passes = 1;     // over the regions, a substep: the iterations of the implicit integrator

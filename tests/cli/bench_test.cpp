@@ -41,7 +41,7 @@ TEST(Bench, WritesEveryRowOnceWithItsNumbers) {
   std::istringstream csv(read_text(folder / "a.csv"));
   int lines = 0;
   for (std::string line; std::getline(csv, line); ++lines)
-    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 10);
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 11);
   EXPECT_EQ(lines, 9);
 
   const Outcome again = fascicle({"bench", "--quick", "--vertices", "300", "--rounds", "1", "--threads", "1",
@@ -49,6 +49,58 @@ TEST(Bench, WritesEveryRowOnceWithItsNumbers) {
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_TRUE(contains(again.out, "cpu, explicit, ")) << again.out;
   EXPECT_TRUE(contains(again.out, ", 1 thread: median x ")) << again.out;
+}
+
+// The same bar as the mesher fills it, and a row of its own in a comparison.
+TEST(Bench, TimesAFilledBarTooAndTellsItFromARegularOne) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.json";
+  const Outcome outcome =
+      fascicle({"bench", "--vertices", "600", "--meshes", "regular,filled", "--rounds", "1", "--threads", "1",
+                "--integrator", "explicit", "--no-peers", "--json", file});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json rows = json::parse(read_text(file)).at("results");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0].at("mesh"), "regular");
+  EXPECT_EQ(rows[1].at("mesh"), "filled");
+  EXPECT_NEAR(rows[1].at("vertices").get<double>(), 600.0, 300.0);  // a wish, which the mesher meets roughly
+  EXPECT_NE(rows[0].at("vertices"), rows[1].at("vertices"));
+  const Outcome again =
+      fascicle({"bench", "--vertices", "600", "--meshes", "filled", "--rounds", "1", "--threads", "1",
+                "--integrator", "explicit", "--no-peers", "--against", file});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_TRUE(contains(again.out, "cpu, explicit, filled, ")) << again.out;
+  EXPECT_EQ(fascicle({"bench", "--meshes", "round"}).status, 2);
+}
+
+// Of a Vulkan device: its copies, its bytes and its stages stand beside the times.
+TEST(Bench, CountsAVulkanDevicesBytesAgainstItsCopies) {
+  NEEDS_VULKAN();
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.json";
+  const Outcome outcome = fascicle({"bench", "--quick", "--vertices", "300", "--rounds", "1", "--threads",
+                                    "1", "--devices", "vulkan", "--no-peers", "--json", file});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json results = json::parse(read_text(file));
+  for (const json& row : results.at("results")) {
+    const std::string device = row.at("device");
+    EXPECT_EQ(row.at("solver"), "vulkan");
+    EXPECT_FALSE(results.at("machine").at("gpus").at(device).get<std::string>().empty());
+    // By definition; the file's numbers are whole.
+    EXPECT_DOUBLE_EQ(row.at("triad_fraction").get<double>(),
+                     row.at("bytes_per_vertex_substep").get<double>() /
+                         row.at("ns_per_vertex_substep").get<double>() /
+                         results.at("copy_gb_s").at(device).get<double>());
+    std::vector<std::string> stages;
+    for (const auto& [stage, time] : row.at("ns_by_stage").items()) {
+      stages.push_back(stage);
+      EXPECT_GT(time.get<double>(), 0.0) << stage;
+    }
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(stages, row.at("integrator") == "explicit"
+                          ? Names({"region", "update"})
+                          : Names({"integrate", "iterate", "predict", "region"}));
+  }
 }
 
 TEST(Bench, BadUsageIsToldApart) {

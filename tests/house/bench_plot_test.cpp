@@ -47,6 +47,7 @@ TEST(BenchPlot, HasACurveForEachDevice) {
     const nlohmann::json results = nlohmann::json::parse(in);
     for (const nlohmann::json& row : results["results"]) {
       const bool is_peer = row["solver"].get<std::string>().rfind("bullet", 0) == 0;
+      if (row.value("mesh", "regular") != "regular") continue;
       if (row["threads"] != 1 || (row["integrator"] != "explicit" && !is_peer)) continue;
       devices.insert(row["device"].get<std::string>());
       ++rows;
