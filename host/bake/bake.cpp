@@ -21,6 +21,7 @@
 #include "host/bake/file.h"
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
+#include "host/bake/frame_writer.h"
 #include "host/bake/identity.h"
 #include "host/bake/kept_start.h"
 #include "host/bake/lead_in.h"
@@ -59,6 +60,10 @@ class Stopwatch {
 
 bool is_finite(float value) {
   return (std::bit_cast<std::uint32_t>(value) & 0x7f800000u) != 0x7f800000u;
+}
+
+bool all_finite(const model::Frame& frame) {
+  return std::all_of(frame.positions.begin(), frame.positions.end(), is_finite);
 }
 
 // The options with each format once, in the order of format_names().
@@ -100,7 +105,7 @@ class Run {
   void step_frames(std::uint64_t first);
   bool checkpoint_due(std::uint64_t frame) const;
   void note_clamped(const model::Drive& drive, std::uint64_t frame);
-  void check_finite(const model::Frame& frame);
+  [[noreturn]] void refuse_not_finite(const model::Frame& frame);
   void write(const model::Frame& frame);
   void checkpoint(const model::State& state);
   void save_manifest(Status status);
@@ -185,7 +190,7 @@ BakeResult Run::go() {
     begin_sinks(resumed ? state.frame + 1 : 0);
     solver_.load(state);
     if (!resumed) {
-      check_finite(initial_);
+      if (!all_finite(initial_)) refuse_not_finite(initial_);
       write(initial_);
       checkpoint(state);
     }
@@ -286,8 +291,8 @@ void Run::begin_sinks(std::uint64_t first) {
   }
 }
 
-// One frame is stepped while the one before is written. Where a checkpoint is due no further frame may be in
-// flight, because the solver's state is that after the last frame submitted.
+// Frames are stepped while those before are written. Where a checkpoint is due no further frame may be in
+// flight, because the solver's state is that after the last frame submitted, and all before must be written.
 void Run::step_frames(std::uint64_t first) {
   if (first > frames_) return;
   const auto submit = [&](std::uint64_t frame) {
@@ -304,6 +309,7 @@ void Run::step_frames(std::uint64_t first) {
     interrupted_ = true;
     return;
   }
+  FrameWriter writer([this](const model::Frame& frame) { write(frame); });
   submit(first);
   for (std::uint64_t k = first; k <= frames_; ++k) {
     interrupted_ = k < frames_ && stopped();
@@ -317,8 +323,12 @@ void Run::step_frames(std::uint64_t first) {
     if (frame.index != k)
       throw std::logic_error("the solver returned frame " + number_text(frame.index) + " for frame " +
                              number_text(k));
-    check_finite(frame);
-    write(frame);
+    if (!all_finite(frame)) {
+      writer.finish();
+      refuse_not_finite(frame);
+    }
+    writer.put(std::move(frame));
+    if (drain) writer.finish();
     if (options_.on_frame) options_.on_frame(k, frames_);
     if (!drain) continue;
     checkpoint(solver_.save());
@@ -338,8 +348,8 @@ void Run::note_clamped(const model::Drive& drive, std::uint64_t frame) {
   if (regions > progress_.clamped.regions) progress_.clamped = {regions, frame};
 }
 
-void Run::check_finite(const model::Frame& frame) {
-  if (std::all_of(frame.positions.begin(), frame.positions.end(), is_finite)) return;
+// All frames before are written.
+void Run::refuse_not_finite(const model::Frame& frame) {
   std::uint32_t count = 0, first = 0;
   for (std::uint32_t i = 0; i < model_.vertex_count; ++i) {
     const float* p = &frame.positions[std::size_t{3} * i];

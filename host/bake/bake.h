@@ -51,6 +51,7 @@ struct BakeOptions {
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
+  // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
   // A store of starts, by a key of hex digits: where the scene was baked before, what comes before frame 0 is
   // not stepped again. The bits are the same. Nothing is kept without them.

@@ -43,21 +43,29 @@ double six_volumes(const model::Model& model, const std::vector<float>& position
   return determinant(edge(1), edge(2), edge(3));
 }
 
+// Of each tetrahedron.
+void six_volumes(const model::Model& model, const std::vector<float>& positions, std::vector<double>& to) {
+  to.resize(model.tetrahedron.size() / 4);
+  for (std::size_t t = 0; t < to.size(); ++t) to[t] = six_volumes(model, positions, 4 * t);
+}
+
+double cubic_metres(const model::Model& model) {
+  return model.unit * model.unit * model.unit;
+}
+
 // m^3
-double volume(const model::Model& model, const std::vector<float>& positions) {
+double volume(const model::Model& model, const std::vector<double>& six) {
   double sum = 0.0;
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) sum += six_volumes(model, positions, t);
-  return sum / 6.0 * (model.unit * model.unit * model.unit);
+  for (const double one : six) sum += one;
+  return sum / 6.0 * cubic_metres(model);
 }
 
 // m^3, a layer: of each tetrahedron the quarters that belong to the layer's vertices.
-std::vector<double> layer_volumes(const model::Model& model, const std::vector<float>& positions) {
+std::vector<double> layer_volumes(const model::Model& model, const std::vector<double>& six) {
   std::vector<double> sum(model.layers.size(), 0.0);
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
-    const double six = six_volumes(model, positions, t);
-    for (std::size_t k = 0; k < 4; ++k) sum[model.layer_of(model.tetrahedron[t + k])] += six;
-  }
-  for (double& volume : sum) volume = volume / 24.0 * (model.unit * model.unit * model.unit);
+  for (std::size_t t = 0; t < six.size(); ++t)
+    for (std::size_t k = 0; k < 4; ++k) sum[model.layer_of(model.tetrahedron[4 * t + k])] += six[t];
+  for (double& volume : sum) volume = volume / 24.0 * cubic_metres(model);
   return sum;
 }
 
@@ -70,11 +78,9 @@ double kinetic_energy(const model::Model& model, const std::vector<float>& veloc
 }
 
 // Tetrahedra that are flat or turned inside out.
-std::uint64_t inverted(const model::Model& model, const std::vector<float>& positions) {
-  std::uint64_t count = 0;
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
-    if (!(six_volumes(model, positions, t) > 0.0)) ++count;
-  return count;
+std::uint64_t inverted(const std::vector<double>& six) {
+  return static_cast<std::uint64_t>(
+      std::count_if(six.begin(), six.end(), [](double one) { return !(one > 0.0); }));
 }
 
 // m, a layer: the root mean square distance of its free vertices to their skinned places.
@@ -133,8 +139,9 @@ class MetricsSink final : public FrameSink {
   void begin(const BakeInfo& info) override {
     info_ = info;
 
-    rest_volume_ = volume(*info.model, info.model->rest);
-    rest_layer_volumes_ = layer_volumes(*info.model, info.model->rest);
+    six_volumes(*info.model, info.model->rest, six_volumes_);
+    rest_volume_ = volume(*info.model, six_volumes_);
+    rest_layer_volumes_ = layer_volumes(*info.model, six_volumes_);
     const std::filesystem::path path = info.folder / metrics_name;
     const std::string header = header_line();
     if (info.first == 0) {
@@ -147,7 +154,9 @@ class MetricsSink final : public FrameSink {
   }
   void write(const model::Frame& frame) override {
     const model::Model& model = *info_.model;
-    const double now = volume(model, frame.positions);
+    six_volumes(model, frame.positions, six_volumes_);
+    const double now = volume(model, six_volumes_);
+    const std::vector<double> volumes = layer_volumes(model, six_volumes_);
     std::string line = number_text(frame.index);
     const auto add = [&](double value) { line += ',' + number_text(value); };
     add(info_.start + static_cast<double>(frame.index) / info_.fps);
@@ -155,12 +164,12 @@ class MetricsSink final : public FrameSink {
     add(now);
     add(now / rest_volume_);
     add(largest_displacement(model, frame, *info_.initial));
-    line += ',' + number_text(inverted(model, frame.positions));
+    line += ',' + number_text(inverted(six_volumes_));
     if (model.has_skeleton()) {
-      line += ',' + number_text(inverted(model, frame.skinned));
+      six_volumes(model, frame.skinned, six_volumes_);
+      line += ',' + number_text(inverted(six_volumes_));
       for (const double lag : lags(model, frame)) add(lag);
     }
-    const std::vector<double> volumes = layer_volumes(model, frame.positions);
     for (std::size_t l = 0; l < volumes.size(); ++l) {
       add(volumes[l]);
       add(rest_layer_volumes_[l] > 0.0 ? volumes[l] / rest_layer_volumes_[l] : 1.0);
@@ -191,6 +200,7 @@ class MetricsSink final : public FrameSink {
 
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
+  std::vector<double> six_volumes_;         // of the frame in hand
   std::optional<PartFile> file_;
 };
 

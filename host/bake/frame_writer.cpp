@@ -1,0 +1,76 @@
+#include "host/bake/frame_writer.h"
+
+#include <system_error>
+#include <utility>
+
+namespace fascicle::bake {
+
+FrameWriter::FrameWriter(std::function<void(const model::Frame&)> write) : write_(std::move(write)) {
+  try {
+    thread_ = std::thread([this] { work(); });
+  } catch (const std::system_error&) {
+    // A limit on processes: then nothing overlaps.
+  }
+}
+
+FrameWriter::~FrameWriter() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    stops_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void FrameWriter::put(model::Frame frame) {
+  if (!thread_.joinable()) {
+    write_(frame);
+    return;
+  }
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return waiting_.empty() || failure_; });
+  rethrow();
+  waiting_.push_back(std::move(frame));
+  changed_.notify_all();
+}
+
+void FrameWriter::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return (waiting_.empty() && !is_writing_) || failure_; });
+  rethrow();
+}
+
+void FrameWriter::rethrow() {
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void FrameWriter::work() {
+  for (;;) {
+    model::Frame frame;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return !waiting_.empty() || stops_; });
+      if (stops_) return;
+      frame = std::move(waiting_.front());
+      waiting_.pop_front();
+      is_writing_ = true;
+    }
+    changed_.notify_all();
+    std::exception_ptr failure;
+    try {
+      write_(frame);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      is_writing_ = false;
+      failure_ = failure;
+    }
+    changed_.notify_all();
+    if (failure) return;
+  }
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,94 @@
+// Frames written beside the simulation: all of them, in order, and a failure reaches who puts the next.
+#include "host/bake/frame_writer.h"
+
+#include <atomic>
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace fascicle::tests {
+namespace {
+
+model::Frame numbered(std::uint64_t index) {
+  model::Frame frame;
+  frame.index = index;
+  return frame;
+}
+
+TEST(FrameWriter, WritesAllInOrderOnAnotherThread) {
+  std::vector<std::uint64_t> written;
+  std::thread::id by;
+  bake::FrameWriter writer([&](const model::Frame& frame) {
+    by = std::this_thread::get_id();
+    written.push_back(frame.index);
+  });
+  std::vector<std::uint64_t> expected;
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    writer.put(numbered(k));
+    expected.push_back(k);
+    if (k % 50 != 49) continue;
+    writer.finish();
+    EXPECT_EQ(written, expected) << "finish() came back early";
+  }
+  EXPECT_NE(by, std::this_thread::get_id());
+}
+
+// One is written and one waits: a third would grow without bound where writing is slower than simulating.
+TEST(FrameWriter, KeepsNoMoreThanTwo) {
+  std::atomic<bool> may_write = false;
+  std::atomic<std::uint64_t> put = 0;
+  bake::FrameWriter writer([&](const model::Frame&) { may_write.wait(false); });
+  std::thread simulation([&] {
+    for (std::uint64_t k = 0; k < 5; ++k) {
+      writer.put(numbered(k));
+      ++put;
+    }
+  });
+  // Two are taken at once; that no third is can only be waited for.
+  while (put < 2) std::this_thread::yield();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LE(put, 2u);
+  may_write = true;
+  may_write.notify_all();
+  simulation.join();
+  writer.finish();
+  EXPECT_EQ(put, 5u);
+}
+
+TEST(FrameWriter, HandsOnWhatAWriteThrowsAndWritesNoMore) {
+  std::vector<std::uint64_t> written;
+  bake::FrameWriter writer([&](const model::Frame& frame) {
+    if (frame.index == 2) throw std::runtime_error("disk full");
+    written.push_back(frame.index);
+  });
+  const auto put_many = [&] {
+    for (std::uint64_t k = 0; k < 10; ++k) writer.put(numbered(k));
+  };
+  try {
+    put_many();
+    FAIL() << "nobody was told";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "disk full");
+  }
+  EXPECT_THROW(writer.finish(), std::runtime_error);
+  EXPECT_EQ(written, (std::vector<std::uint64_t>{0, 1}));
+}
+
+TEST(FrameWriter, DropsWhatWaitsWhenItGoes) {
+  std::atomic<int> written = 0;
+  {
+    bake::FrameWriter writer([&](const model::Frame&) {
+      ++written;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    });
+    writer.put(numbered(0));
+    writer.put(numbered(1));
+  }
+  EXPECT_LE(written, 2);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
