@@ -5,6 +5,7 @@
 #   ./do build [PRESET]   build a preset (release)
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
+#   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
@@ -15,7 +16,7 @@ build_packages="g++ cmake ninja-build glslang-tools spirv-tools libvulkan-dev li
 libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libcgal-dev libpugixml-dev libpng-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy"
-bench_packages="libbullet-dev"
+bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
 
 need() {
@@ -77,10 +78,11 @@ case $command in
     need $build_packages $run_packages $test_packages
     build "${1:-release}"
     ;;
-  bench)
+  bench | kernels)
     need $build_packages $run_packages $bench_packages
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
     build release ${set_tests:-} -DFASCICLE_BENCH=ON
+    [ "$command" = bench ] || exec build/release/fascicle-bench-kernels "$@"
     exec build/release/fascicle bench "$@"
     ;;
   paper)
@@ -93,9 +95,9 @@ case $command in
     exec python3 -B bench/plot.py "$@"
     ;;
   lint)
-    need $build_packages $test_packages $lint_packages
+    need $build_packages $test_packages $bench_packages $lint_packages
     # Source by source, as clang-tidy reads them.
-    cmake --preset release -B build/lint -DFASCICLE_TESTS=ON -DCMAKE_UNITY_BUILD=OFF >&2
+    cmake --preset release -B build/lint -DFASCICLE_TESTS=ON -DFASCICLE_BENCH=ON -DCMAKE_UNITY_BUILD=OFF >&2
     exec tests/house/lint.sh build/lint "$@"
     ;;
   soak)
@@ -104,7 +106,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,11s/^# \{0,1\}//p' "$0"
+    sed -n '2,12s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -50,7 +50,7 @@ class CpuSolver : public model::Solver {
     if (simd != Simd::scalar) lanes_ = lane_stages(simd);
     if (simd != Simd::scalar && simd != Simd::automatic && lanes_ == nullptr)
       throw std::invalid_argument(std::string("this machine has no ") + name_of(simd) + " instructions");
-    make_fields();
+    size_fields(model, fields_);
     if (lanes_ != nullptr) {
       slices_ = make_slices(model, fields_.memory);
       fill_constants(model, slices_, fields_);
@@ -109,24 +109,6 @@ class CpuSolver : public model::Solver {
   }
 
  private:
-  void make_fields() {
-    const std::size_t n = std::size_t{slice_count(model_.vertex_count)} * slice_size;
-    fields_.vertices.resize(vertex_stride * n);
-    fields_.regions.resize(region_stride * n);
-    fields_.velocities.resize(vector_stride * n);
-    if (model_.has_skeleton()) {
-      for (Floats* field : {&fields_.skinned, &fields_.skinned_before, &fields_.gravity})
-        field->resize(vector_stride * n);
-      if (!model_.carried.empty()) fields_.skinned_velocities.resize(vector_stride * n);
-    }
-    if (model_.has_ties()) fields_.tied.resize(vector_stride * n);
-    if (model_.is_implicit())
-      for (Floats* field : {&fields_.positions_before, &fields_.velocities_before, &fields_.begun,
-                            &fields_.iterate_before, &fields_.predicted, &fields_.goals})
-        field->resize(vector_stride * n);
-    fields_.surface.resize(3 * std::size_t{model_.surface_count()});
-  }
-
   // What only a probe sees of an explicit substep.
   void make_fields_between_stages() {
     for (Floats* field : {&fields_.predicted, &fields_.goals}) field->resize(fields_.velocities.size());

@@ -4,6 +4,24 @@
 
 namespace fascicle::cpu_reference {
 
+void size_fields(const model::Model& model, Fields& fields) {
+  const std::size_t n = std::size_t{slice_count(model.vertex_count)} * slice_size;
+  fields.vertices.resize(vertex_stride * n);
+  fields.regions.resize(region_stride * n);
+  fields.velocities.resize(vector_stride * n);
+  if (model.has_skeleton()) {
+    for (Floats* field : {&fields.skinned, &fields.skinned_before, &fields.gravity})
+      field->resize(vector_stride * n);
+    if (!model.carried.empty()) fields.skinned_velocities.resize(vector_stride * n);
+  }
+  if (model.has_ties()) fields.tied.resize(vector_stride * n);
+  if (model.is_implicit())
+    for (Floats* field : {&fields.positions_before, &fields.velocities_before, &fields.begun,
+                          &fields.iterate_before, &fields.predicted, &fields.goals})
+      field->resize(vector_stride * n);
+  fields.surface.resize(3 * std::size_t{model.surface_count()});
+}
+
 std::vector<float> gathered(std::uint32_t count, std::span<const Column> columns) {
   std::size_t width = 0;
   for (const Column& column : columns) width += column.width;

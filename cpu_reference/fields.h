@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cpu_reference/huge_pages.h"
+#include "host/model/model.h"
 
 namespace fascicle::cpu_reference {
 
@@ -77,6 +78,9 @@ struct Fields {
   Floats begun{memory};              // 4: positions where the substep began
   Floats iterate_before{memory};     // 4: the last iteration but one
 };
+
+// Gives all fields that the model's stages need without a probe their sizes, in whole slices.
+void size_fields(const model::Model& model, Fields& fields);
 
 // `width` floats of each of `count` items, `stride` apart in a field from `place` on.
 struct Column {

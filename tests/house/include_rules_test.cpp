@@ -42,7 +42,7 @@ const std::vector<Room>& rooms() {
       {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
       {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
       {"tests/", every_room, every_library},
-      {"bench/", every_room, {"Bullet"}},
+      {"bench/", every_room, {"Bullet", "Google Benchmark"}},
   };
   return table;
 }
@@ -67,6 +67,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"xmmintrin.h", "SIMD"},
                                                                       {"Bullet", "Bullet"},
                                                                       {"btBullet", "Bullet"},
+                                                                      {"benchmark/", "Google Benchmark"},
                                                                       {"png.h", "PNG"}};
   return table;
 }
@@ -163,6 +164,7 @@ TEST(IncludeRules, PlantedBreachesAreSeen) {
       {"host/model/bad.h", "#include \"shaders/kernel/scalar.inc\"\n"},
       {"host/mesher/bad.cpp", "#include \"host/scene/scene.h\"\n"},
       {"host/scene/bad.cpp", "#include <boost/any.hpp>\n"},
+      {"host/cli/bad.cpp", "#include <benchmark/benchmark.h>\n"},
       {"shaders/bad.comp", "#include \"host/model/model.h\"\n"},
       {"elsewhere/bad.cpp", ""},
   };
