@@ -16,8 +16,9 @@ namespace fascicle::shader {
 // State, one vec4 a vertex unless said otherwise.
 BUFFERS_CONSTANT uint buffer_position = 0u;
 BUFFERS_CONSTANT uint buffer_velocity = 1u;
-BUFFERS_CONSTANT uint buffer_rotation = 2u;   // w x y z
-BUFFERS_CONSTANT uint buffer_transform = 3u;  // the rows of linear map and translation: all first ones, all second, all third
+BUFFERS_CONSTANT uint buffer_rotation = 2u;  // w x y z
+BUFFERS_CONSTANT uint buffer_transform =
+    3u;  // the rows of linear map and translation: all first ones, all second, all third
 BUFFERS_CONSTANT uint buffer_goal = 4u;
 BUFFERS_CONSTANT uint buffer_skinned = 5u;           // this substep's
 BUFFERS_CONSTANT uint buffer_skinned_before = 6u;    // the last substep's
@@ -72,7 +73,8 @@ BUFFERS_CONSTANT uint buffer_tie_index = 44u;
 BUFFERS_CONSTANT uint buffer_tie_coefficient = 45u;
 
 BUFFERS_CONSTANT uint buffer_alpha = 46u;
-BUFFERS_CONSTANT uint buffer_carried = 47u;  // share of the skeleton's acceleration that a vertex does not feel
+BUFFERS_CONSTANT uint buffer_carried =
+    47u;  // share of the skeleton's acceleration that a vertex does not feel
 
 BUFFERS_CONSTANT uint buffer_count = 48u;
 
@@ -100,8 +102,8 @@ BUFFERS_CONSTANT uint self_test_scalars = 19u;
 BUFFERS_CONSTANT uint self_test_positives = 3u;
 BUFFERS_CONSTANT uint self_test_results = self_test_scalars + self_test_positives + 8u;
 
-// A dispatch's push constants. Invocation k of all works on item first_slice x slice_width + k, so that a stage
-// can be cut into several dispatches.
+// A dispatch's push constants. Invocation k of all works on item first_slice x slice_width + k, so that a
+// stage can be cut into several dispatches.
 struct Push {
   Substep substep;
   uint first_slice;
