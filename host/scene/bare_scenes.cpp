@@ -28,22 +28,23 @@ double largest_extent(const std::vector<Vector3d>& points) {
   return (high - low).maxCoeff();
 }
 
-struct Firmness {
-  double youngs_modulus;  // Pa
-  double damping;         // 1/s
-};
-
-// So many times the pressure under a column as high as the body. Every body then sinks by the same share of
-// its size under its own weight, whatever its size; measured on the bunny, whose top sinks by 4 % of its
-// height, whose ears stand, and whose swing is seen and gone after half a second.
-Firmness firm_enough_to_stand(const Geometry& geometry) {
-  constexpr double pressures = 60.0, swings = 1.6, gravity = 9.81;
-  double extent = 0.0;
-  if (const auto* tets = std::get_if<TetMesh>(&geometry)) extent = largest_extent(tets->vertices);
-  if (const auto* surface = std::get_if<SurfaceMesh>(&geometry)) extent = largest_extent(surface->vertices);
-  if (!(extent > 0.0)) extent = 1.0;
-  return {pressures * Layer{}.density * gravity * extent, swings * std::sqrt(gravity / extent)};
+// m, of the longest side; 1 of nothing.
+double size_of(const std::vector<Vector3d>& points) {
+  const double extent = largest_extent(points);
+  return extent > 0.0 ? extent : 1.0;
 }
+
+// So many times the pressure under a column as high as the body, and the pace of a pendulum as long: every
+// body then sinks by the same share of its size under its own weight, whatever its size; measured on the
+// bunny, whose top sinks by 4 % of its height, whose ears stand, and whose swing is seen and gone after half
+// a second.
+constexpr double pressures_of_mesh = 60.0, paces_of_mesh = 1.6, gravity = 9.81;
+
+// Of a character, whose flesh hangs on its bones everywhere: clips take the same time whatever the size, so
+// that flesh must bear accelerations that grow with it. A wave through its muscles crosses it in so many
+// seconds; then flesh turns no more tetrahedra inside out than skinning does (docs/architecture.md,
+// Tetrahedra that turn inside out). Fat has the paper's 0.3 of muscle.
+constexpr double seconds_across = 0.12, fat_of_muscle = 0.3;
 
 std::string rounded(double value) {
   std::ostringstream out;
@@ -60,7 +61,10 @@ bool is_painted(const Character& character, const std::string& name) {
 }  // namespace
 
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh) {
-  const Firmness firmness = firm_enough_to_stand(mesh);
+  std::vector<Vector3d> none;
+  const auto* tets = std::get_if<TetMesh>(&mesh);
+  const auto* surface = std::get_if<SurfaceMesh>(&mesh);
+  const double size = size_of(tets ? tets->vertices : surface ? surface->vertices : none);
   return "[scene]\n"
          "fps = 60\n"
          "end = 2.0\n"
@@ -72,10 +76,10 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
          "\n"
          "[layers.body]\n"
          "youngs_modulus = " +
-         rounded(firmness.youngs_modulus) +
+         rounded(pressures_of_mesh * Layer{}.density * gravity * size) +
          "\n"
          "damping = " +
-         rounded(firmness.damping) +
+         rounded(paces_of_mesh * std::sqrt(gravity / size)) +
          "\n"
          "beta = 0.0\n"
          "\n"
@@ -89,16 +93,29 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
          "where = { above = { axis = \"y\", fraction = 0.95 } }\n";
 }
 
+Stiffness stiffness_for(const Character& character, const std::optional<std::string>& integrator,
+                        const SceneOverrides& overrides) {
+  if (integrator) return *integrator == "explicit" ? Stiffness::alpha : Stiffness::modulus;
+  const bool names_alpha =
+      std::any_of(overrides.set.begin(), overrides.set.end(), [](const std::string& set) {
+        const std::string path = set.substr(0, set.find('='));
+        return path.starts_with("layers.") && path.find(".alpha") != std::string::npos;
+      });
+  return names_alpha || is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
+}
+
 std::string layers_for_character(const Character& character, Stiffness by) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
   const bool by_alpha = by == Stiffness::alpha;
+  const double speed = size_of(character.surface.vertices) / seconds_across;
   const std::string painted =
       by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
-  const auto stiffness = [&](const char* alpha, const char* material) {
-    return by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted + "damping = 12.0\nvolume = 1.0\n"
-                    : "material = \"" + std::string(material) + "\"\ndamping = 6.0\n";
+  const auto stiffness = [&](const char* alpha, double of_muscle) {
+    return (by_alpha ? "alpha = " + std::string(alpha) + "\n" + painted + "volume = 1.0\n"
+                     : "youngs_modulus = " + rounded(of_muscle * Layer{}.density * speed * speed) + "\n") +
+           "damping = 12.0\n";
   };
   // 1 is bone, 2 muscle, 3 fat; 0, which is what vertices have before they are painted, leaves it to the
   // depth.
@@ -109,10 +126,11 @@ std::string layers_for_character(const Character& character, Stiffness by) {
     if (has_layers) return "where = [" + shape + ", " + by_paint + "]\n";
     return number == rest ? std::string() : "where = " + shape + "\n";
   };
-  return "[layers.fat]\n" + stiffness("0.3", "fat") + "beta = 0.0\n" + where("{ everywhere = true }", rest) +
+  return "[layers.fat]\n" + stiffness("0.3", fat_of_muscle) + "beta = 0.0\n" +
+         where("{ everywhere = true }", rest) +
          "\n"
          "[layers.muscle]\n" +
-         stiffness("1.0", "relaxed-muscle") +
+         stiffness("1.0", 1.0) +
          "beta = 1.0\n"
          "fibre_field = true\n" +
          where("{ depth = { maximum = 0.65 } }", muscle) +
@@ -122,7 +140,7 @@ std::string layers_for_character(const Character& character, Stiffness by) {
          where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
          "[solver]\n" +
-         (by_alpha ? "" : "integrator = \"implicit\"\n") + "substeps = \"auto\"\n";
+         (by_alpha ? "substeps = \"auto\"\n" : "integrator = \"implicit\"\nsubsteps = 4\n");
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const Character& character,

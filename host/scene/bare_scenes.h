@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "host/scene/scene.h"
@@ -12,12 +13,16 @@ namespace fascicle::scene {
 // Its Young's modulus is chosen by the mesh's size, so that it stands under its own weight.
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh);
 
-// By what the layers state theirs: alpha for the explicit integrator, a material for the implicit one.
-enum class Stiffness { alpha, material };
+// By what the layers state theirs: alpha for the explicit integrator, Young's modulus for the implicit one.
+enum class Stiffness { alpha, modulus };
+// By the integrator, where the scene names one. Else the modulus, but alpha where an override sets one or
+// _STIFFNESS is painted, which multiplies alpha and has no part in a modulus.
+Stiffness stiffness_for(const Character& character, const std::optional<std::string>& integrator,
+                        const SceneOverrides& overrides);
 
 // What a character gets whose scene says nothing of layers: [layers.NAME] and [solver].
 // Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3
-// fat) by that; a painted _STIFFNESS multiplies alpha, and has no part in a material. Fibres from the field.
+// fat) by that. Fibres from the field. Moduli by the character's size.
 std::string layers_for_character(const Character& character, Stiffness stiffness);
 std::string scene_for_character(const std::filesystem::path& path, const Character& character,
                                 Stiffness stiffness);

@@ -69,8 +69,8 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
           {stem,
            name,
            scene_for_character(path, std::get<Character>(sized.geometry),
-                               overridden(overrides, "solver.integrator") == "implicit" ? Stiffness::material
-                                                                                        : Stiffness::alpha),
+                               stiffness_for(std::get<Character>(sized.geometry),
+                                             overridden(overrides, "solver.integrator"), overrides)),
            {}},
           overrides);
     }

@@ -401,20 +401,23 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   if (table == nullptr || root.contains("layers")) return false;
   Scene loaded;
   loaded.geometry = Character{};
-  if (const auto file = character_file(*table, overrides)) {
-    try {
+  try {
+    if (const auto file = character_file(*table, overrides))
       load_character(folder / *file, loaded);
-    } catch (const std::runtime_error&) {
-      // Is found again, and told with its place, when the character is read.
-      loaded.geometry = Character{};
-    }
+    else if (const auto made = overridden(overrides, "character.made"))
+      loaded.geometry = make_character(*made);
+    else if (const auto name = (*table)["made"].value<std::string>())
+      loaded.geometry = make_character(*name);
+  } catch (const std::runtime_error&) {
+    // Is found again, and told with its place, when the character is read.
+    loaded.geometry = Character{};
   }
-  const std::string integrator =
-      overridden(overrides, "solver.integrator")
-          .value_or(root["solver"]["integrator"].value_or(SolverSettings{}.integrator));
-  const Stiffness stiffness = integrator == "implicit" ? Stiffness::material : Stiffness::alpha;
-  toml::table defaults = toml::parse(layers_for_character(std::get<Character>(loaded.geometry), stiffness),
-                                     std::string_view("default layers"));
+  std::optional<std::string> integrator = overridden(overrides, "solver.integrator");
+  if (!integrator) integrator = root["solver"]["integrator"].value<std::string>();
+  const auto& character = std::get<Character>(loaded.geometry);
+  const Stiffness stiffness = stiffness_for(character, integrator, overrides);
+  toml::table defaults =
+      toml::parse(layers_for_character(character, stiffness), std::string_view("default layers"));
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())

@@ -431,27 +431,52 @@ TEST_F(SceneKeys, ACharacterNeedsNoLayers) {
       parse("[character]\nmade = \"arm\"\n[muscle.m]\njoint = \"forearm\"\nlayer = \"muscle\"\n");
   ASSERT_EQ(scene.layers.size(), 3u);
   EXPECT_EQ(scene.layers[1].name, "muscle");
-  EXPECT_TRUE(scene.solver.auto_substeps);
+  EXPECT_EQ(scene.solver.integrator, "implicit");
   EXPECT_EQ(describe(parse(scene.text)), describe(scene)) << "the text names what was added";
-  EXPECT_EQ(parse("[character]\nmade = \"arm\"\n", {.set = {"layers.fat.alpha=0.125"}}).layers[0].alpha,
-            0.125);
   EXPECT_NE(refusal("[bar]\n").find("layers: is missing"), std::string::npos);
 }
 
-// For the implicit integrator they are of materials, whoever chose it.
+// Physical units, unless the explicit integrator or an alpha is asked for; whoever asks.
 TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
   const std::string plain = "[character]\nmade = \"arm\"\n";
-  for (const Scene& scene : {parse(plain + "[solver]\nintegrator = \"implicit\"\n"),
-                             parse(plain, {.set = {"solver.integrator=implicit"}}),
-                             parse(plain, {.set = {"solver.integrator=\"implicit\""}})}) {
+  for (const Scene& scene :
+       {parse(plain), parse(plain + "[solver]\nintegrator = \"implicit\"\n"),
+        parse(plain, {.set = {"solver.integrator=implicit"}}),
+        parse(plain + "[solver]\nintegrator = \"explicit\"\n", {.set = {"solver.integrator=implicit"}})}) {
     ASSERT_EQ(scene.layers.size(), 3u);
-    EXPECT_EQ(scene.layers[0].material, "fat");
-    EXPECT_EQ(scene.layers[1].material, "relaxed-muscle");
-    EXPECT_TRUE(scene.solver.auto_substeps);
+    EXPECT_EQ(scene.solver.integrator, "implicit");
+    EXPECT_FALSE(scene.solver.auto_substeps);
+    // The paper's 0.3 between fat and muscle.
+    EXPECT_NEAR(*scene.layers[0].youngs_modulus, 0.3 * *scene.layers[1].youngs_modulus,
+                0.01 * *scene.layers[1].youngs_modulus);
   }
-  EXPECT_TRUE(parse(plain, {.set = {"solver.integrator=implicit", "solver.integrator=explicit"}})
-                  .layers[0]
-                  .material.empty());
+  for (const Scene& scene :
+       {parse(plain + "[solver]\nintegrator = \"explicit\"\n"),
+        parse(plain, {.set = {"solver.integrator=implicit", "solver.integrator=explicit"}}),
+        parse(plain, {.set = {"layers.fat.alpha=0.125"}})}) {
+    EXPECT_EQ(scene.solver.integrator, "explicit");
+    EXPECT_TRUE(scene.solver.auto_substeps);
+    EXPECT_EQ(scene.layers[1].alpha, 1.0);
+  }
+  EXPECT_EQ(parse(plain, {.set = {"layers.fat.alpha=0.125"}}).layers[0].alpha, 0.125);
+}
+
+// A bear is larger than an arm, and its clips take as long: waves must cross it in the same time.
+TEST_F(SceneKeys, FleshOfACharacterWithoutLayersGoesByItsSize) {
+  const Scene arm = parse("[character]\nmade = \"arm\"\n"), bear = parse("[character]\nmade = \"bear\"\n");
+  const auto extent = [](const Scene& of) {
+    Eigen::AlignedBox3d box;
+    for (const scene::Vector3d& p : std::get<scene::Character>(of.geometry).surface.vertices) box.extend(p);
+    return box.sizes().maxCoeff();
+  };
+  const double larger = extent(bear) / extent(arm);
+  ASSERT_GT(larger, 1.5);
+  for (const std::size_t l : {0u, 1u}) {
+    // Written with three digits.
+    EXPECT_NEAR(*bear.layers[l].youngs_modulus / *arm.layers[l].youngs_modulus, larger * larger,
+                0.01 * larger * larger);
+    EXPECT_EQ(bear.layers[l].damping, arm.layers[l].damping);
+  }
 }
 
 // A scene that names no integrator gets the one whose stiffness its layers state.
