@@ -30,7 +30,7 @@ constexpr int cascade_iterations = 20, most_cascade_iterations = 2000;
 
 struct Mode {
   double square = 0.0;
-  Field x, Mx;
+  Field x, weighed;  // weighed: M x
 };
 
 void add_product(const CubeStiffness& m, const std::array<double, 24>& x, std::array<double, 24>& y) {
@@ -115,7 +115,7 @@ Field response(const Grids& grids, const Field& f) {
 
 void leave_out(const std::vector<Mode>& modes, Field& x) {
   for (const Mode& mode : modes) {
-    const double part = over_nodes(x, mode.Mx);
+    const double part = over_nodes(x, mode.weighed);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] -= part * mode.x[i];
   }
 }
