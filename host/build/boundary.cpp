@@ -64,6 +64,8 @@ void append_boundary(const std::vector<Face>& faces, const std::string& source,
 
 scene::TetMesh rest_mesh(const RestState& state, const model::Model& model) {
   scene::TetMesh mesh;
+  mesh.vertices.reserve(state.mass.size());
+  mesh.tetrahedra.reserve(model.tetrahedron.size() / 4);
   for (std::size_t i = 0; i < state.mass.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
     const std::uint32_t* v = &model.tetrahedron[t];

@@ -91,7 +91,7 @@ TEST(Stiffness, AnUnsettledLowestModeSaysSo) {
   std::vector<char> is_free;
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) is_free.push_back(m.is_kinematic(i) ? 0 : 1);
   const auto settled = build::lowest_mode({rings, state, weights, k}, is_free);
-  const auto early = build::lowest_mode({rings, state, weights, k}, is_free, 3);
+  const auto early = build::lowest_mode({rings, state, weights, k}, is_free, {.most_iterations = 3});
   ASSERT_TRUE(settled && early);
   EXPECT_TRUE(settled->settled);
   EXPECT_FALSE(early->settled);
