@@ -7,6 +7,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "host/build/body.h"
 #include "host/build/boundary.h"
 #include "host/build/build.h"
@@ -243,9 +247,14 @@ model::WeightForm weight_form_of(const scene::Scene& scene) {
        "solver.weights: \"" + scene.solver.weights + "\" is neither \"symmetric\" nor \"kaneda2017\"");
 }
 
-}  // namespace
+// glibc keeps what was freed: with a solver's arrays on top, a sixth of the peak of 107,000 vertices.
+void give_freed_memory_back() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
 
-Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options) {
+Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   report = {};
   Model model;
@@ -297,6 +306,14 @@ Model build_model(const scene::Scene& scene, Report& report, const BuildOptions&
   report.surface_triangles = static_cast<std::uint32_t>(model.surface_triangle.size() / 3);
   report.volume = total_volume(body.mesh);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return model;
+}
+
+}  // namespace
+
+Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options) {
+  Model model = assemble_model(scene, report, options);
+  give_freed_memory_back();
   return model;
 }
 
