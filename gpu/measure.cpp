@@ -42,10 +42,11 @@ std::vector<StageKernel> stages_of(const model::Model& model) {
 double copy_rate(Device& opened) {
   Device::Impl& device = opened.impl();
   // Several times what real devices keep in caches.
-  const VkDeviceSize bytes = device.info().software
-                                 ? VkDeviceSize{64} << 20
-                                 : std::min<VkDeviceSize>(VkDeviceSize{512} << 20, device.info().memory / 8);
-  constexpr std::uint32_t group = 256, item_bytes = 16;
+  const VkDeviceSize bytes = std::min({VkDeviceSize{device.info().software ? 64u : 512u} << 20,
+                                       VkDeviceSize{device.info().memory / 8},
+                                       VkDeviceSize{device.info().max_storage_buffer_range}}) /
+                             16 * 16;
+  constexpr std::uint32_t group = 128, item_bytes = 16;  // every device runs workgroups of 128
   std::array<std::uint32_t, shader::constant_count> constants{};
   constants[shader::constant_group_size] = group;
   const Kernel kernel(device, shader::copy_module(), constants, device.float_controls());

@@ -123,7 +123,7 @@ std::optional<LowestMode> lowest_mode(const ElasticBody& body, const std::vector
   const LowestMode lowest =
       minimise(stiffness, cascade ? &*cascade : nullptr, std::move(guess), search.most_iterations);
   // A free body's lowest modes are its rigid motions, at rounding's distance from 0.
-  if (lowest.square < 1e-9 * highest) return std::nullopt;
+  if (!(lowest.square >= 1e-9 * highest)) return std::nullopt;
   return lowest;
 }
 

@@ -18,7 +18,7 @@ struct LowestMode {
 struct LowestModeSearch {
   int most_iterations = 5000;
   // Free vertices from which on the search goes by grids of cubes (cube_modes.h). Its result then differs
-  // within what the search leaves open, less than a thousandth.
+  // within what the search leaves open, less than a thousandth where spacing is even.
   std::size_t least_for_grids = 10000;
   std::size_t threads = thread_count();  // the result is the same with any
 };

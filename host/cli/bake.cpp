@@ -97,7 +97,7 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
                              {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats,
                                                                       arguments.glb))},
                              {"surface.glb", glb.empty() ? "not asked for" : glb},
-                             {"time", "about " + duration_text(total) + " and the writing (" +
+                             {"time", "about " + duration_text(total) + ", the writing beside it (" +
                                           number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
 }
 
@@ -145,7 +145,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
                   const bake::DeviceDescription& device, const bake::BakeResult& result) {
   std::cout << "baked " << scene.name << ": " << count_text(result.frames_done) << " frames in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
-            << ", writing " << duration_text(result.seconds_writing) << ")\n"
+            << ", writing beside it " << duration_text(result.seconds_writing) << ")\n"
             << "device: " << device.solver << ", " << device.name << "\n"
             << "position hash of the last frame: " << result.last_position_hash << "\n";
   print_motion(arguments, model, result);

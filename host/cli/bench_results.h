@@ -50,7 +50,7 @@ void write_bench_json(const std::filesystem::path& file, const BenchResults& res
 void write_bench_csv(const std::filesystem::path& file, const BenchResults& results);
 std::string bench_table(const BenchResults& results);
 
-// What the layout of docs/architecture.md moves of a vertex in a substep: what bench compares devices by.
+// Bytes a vertex and substep, by which devices are compared whatever their layout (bench/README.md).
 inline constexpr double floor_bytes = 460;
 
 // A row of another run: its median and its least time.

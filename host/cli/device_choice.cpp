@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <fstream>
 #include <thread>
 #include <utility>
 
 #include "cpu_reference/cpu_solver.h"
 #include "gpu/vulkan_solver.h"
+#include "host/bake/version.h"
 #include "host/build/cache.h"
 #include "host/cli/exit_codes.h"
 
@@ -28,6 +30,13 @@ std::string levels_text(const std::vector<Simd>& levels) {
   for (const Simd level : levels)
     text += (text.empty() ? "" : ", ") + std::string(cpu_reference::name_of(level));
   return text;
+}
+
+// Another version of the solver has other shaders, and would only add to what is kept.
+std::string key_of_pipelines(const gpu::DeviceInfo& info) {
+  char digits[16];
+  std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(bake::solver_version));
+  return info.pipelines_key + digits;
 }
 
 }  // namespace
@@ -120,7 +129,7 @@ ChosenDevice ChosenDevice::vulkan(const gpu::DeviceInfo& info, bool keeps_pipeli
   gpu::DeviceOptions options;
   if (keeps_pipelines)
     options.pipelines =
-        build::Cache(build::default_cache_folder()).find(info.pipelines_key).value_or(std::string());
+        build::Cache(build::default_cache_folder()).find(key_of_pipelines(info)).value_or(std::string());
   chosen.device_ = std::make_unique<gpu::Device>(info.index, options);
   chosen.description_.solver = "vulkan";
   chosen.description_.name = info.name;
@@ -142,15 +151,23 @@ std::string ChosenDevice::text() const {
   return text;
 }
 
+std::string ChosenDevice::pipelines() const {
+  if (!keeps_pipelines_) return {};
+  try {
+    return device_->pipelines();
+  } catch (const gpu::DeviceError&) {
+    return {};  // what cannot be kept is compiled again
+  }
+}
+
 std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& model,
                                                          const model::SolverOptions& options) const {
   if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads, simd_);
   try {
-    const std::string before = device_->pipelines();
+    const std::string before = pipelines();
     std::unique_ptr<model::Solver> solver = gpu::make_vulkan_solver(*device_, model, options);
-    const std::string pipelines = device_->pipelines();
-    if (keeps_pipelines_ && pipelines != before)
-      build::Cache(build::default_cache_folder()).put(device_->info().pipelines_key, pipelines);
+    if (const std::string after = pipelines(); after != before)
+      build::Cache(build::default_cache_folder()).put(key_of_pipelines(device_->info()), after);
     return solver;
   } catch (const gpu::DeviceError& error) {
     throw NoSuchDevice(label_ + " (" + description_.name + ") cannot run this scene: " + error.what() +

@@ -58,6 +58,9 @@ class ChosenDevice {
   gpu::Device* gpu() const { return device_.get(); }
 
  private:
+  // What is worth keeping; empty where nothing is kept.
+  std::string pipelines() const;
+
   std::string label_, why_, why_not_exact_;
   bake::DeviceDescription description_;
   cpu_reference::Simd simd_ = cpu_reference::Simd::automatic;

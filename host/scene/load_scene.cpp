@@ -68,9 +68,10 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       return parse_scene(
           {stem,
            name,
-           scene_for_character(path, std::get<Character>(sized.geometry),
-                               stiffness_for(std::get<Character>(sized.geometry),
-                                             overridden(overrides, "solver.integrator"), overrides)),
+           scene_for_character(
+               path, std::get<Character>(sized.geometry),
+               stiffness_for(std::get<Character>(sized.geometry), overridden(overrides, "solver.integrator"),
+                             overridden(overrides, "solver.weights"), overrides)),
            {}},
           overrides);
     }

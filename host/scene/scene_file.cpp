@@ -412,10 +412,13 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
     // Is found again, and told with its place, when the character is read.
     loaded.geometry = Character{};
   }
-  std::optional<std::string> integrator = overridden(overrides, "solver.integrator");
-  if (!integrator) integrator = root["solver"]["integrator"].value<std::string>();
+  const auto of_solver = [&](const char* key) {
+    const auto set = overridden(overrides, std::string("solver.") + key);
+    return set ? set : root["solver"][key].value<std::string>();
+  };
   const auto& character = std::get<Character>(loaded.geometry);
-  const Stiffness stiffness = stiffness_for(character, integrator, overrides);
+  const Stiffness stiffness =
+      stiffness_for(character, of_solver("integrator"), of_solver("weights"), overrides);
   toml::table defaults =
       toml::parse(layers_for_character(character, stiffness), std::string_view("default layers"));
   root.insert("layers", defaults["layers"]);

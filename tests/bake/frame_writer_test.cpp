@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -78,16 +79,23 @@ TEST(FrameWriter, HandsOnWhatAWriteThrowsAndWritesNoMore) {
 }
 
 TEST(FrameWriter, DropsWhatWaitsWhenItGoes) {
+  std::atomic<bool> has_begun = false, may_write = false;
   std::atomic<int> written = 0;
-  {
-    bake::FrameWriter writer([&](const model::Frame&) {
-      ++written;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    });
-    writer.put(numbered(0));
-    writer.put(numbered(1));
-  }
-  EXPECT_LE(written, 2);
+  auto writer = std::make_unique<bake::FrameWriter>([&](const model::Frame&) {
+    ++written;
+    has_begun = true;
+    may_write.wait(false);
+  });
+  writer->put(numbered(0));
+  while (!has_begun) std::this_thread::yield();
+  writer->put(numbered(1));
+  std::thread end([&] { writer.reset(); });
+  // Long enough for it to have told the thread to stop, or frame 1 would be written too.
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  may_write = true;
+  may_write.notify_all();
+  end.join();
+  EXPECT_EQ(written, 1);
 }
 
 }  // namespace

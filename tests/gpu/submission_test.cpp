@@ -109,6 +109,20 @@ TEST_F(Submissions, OfAnyTuningKeepTheBits) {
     expect_bits_of_cpu(experiments);
     EXPECT_GT(counts.groups.size(), 468u * shader::slice_width / tuning.group_size / 3);
   }
+  // And iterate, which only the implicit integrator has, in dispatches without a probe.
+  const model::Model implicit = make_bar({.x = 11, .y = 7, .z = 5, .implicit = true});
+  const model::SolverOptions options{.integrator = model::Integrator::implicit_step, .iterations = 4};
+  gpu::Device device(*index);
+  const auto cpu = cpu_reference::make_cpu_solver(implicit, options, 1);
+  const auto vulkan =
+      gpu::make_experimental_solver(device, implicit, options, {.tuning = gpu::Tuning{64, 4}});
+  BarMotion motion(implicit, 3);
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    const model::Drive drive = motion.drive(k);
+    cpu->submit(drive, {.positions = true});
+    vulkan->submit(drive, {.positions = true});
+    ASSERT_EQ(cpu->collect().positions, vulkan->collect().positions) << "frame " << k;
+  }
 }
 
 TEST_F(Submissions, OfNeighboursThatAreNotNearKeepTheBits) {

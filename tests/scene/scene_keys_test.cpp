@@ -453,6 +453,8 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
   for (const Scene& scene :
        {parse(plain + "[solver]\nintegrator = \"explicit\"\n"),
         parse(plain, {.set = {"solver.integrator=implicit", "solver.integrator=explicit"}}),
+        parse(plain, {.set = {"solver.weights=kaneda2017"}}),
+        parse(plain + "[solver]\nweights = \"kaneda2017\"\n"),
         parse(plain, {.set = {"layers.fat.alpha=0.125"}})}) {
     EXPECT_EQ(scene.solver.integrator, "explicit");
     EXPECT_TRUE(scene.solver.auto_substeps);
