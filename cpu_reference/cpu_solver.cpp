@@ -64,7 +64,14 @@ class CpuSolver : public model::Solver {
 
   void submit(const Drive& drive, Read what, Probe* probe) override {
     check_drive(model_, drive);
-    for (std::uint32_t s = 0; s < drive.substeps; ++s) substep(drive, s, probe);
+    for (std::uint32_t s = 0; s < drive.substeps;) {
+      for (const model::Cut& cut : drive.cuts)
+        if (cut.substep == s) set_history(model::carried(model_, save(), drive.h, cut));
+      if (sweeps_.empty() || probe || model_.is_implicit() || model_.has_ties())
+        substep(drive, s++, probe);
+      else
+        s = sweep_substeps(drive, s);
+    }
     if (what.surface || probe) run(model_.surface_count(), &embed, SubstepInput{});
     ++frame_;
     origin_ = drive.origin;
@@ -167,21 +174,28 @@ class CpuSolver : public model::Solver {
     });
   }
 
-  // region, then update or iterate, where nobody looks in between.
-  void run_region_and(LaneStage LaneStages::*move_in_lanes, ModelStage move, const SubstepInput& in) {
-    if (sweeps_.empty()) {
-      run_region(in);
-      run(move_in_lanes, move, in);
-      return;
+  Pass pass_of(LaneStage skin, LaneStage move, const SubstepInput& in) {
+    return {lane_input(model_, slices_, in, fields_), skin, lanes_->region, move};
+  }
+
+  // As many passes at most as the sweeps have.
+  void sweep(std::span<const Pass> passes) {
+    pool_->run(static_cast<std::uint32_t>(sweeps_.tiles.size()),
+               [&](std::uint32_t first, std::uint32_t last) {
+                 for (std::uint32_t k = first; k < last; ++k) run_tile(sweeps_.tiles[k], passes);
+               });
+    if (sweeps_.joints.empty()) return;
+    for (std::size_t p = 0; p < passes.size(); ++p) {
+      const auto run_all = [&](Range Part::*which, LaneStage stage) {
+        if (stage == nullptr) return;
+        pool_->run(slices_of_joints(sweeps_, p, which), [&](std::uint32_t first, std::uint32_t last) {
+          run_joints(sweeps_, p, which, {first, last}, stage, passes[p].in);
+        });
+      };
+      run_all(&Part::regions, passes[p].region);
+      run_all(&Part::vertices, passes[p].skin);
+      run_all(&Part::vertices, passes[p].move);
     }
-    const LaneInput input = lane_input(model_, slices_, in, fields_);
-    const auto of_sweeps = [&](const auto& job) {
-      pool_->run(static_cast<std::uint32_t>(sweeps_.size()), [&](std::uint32_t first, std::uint32_t last) {
-        for (std::uint32_t k = first; k < last; ++k) job(sweeps_[k]);
-      });
-    };
-    if (sweeps_.size() > 1) of_sweeps([&](const Sweep& sweep) { run_shared_regions(*lanes_, input, sweep); });
-    of_sweeps([&](const Sweep& sweep) { run_sweep(*lanes_, lanes_->*move_in_lanes, input, sweep); });
   }
 
   // The regions' stage in lanes has the default rotation only.
@@ -203,19 +217,38 @@ class CpuSolver : public model::Solver {
     return in;
   }
 
-  void substep(const Drive& drive, std::uint32_t s, Probe* probe) {
+  // Explicit substeps from this one on, as many as go in one sweep; returns the next one.
+  std::uint32_t sweep_substeps(const Drive& drive, std::uint32_t first) {
+    std::uint32_t end = std::min(drive.substeps, first + sweeps_.most_passes());
     for (const model::Cut& cut : drive.cuts)
-      if (cut.substep == s) set_history(model::carried(model_, save(), drive.h, cut));
+      if (cut.substep > first) end = std::min(end, cut.substep);
+    std::vector<Pass> passes;
+    for (std::uint32_t s = first; s < end; ++s)
+      passes.push_back(
+          pass_of(model_.has_skeleton() ? lanes_->skin : nullptr, lanes_->update, begun_substep(drive, s)));
+    sweep(passes);
+    return end;
+  }
+
+  // The substep's input, once positions are relative to the frame's origin and there is room for its skin.
+  SubstepInput begun_substep(const Drive& drive, std::uint32_t s) {
     const SubstepInput in = input_of(drive, s);
+    if (s == 0 && drive.origin_shift != std::array<float, 3>{0, 0, 0})
+      pool_->run(model_.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
+        rebase(in, fields_, {first, last});
+      });
+    if (model_.has_skeleton()) std::swap(fields_.skinned, fields_.skinned_before);
+    return in;
+  }
+
+  void substep(const Drive& drive, std::uint32_t s, Probe* probe) {
+    const SubstepInput in = begun_substep(drive, s);
     const std::uint32_t n = model_.vertex_count;
     const model::Where where{.frame = frame_ + 1, .substep = s};
     const auto show = [&](Stage stage, std::span<const Column> columns) {
       if (probe) probe->on_stage({where.frame, where.substep, stage}, all(columns));
     };
-    if (s == 0 && drive.origin_shift != std::array<float, 3>{0, 0, 0})
-      pool_->run(n, [&](std::uint32_t first, std::uint32_t last) { rebase(in, fields_, {first, last}); });
     if (model_.has_skeleton()) {
-      std::swap(fields_.skinned, fields_.skinned_before);
       run(&LaneStages::skin, &skin, in);
       show(Stage::skin, std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
     }
@@ -228,7 +261,8 @@ class CpuSolver : public model::Solver {
       return;
     }
     if (!probe) {
-      run_region_and(&LaneStages::update, &update, in);
+      run_region(in);
+      run(&LaneStages::update, &update, in);
       return;
     }
     make_fields_between_stages();
@@ -257,11 +291,20 @@ class CpuSolver : public model::Solver {
         std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
     run(n, &predict, in);
     show(Stage::predict, std::array{vectors_of(fields_.predicted)});
+    std::vector<Pass> passes;
     for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
       in.implicit.gain = relaxations[where.iteration].gain;
       in.implicit.omega = relaxations[where.iteration].omega;
+      if (!probe && !sweeps_.empty()) {
+        passes.push_back(pass_of(nullptr, lanes_->iterate, in));
+        if (passes.size() < sweeps_.most_passes() && where.iteration + 1 < relaxations.size()) continue;
+        sweep(passes);
+        passes.clear();
+        continue;
+      }
       if (!probe) {
-        run_region_and(&LaneStages::iterate, &iterate, in);
+        run_region(in);
+        run(&LaneStages::iterate, &iterate, in);
         continue;
       }
       run_region(in);
@@ -283,8 +326,8 @@ class CpuSolver : public model::Solver {
   const LaneStages* lanes_ = nullptr;  // null: one by one
   HugePages pages_;
   Fields fields_{LineAllocator<float>(pages_)};
-  Slices slices_;              // where lanes_ is
-  std::vector<Sweep> sweeps_;  // none: stage by stage
+  Slices slices_;  // where lanes_ is
+  Sweeps sweeps_;  // none: stage by stage
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;

@@ -1,16 +1,19 @@
-// Both stages of a substep in one pass over the body, so that a region's map is used while it is in a cache:
-// regions go ahead of the vertices by as much as the vertices' one-rings reach ("wavefront").
+// Several passes over the body in one ("temporal blocking"): a substep follows the one before it, and within
+// each the vertices follow the regions, as closely as one-rings allow. So a part of the body that is in a
+// cache is taken on by several substeps, or iterations, before its memory is left.
 //
-// A vertex may be moved as soon as every region that reads its position is done. One-rings are symmetric:
-// these are the regions of its own one-ring, the very ones whose maps its goal takes. So the pass works in
-// place.
+// A region's map may be made as soon as the vertices of its one-ring have been moved by the pass before, and
+// a vertex may be moved as soon as the regions of its one-ring are done. One-rings are symmetric: those are
+// at once all the regions that read its position, and all vertices that take a region's map are those that
+// it reads. So passes work in place, and each reads what the pass before left, whatever the order.
 //
-// For threads the body is cut into sweeps. Regions that share a vertex with another sweep are done for all
-// sweeps first, and then each sweep moves its own vertices: what is still to be done elsewhere reads none of
-// them.
+// For threads the body is cut into tiles. In each, every pass does what needs nothing of other tiles: pass by
+// pass less, at both ends. Then joints do what is left between them, pass by pass more (trapezoids, Frigo and
+// Strumpen, "Cache oblivious stencil computations", ICS 2005).
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cpu_reference/lane_stages.h"
@@ -20,24 +23,43 @@
 
 namespace fascicle::cpu_reference {
 
-struct Sweep {
-  Range slices;
-  // Slices of regions in [slices.first, front) and in [back, slices.last) may share a vertex with another
-  // sweep; front <= back.
-  std::uint32_t front, back;
+// The regions' maps, then the vertices that take them: an explicit substep, or an implicit iteration.
+struct Pass {
+  LaneInput in;
+  LaneStage skin;  // before `move`; null: none
+  LaneStage region, move;
 };
 
-// Bodies of fewer vertices stay in a processor's last cache, and gain nothing (bench/README.md).
-inline constexpr std::uint32_t fewest_swept_vertices = 150'000;
+// What one pass does of a tile or a joint: slices of regions, and of vertices.
+struct Part {
+  Range regions, vertices;
+};
+// A part for each pass, of so many passes at most.
+using Sweep = std::vector<Part>;
+
+struct Sweeps {
+  std::vector<Sweep> tiles;   // none touches what another does
+  std::vector<Sweep> joints;  // after all tiles, and all of them a pass before the next
+  bool empty() const { return tiles.empty(); }
+  std::uint32_t most_passes() const { return empty() ? 0 : static_cast<std::uint32_t>(tiles.front().size()); }
+};
+
+// Smaller bodies stay in a processor's caches, and gain nothing (bench/README.md).
+inline constexpr std::uint32_t fewest_swept_vertices = 50'000;
+inline constexpr std::uint32_t most_passes = 4;
 
 // Sweeps for so many threads; none where the body has fewer vertices than `fewest`, or is numbered so widely
-// that too little of it lies inside the sweeps.
-std::vector<Sweep> make_sweeps(const model::Model& model, const Slices& slices, unsigned threads,
-                               std::uint32_t fewest = fewest_swept_vertices);
+// that tiles would have no inside. The wider one-rings reach, the fewer passes.
+Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned threads,
+                   std::uint32_t fewest = fewest_swept_vertices);
 
-// The regions of a sweep that others share.
-void run_shared_regions(const LaneStages& stages, const LaneInput& in, const Sweep& sweep);
-// The other regions, and `move` (update or iterate) of the sweep's vertices.
-void run_sweep(const LaneStages& stages, LaneStage move, const LaneInput& in, const Sweep& sweep);
+// At most as many passes as the tile has parts.
+void run_tile(const Sweep& tile, std::span<const Pass> passes);
+
+// Slices of regions, or of vertices, that all joints together have in a pass.
+std::uint32_t slices_of_joints(const Sweeps& sweeps, std::size_t pass, Range Part::*which);
+// A stage over those of them that `counted` numbers, from 0 through all joints.
+void run_joints(const Sweeps& sweeps, std::size_t pass, Range Part::*which, Range counted, LaneStage stage,
+                const LaneInput& in);
 
 }  // namespace fascicle::cpu_reference
