@@ -289,7 +289,7 @@ class CpuSolver : public model::Solver {
     const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
     in.responses =
         std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
-    run(n, &predict, in);
+    run(&LaneStages::begin, &predict, in);
     show(Stage::predict, std::array{vectors_of(fields_.predicted)});
     std::vector<Pass> passes;
     for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
@@ -315,7 +315,7 @@ class CpuSolver : public model::Solver {
       show(Stage::relax, std::array{positions_of(fields_)});
     }
     where.iteration = 0;
-    run(n, &integrate, in);
+    run(&LaneStages::finish, &integrate, in);
     show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
     step_before_ = h;
   }

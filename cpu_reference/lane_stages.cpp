@@ -122,6 +122,9 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
           .gravity = fields.gravity.data(),
           .tied = data_or_null(fields.tied),
           .iterate_before = fields.iterate_before.data(),
+          .positions_before = fields.positions_before.data(),
+          .velocities_before = fields.velocities_before.data(),
+          .begun = fields.begun.data(),
           .skinned_before = fields.skinned_before.data()};
 }
 

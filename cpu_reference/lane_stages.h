@@ -55,7 +55,7 @@ struct LaneInput {
   // As in Fields.
   float *vertices, *regions, *velocities, *predicted, *goals, *skinned, *skinned_velocities, *gravity;
   const float* tied;  // null without
-  float* iterate_before;
+  float *iterate_before, *positions_before, *velocities_before, *begun;
   const float* skinned_before;
 };
 
@@ -65,6 +65,7 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
 using LaneStage = void (*)(const LaneInput& in, Range slices);
 struct LaneStages {
   LaneStage skin, region, update, iterate;
+  LaneStage begin, finish;  // predict and integrate of an implicit substep
 };
 
 // Null for scalar, and where this build has none for the level.
