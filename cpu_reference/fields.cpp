@@ -16,8 +16,8 @@ void size_fields(const model::Model& model, Fields& fields) {
   }
   if (model.has_ties()) fields.tied.resize(vector_stride * n);
   if (model.is_implicit())
-    for (Floats* field : {&fields.positions_before, &fields.velocities_before, &fields.begun,
-                          &fields.iterate_before, &fields.predicted, &fields.goals})
+    for (Floats* field : {&fields.positions_before, &fields.velocities_before, &fields.iterate_before,
+                          &fields.predicted, &fields.goals})
       field->resize(vector_stride * n);
   fields.surface.resize(3 * std::size_t{model.surface_count()});
 }

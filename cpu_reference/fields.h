@@ -73,9 +73,8 @@ struct Fields {
   Floats tied{memory};                // 4: accelerations by ties, empty without
   std::vector<float> surface;         // 3 a render vertex
   // Of an implicit model, else empty.
-  Floats positions_before{memory};   // 4, a substep before
+  Floats positions_before{memory};   // 4, a substep before; from predict on where the substep began
   Floats velocities_before{memory};  // 4
-  Floats begun{memory};              // 4: positions where the substep began
   Floats iterate_before{memory};     // 4: the last iteration but one
 };
 

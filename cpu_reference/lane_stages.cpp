@@ -124,7 +124,6 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
           .iterate_before = fields.iterate_before.data(),
           .positions_before = fields.positions_before.data(),
           .velocities_before = fields.velocities_before.data(),
-          .begun = fields.begun.data(),
           .skinned_before = fields.skinned_before.data()};
 }
 

@@ -153,7 +153,8 @@ void move(const Model& model, const SubstepInput& in, Fields& fields, std::uint3
 // y, and the position from which the iterations start.
 void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
   const Vector q = load_position(fields, i);
-  store_vector(fields.begun, i, q);
+  const Vector q_before = load_vector(fields.positions_before, i);
+  store_vector(fields.positions_before, i, q);
   const auto start_at = [&](const Vector& start) {
     store_position(fields, i, start);
     store_vector(fields.iterate_before, i, start);
@@ -178,8 +179,7 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
       kernel::predict_damped<float>(kernel::with_history<float>(v, v_before, in.implicit.history),
                                     acceleration, u, in.implicit.step, answer.kept, answer.dragged);
   store_vector(fields.predicted, i,
-               kernel::predict_position<float>(q, load_vector(fields.positions_before, i),
-                                               in.implicit.history, v_y, in.implicit.step));
+               kernel::predict_position<float>(q, q_before, in.implicit.history, v_y, in.implicit.step));
   store_vector(fields.velocities_before, i, v);
   store_vector(fields.velocities, i, v_y);
   start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
@@ -196,7 +196,7 @@ void relax_free(const SubstepInput& in, Fields& fields, std::uint32_t i, const V
   store_vector(fields.iterate_before, i, x);
 }
 
-// The position is there, the velocity follows, and now becomes before.
+// The position is there, the velocity follows.
 void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
   const Vector u = velocity_of_skin(model, in, fields, i);
   if (!model.carried.empty()) store_vector(fields.skinned_velocities, i, u);
@@ -206,7 +206,6 @@ void finish_implicit(const Model& model, const SubstepInput& in, Fields& fields,
                                        load_vector(fields.predicted, i), load_vector(fields.goals, i),
                                        in.responses[i].to_goal, in.implicit.inverse_step);
   store_vector(fields.velocities, i, v);
-  store_vector(fields.positions_before, i, load_vector(fields.begun, i));
 }
 
 }  // namespace

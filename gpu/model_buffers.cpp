@@ -74,7 +74,6 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_surface_weight, "surface weight", words(model.surface_weight)},
       {shader::buffer_position_before, "position before", 16 * implicit},
       {shader::buffer_velocity_before, "velocity before", 16 * implicit},
-      {shader::buffer_begun, "begun", 16 * implicit},
       {shader::buffer_predicted, "predicted", 16 * implicit},
       {shader::buffer_iterate_before, "iterate before", 16 * implicit},
       {shader::buffer_response, "response", 2 * sizeof(shader::Response) * implicit},

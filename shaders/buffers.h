@@ -58,9 +58,9 @@ BUFFERS_CONSTANT uint buffer_self_test_input = 31u;
 BUFFERS_CONSTANT uint buffer_self_test_result = 32u;
 
 // An implicit model's, beside those of State. One vec4 a vertex.
-BUFFERS_CONSTANT uint buffer_position_before = 35u;  // a substep before
+BUFFERS_CONSTANT uint buffer_position_before =
+    35u;  // a substep before, from predict on where the substep began
 BUFFERS_CONSTANT uint buffer_velocity_before = 36u;
-BUFFERS_CONSTANT uint buffer_begun = 37u;           // where the substep began
 BUFFERS_CONSTANT uint buffer_predicted = 38u;       // y
 BUFFERS_CONSTANT uint buffer_iterate_before = 39u;  // the last iteration but one
 BUFFERS_CONSTANT uint buffer_response = 40u;        // Response, of backward Euler, then of BDF2
@@ -74,9 +74,9 @@ BUFFERS_CONSTANT uint buffer_tie_coefficient = 45u;
 
 BUFFERS_CONSTANT uint buffer_alpha = 46u;
 BUFFERS_CONSTANT uint buffer_carried =
-    47u;  // share of the skeleton's acceleration that a vertex does not feel
+    37u;  // share of the skeleton's acceleration that a vertex does not feel
 
-BUFFERS_CONSTANT uint buffer_count = 48u;
+BUFFERS_CONSTANT uint buffer_count = 47u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;

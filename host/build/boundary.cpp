@@ -30,13 +30,18 @@ struct Band {
   std::uint32_t begin, end;
 };
 
-void collect_faces(const scene::TetMesh& mesh, Band band, std::vector<Face>& faces) {
+using Corners = std::array<std::uint32_t, 4>;
+
+// `corners` gives those of tetrahedron k.
+template <class CornersOf>
+void collect_faces(std::size_t tetrahedra, const CornersOf& corners, Band band, std::vector<Face>& faces) {
   faces.clear();
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t lowest = std::min({a, b, c});
     if (lowest >= band.begin && lowest < band.end) faces.push_back(make_face(a, b, c));
   };
-  for (const auto& t : mesh.tetrahedra) {
+  for (std::size_t k = 0; k < tetrahedra; ++k) {
+    const Corners t = corners(k);
     add(t[1], t[2], t[3]);
     add(t[0], t[3], t[2]);
     add(t[0], t[1], t[3]);
@@ -60,34 +65,40 @@ void append_boundary(const std::vector<Face>& faces, const std::string& source,
   }
 }
 
-}  // namespace
-
-scene::TetMesh rest_mesh(const RestState& state, const model::Model& model) {
-  scene::TetMesh mesh;
-  mesh.vertices.reserve(state.mass.size());
-  mesh.tetrahedra.reserve(model.tetrahedron.size() / 4);
-  for (std::size_t i = 0; i < state.mass.size(); ++i) mesh.vertices.push_back(rest_at(state, i));
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
-    const std::uint32_t* v = &model.tetrahedron[t];
-    mesh.tetrahedra.push_back({v[0], v[1], v[2], v[3]});
-  }
-  return mesh;
-}
-
-std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
-                                                             const std::string& source) {
+template <class CornersOf>
+std::vector<std::array<std::uint32_t, 3>> boundary_of(std::size_t tetrahedra, const CornersOf& corners,
+                                                      std::uint32_t vertices, const std::string& source) {
   constexpr std::uint32_t bands = 8;
-  const auto vertices = static_cast<std::uint32_t>(mesh.vertices.size());
   std::vector<Face> faces;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   for (std::uint32_t band = 0; band < bands; ++band) {
     const auto begin = [&](std::uint32_t k) {
       return static_cast<std::uint32_t>(std::uint64_t{vertices} * k / bands);
     };
-    collect_faces(mesh, {begin(band), begin(band + 1)}, faces);
+    collect_faces(tetrahedra, corners, {begin(band), begin(band + 1)}, faces);
     append_boundary(faces, source, triangles);
   }
   return triangles;
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
+                                                             const std::string& source) {
+  return boundary_of(
+      mesh.tetrahedra.size(), [&](std::size_t k) { return mesh.tetrahedra[k]; },
+      static_cast<std::uint32_t>(mesh.vertices.size()), source);
+}
+
+std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const model::Model& model,
+                                                             const std::string& source) {
+  const std::vector<std::uint32_t>& corners = model.tetrahedron;
+  return boundary_of(
+      corners.size() / 4,
+      [&](std::size_t k) {
+        return Corners{corners[4 * k], corners[4 * k + 1], corners[4 * k + 2], corners[4 * k + 3]};
+      },
+      model.vertex_count, source);
 }
 
 RenderMesh boundary_render_mesh(const scene::TetMesh& mesh, const std::string& source) {

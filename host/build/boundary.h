@@ -7,17 +7,15 @@
 #include <vector>
 
 #include "host/build/body.h"
-#include "host/build/weights.h"
 #include "host/model/model.h"
 
 namespace fascicle::build {
 
-// The body at rest, in working units.
-scene::TetMesh rest_mesh(const RestState& state, const model::Model& model);
-
 // Triangles that belong to one tetrahedron only, facing outward, ordered by their corners. Throws
 // scene::SceneError where three or more tetrahedra share a triangle. Tetrahedra must have positive volume.
 std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
+                                                             const std::string& source);
+std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const model::Model& model,
                                                              const std::string& source);
 
 // The boundary as a render mesh: its vertices are the boundary's, by ascending number in the mesh.

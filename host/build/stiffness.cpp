@@ -183,14 +183,13 @@ void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Repor
 
 std::vector<Symmetric> stress_directions(const RestState& state, const model::Model& model,
                                          const std::string& source, const std::vector<char>& slides) {
-  const scene::TetMesh mesh = rest_mesh(state, model);
   std::vector<Symmetric> normals(state.mass.size(), Symmetric{});
   std::vector<double> area(state.mass.size(), 0.0);
-  std::vector<std::array<std::uint32_t, 3>> free_surface = boundary_triangles(mesh, source);
+  std::vector<std::array<std::uint32_t, 3>> free_surface = boundary_triangles(model, source);
   const auto below = triangles_below(model, slides);
   free_surface.insert(free_surface.end(), below.begin(), below.end());
   for (const auto& [a, b, c] : free_surface) {
-    const Vector3d p = mesh.vertices[b] - mesh.vertices[a], q = mesh.vertices[c] - mesh.vertices[a];
+    const Vector3d p = rest_at(state, b) - rest_at(state, a), q = rest_at(state, c) - rest_at(state, a);
     const Vector3d n(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
     const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     if (!(length > 0.0)) continue;

@@ -192,14 +192,13 @@ OneRings without_sliding_pairs(const OneRings& rings, const Model& model, const 
 std::vector<Vector3d> sheet_normals(const OneRings& rings, const RestState& state, const Model& model,
                                     const std::vector<char>& slides, const std::string& source) {
   if (slides.empty()) return {};
-  const scene::TetMesh mesh = rest_mesh(state, model);
   std::vector<Vector3d> normals(rings.size(), Vector3d::Zero());
   std::vector<char> in_sheet(rings.size(), 0);  // on the surface, in a layer that slides
-  for (const auto& triangle : boundary_triangles(mesh, source)) {
+  for (const auto& triangle : boundary_triangles(model, source)) {
     const auto& [a, b, c] = triangle;
     for (const std::uint32_t v : triangle) in_sheet[v] = slides[v];
     if (!slides[a] || !slides[b] || !slides[c]) continue;
-    const Vector3d p = mesh.vertices[b] - mesh.vertices[a], q = mesh.vertices[c] - mesh.vertices[a];
+    const Vector3d p = rest_at(state, b) - rest_at(state, a), q = rest_at(state, c) - rest_at(state, a);
     const Vector3d n(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
     for (const std::uint32_t v : triangle) normals[v] += n;
   }

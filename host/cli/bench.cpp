@@ -99,19 +99,23 @@ class Bench {
   }
 
  private:
+  static void take_one_frame(const BenchBody& body) {
+    const auto solver = cpu_reference::make_cpu_solver(body.model, body.options, 1);
+    timed_frame(*solver, BenchDrive(body.model, 1).drive());
+  }
+
   // Everything of one size in turn, round by round, so that whatever else the machine does falls on all.
   bool measure(std::uint32_t vertices, BenchMesh mesh, const std::vector<DeviceRequest>& requests) {
     std::vector<std::unique_ptr<BenchBody>> bodies;
     std::vector<std::vector<Contestant>> contestants;
     for (const model::Integrator integrator : integrators_of(arguments_)) {
+      // A small body first, so that the program's own pages are not counted as the body's.
+      take_one_frame(bench_body(100, integrator, BenchMesh::regular));
       reset_peak();
       const std::uint64_t before = resident_bytes();
       bodies.push_back(std::make_unique<BenchBody>(bench_body(vertices, integrator, mesh)));
       const BenchBody& body = *bodies.back();
-      {
-        const auto one = cpu_reference::make_cpu_solver(body.model, body.options, 1);
-        timed_frame(*one, BenchDrive(body.model, 1).drive());
-      }
+      take_one_frame(body);
       const double peak = static_cast<double>(peak_resident_bytes() - before) / body.model.vertex_count;
       contestants.emplace_back();
       if (!enter(body, mesh, requests, peak, contestants.back())) return false;

@@ -58,7 +58,6 @@ layout(std430, binding = buffer_decay) readonly buffer DecayBuffer { float decay
 
 layout(std430, binding = buffer_position_before) buffer PositionBeforeBuffer { vec4 position_before[]; };
 layout(std430, binding = buffer_velocity_before) buffer VelocityBeforeBuffer { vec4 velocity_before[]; };
-layout(std430, binding = buffer_begun) buffer BegunBuffer { vec4 begun[]; };
 layout(std430, binding = buffer_predicted) buffer PredictedBuffer { vec4 predicted[]; };
 layout(std430, binding = buffer_iterate_before) buffer IterateBeforeBuffer { vec4 iterate_before[]; };
 layout(std430, binding = buffer_response) readonly buffer ResponseBuffer { Response response[]; };

@@ -21,7 +21,7 @@ void move_kinematic(uint i) {
   if (has_skeleton()) position[i] = skinned[i];
 }
 
-// The implicit integrator's: the position is there, the velocity follows, and now becomes before.
+// The implicit integrator's: the position is there, the velocity follows.
 void finish_implicit(uint i) {
   Vector u = velocity_of_skin(i);
   if (with_carried) skinned_velocity_before[i] = record_of(u);
@@ -31,7 +31,6 @@ void finish_implicit(uint i) {
                                   vector_of(goal[i]), response[push.implicit.first_response + i].to_goal,
                                   push.implicit.inverse_step));
   velocity[i] = v;
-  position_before[i] = begun[i];
 }
 
 #endif

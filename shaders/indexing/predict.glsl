@@ -39,7 +39,8 @@ Vector predicted_velocity(uint i) {
 // The implicit integrator's: y, and the position from which its iterations start.
 void begin_implicit(uint i) {
   vec4 q = position[i];
-  begun[i] = q;
+  Vector q_before = vector_of(position_before[i]);
+  position_before[i] = q;
   if (is_kinematic(i)) {
     if (has_skeleton()) position[i] = skinned[i];
     predicted[i] = position[i];
@@ -56,7 +57,6 @@ void begin_implicit(uint i) {
   Response answer = response[push.implicit.first_response + i];
   Vector v = vector_of(velocity[i]);
   Vector v_before = vector_of(velocity_before[i]);
-  Vector q_before = vector_of(position_before[i]);
   Vector v_y = predict_damped(with_history(v, v_before, push.implicit.history), a, u, push.implicit.step, answer.kept,
                               answer.dragged);
   predicted[i] =
