@@ -51,11 +51,12 @@ class CpuSolver : public model::Solver {
     if (simd != Simd::scalar && simd != Simd::automatic && lanes_ == nullptr)
       throw std::invalid_argument(std::string("this machine has no ") + name_of(simd) + " instructions");
     size_fields(model, fields_);
+    // Before the slices, which need not lie beside a State.
+    CpuSolver::load(model::rest_state(model));
     if (lanes_ != nullptr) {
       slices_ = make_slices(model, fields_.memory);
       fill_constants(model, slices_, fields_);
     }
-    CpuSolver::load(model::rest_state(model));
     // Last, as it makes do with what memory is left.
     pool_.emplace(threads);
     if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)
@@ -140,12 +141,11 @@ class CpuSolver : public model::Solver {
     scatter(state.skinned_velocities, 3, fields_.skinned_velocities, vector_stride, 0);
     step_before_ = state.step_before;
     if (!model_.is_implicit()) return;
-    if (state.positions_before.empty()) {
-      forget_history();
-    } else {
-      scatter(state.positions_before, 3, fields_.positions_before, vector_stride, 0);
-      scatter(state.velocities_before, 3, fields_.velocities_before, vector_stride, 0);
-    }
+    const bool has_before = !state.positions_before.empty();
+    scatter(has_before ? state.positions_before : state.positions, 3, fields_.positions_before, vector_stride,
+            0);
+    scatter(has_before ? state.velocities_before : state.velocities, 3, fields_.velocities_before,
+            vector_stride, 0);
   }
 
   // The next substep has none before it: what it takes for that is where the body is.
