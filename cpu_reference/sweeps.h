@@ -46,7 +46,7 @@ struct Sweeps {
 
 // Smaller bodies stay in a processor's caches, and gain nothing (bench/README.md).
 inline constexpr std::uint32_t fewest_swept_vertices = 50'000;
-inline constexpr std::uint32_t most_passes = 4;
+inline constexpr std::uint32_t most_passes = 8;
 
 // Sweeps for so many threads; none where the body has fewer vertices than `fewest`, or is numbered so widely
 // that tiles would have no inside. The wider one-rings reach, the fewer passes.
