@@ -1,11 +1,14 @@
 #include "cpu_reference/cpu_solver.h"
 
+#include <algorithm>
 #include <array>
 #include <deque>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cpu_reference/lane_stages.h"
 #include "cpu_reference/slices.h"
@@ -219,7 +222,7 @@ class CpuSolver : public model::Solver {
 
   // Explicit substeps from this one on, as many as go in one sweep; returns the next one.
   std::uint32_t sweep_substeps(const Drive& drive, std::uint32_t first) {
-    std::uint32_t end = std::min(drive.substeps, first + sweeps_.most_passes());
+    std::uint32_t end = std::min(drive.substeps, first + sweeps_.passes());
     for (const model::Cut& cut : drive.cuts)
       if (cut.substep > first) end = std::min(end, cut.substep);
     std::vector<Pass> passes;
@@ -260,6 +263,10 @@ class CpuSolver : public model::Solver {
       implicit_substep(in, drive.h, where, probe);
       return;
     }
+    if (!probe && !sweeps_.empty()) {
+      sweep(std::array{pass_of(nullptr, lanes_->update, in)});
+      return;
+    }
     if (!probe) {
       run_region(in);
       run(&LaneStages::update, &update, in);
@@ -289,7 +296,7 @@ class CpuSolver : public model::Solver {
     const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
     in.responses =
         std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
-    run(&LaneStages::begin, &predict, in);
+    run(&LaneStages::predict, &predict, in);
     show(Stage::predict, std::array{vectors_of(fields_.predicted)});
     std::vector<Pass> passes;
     for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
@@ -297,7 +304,7 @@ class CpuSolver : public model::Solver {
       in.implicit.omega = relaxations[where.iteration].omega;
       if (!probe && !sweeps_.empty()) {
         passes.push_back(pass_of(nullptr, lanes_->iterate, in));
-        if (passes.size() < sweeps_.most_passes() && where.iteration + 1 < relaxations.size()) continue;
+        if (passes.size() < sweeps_.passes() && where.iteration + 1 < relaxations.size()) continue;
         sweep(passes);
         passes.clear();
         continue;
@@ -315,7 +322,7 @@ class CpuSolver : public model::Solver {
       show(Stage::relax, std::array{positions_of(fields_)});
     }
     where.iteration = 0;
-    run(&LaneStages::finish, &integrate, in);
+    run(&LaneStages::integrate, &integrate, in);
     show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
     step_before_ = h;
   }

@@ -65,7 +65,7 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
 using LaneStage = void (*)(const LaneInput& in, Range slices);
 struct LaneStages {
   LaneStage skin, region, update, iterate;
-  LaneStage begin, finish;  // predict and integrate of an implicit substep
+  LaneStage predict, integrate;  // of an implicit substep; an explicit one's are in update
 };
 
 // Null for scalar, and where this build has none for the level.

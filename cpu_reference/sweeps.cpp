@@ -1,8 +1,9 @@
 #include "cpu_reference/sweeps.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
-#include <limits>
+#include <optional>
 #include <utility>
 
 namespace fascicle::cpu_reference {
@@ -31,10 +32,11 @@ std::vector<std::uint32_t> lowest_slices(const model::Model& model, const Slices
   return lowest;
 }
 
-// How far one-rings reach, of the slices up to each and from each on.
+// How far one-rings reach, of the slices up to each and from each on; both ascend.
 struct Reach {
   std::vector<std::uint32_t> end, begin;
   std::uint32_t count;
+  std::uint32_t widest, mean;  // slices from one to the end of its reach
 
   // The slices whose one-rings lie inside the range; the body's ends bound nothing.
   Range inside(Range range) const {
@@ -50,32 +52,50 @@ struct Reach {
 };
 
 Reach reach_of(const model::Model& model, const Slices& slices) {
-  Reach reach{std::vector<std::uint32_t>(slices.count), lowest_slices(model, slices), slices.count};
-  for (std::uint32_t s = 0; s < slices.count; ++s) reach.end[s] = end_of_reach(slices.reach.data(), s);
+  Reach reach{std::vector<std::uint32_t>(slices.count), lowest_slices(model, slices), slices.count, 1, 1};
+  std::uint64_t sum = 0;
+  for (std::uint32_t s = 0; s < slices.count; ++s) {
+    reach.end[s] = end_of_reach(slices.reach.data(), s);
+    reach.widest = std::max(reach.widest, reach.end[s] - s);
+    sum += reach.end[s] - s;
+  }
+  reach.mean = std::max(1u, static_cast<std::uint32_t>(sum / slices.count));
   return reach;
 }
 
-// None where a tile would have no inside.
+// Where tile k of `count` begins: those at the body's ends are narrower by what passes lose at one end, so
+// that all have the same to do.
+std::uint32_t cut(const Reach& reach, std::uint32_t k, std::uint32_t count, std::uint32_t passes) {
+  if (k == 0 || k == count) return k == 0 ? 0 : reach.count;
+  // A pass loses what its vertices reach and what its regions do: in the mean over all of them this.
+  const std::uint64_t lost = std::uint64_t{reach.mean} * (passes + 1);
+  const std::uint64_t at = (reach.count + 2 * lost) * k / count;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(at, lost, lost + reach.count) - lost);
+}
+
+// None where a pass would have nothing to do.
+std::optional<Parts> tile_of(const Reach& reach, Range range, std::uint32_t passes) {
+  Parts tile;
+  for (std::uint32_t p = 0; p < passes; ++p) {
+    const Range regions = reach.inside(range);
+    if (regions.first >= regions.last) return std::nullopt;
+    range = reach.inside(regions);
+    if (range.first >= range.last) return std::nullopt;
+    tile.push_back({regions, range});
+  }
+  return tile;
+}
+
 Sweeps sweeps_of(const Reach& reach, std::uint32_t count, std::uint32_t passes) {
   Sweeps sweeps;
   for (std::uint32_t k = 0; k < count; ++k) {
-    const auto cut = [&](std::uint32_t at) {
-      return static_cast<std::uint32_t>(std::uint64_t{reach.count} * at / count);
-    };
-    Range range{cut(k), cut(k + 1)};
-    Sweep tile;
-    for (std::uint32_t p = 0; p < passes; ++p) {
-      Part mine;
-      mine.regions = reach.inside(range);
-      if (mine.regions.first >= mine.regions.last) return {};
-      mine.vertices = range = reach.inside(mine.regions);
-      tile.push_back(mine);
-      if (range.first >= range.last) return {};
-    }
-    sweeps.tiles.push_back(std::move(tile));
+    std::optional<Parts> tile =
+        tile_of(reach, {cut(reach, k, count, passes), cut(reach, k + 1, count, passes)}, passes);
+    if (!tile) return {};
+    sweeps.tiles.push_back(std::move(*tile));
   }
   for (std::size_t k = 0; k + 1 < sweeps.tiles.size(); ++k) {
-    Sweep joint;
+    Parts joint;
     for (std::uint32_t p = 0; p < passes; ++p) {
       const Part &before = sweeps.tiles[k][p], &behind = sweeps.tiles[k + 1][p];
       joint.push_back(
@@ -86,6 +106,14 @@ Sweeps sweeps_of(const Reach& reach, std::uint32_t count, std::uint32_t passes) 
   return sweeps;
 }
 
+// Of all passes' vertices, the share that tiles do.
+double share_inside(const Sweeps& sweeps, const Reach& reach) {
+  std::uint64_t inside = 0;
+  for (const Parts& tile : sweeps.tiles)
+    for (const Part& of_pass : tile) inside += of_pass.vertices.last - of_pass.vertices.first;
+  return static_cast<double>(inside) / (double{1} * sweeps.passes() * reach.count);
+}
+
 // Of what a solver keeps of a vertex, one-rings included.
 constexpr std::size_t bytes_of_vertex = 350;
 // What the passes of all threads' sweeps may have underway: half of a usual processor's last cache.
@@ -93,11 +121,9 @@ constexpr std::size_t bytes_of_sweeps = std::size_t{16} << 20U;
 
 // So many that what lies between the first pass and the last stays in the cache.
 std::uint32_t passes_in_cache(const Reach& reach, unsigned threads) {
-  std::uint32_t widest = 1;
-  for (std::uint32_t s = 0; s < reach.count; ++s) widest = std::max(widest, reach.end[s] - s);
   // A pass stays behind the one before by what its regions reach and what its vertices do.
-  const std::size_t bytes = 2 * bytes_of_vertex * slice_size * widest * threads;
-  return static_cast<std::uint32_t>(std::clamp<std::size_t>(bytes_of_sweeps / bytes, 1, most_passes));
+  const std::size_t bytes = 2 * bytes_of_vertex * slice_size * reach.widest * threads;
+  return static_cast<std::uint32_t>(std::clamp<std::size_t>(bytes_of_sweeps / bytes, 1, most_swept_passes));
 }
 
 }  // namespace
@@ -105,19 +131,31 @@ std::uint32_t passes_in_cache(const Reach& reach, unsigned threads) {
 Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned threads, std::uint32_t fewest) {
   if (slices.count == 0 || model.vertex_count < fewest) return {};
   const Reach reach = reach_of(model, slices);
-  // More than one a thread let threads help each other.
-  constexpr unsigned most_of_thread = 2;
+  constexpr double least_inside = 0.5;
+  Sweeps best;
+  double least_cost = 1.0;
   for (std::uint32_t passes = passes_in_cache(reach, threads); passes > 0; --passes)
-    for (unsigned of_thread = threads == 1 ? 1 : most_of_thread; of_thread > 0; --of_thread) {
+    // Two a thread let threads help each other.
+    for (const unsigned of_thread : {2u, 1u}) {
+      if (threads == 1 && of_thread > 1) continue;
       Sweeps sweeps = sweeps_of(reach, threads * of_thread, passes);
-      if (!sweeps.empty()) return sweeps;
+      if (sweeps.empty()) continue;
+      const double inside = share_inside(sweeps, reach);
+      // How often memory is read: once by all passes of a tile, by each pass of a joint.
+      const double cost = inside / passes + (1.0 - inside);
+      if (inside < least_inside || (!best.empty() && cost >= least_cost)) continue;
+      best = std::move(sweeps);
+      least_cost = cost;
     }
-  return {};
+  return best;
 }
 
-void run_tile(const Sweep& tile, std::span<const Pass> passes) {
+void run_tile(const Parts& tile, std::span<const Pass> passes) {
   assert(!passes.empty() && passes.size() <= tile.size());
-  Sweep left(tile.begin(), tile.begin() + static_cast<std::ptrdiff_t>(passes.size()));
+  // Not on the heap: a job of the pool must not throw.
+  std::array<Part, most_swept_passes> parts{};
+  std::copy_n(tile.begin(), passes.size(), parts.begin());
+  const std::span<Part> left(parts.data(), passes.size());
   // Slices that a pass may take, and takes by twos while more follow: regions are worked on so.
   const auto take = [](Range& mine, const std::uint32_t* reach, const Range& needed) {
     const bool all = needed.first >= needed.last;
@@ -150,14 +188,14 @@ void run_tile(const Sweep& tile, std::span<const Pass> passes) {
 
 std::uint32_t slices_of_joints(const Sweeps& sweeps, std::size_t pass, Range Part::*which) {
   std::uint32_t count = 0;
-  for (const Sweep& joint : sweeps.joints) count += (joint[pass].*which).last - (joint[pass].*which).first;
+  for (const Parts& joint : sweeps.joints) count += (joint[pass].*which).last - (joint[pass].*which).first;
   return count;
 }
 
 void run_joints(const Sweeps& sweeps, std::size_t pass, Range Part::*which, Range counted, LaneStage stage,
                 const LaneInput& in) {
   std::uint32_t before = 0;
-  for (const Sweep& joint : sweeps.joints) {
+  for (const Parts& joint : sweeps.joints) {
     const Range mine = joint[pass].*which;
     const std::uint32_t end = before + (mine.last - mine.first);
     const std::uint32_t first = std::max(counted.first, before), last = std::min(counted.last, end);

@@ -30,31 +30,31 @@ struct Pass {
   LaneStage region, move;
 };
 
-// What one pass does of a tile or a joint: slices of regions, and of vertices.
+// Slices of regions, and of vertices, that one pass does of a tile or a joint.
 struct Part {
   Range regions, vertices;
 };
-// A part for each pass, of so many passes at most.
-using Sweep = std::vector<Part>;
+// One for each pass.
+using Parts = std::vector<Part>;
 
 struct Sweeps {
-  std::vector<Sweep> tiles;   // none touches what another does
-  std::vector<Sweep> joints;  // after all tiles, and all of them a pass before the next
+  std::vector<Parts> tiles;   // none reads or writes what another writes
+  std::vector<Parts> joints;  // after all tiles, and all of them a pass before the next
   bool empty() const { return tiles.empty(); }
-  std::uint32_t most_passes() const { return empty() ? 0 : static_cast<std::uint32_t>(tiles.front().size()); }
+  std::uint32_t passes() const { return empty() ? 0 : static_cast<std::uint32_t>(tiles.front().size()); }
 };
 
-// Smaller bodies stay in a processor's caches, and gain nothing (bench/README.md).
-inline constexpr std::uint32_t fewest_swept_vertices = 50'000;
-inline constexpr std::uint32_t most_passes = 8;
+// Smaller bodies stay in a processor's caches, and gain nothing; more passes bring little (bench/README.md).
+inline constexpr std::uint32_t fewest_swept_vertices = 50'000, most_swept_passes = 8;
 
-// Sweeps for so many threads; none where the body has fewer vertices than `fewest`, or is numbered so widely
-// that tiles would have no inside. The wider one-rings reach, the fewer passes.
+// Sweeps for so many threads; none where the body has fewer vertices than `fewest`, or where less than half
+// of the work would lie inside the tiles: then passes over the whole body do as well. The wider one-rings
+// reach and the more threads there are, the fewer passes.
 Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned threads,
                    std::uint32_t fewest = fewest_swept_vertices);
 
-// At most as many passes as the tile has parts.
-void run_tile(const Sweep& tile, std::span<const Pass> passes);
+// At most as many passes as the tile has parts, and not none.
+void run_tile(const Parts& tile, std::span<const Pass> passes);
 
 // Slices of regions, or of vertices, that all joints together have in a pass.
 std::uint32_t slices_of_joints(const Sweeps& sweeps, std::size_t pass, Range Part::*which);

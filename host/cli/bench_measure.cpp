@@ -93,7 +93,9 @@ model::Drive BenchDrive::drive() const {
 
 std::uint32_t bench_substeps(std::uint32_t vertices, std::uint32_t passes, bool quick) {
   const double work = (quick ? 1e6 : 2e6) / (static_cast<double>(vertices) * passes);
-  return static_cast<std::uint32_t>(std::clamp(work, 8.0, 200.0));
+  // A frame has about so many; fewer would leave out what the CPU solver gains by taking several together.
+  const double least = std::max(2.0, 8.0 / passes);
+  return static_cast<std::uint32_t>(std::clamp(work, least, 200.0));
 }
 
 std::uint32_t substeps_in(double seconds, model::Solver& solver, const model::Model& model) {

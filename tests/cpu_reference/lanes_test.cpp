@@ -116,6 +116,23 @@ TEST(Lanes, HaveTheScalarBitsOfTheImplicitIntegrator) {
   }
 }
 
+// With forces, muscles, a skeleton and shares of its acceleration that are not felt.
+TEST(Lanes, HaveTheScalarBitsOfImplicitRandomModels) {
+  std::size_t with_forces = 0, with_carried = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Model model = random_model(seed, 4);
+    model.momentum_scaled = true;
+    const Model implicit = make_implicit(std::move(model), 2e4);
+    with_forces += implicit.force_count > 0;
+    with_carried +=
+        std::any_of(implicit.carried.begin(), implicit.carried.end(), [](float c) { return c > 0; });
+    expect_same_bits(implicit);
+  }
+  EXPECT_GT(with_forces, 2u);
+  EXPECT_GT(with_carried, 2u);
+}
+
 // A fan around an edge: two one-rings of 71, more than lanes take at a time, among ones of four.
 TEST(Lanes, HaveTheScalarBitsInDeepOneRings) {
   constexpr std::uint32_t around = 70;

@@ -3,6 +3,8 @@
 #include "cpu_reference/sweeps.h"
 
 #include <algorithm>
+#include <numeric>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -15,12 +17,12 @@ namespace fascicle::tests {
 namespace {
 
 using cpu_reference::Part;
+using cpu_reference::Parts;
 using cpu_reference::Pass;
 using cpu_reference::Range;
 using cpu_reference::Simd;
 using cpu_reference::slice_size;
 using cpu_reference::Slices;
-using cpu_reference::Sweep;
 using cpu_reference::Sweeps;
 using model::Model;
 
@@ -43,6 +45,7 @@ struct Watch {
     for (std::uint32_t i = slices.first * slice_size;
          i < std::min(slices.last * slice_size, model->vertex_count); ++i) {
       if (done[i / slice_size] != before) complain(i, ": done before");
+      if (read[i / slice_size] != read_passes) complain(i, " reads its own too early or late");
       for (std::uint32_t e = model->ring_offset[i]; e < model->ring_offset[i + 1]; ++e)
         if (read[model->ring[e] / slice_size] != read_passes)
           complain(i, " reads " + std::to_string(model->ring[e]) + " after " +
@@ -93,9 +96,9 @@ Watch watched_run(const Model& model, const Sweeps& sweeps, std::uint32_t count,
   }
   watch = &result;
   const auto run_tiles = [&] {
-    std::vector<Sweep> tiles = sweeps.tiles;
+    std::vector<Parts> tiles = sweeps.tiles;
     if (order == Order::backwards) std::reverse(tiles.begin(), tiles.end());
-    for (const Sweep& tile : tiles) cpu_reference::run_tile(tile, passes);
+    for (const Parts& tile : tiles) cpu_reference::run_tile(tile, passes);
   };
   // By threes, as threads would share them.
   const auto run_all_joints = [&](std::size_t p, Range Part::*which, cpu_reference::LaneStage stage) {
@@ -114,26 +117,73 @@ Watch watched_run(const Model& model, const Sweeps& sweeps, std::uint32_t count,
   return result;
 }
 
+// Only numbers change: vertex k becomes new_number[k]. For what the stand-ins look at.
+Model renumbered(const Model& m, const std::vector<std::uint32_t>& new_number) {
+  Model r = m;
+  std::vector<std::uint32_t> old_number(m.vertex_count);
+  for (std::uint32_t k = 0; k < m.vertex_count; ++k) old_number[new_number[k]] = k;
+  r.ring.clear();
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    const std::uint32_t k = old_number[i];
+    std::vector<std::uint32_t> ring;
+    for (std::uint32_t e = m.ring_offset[k]; e < m.ring_offset[k + 1]; ++e)
+      ring.push_back(new_number[m.ring[e]]);
+    std::sort(ring.begin(), ring.end());
+    r.ring.insert(r.ring.end(), ring.begin(), ring.end());
+    r.ring_offset[i + 1] = static_cast<std::uint32_t>(r.ring.size());
+  }
+  return r;
+}
+
+// Neighbours that lie unevenly far: slices' reaches do not ascend by themselves.
+Model shuffled_bar() {
+  const Model m = make_bar({.x = 700, .y = 5, .z = 4, .odd_vertices = true});
+  std::vector<std::uint32_t> number(m.vertex_count);
+  std::iota(number.begin(), number.end(), 0u);
+  std::mt19937 random(1);
+  for (std::uint32_t k = 0; k + 200 < m.vertex_count; k += 1 + static_cast<std::uint32_t>(random() % 100))
+    std::swap(number[k], number[k + static_cast<std::uint32_t>(random() % 200)]);
+  return renumbered(m, number);
+}
+
 // Tiles run at the same time: none may read or write what another writes. Each sees exactly what the pass
 // before left, whether all that stand before it are done or all that stand behind it.
 TEST(Sweeps, DoEveryPassOnceAndReadOnlyThePassBefore) {
+  for (const bool shuffled : {false, true}) {
+    const Model m = shuffled ? shuffled_bar() : make_bar({.x = 700, .y = 5, .z = 4});
+    const Slices slices = cpu_reference::make_slices(m);
+    for (const unsigned threads : {1u, 2u, 5u, 16u}) {
+      if (shuffled && threads == 16) continue;
+      const Sweeps sweeps = cpu_reference::make_sweeps(m, slices, threads, 0);
+      ASSERT_GE(sweeps.tiles.size(), threads);
+      ASSERT_EQ(sweeps.joints.size(), sweeps.tiles.size() - 1);
+      ASSERT_GE(sweeps.passes(), threads == 1 ? cpu_reference::most_swept_passes : threads == 2 ? 2u : 1u);
+      for (std::uint32_t passes = 1; passes <= sweeps.passes(); ++passes)
+        for (const Order order : {Order::forwards, Order::backwards}) {
+          SCOPED_TRACE(std::to_string(passes) + " passes of " + std::to_string(threads) + " threads");
+          const Watch run = watched_run(m, sweeps, passes, order);
+          EXPECT_TRUE(run.faults.empty()) << run.faults.front() << ", of " << run.faults.size();
+          const std::vector<std::uint32_t> all(slices.count, passes);
+          EXPECT_EQ(run.regions, all);
+          EXPECT_EQ(run.vertices, all);
+          EXPECT_EQ(run.skins, all);
+        }
+    }
+  }
+}
+
+// Threads wait for each other after the tiles: what each has to do there is about the same.
+TEST(Sweeps, GiveTilesTheSameToDo) {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4});
   const Slices slices = cpu_reference::make_slices(m);
-  for (const unsigned threads : {1u, 2u, 5u}) {
-    const Sweeps sweeps = cpu_reference::make_sweeps(m, slices, threads, 0);
-    ASSERT_GE(sweeps.tiles.size(), threads);
-    ASSERT_EQ(sweeps.joints.size(), sweeps.tiles.size() - 1);
-    ASSERT_EQ(sweeps.most_passes(), cpu_reference::most_passes) << threads;
-    for (std::uint32_t passes = 1; passes <= sweeps.most_passes(); ++passes)
-      for (const Order order : {Order::forwards, Order::backwards}) {
-        SCOPED_TRACE(std::to_string(passes) + " passes of " + std::to_string(threads) + " threads");
-        const Watch run = watched_run(m, sweeps, passes, order);
-        EXPECT_TRUE(run.faults.empty()) << run.faults.front() << ", of " << run.faults.size();
-        const std::vector<std::uint32_t> all(slices.count, passes);
-        EXPECT_EQ(run.regions, all);
-        EXPECT_EQ(run.vertices, all);
-        EXPECT_EQ(run.skins, all);
-      }
+  for (const unsigned threads : {2u, 4u, 7u}) {
+    std::vector<std::uint32_t> work;
+    for (const Parts& tile : cpu_reference::make_sweeps(m, slices, threads, 0).tiles) {
+      work.push_back(0);
+      for (const Part& part : tile) work.back() += part.vertices.last - part.vertices.first;
+    }
+    const auto [least, most] = std::minmax_element(work.begin(), work.end());
+    EXPECT_LT(*most, 1.15 * *least) << threads;
   }
 }
 
@@ -144,35 +194,53 @@ TEST(Sweeps, NeedTheirTilesFirst) {
   EXPECT_FALSE(watched_run(m, sweeps, 2, Order::joints_first).faults.empty());
 }
 
-// And it would see a tile that goes one slice too far.
+// And it would see a tile that goes one slice too far, of whatever pass and at whatever end.
 TEST(Sweeps, AreAsWideAsTheyMayBe) {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4});
-  Sweeps sweeps = cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), 2, 0);
-  ++sweeps.tiles.front().front().vertices.last;
-  ++sweeps.joints.front().front().vertices.first;
-  EXPECT_FALSE(watched_run(m, sweeps, 1, Order::forwards).faults.empty());
+  const Sweeps sweeps = cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), 2, 0);
+  for (std::size_t p = 0; p < sweeps.passes(); ++p)
+    for (Range Part::*which : {&Part::regions, &Part::vertices})
+      for (const bool back : {false, true}) {
+        // The first pass's regions read across the cut what no tile moves.
+        if (p == 0 && which == &Part::regions) continue;
+        Sweeps wide = sweeps;
+        if (back) {
+          ++(wide.tiles[0][p].*which).last;
+          ++(wide.joints[0][p].*which).first;
+        } else {
+          --(wide.tiles[1][p].*which).first;
+          --(wide.joints[0][p].*which).last;
+        }
+        const auto faults = [&](Order order) {
+          return watched_run(m, wide, sweeps.passes(), order).faults.size();
+        };
+        EXPECT_GT(faults(Order::forwards) + faults(Order::backwards), 0u)
+            << "pass " << p << (back ? ", back" : ", front");
+      }
 }
 
 TEST(Sweeps, AreLeftOutWhereTheyWouldNotPay) {
-  // Every region of a plate reaches far: no tile of two has an inside.
+  // Every region of a plate reaches far: no tile of two has an inside. Of a short bar too little lies inside.
   const Model plate = make_bar({.x = 2, .y = 40, .z = 40});
   EXPECT_TRUE(cpu_reference::make_sweeps(plate, cpu_reference::make_slices(plate), 2, 0).empty());
-  const Model small = make_bar({.x = 150, .y = 5, .z = 4});
-  EXPECT_TRUE(cpu_reference::make_sweeps(small, cpu_reference::make_slices(small), 2).empty());
+  const Model bar = make_bar({.x = 150, .y = 5, .z = 4});
+  EXPECT_TRUE(cpu_reference::make_sweeps(bar, cpu_reference::make_slices(bar), 40, 0).empty());
+  // And small ones stay in caches.
+  EXPECT_TRUE(cpu_reference::make_sweeps(bar, cpu_reference::make_slices(bar), 2).empty());
 }
 
 // What is between the first pass and the last would not stay in a cache.
 TEST(Sweeps, TakeFewerPassesOfBodiesThatAreThick) {
-  const Model thick = make_bar({.x = 40, .y = 90, .z = 90});
+  const Model thick = make_bar({.x = 8, .y = 120, .z = 60});
   const Slices slices = cpu_reference::make_slices(thick);
-  const std::uint32_t one = cpu_reference::make_sweeps(thick, slices, 1).most_passes();
-  const std::uint32_t two = cpu_reference::make_sweeps(thick, slices, 2).most_passes();
-  EXPECT_LT(one, cpu_reference::most_passes);
+  const std::uint32_t one = cpu_reference::make_sweeps(thick, slices, 1).passes();
+  const std::uint32_t two = cpu_reference::make_sweeps(thick, slices, 2).passes();
+  EXPECT_LT(one, cpu_reference::most_swept_passes);
   EXPECT_LT(two, one);
   EXPECT_GE(two, 1u);
 }
 
-// A whole sweep and what is left, and with cuts less.
+// Whole sweeps and what is left, less with cuts, a frame with a probe between, and one begun again.
 TEST(Sweeps, OfALargeBodyKeepTheBits) {
   struct Case {
     const char* name;
@@ -180,30 +248,39 @@ TEST(Sweeps, OfALargeBodyKeepTheBits) {
     std::uint32_t substeps;
   };
   const BarOptions large{.x = 220, .y = 16, .z = 16, .surface = false};
-  BarOptions posed = large, soft = large;
-  posed.skeleton = posed.carried = posed.cuts = posed.muscle = posed.forces = true;
-  soft.implicit = soft.muscle = true;
-  for (const Case& c : {Case{"explicit", posed, 10}, Case{"implicit", soft, 2}}) {
+  BarOptions posed = large, tied = large, soft = large;
+  posed.skeleton = posed.carried = posed.cuts = posed.muscle = posed.forces = posed.volume = true;
+  tied.ties = true;
+  soft.implicit = soft.muscle = soft.skeleton = soft.carried = true;
+  struct Nobody : model::Probe {
+    void on_stage(const model::Where&, std::span<const float>) override {}
+  };
+  for (const Case& c : {Case{"explicit", posed, 10}, Case{"ties", tied, 3}, Case{"implicit", soft, 2}}) {
     const Model m = make_bar(c.bar);
     for (const unsigned threads : {1u, 3u})
-      ASSERT_GT(cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), threads).most_passes(), 2u);
+      ASSERT_GT(cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), threads).passes(), 1u);
     const model::SolverOptions options{
         .integrator = c.bar.implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step,
         .iterations = 10};
     model::State first;
     for (const auto& [simd, threads] :
-         {std::pair{Simd::scalar, 2u}, {Simd::automatic, 1u}, {Simd::automatic, 3u}}) {
-      const auto solver = cpu_reference::make_cpu_solver(m, options, threads, simd);
+         {std::pair{Simd::scalar, 2u}, {Simd::automatic, 1u}, {Simd::automatic, 3u}, {Simd::baseline, 2u}}) {
+      auto solver = cpu_reference::make_cpu_solver(m, options, threads, simd);
       BarMotion motion(m, c.substeps, c.bar.cuts);
-      for (std::uint64_t frame = 1; frame <= 3; ++frame) {
-        solver->submit(motion.drive(frame), {});
+      for (std::uint64_t frame = 1; frame <= 4; ++frame) {
+        Nobody nobody;
+        solver->submit(motion.drive(frame), {}, frame == 2 ? &nobody : nullptr);
         solver->collect();
+        if (frame != 3) continue;
+        const model::State state = solver->save();
+        solver = cpu_reference::make_cpu_solver(m, options, threads, simd);
+        solver->load(state);
       }
       model::State state = solver->save();
       if (first.positions.empty())
         first = std::move(state);
       else
-        EXPECT_TRUE(first == state) << threads << " threads, " << c.name;
+        EXPECT_TRUE(first == state) << name_of(simd) << ", " << threads << " threads, " << c.name;
     }
   }
 }
