@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -111,7 +112,7 @@ double share_inside(const Sweeps& sweeps, const Reach& reach) {
   std::uint64_t inside = 0;
   for (const Parts& tile : sweeps.tiles)
     for (const Part& of_pass : tile) inside += of_pass.vertices.last - of_pass.vertices.first;
-  return static_cast<double>(inside) / (double{1} * sweeps.passes() * reach.count);
+  return static_cast<double>(inside) / static_cast<double>(std::uint64_t{sweeps.passes()} * reach.count);
 }
 
 // Of what a solver keeps of a vertex, one-rings included.
@@ -133,7 +134,7 @@ Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned thr
   const Reach reach = reach_of(model, slices);
   constexpr double least_inside = 0.5;
   Sweeps best;
-  double least_cost = 1.0;
+  double least_cost = std::numeric_limits<double>::infinity();
   for (std::uint32_t passes = passes_in_cache(reach, threads); passes > 0; --passes)
     // Two a thread let threads help each other.
     for (const unsigned of_thread : {2u, 1u}) {
@@ -143,7 +144,7 @@ Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned thr
       const double inside = share_inside(sweeps, reach);
       // How often memory is read: once by all passes of a tile, by each pass of a joint.
       const double cost = inside / passes + (1.0 - inside);
-      if (inside < least_inside || (!best.empty() && cost >= least_cost)) continue;
+      if (inside < least_inside || cost >= least_cost) continue;
       best = std::move(sweeps);
       least_cost = cost;
     }
