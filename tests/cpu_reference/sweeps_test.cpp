@@ -182,6 +182,7 @@ TEST(Sweeps, GiveTilesTheSameToDo) {
       work.push_back(0);
       for (const Part& part : tile) work.back() += part.vertices.last - part.vertices.first;
     }
+    ASSERT_GE(work.size(), threads);
     const auto [least, most] = std::minmax_element(work.begin(), work.end());
     EXPECT_LT(*most, 1.15 * *least) << threads;
   }
@@ -198,6 +199,7 @@ TEST(Sweeps, NeedTheirTilesFirst) {
 TEST(Sweeps, AreAsWideAsTheyMayBe) {
   const Model m = make_bar({.x = 700, .y = 5, .z = 4});
   const Sweeps sweeps = cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), 2, 0);
+  ASSERT_GE(sweeps.passes(), 2u);
   for (std::size_t p = 0; p < sweeps.passes(); ++p)
     for (Range Part::*which : {&Part::regions, &Part::vertices})
       for (const bool back : {false, true}) {
