@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "shaders/buffers.h"
+
 namespace fascicle::gpu {
 namespace {
 

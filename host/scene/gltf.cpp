@@ -73,7 +73,9 @@ std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t
 
 class Reader {
  public:
-  Reader(const std::filesystem::path& path, const tinygltf::Model& model) : path_(path), model_(model) {}
+  // `looks` is the document as the file has it: the decoder sees nothing about looks.
+  Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
+      : path_(path), looks_(looks), model_(model) {}
 
   Character run() {
     const std::vector<bool> is_in = nodes_in_scene(model_);
@@ -98,8 +100,14 @@ class Reader {
       const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
       const Skin skin = read_skin(node.skin);
       for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+        SurfacePart part = begun_part(n, p);
         read_primitive(mesh.primitives[p], skin,
                        "/meshes/" + std::to_string(node.mesh) + "/primitives/" + std::to_string(p));
+        part.vertex_count =
+            static_cast<std::uint32_t>(character_.surface.vertices.size()) - part.first_vertex;
+        part.triangle_count =
+            static_cast<std::uint32_t>(character_.surface.triangles.size()) - part.first_triangle;
+        character_.parts.push_back(std::move(part));
       }
     }
     if (character_.surface.triangles.empty()) fail("/meshes", "the skinned meshes have no triangles");
@@ -180,6 +188,33 @@ class Reader {
       inverse_binds.push_back(m);
     }
     return inverse_binds;
+  }
+
+  // The names of a part whose vertices and triangles come next.
+  SurfacePart begun_part(std::size_t node, std::size_t primitive) const {
+    const auto mesh = static_cast<std::size_t>(model_.nodes[node].mesh);
+    SurfacePart part;
+    part.object = name_of("nodes", node);
+    if (part.object.empty()) part.object = name_of("meshes", mesh);
+    if (part.object.empty()) part.object = "mesh " + std::to_string(mesh);
+    part.node = static_cast<std::uint32_t>(node);
+    part.first_vertex = static_cast<std::uint32_t>(character_.surface.vertices.size());
+    part.first_triangle = static_cast<std::uint32_t>(character_.surface.triangles.size());
+    const auto& source = looks_["meshes"][mesh]["primitives"][primitive];
+    const auto number = source.find("material");
+    if (number != source.end() && number->is_number_unsigned())
+      part.material = name_of("materials", number->get<std::size_t>());
+    return part;
+  }
+
+  // Of an entry of one of the document's lists; empty where there is none.
+  std::string name_of(const char* list, std::size_t number) const {
+    const auto entries = looks_.find(list);
+    if (entries == looks_.end() || !entries->is_array() || number >= entries->size()) return {};
+    const nlohmann::json& entry = (*entries)[number];
+    if (!entry.is_object()) return {};
+    const auto name = entry.find("name");
+    return name != entry.end() && name->is_string() ? name->get<std::string>() : std::string();
   }
 
   int attribute(const tinygltf::Primitive& primitive, const std::string& name) const {
@@ -395,6 +430,7 @@ class Reader {
   }
 
   const std::filesystem::path& path_;
+  const nlohmann::json& looks_;
   const tinygltf::Model& model_;
   Character character_;
   std::vector<std::int32_t> joint_of_;    // of a node
@@ -406,9 +442,11 @@ class Reader {
 }  // namespace
 
 Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
-  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  GltfFile file = read_gltf_file(path);
+  const nlohmann::json looks = file.document;
+  const CheckedGltf checked = check_gltf(std::move(file));
   const auto model = decode_gltf(checked);
-  Character character = Reader(path, *model).run();
+  Character character = Reader(path, looks, *model).run();
   if (files_read != nullptr) {
     files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());
   }

@@ -119,14 +119,15 @@ class Reader {
   }
 
   // The document, not the decoder: the decoder sees nothing about looks.
-  int normal_accessor(std::size_t mesh, std::size_t primitive, std::size_t count) const {
+  int looks_accessor(std::size_t mesh, std::size_t primitive, const char* name, int type,
+                     std::size_t count) const {
     const json& attributes = document_["meshes"][mesh]["primitives"][primitive]["attributes"];
-    const auto found = attributes.find("NORMAL");
+    const auto found = attributes.find(name);
     if (found == attributes.end() || !found->is_number_unsigned()) return -1;
     const auto accessor = found->get<std::size_t>();
     if (accessor >= model_.accessors.size()) return -1;
     const tinygltf::Accessor& a = model_.accessors[accessor];
-    return a.type == TINYGLTF_TYPE_VEC3 && a.count == count ? static_cast<int>(accessor) : -1;
+    return a.type == type && a.count == count ? static_cast<int>(accessor) : -1;
   }
 
   RigPart read_part(std::size_t n, std::size_t mesh, std::size_t p,
@@ -139,7 +140,13 @@ class Reader {
     part.primitive = static_cast<std::uint32_t>(p);
     part.positions = vectors(primitive.attributes.at("POSITION"));
     const std::size_t count = part.positions.size();
-    if (const int accessor = normal_accessor(mesh, p, count); accessor >= 0) part.normals = vectors(accessor);
+    if (const int accessor = looks_accessor(mesh, p, "NORMAL", TINYGLTF_TYPE_VEC3, count); accessor >= 0)
+      part.normals = vectors(accessor);
+    if (const int accessor = looks_accessor(mesh, p, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, count);
+        accessor >= 0) {
+      const std::vector<double> values = numbers(accessor);
+      for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
+    }
     std::vector<double> matrices;
     if (skin.inverseBindMatrices >= 0) matrices = numbers(skin.inverseBindMatrices);
     for (std::size_t k = 0; k < skin.joints.size(); ++k) {

@@ -29,6 +29,7 @@ struct RigPart {
   std::uint32_t node = 0, mesh = 0, primitive = 0;
   std::vector<Eigen::Vector3d> positions;
   std::vector<Eigen::Vector3d> normals;   // none, or one a position
+  std::vector<Eigen::Vector2d> uvs;       // TEXCOORD_0, as in the file (v down): none, or one a position
   std::vector<std::uint32_t> skin_joint;  // of a slot: index into Character::skeleton
   std::vector<Eigen::Matrix4d> inverse_bind;
   std::vector<std::uint32_t> influence_offset;  // vertices + 1

@@ -26,7 +26,13 @@ std::vector<std::string> made_character_names() {
 
 Character make_character(const std::string& name) {
   for (const Maker& maker : makers)
-    if (maker.name == name) return maker.make();
+    if (maker.name == name) {
+      Character character = maker.make();
+      const auto vertices = static_cast<std::uint32_t>(character.surface.vertices.size());
+      const auto triangles = static_cast<std::uint32_t>(character.surface.triangles.size());
+      character.parts.push_back({name, "", 0, 0, vertices, 0, triangles});
+      return character;
+    }
   throw SceneError("there is no character `" + name + "` made in code");
 }
 

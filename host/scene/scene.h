@@ -79,6 +79,16 @@ struct PaintedAttribute {
   std::vector<double> values;  // width a vertex of the surface
 };
 
+// What one primitive of the file gave: a stretch of the surface's vertices and of its triangles. The parts
+// cover the surface in its order. Those of one node are one object of the scene.
+struct SurfacePart {
+  std::string object;      // the node's name, or its mesh's, or "mesh N"
+  std::string material;    // empty: none, or one without a name
+  std::uint32_t node = 0;  // in the file
+  std::uint32_t first_vertex = 0, vertex_count = 0;
+  std::uint32_t first_triangle = 0, triangle_count = 0;
+};
+
 // A rigged character: the render mesh in its bind pose, its weights, its joints and its clips.
 struct Character {
   SurfaceMesh surface;                               // metres, file's vertex order, seams not welded
@@ -87,6 +97,7 @@ struct Character {
   std::vector<Joint> skeleton;                       // parents before children
   std::vector<Clip> clips;
   std::vector<PaintedAttribute> painted;
+  std::vector<SurfacePart> parts;                      // none: the surface is one part without names
   Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // what stands above the skeleton's roots
   std::vector<std::string> notes;                      // what was not taken as the file has it
 };
