@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include <Eigen/LU>
@@ -9,6 +10,7 @@
 #include "host/scene/gltf_check.h"
 #include "host/scene/gltf_decode.h"
 #include "host/scene/gltf_library.h"
+#include "host/scene/gltf_parts.h"
 #include "host/scene/gltf_skeleton.h"
 #include "host/scene/pose.h"
 
@@ -38,21 +40,6 @@ std::uint32_t painted_width(const std::string& name, int type) {
   }
 }
 
-std::vector<bool> nodes_in_scene(const tinygltf::Model& model) {
-  std::vector<bool> is_in(model.nodes.size(), model.scenes.empty());
-  if (model.scenes.empty()) return is_in;
-  const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
-  std::vector<int> stack = model.scenes[scene].nodes;
-  while (!stack.empty()) {
-    const auto n = static_cast<std::size_t>(stack.back());
-    stack.pop_back();
-    if (is_in[n]) continue;
-    is_in[n] = true;
-    stack.insert(stack.end(), model.nodes[n].children.begin(), model.nodes[n].children.end());
-  }
-  return is_in;
-}
-
 // Triangles of a primitive as numbers of its own vertices.
 std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t>& corners, int mode) {
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -78,39 +65,33 @@ class Reader {
       : path_(path), looks_(looks), model_(model) {}
 
   Character run() {
-    const std::vector<bool> is_in = nodes_in_scene(model_);
-    std::vector<std::size_t> bodies;
-    std::vector<int> skins;
-    for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
-      const tinygltf::Node& node = model_.nodes[n];
-      if (!is_in[n] || node.mesh < 0 || node.skin < 0) continue;
-      bodies.push_back(n);
-      skins.push_back(node.skin);
+    const GltfParts found = find_parts(model_);
+    if (found.parts.empty()) {
+      fail("/nodes",
+           "the file's scene has no mesh that a skeleton or a clip moves; export the character with its "
+           "armature, or name a still mesh as .ply or .obj under [mesh]");
     }
-    if (bodies.empty()) {
-      fail("/nodes", "the file's scene has no mesh with a skin; export the character with its armature");
-    }
-    std::sort(skins.begin(), skins.end());
-    skins.erase(std::unique(skins.begin(), skins.end()), skins.end());
-    joint_of_ = read_skeleton(path_, model_, skins, character_);
+    character_.notes = found.notes;
+    joint_of_ = read_skeleton(path_, model_, found, character_);
     bind_ = joint_transforms_at(character_, nullptr, 0.0);
     is_bound_.assign(bind_.size(), false);
-    for (const std::size_t n : bodies) {
-      const tinygltf::Node& node = model_.nodes[n];
-      const tinygltf::Mesh& mesh = model_.meshes[static_cast<std::size_t>(node.mesh)];
-      const Skin skin = read_skin(node.skin);
-      for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
-        SurfacePart part = begun_part(n, p);
-        read_primitive(mesh.primitives[p], skin,
-                       "/meshes/" + std::to_string(node.mesh) + "/primitives/" + std::to_string(p));
-        part.vertex_count =
-            static_cast<std::uint32_t>(character_.surface.vertices.size()) - part.first_vertex;
-        part.triangle_count =
-            static_cast<std::uint32_t>(character_.surface.triangles.size()) - part.first_triangle;
-        character_.parts.push_back(std::move(part));
-      }
+    // In the order in which the parts first show them: skins may bind the same joints.
+    std::map<int, Skin> skins;
+    for (const GltfPart& part : found.parts)
+      if (part.skin >= 0 && !skins.contains(part.skin)) skins.emplace(part.skin, read_skin(part.skin));
+    bind_carriers(found);
+    for (const GltfPart& source : found.parts) {
+      SurfacePart part = begun_part(source);
+      read_primitive(
+          model_.meshes[source.mesh].primitives[source.primitive],
+          source.skin >= 0 ? skins.at(source.skin) : carried(source), source.skin >= 0,
+          "/meshes/" + std::to_string(source.mesh) + "/primitives/" + std::to_string(source.primitive));
+      part.vertex_count = static_cast<std::uint32_t>(character_.surface.vertices.size()) - part.first_vertex;
+      part.triangle_count =
+          static_cast<std::uint32_t>(character_.surface.triangles.size()) - part.first_triangle;
+      character_.parts.push_back(std::move(part));
     }
-    if (character_.surface.triangles.empty()) fail("/meshes", "the skinned meshes have no triangles");
+    if (character_.surface.triangles.empty()) fail("/meshes", "the character's meshes have no triangles");
     note(normalised_, "had weights that do not sum to 1; they were normalised");
     note(cut_, "followed more than 8 joints; the 8 of largest weight were kept");
     return std::move(character_);
@@ -190,19 +171,41 @@ class Reader {
     return inverse_binds;
   }
 
+  // A joint that carries hung meshes stands where its parent's bind pose and its own rest put it, unless a
+  // skin has said where.
+  void bind_carriers(const GltfParts& found) {
+    std::vector<bool> is_carrier(bind_.size(), false);
+    for (const int n : found.carriers)
+      is_carrier[static_cast<std::size_t>(joint_of_[static_cast<std::size_t>(n)])] = true;
+    std::vector<bool> is_rebound = is_bound_;
+    for (std::size_t j = 0; j < bind_.size(); ++j) {
+      Joint& joint = character_.skeleton[j];
+      const auto parent = static_cast<std::size_t>(std::max(joint.parent, 0));
+      if (is_bound_[j] || joint.parent < 0 || !is_rebound[parent]) continue;
+      bind_[j] = bind_[parent] * joint.rest_local;
+      is_rebound[j] = true;
+      if (is_carrier[j]) joint.inverse_bind = affine_inverse(bind_[j]);
+    }
+  }
+
+  // What a hung part follows: one joint, wholly.
+  Skin carried(const GltfPart& part) const {
+    const auto joint = static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(part.carrier)]);
+    return {{joint}, {bind_[joint] * part.to_carrier}};
+  }
+
   // The names of a part whose vertices and triangles come next.
-  SurfacePart begun_part(std::size_t node, std::size_t primitive) const {
-    const auto mesh = static_cast<std::size_t>(model_.nodes[node].mesh);
+  SurfacePart begun_part(const GltfPart& source) const {
     SurfacePart part;
-    part.object = name_of("nodes", node);
-    if (part.object.empty()) part.object = name_of("meshes", mesh);
-    if (part.object.empty()) part.object = "mesh " + std::to_string(mesh);
-    part.node = static_cast<std::uint32_t>(node);
+    part.object = name_of("nodes", source.node);
+    if (part.object.empty()) part.object = name_of("meshes", source.mesh);
+    if (part.object.empty()) part.object = "mesh " + std::to_string(source.mesh);
+    part.node = static_cast<std::uint32_t>(source.node);
     part.first_vertex = static_cast<std::uint32_t>(character_.surface.vertices.size());
     part.first_triangle = static_cast<std::uint32_t>(character_.surface.triangles.size());
-    const auto& source = looks_["meshes"][mesh]["primitives"][primitive];
-    const auto number = source.find("material");
-    if (number != source.end() && number->is_number_unsigned())
+    const auto& shown = looks_["meshes"][source.mesh]["primitives"][source.primitive];
+    const auto number = shown.find("material");
+    if (number != shown.end() && number->is_number_unsigned())
       part.material = name_of("materials", number->get<std::size_t>());
     return part;
   }
@@ -377,7 +380,8 @@ class Reader {
       attribute.values.resize(attribute.width * all, 0.0);
   }
 
-  void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, const std::string& pointer) {
+  void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, bool is_skinned,
+                      const std::string& pointer) {
     if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN) {
       fail(pointer + "/mode",
@@ -393,7 +397,9 @@ class Reader {
     }
     const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
                                             a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
-    const std::vector<std::vector<Influence>> influences = read_influences(primitive, skin, pointer, a.count);
+    const std::vector<std::vector<Influence>> influences =
+        is_skinned ? read_influences(primitive, skin, pointer, a.count)
+                   : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
 
     const auto first = static_cast<std::uint32_t>(surface.vertices.size());
     std::vector<bool> is_mirrored(a.count);

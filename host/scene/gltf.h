@@ -1,10 +1,13 @@
 // glTF 2.0 characters, .glb and .gltf.
 //
-// What is read: the default scene's nodes that have both a mesh and a skin, in the order of the nodes, their
-// primitives one after the other; strips and fans become triangles; all JOINTS_n and WEIGHTS_n; attributes
-// with numbers for each vertex whose names begin with _ or COLOR_, as painted. What is left out: meshes
-// without a skin, morph targets, everything about looks. Joint::skins holds for every joint of a skin,
-// weighted or not.
+// What is read: the default scene's nodes that have a mesh and are moved by a skin, by standing on or below a
+// joint, or by a clip; in the order of the nodes, their primitives one after the other, a mesh that two nodes
+// show twice; strips and fans become triangles; all JOINTS_n and WEIGHTS_n; attributes with numbers for each
+// vertex whose names begin with _ or COLOR_, as painted. A mesh without a skin follows with weight 1 the
+// nearest node at or above its own that is a joint or that a clip moves; such a node is a joint of the
+// skeleton. What is left out: meshes that nothing moves (Character::notes says which), morph targets,
+// everything about looks. Joint::skins holds for every joint of a skin, weighted or not, and for every joint
+// that carries a mesh.
 //
 // The bind pose is the pose of the nodes as the file holds them: positions are put through the skin with
 // those transforms, which turns raw units into metres and the axes to Y up. Where the file's inverse bind

@@ -7,6 +7,7 @@
 #include "host/scene/gltf_check.h"
 #include "host/scene/gltf_decode.h"
 #include "host/scene/gltf_library.h"
+#include "host/scene/gltf_parts.h"
 #include "host/scene/gltf_skeleton.h"
 #include "host/scene/input_files.h"
 
@@ -62,48 +63,19 @@ void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::
   }
 }
 
-// Nodes of the default scene, as read_gltf takes them.
-std::vector<bool> nodes_in_scene(const tinygltf::Model& model) {
-  std::vector<bool> is_in(model.nodes.size(), model.scenes.empty());
-  if (model.scenes.empty()) return is_in;
-  std::vector<int> stack = model.scenes[static_cast<std::size_t>(std::max(model.defaultScene, 0))].nodes;
-  while (!stack.empty()) {
-    const auto n = static_cast<std::size_t>(stack.back());
-    stack.pop_back();
-    if (is_in[n]) continue;
-    is_in[n] = true;
-    stack.insert(stack.end(), model.nodes[n].children.begin(), model.nodes[n].children.end());
-  }
-  return is_in;
-}
-
 class Reader {
  public:
   Reader(const fs::path& path, const json& document, const tinygltf::Model& model)
       : path_(path), document_(document), model_(model) {}
 
   Rig run() {
-    const std::vector<bool> is_in = nodes_in_scene(model_);
-    std::vector<std::size_t> bodies;
-    std::vector<int> skins;
-    for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
-      const tinygltf::Node& node = model_.nodes[n];
-      if (!is_in[n] || node.mesh < 0 || node.skin < 0) continue;
-      bodies.push_back(n);
-      skins.push_back(node.skin);
-    }
-    std::sort(skins.begin(), skins.end());
-    skins.erase(std::unique(skins.begin(), skins.end()), skins.end());
-    const std::vector<std::int32_t> joint_of = read_skeleton(path_, model_, skins, rig_.character);
+    const GltfParts found = find_parts(model_);
+    const std::vector<std::int32_t> joint_of = read_skeleton(path_, model_, found, rig_.character);
     rig_.joint_node.resize(rig_.character.skeleton.size());
     for (std::size_t n = 0; n < joint_of.size(); ++n)
       if (joint_of[n] >= 0)
         rig_.joint_node[static_cast<std::size_t>(joint_of[n])] = static_cast<std::uint32_t>(n);
-    for (const std::size_t n : bodies) {
-      const auto mesh = static_cast<std::size_t>(model_.nodes[n].mesh);
-      for (std::size_t p = 0; p < model_.meshes[mesh].primitives.size(); ++p)
-        rig_.parts.push_back(read_part(n, mesh, p, joint_of));
-    }
+    for (const GltfPart& part : found.parts) rig_.parts.push_back(read_part(part, joint_of));
     return std::move(rig_);
   }
 
@@ -130,12 +102,11 @@ class Reader {
     return a.type == type && a.count == count ? static_cast<int>(accessor) : -1;
   }
 
-  RigPart read_part(std::size_t n, std::size_t mesh, std::size_t p,
-                    const std::vector<std::int32_t>& joint_of) const {
+  RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) const {
+    const std::size_t mesh = source.mesh, p = source.primitive;
     const tinygltf::Primitive& primitive = model_.meshes[mesh].primitives[p];
-    const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(model_.nodes[n].skin)];
     RigPart part;
-    part.node = static_cast<std::uint32_t>(n);
+    part.node = static_cast<std::uint32_t>(source.node);
     part.mesh = static_cast<std::uint32_t>(mesh);
     part.primitive = static_cast<std::uint32_t>(p);
     part.positions = vectors(primitive.attributes.at("POSITION"));
@@ -147,6 +118,23 @@ class Reader {
       const std::vector<double> values = numbers(accessor);
       for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
     }
+    if (source.skin < 0) {
+      part.skin_joint = {static_cast<std::uint32_t>(joint_of[static_cast<std::size_t>(source.carrier)])};
+      part.inverse_bind = {source.to_carrier};
+      part.slot.assign(count, 0);
+      part.weight.assign(count, 1.0);
+      for (std::size_t i = 0; i <= count; ++i) part.influence_offset.push_back(static_cast<std::uint32_t>(i));
+      return part;
+    }
+    read_influences(source, joint_of, part);
+    return part;
+  }
+
+  void read_influences(const GltfPart& source, const std::vector<std::int32_t>& joint_of,
+                       RigPart& part) const {
+    const tinygltf::Primitive& primitive = model_.meshes[source.mesh].primitives[source.primitive];
+    const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(source.skin)];
+    const std::size_t count = part.positions.size();
     std::vector<double> matrices;
     if (skin.inverseBindMatrices >= 0) matrices = numbers(skin.inverseBindMatrices);
     for (std::size_t k = 0; k < skin.joints.size(); ++k) {
@@ -175,7 +163,6 @@ class Reader {
       for (std::size_t k = first; k < part.weight.size(); ++k) part.weight[k] /= sum;
       part.influence_offset.push_back(static_cast<std::uint32_t>(part.weight.size()));
     }
-    return part;
   }
 
   const fs::path& path_;

@@ -23,8 +23,9 @@ struct GltfDocument {
 // that is not there becomes a white pixel, and its name is appended to `missing`. Throws SceneError.
 GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::string>& missing);
 
-// One skinned primitive as the file holds it: a vertex stands at the sum of
-// weight x joint_transform[skin_joint[slot]] x inverse_bind[slot] x position.
+// One primitive of one node as the file holds it: a vertex stands at the sum of
+// weight x joint_transform[skin_joint[slot]] x inverse_bind[slot] x position. A hung one has a single slot:
+// the joint that carries it, and the way from its node to that joint as `inverse_bind`.
 struct RigPart {
   std::uint32_t node = 0, mesh = 0, primitive = 0;
   std::vector<Eigen::Vector3d> positions;

@@ -36,15 +36,11 @@ Joint make_joint(const tinygltf::Node& node) {
 }
 
 // The nodes of the skeleton, parents before children; nodes above it go into `root`.
-std::vector<int> skeleton_nodes(const tinygltf::Model& model, const std::vector<int>& skins,
+std::vector<int> skeleton_nodes(const tinygltf::Model& model, const std::vector<bool>& is_joint,
                                 Eigen::Matrix4d& root) {
   const std::vector<int> parents = node_parents(model);
   const std::size_t count = model.nodes.size();
-  std::vector<bool> is_joint(count, false), is_moved(count, false), is_needed(count, false);
-  for (const int s : skins) {
-    for (const int joint : model.skins[static_cast<std::size_t>(s)].joints)
-      is_joint[static_cast<std::size_t>(joint)] = true;
-  }
+  std::vector<bool> is_moved(count, false), is_needed(count, false);
   for (const tinygltf::Animation& animation : model.animations) {
     for (const auto& channel : animation.channels)
       is_moved[static_cast<std::size_t>(channel.target_node)] = true;
@@ -127,19 +123,15 @@ Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
   return result;
 }
 
-std::vector<int> node_parents(const tinygltf::Model& model) {
-  std::vector<int> parents(model.nodes.size(), -1);
-  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-    for (const int child : model.nodes[i].children)
-      parents[static_cast<std::size_t>(child)] = static_cast<int>(i);
-  }
-  return parents;
-}
-
 std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
-                                        const std::vector<int>& skins, Character& character) {
+                                        const GltfParts& parts, Character& character) {
   const std::vector<int> parents = node_parents(model);
-  const std::vector<int> nodes = skeleton_nodes(model, skins, character.root);
+  std::vector<bool> is_joint(model.nodes.size(), false);
+  for (const int s : parts.skins)
+    for (const int n : model.skins[static_cast<std::size_t>(s)].joints)
+      is_joint[static_cast<std::size_t>(n)] = true;
+  for (const int n : parts.carriers) is_joint[static_cast<std::size_t>(n)] = true;
+  const std::vector<int> nodes = skeleton_nodes(model, is_joint, character.root);
   std::vector<std::int32_t> joint_of(model.nodes.size(), -1);
   for (std::size_t j = 0; j < nodes.size(); ++j)
     joint_of[static_cast<std::size_t>(nodes[j])] = static_cast<std::int32_t>(j);
@@ -148,12 +140,8 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
     Joint joint = make_joint(model.nodes[static_cast<std::size_t>(n)]);
     const int parent = parents[static_cast<std::size_t>(n)];
     joint.parent = parent < 0 ? -1 : joint_of[static_cast<std::size_t>(parent)];
+    joint.skins = is_joint[static_cast<std::size_t>(n)];
     character.skeleton.push_back(std::move(joint));
-  }
-  for (const int s : skins) {
-    for (const int n : model.skins[static_cast<std::size_t>(s)].joints) {
-      character.skeleton[static_cast<std::size_t>(joint_of[static_cast<std::size_t>(n)])].skins = true;
-    }
   }
 
   const std::vector<Eigen::Matrix4d> rest = joint_transforms_at(character, nullptr, 0.0);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "host/scene/gltf_parts.h"
 #include "host/scene/scene.h"
 
 namespace tinygltf {
@@ -17,15 +18,12 @@ namespace fascicle::scene {
 // Inverse of a matrix whose last row is 0 0 0 1; not finite where there is none.
 Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m);
 
-// Parent of each node, -1 for roots.
-std::vector<int> node_parents(const tinygltf::Model& model);
-
-// Fills the character's skeleton, root and clips: the joints of `skins` and all nodes between and above them,
-// less the chain at the top that neither skins nor moves, which becomes Character::root. Returns each node's
-// number in the skeleton, or -1. Inverse bind matrices are those of
-// the rest pose, until the skins say otherwise. Throws SceneError for joints scaled to nothing and for keys
-// out of order.
+// Fills the character's skeleton, root and clips: the joints of the parts' skins, the nodes that carry hung
+// parts and all nodes between and above them, less the chain at the top that neither carries nor moves, which
+// becomes Character::root. Returns each node's number in the skeleton, or -1. Inverse bind matrices are those
+// of the rest pose, until the skins say otherwise. Throws SceneError for joints scaled to nothing and for
+// keys out of order.
 std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
-                                        const std::vector<int>& skins, Character& character);
+                                        const GltfParts& parts, Character& character);
 
 }  // namespace fascicle::scene

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

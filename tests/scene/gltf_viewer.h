@@ -1,0 +1,40 @@
+// What glTF 2.0 says a viewer shows, worked out from the document alone: nothing of the program's reader.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "tests/scene/gltf_builder.h"
+
+namespace fascicle::tests {
+
+// Of documents with one buffer: float accessors or unsigned integers, sparse ones too; clips of steps and of
+// linear keys.
+class GltfViewer {
+ public:
+  explicit GltfViewer(const std::filesystem::path& glb);
+  explicit GltfViewer(const GltfBuilder& builder);
+
+  // The vertices of every primitive of every node that shows a mesh, in the order of the nodes, at `time` of
+  // the clip with this number; a negative one: as the nodes rest.
+  std::vector<Eigen::Vector3d> shown(int clip, double time) const;
+
+  nlohmann::json document;
+
+ private:
+  std::vector<double> numbers(const nlohmann::json& accessor) const;
+  std::vector<double> value(int clip, double time, std::size_t node, const std::string& path,
+                            std::vector<double> fallback) const;
+  Eigen::Matrix4d global(int clip, double time, std::size_t node) const;
+  void find_parents();
+
+  std::vector<unsigned char> binary_;
+  std::vector<int> parents_;
+};
+
+}  // namespace fascicle::tests
