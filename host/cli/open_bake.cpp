@@ -76,21 +76,21 @@ const scene::Scene& OpenBake::scene() {
   return *scene_;
 }
 
-std::vector<float> OpenBake::lag(const model::Frame& frame) {
-  std::vector<float> skinned = model_.rest;
-  std::array<double, 3> origin = model_.rest_origin;
-  if (model_.has_skeleton()) {
-    if (!drives_) drives_.emplace(scene(), model_);
-    model::State state;
-    if (frame.index == 0) {
-      state = drives_->initial_state();
-    } else {
-      const model::Drive drive = drives_->drive(frame.index);
-      state = model::initial_state(model_, drive.bones.last(model_.joint_count), drive.origin);
-    }
-    skinned = std::move(state.positions);
-    origin = state.origin;
+OpenBake::Skinned OpenBake::skinned(std::uint64_t k) {
+  if (!model_.has_skeleton()) return {model_.rest, model_.rest_origin};
+  if (!drives_) drives_.emplace(scene(), model_);
+  model::State state;
+  if (k == 0) {
+    state = drives_->initial_state();
+  } else {
+    const model::Drive drive = drives_->drive(k);
+    state = model::initial_state(model_, drive.bones.last(model_.joint_count), drive.origin);
   }
+  return {std::move(state.positions), state.origin};
+}
+
+std::vector<float> OpenBake::lag(const model::Frame& frame) {
+  const auto [skinned, origin] = this->skinned(frame.index);
   std::vector<float> lag(model_.vertex_count);
   for (std::size_t i = 0; i < lag.size(); ++i) {
     double square = 0.0;

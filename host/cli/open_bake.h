@@ -1,6 +1,7 @@
 // A bake's folder, finished or still running, opened for looking at it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -32,7 +33,13 @@ class OpenBake {
   // The scene as it was baked. Throws bake::BakeError where an input has changed since, scene::SceneError
   // where one is gone.
   const scene::Scene& scene();
-  // Metres between each vertex and where skinning alone (without a skeleton: the rest pose) would have it.
+  // Where skinning alone (without a skeleton: the rest pose) would have the vertices in a frame.
+  struct Skinned {
+    std::vector<float> positions;  // working units from the origin, 3 a vertex
+    std::array<double, 3> origin;  // m
+  };
+  Skinned skinned(std::uint64_t k);
+  // Metres between each vertex and that place.
   std::vector<float> lag(const model::Frame& frame);
 
  private:

@@ -1,26 +1,27 @@
 // fascicle render: pictures of a bake, or of a scene's rest pose.
-#include "host/render/render.h"
-
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
-#include <limits>
 #include <map>
 #include <memory>
-
-#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "host/bake/bake.h"
 #include "host/bake/file.h"
-#include "host/bake/surface.h"
+#include "host/cli/artist.h"
 #include "host/cli/command.h"
+#include "host/cli/drawn_frames.h"
 #include "host/cli/interrupt.h"
-#include "host/cli/open_bake.h"
 #include "host/cli/progress.h"
+#include "host/cli/render_arguments.h"
 #include "host/cli/text.h"
+#include "host/cli/worst_frames.h"
 #include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
 #include "host/render/colour.h"
@@ -30,196 +31,6 @@ namespace fascicle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct RenderArguments {
-  SceneArguments input;
-  std::string output;
-  std::optional<std::uint64_t> frame;
-  render::Mode mode = render::Mode::shaded;
-  bool tetrahedra = false;
-  std::string clip, size, sheet, view = "three-quarter";
-  double turn = 0.0, zoom = 1.0;
-  std::optional<double> tilt, lag_scale;
-  bool follow = false, overwrite = false;
-  unsigned threads = 0;
-};
-
-// The frames there are to draw: those of a bake, or one, the rest pose.
-class Frames {
- public:
-  Frames(const RenderArguments& arguments, Log& log) {
-    if (fs::is_directory(arguments.input.name)) {
-      bake_.emplace(arguments.input.name);
-    } else {
-      scene::Scene scene = load_named(arguments.input);
-      Built built = build(scene, log);
-      log_warnings(built.report, log);
-      built_ = std::move(built.model);
-    }
-  }
-
-  const model::Model& model() const { return bake_ ? bake_->model() : built_; }
-  bool is_bake() const { return bake_.has_value(); }
-  std::uint64_t count() const { return bake_ ? bake_->frame_count() : 1; }
-  // Metres, 3 a vertex.
-  std::vector<float> positions(std::uint64_t k) const {
-    if (!bake_) return bake::world_positions(built_.rest, built_.unit, built_.rest_origin);
-    const model::Frame frame = bake_->frame(k);
-    return bake::world_positions(frame.positions, bake_->model().unit, frame.origin);
-  }
-  std::vector<float> lag(std::uint64_t k) {
-    if (!bake_) return std::vector<float>(built_.vertex_count, 0.0f);
-    return bake_->lag(bake_->frame(k));
-  }
-
- private:
-  static scene::Scene load_named(const SceneArguments& input) {
-    const auto& builtin = scene::builtin_scenes();
-    const bool is_builtin =
-        std::any_of(builtin.begin(), builtin.end(), [&](const auto& s) { return s.name == input.name; });
-    if (!is_builtin && !fs::exists(input.name))
-      throw scene::SceneError(
-          input.name +
-          ": there is no such bake, scene, mesh or character; give a bake's folder, a file, "
-          "or a built-in scene" +
-          nearest_scene_hint(input.name));
-    return load(input);
-  }
-
-  std::optional<OpenBake> bake_;
-  model::Model built_;
-};
-
-double number_of(const std::string& text, const std::string& option) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw UsageError(option + ": \"" + text + "\" is not a number");
-  return value;
-}
-
-struct Size {
-  unsigned width = 0, height = 0;
-};
-
-// "1280x720"
-Size size_of(const std::string& text, const std::string& option, unsigned most) {
-  const std::size_t cross = text.find('x');
-  const auto whole = [&](const std::string& part) {
-    unsigned value = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size() || value < 1 || value > most)
-      throw UsageError(option + ": \"" + text + "\" is not WIDTHxHEIGHT with numbers from 1 to " +
-                       std::to_string(most));
-    return value;
-  };
-  if (cross == std::string::npos) whole("");
-  return {whole(text.substr(0, cross)), whole(text.substr(cross + 1))};
-}
-
-render::View view_of(const RenderArguments& arguments) {
-  static const std::map<std::string, render::View> views{
-      {"front", {0.0, 6.0}}, {"side", {90.0, 6.0}}, {"back", {180.0, 6.0}}, {"three-quarter", {35.0, 10.0}}};
-  render::View view = views.at(arguments.view);
-  view.azimuth += arguments.turn;
-  if (arguments.tilt) view.elevation = *arguments.tilt;
-  return view;
-}
-
-// "x=0.1" or "x=50%". The half that faces the camera goes.
-render::Clip clip_of(const std::string& text, const model::Model& model, const render::View& view) {
-  const std::string axes = "xyz";
-  if (text.size() < 3 || axes.find(text[0]) == std::string::npos || text[1] != '=')
-    throw UsageError("--clip: \"" + text +
-                     "\" is not an axis and a place, as in x=0.1 (metres) or y=50% (of the body)");
-  render::Clip clip;
-  clip.axis = static_cast<int>(axes.find(text[0]));
-  const bool share = text.back() == '%';
-  const double value = number_of(text.substr(2, text.size() - 2 - (share ? 1 : 0)), "--clip");
-  const auto axis = static_cast<std::size_t>(clip.axis);
-  float low = model.rest[axis], high = low;
-  for (std::size_t k = axis; k < model.rest.size(); k += 3) {
-    low = std::min(low, model.rest[k]);
-    high = std::max(high, model.rest[k]);
-  }
-  clip.place = share ? model.rest_origin[axis] +
-                           model.unit * (double{low} + (double{high} - double{low}) * value / 100.0)
-                     : value;
-  clip.keeps_below = render::camera_axes(view)(2, clip.axis) >= 0.0;
-  return clip;
-}
-
-struct Extent {
-  double lowest = 0.0;  // y
-  double aspect = 1.0;  // width over height in the camera's axes
-};
-
-// Frames looked at for the camera and the scales: all, or of long bakes evenly spaced ones.
-std::vector<std::uint64_t> survey_frames(std::uint64_t count) {
-  constexpr std::uint64_t most = 400;
-  const std::uint64_t step = (count + most - 1) / most;
-  std::vector<std::uint64_t> frames;
-  for (std::uint64_t k = 0; k < count; k += step) frames.push_back(k);
-  if (frames.back() + 1 != count) frames.push_back(count - 1);
-  return frames;
-}
-
-Eigen::Vector3d point(std::span<const float> positions, std::size_t i) {
-  return {double{positions[3 * i]}, double{positions[3 * i + 1]}, double{positions[3 * i + 2]}};
-}
-
-// Where a following camera looks at: the middle of the body, on the floor.
-Eigen::Vector3d center_of(std::span<const float> positions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  const std::size_t count = positions.size() / 3;
-  for (std::size_t i = 0; i < count; ++i) sum += point(positions, i);
-  sum.y() = 0.0;
-  return sum / static_cast<double>(count);
-}
-
-// All of the motion, once, before the first picture.
-template <class Visit>
-void survey(const Frames& frames, bool follow, Visit visit) {
-  for (const std::uint64_t k : survey_frames(frames.count())) {
-    const std::vector<float> positions = frames.positions(k);
-    const Eigen::Vector3d center = follow ? center_of(positions) : Eigen::Vector3d(Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < positions.size() / 3; ++i)
-      visit(Eigen::Vector3d(point(positions, i) - center));
-  }
-}
-
-Extent extent_of(const Frames& frames, bool follow, const render::View& view) {
-  const Eigen::Matrix3d axes = render::camera_axes(view);
-  Eigen::AlignedBox3d box;
-  double lowest = std::numeric_limits<double>::infinity();
-  survey(frames, follow, [&](const Eigen::Vector3d& p) {
-    box.extend(Eigen::Vector3d(axes * p));
-    lowest = std::min(lowest, p.y());
-  });
-  const Eigen::Vector3d sizes = box.sizes();
-  return {lowest, sizes.y() > 0.0 ? sizes.x() / sizes.y() : 1.0};
-}
-
-// As wide as what it shows, between a door and a film; whole macroblocks, for the sake of video.
-Size natural_size(double aspect, unsigned height) {
-  const double width = std::clamp(aspect, 0.6, 1.78) * height;
-  return {static_cast<unsigned>(std::lround(width / 16.0)) * 16, height};
-}
-
-// 1, 2 or 5 times a power of ten, the next from `value` up.
-double round_up(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (step * power >= value) return step * power;
-  return 10.0 * power;
-}
-
-double natural_lag_scale(Frames& frames) {
-  float most = 0.0f;
-  for (const std::uint64_t k : survey_frames(frames.count()))
-    for (const float lag : frames.lag(k)) most = std::max(most, lag);
-  return most > 0.0f ? round_up(double{most}) : 1e-3;
-}
 
 void refuse_existing(const fs::path& path, bool overwrite) {
   if (fs::is_directory(path)) throw UsageError(path.string() + ": is a folder; choose another -o");
@@ -241,6 +52,15 @@ struct Plan {
   bool is_file() const { return form != Form::folder; }
 };
 
+constexpr std::uint64_t default_worst = 6;
+
+// How many of the worst frames are asked for; nothing where others are.
+std::optional<std::uint64_t> worst_of(const RenderArguments& arguments) {
+  if (arguments.worst) return arguments.worst;
+  const bool says_which = arguments.frame || !arguments.sheet.empty();
+  return arguments.compare && !says_which ? std::optional(default_worst) : std::nullopt;
+}
+
 Plan plan_of(const RenderArguments& arguments) {
   Plan plan;
   const bool is_file = fs::path(arguments.output).extension() == ".png";
@@ -251,15 +71,33 @@ Plan plan_of(const RenderArguments& arguments) {
                        ": pictures are PNG; give a name that ends in .png, or a folder");
   if (!is_file && arguments.frame)
     throw UsageError("--frame is for one picture; give -o a name that ends in .png");
-  if (!is_file && !arguments.sheet.empty())
-    throw UsageError("--sheet is one picture; give -o a name that ends in .png");
-  if (is_file) plan.form = arguments.sheet.empty() ? Plan::Form::still : Plan::Form::sheet;
-  if (plan.form == Plan::Form::sheet) plan.sheet = size_of(arguments.sheet, "--sheet", 100);
+  if (!is_file && (!arguments.sheet.empty() || arguments.worst))
+    throw UsageError(std::string(arguments.worst ? "--worst" : "--sheet") +
+                     " is one picture; give -o a name that ends in .png");
+  if (arguments.worst && arguments.frame)
+    throw UsageError("--worst chooses frames itself; leave out --frame");
+  if (arguments.worst && !arguments.sheet.empty())
+    throw UsageError("--worst chooses frames itself; leave out --sheet");
+  const bool is_sheet = !arguments.sheet.empty() || worst_of(arguments);
+  if (is_file) plan.form = is_sheet ? Plan::Form::sheet : Plan::Form::still;
+  if (!arguments.sheet.empty()) plan.sheet = size_of(arguments.sheet, "--sheet", 100);
   if (is_file) refuse_existing(arguments.output, arguments.overwrite);
   return plan;
 }
 
-void choose_frames(const RenderArguments& arguments, std::uint64_t count, Plan& plan) {
+void choose_worst(const FrameScores& scores, std::uint64_t wanted, std::uint64_t count, Plan& plan,
+                  Log& log) {
+  if (!scores.has_look)
+    log.info(
+        "metrics.csv has no column look: the worst frames are those with most tetrahedra inside out beyond "
+        "skinning's, and among equals with the largest lag");
+  plan.frames = worst_frames(scores, count, wanted, frames_apart(count, wanted));
+  if (plan.frames.empty())
+    throw bake::BakeError("metrics.csv: has no row of a frame; give --frame or --sheet");
+}
+
+void choose_frames(const RenderArguments& arguments, const std::optional<FrameScores>& scores,
+                   std::uint64_t count, Plan& plan, Log& log) {
   switch (plan.form) {
     case Plan::Form::still:
       plan.frames.push_back(arguments.frame.value_or(count - 1));
@@ -268,6 +106,10 @@ void choose_frames(const RenderArguments& arguments, std::uint64_t count, Plan& 
                          std::to_string(count - 1));
       break;
     case Plan::Form::sheet: {
+      if (const auto wanted = worst_of(arguments)) {
+        choose_worst(scores.value(), *wanted, count, plan, log);
+        break;
+      }
       // From the first to the last, evenly.
       const std::uint64_t cells = std::min<std::uint64_t>(count, plan.sheet.width * plan.sheet.height);
       for (std::uint64_t k = 0; k < cells; ++k)
@@ -283,55 +125,13 @@ void choose_frames(const RenderArguments& arguments, std::uint64_t count, Plan& 
   }
 }
 
-// One camera and one drawing for all frames.
-class Artist {
- public:
-  Artist(const RenderArguments& arguments, Frames& frames, const Plan& plan)
-      : arguments_(arguments), frames_(frames) {
-    const render::View view = view_of(arguments);
-    render::DrawingOptions options;
-    options.mode = arguments.mode;
-    options.tetrahedra = arguments.tetrahedra;
-    if (!arguments.clip.empty()) options.clip = clip_of(arguments.clip, frames.model(), view);
-    if (arguments.mode == render::Mode::lag)
-      options.lag_scale = arguments.lag_scale ? *arguments.lag_scale * 1e-3 : natural_lag_scale(frames);
-    try {
-      drawing_.emplace(frames.model(), options);
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(error.what());
-    }
-    legend_ = drawing_->legend();
-    const Extent extent = extent_of(frames, arguments.follow, view);
-    const unsigned height = plan.form == Plan::Form::sheet ? 384 : 960;
-    const Size size = arguments.size.empty() ? natural_size(extent.aspect, height)
-                                             : size_of(arguments.size, "--size", 8192);
-    render::CameraFit fit(view, size.width, size.height);
-    survey(frames, arguments.follow, [&](const Eigen::Vector3d& p) { fit.include(p); });
-    camera_ = fit.camera(arguments.zoom);
-    backdrop_.ground = extent.lowest;
-  }
-
-  const render::BodyDrawing& drawing() const { return *drawing_; }
-  const render::Legend& legend() const { return legend_; }
-
-  render::Image picture(std::uint64_t k) const {
-    const std::vector<float> positions = frames_.positions(k);
-    render::Camera camera = camera_;
-    if (arguments_.follow) camera.eye += center_of(positions);
-    const std::vector<float> lag =
-        arguments_.mode == render::Mode::lag ? frames_.lag(k) : std::vector<float>();
-    const std::vector<render::Shape> shapes = drawing_->shapes(positions, lag, camera.eye.cast<float>());
-    return render::render(shapes, camera, backdrop_, arguments_.threads);
-  }
-
- private:
-  const RenderArguments& arguments_;
-  Frames& frames_;
-  std::optional<render::BodyDrawing> drawing_;
-  render::Legend legend_;
-  render::Camera camera_;
-  render::Backdrop backdrop_;
-};
+// Of the worst frames where no columns were asked for: about as wide as high.
+unsigned columns_of(const Plan& plan, const render::Image& cell) {
+  if (plan.sheet.width > 0) return plan.sheet.width;
+  const double cells = static_cast<double>(plan.frames.size());
+  const auto columns = static_cast<unsigned>(std::lround(std::sqrt(1.4 * cells * cell.height / cell.width)));
+  return std::clamp(columns, 1u, static_cast<unsigned>(plan.frames.size()));
+}
 
 void write_png(const fs::path& path, const render::Image& image) {
   bake::write_whole(fs::absolute(path), render::encode_png(image));
@@ -351,18 +151,94 @@ void print_legend(const render::Legend& legend) {
   if (!rows.empty()) std::cout << "colours\n" << columns_text(rows);
 }
 
+// "frame 43  1.433 s", and "look 2.31 stretch" where the bake has a look score.
+std::string frame_words(std::uint64_t k, double time) {
+  return "frame " + std::to_string(k) + "  " + number_text(time) + " s";
+}
+
+std::string look_words(const std::optional<FrameScores>& scores, std::uint64_t k) {
+  if (!scores) return "";
+  const auto row = std::find_if(scores->frames.begin(), scores->frames.end(),
+                                [k](const FrameScore& score) { return score.frame == k; });
+  if (row == scores->frames.end() || !row->look) return "";
+  std::string words = "  look " + number_text(*row->look, 3);
+  if (!row->cause.empty()) words += " " + row->cause;
+  return words;
+}
+
+// All pictures of one run.
+class Gallery {
+ public:
+  Gallery(const RenderArguments& arguments, const DrawnFrames& frames, const Artist& artist,
+          const std::optional<FrameScores>& scores, const Plan& plan)
+      : arguments_(arguments), frames_(frames), artist_(artist), scores_(scores), plan_(plan) {}
+
+  void add(std::uint64_t k) {
+    render::Image image = arguments_.compare ? pair(k) : artist_.picture(k);
+    const fs::path output(arguments_.output);
+    if (plan_.form != Plan::Form::sheet) {
+      render::draw_legend(image, artist_.legend());
+      write_png(plan_.is_file() ? output : output / frame_name(k), image);
+      return;
+    }
+    if (!arguments_.compare) {
+      const unsigned text = std::max(9u, image.height / 40);
+      render::draw_text(image, text, text, text, std::to_string(k) + look_words(scores_, k),
+                        {0.05f, 0.05f, 0.06f});
+    }
+    cells_.push_back(std::move(image));
+  }
+
+  void finish() const {
+    if (plan_.form != Plan::Form::sheet) return;
+    render::Image sheet = render::sheet_of(cells_, columns_of(plan_, cells_.front()));
+    render::draw_legend(sheet, artist_.legend());
+    write_png(arguments_.output, sheet);
+  }
+
+ private:
+  render::Image pair(std::uint64_t k) const {
+    const std::array<render::Image, 2> images{artist_.skinned_picture(k), artist_.picture(k)};
+    const std::array<std::string, 2> words{"skinned  " + frame_words(k, frames_.time(k)),
+                                           "flesh" + look_words(scores_, k)};
+    return render::row_of(images, words);
+  }
+
+  const RenderArguments& arguments_;
+  const DrawnFrames& frames_;
+  const Artist& artist_;
+  const std::optional<FrameScores>& scores_;
+  const Plan& plan_;
+  std::vector<render::Image> cells_;
+};
+
+// What the pictures' words and choice need of metrics.csv.
+std::optional<FrameScores> scores_of(const RenderArguments& arguments, const DrawnFrames& frames) {
+  const bool needs = worst_of(arguments).has_value();
+  if (!frames.is_bake()) {
+    if (arguments.compare || needs)
+      throw UsageError(std::string(arguments.compare ? "--compare" : "--worst") +
+                       " is for bakes; give a bake's folder");
+    return std::nullopt;
+  }
+  if (!needs && !(arguments.compare && has_metrics(arguments.input.name))) return std::nullopt;
+  return read_frame_scores(arguments.input.name);
+}
+
 ExitCode render_frames(const RenderArguments& arguments, Log& log) {
   Plan plan = plan_of(arguments);
   if (plan.is_file()) refuse_unwritable("-o", arguments.output);
-  Frames frames(arguments, log);
-  choose_frames(arguments, frames.count(), plan);
-  const Artist artist(arguments, frames, plan);
+  DrawnFrames frames(arguments, log);
+  const std::optional<FrameScores> scores = scores_of(arguments, frames);
+  choose_frames(arguments, scores, frames.count(), plan, log);
+  const bool holds_only_these = plan.form == Plan::Form::sheet && worst_of(arguments);
+  const Artist artist(arguments, frames, holds_only_these ? plan.frames : std::vector<std::uint64_t>(),
+                      plan.form == Plan::Form::sheet ? 384 : 960, log);
   if (arguments.mode == render::Mode::fibres && !artist.drawing().shows_fibres())
     log.warning("no fibre runs through what is drawn; try --clip, or a scene whose layers have fibres");
 
-  const fs::path output(arguments.output);
   const std::atomic<bool>& interrupted = catch_interrupts();
-  std::vector<render::Image> cells;
+  Gallery gallery(arguments, frames, artist, scores, plan);
   {
     Progress progress(log, "rendering", plan.frames.size());
     std::uint64_t done = 0;
@@ -373,27 +249,20 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
                     std::to_string(plan.frames.size()) + " pictures");
         return ExitCode::interrupted;
       }
-      render::Image image = artist.picture(k);
-      if (plan.form == Plan::Form::sheet) {
-        const unsigned text = std::max(9u, image.height / 40);
-        render::draw_text(image, text, text, text, std::to_string(k), {0.05f, 0.05f, 0.06f});
-        cells.push_back(std::move(image));
-      } else {
-        render::draw_legend(image, artist.legend());
-        write_png(plan.is_file() ? output : output / frame_name(k), image);
-      }
+      gallery.add(k);
       if (++done < plan.frames.size() || plan.frames.size() > 1) progress.update(done);
     }
   }
-  if (plan.form == Plan::Form::sheet) {
-    render::Image sheet = render::sheet_of(cells, plan.sheet.width);
-    render::draw_legend(sheet, artist.legend());
-    write_png(output, sheet);
-  }
-  std::cout << "wrote " << output.string();
+  gallery.finish();
+  std::cout << "wrote " << fs::path(arguments.output).string();
   if (plan.frames.size() > 1 || !plan.is_file())
     std::cout << ": " << count_text(plan.frames.size()) << " frames";
   std::cout << "\n";
+  if (holds_only_these) {
+    std::string list;
+    for (const std::uint64_t k : plan.frames) list += (list.empty() ? "" : ", ") + std::to_string(k);
+    std::cout << "worst first: " << list << "\n";
+  }
   print_legend(artist.legend());
   return ExitCode::done;
 }
@@ -455,6 +324,17 @@ void add_render(CLI::App& app, Command& command) {
       ->add_option("--sheet", arguments->sheet,
                    "One picture of evenly spaced frames with their numbers; --size is that of each")
       ->option_text("COLUMNSxROWS");
+  subcommand->add_flag(
+      "--compare", arguments->compare,
+      "Skinning alone on the left, the flesh on the right; without --frame or --sheet the six "
+      "worst frames");
+  subcommand
+      ->add_option("--worst", arguments->worst,
+                   "One picture of the N frames that look worst by metrics.csv, the worst first")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{100}).description(""))
+      ->option_text("N");
+  subcommand->add_flag("--plain", arguments->plain,
+                       "shaded: skin in place of the file's own colours and textures");
   subcommand->add_option("--threads", arguments->threads, "0 takes one for each core; no pixel depends on it")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");

@@ -89,6 +89,7 @@ void fill(Image& image, unsigned x0, unsigned y0, unsigned width, unsigned heigh
       for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(colour[c]);
 }
 
+constexpr std::uint8_t paper = 235;
 const Vector3f dark_ink(0.05f, 0.05f, 0.06f);
 
 }  // namespace
@@ -153,12 +154,32 @@ void draw_legend(Image& image, const Legend& legend) {
   }
 }
 
+Image row_of(std::span<const Image> images, std::span<const std::string> words) {
+  if (images.empty()) return {};
+  const unsigned text = std::max(9u, images[0].height / 32), strip = 2 * text;
+  unsigned width = 0;
+  for (const Image& image : images) width += image.width;
+  Image row(width, strip + images[0].height);
+  std::fill(row.pixels.begin(), row.pixels.end(), paper);
+  unsigned x = 0;
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    const Image& image = images[k];
+    unsigned height = text;
+    while (height > 5 && text_width(height, words[k]) + text > image.width) --height;
+    draw_text(row, x + text / 2, (strip - height) / 2, height, words[k], dark_ink);
+    for (unsigned y = 0; y < image.height; ++y)
+      std::memcpy(row.at(x, strip + y), image.at(0, y), std::size_t{3} * image.width);
+    x += image.width;
+  }
+  return row;
+}
+
 Image sheet_of(std::span<const Image> images, unsigned columns) {
   if (images.empty() || columns == 0) return {};
   const unsigned width = images[0].width, height = images[0].height;
   const unsigned rows = static_cast<unsigned>((images.size() + columns - 1) / columns);
   Image sheet(columns * width, rows * height);
-  std::fill(sheet.pixels.begin(), sheet.pixels.end(), std::uint8_t{235});
+  std::fill(sheet.pixels.begin(), sheet.pixels.end(), paper);
   for (std::size_t k = 0; k < images.size(); ++k)
     for (unsigned y = 0; y < height; ++y)
       std::memcpy(sheet.at(static_cast<unsigned>(k % columns) * width,

@@ -29,6 +29,10 @@ struct Legend {
 // In the lower left corner. Nothing where the picture is too small for it.
 void draw_legend(Image& image, const Legend& legend);
 
+// Pictures of one height from left to right, under a strip of paper with a line of words over each. Words
+// that are too long are drawn smaller.
+Image row_of(std::span<const Image> images, std::span<const std::string> words);
+
 // Row by row, `columns` a row, all of one size; the rest of the last row stays paper.
 Image sheet_of(std::span<const Image> images, unsigned columns);
 

@@ -276,17 +276,32 @@ Vector3f BodyDrawing::vertex_colour(std::uint32_t vertex, std::span<const float>
   return skin_tone();
 }
 
-Shape BodyDrawing::surface(std::span<const float> positions, std::span<const float> lag) const {
+// The looks' colours in place of the skin's.
+void BodyDrawing::paint(Shape& shape) const {
+  const Looks& looks = *options_.looks;
+  shape.finish = Finish::painted;
+  shape.looks = &looks;
+  shape.colours.clear();
+  for (const std::uint32_t s : drawn_vertex_) {
+    shape.colours.push_back(looks.colours.empty() ? Vector3f(Vector3f::Ones()) : looks.colours[s]);
+    if (!looks.uvs.empty()) shape.uvs.push_back(looks.uvs[s]);
+  }
+  for (const auto& triangle : drawn_triangles_)
+    shape.paints.push_back(looks.paint_of_vertex[drawn_vertex_[triangle[0]]]);
+}
+
+Shape BodyDrawing::surface(std::span<const float> positions, std::span<const float> lag,
+                           std::span<const float> placed) const {
   Shape shape;
   shape.finish = options_.mode == Mode::shaded ? Finish::skin : Finish::plain;
   shape.blend_colours = options_.mode != Mode::layers;
   for (const std::uint32_t s : drawn_vertex_) {
-    Vector3f place = Vector3f::Zero();
+    Vector3f place = placed.empty() ? Vector3f(Vector3f::Zero()) : at(placed, s);
     float distance = 0.0f;
     for (std::size_t c = 0; c < 4; ++c) {
       const std::uint32_t vertex = model_.surface_vertex[std::size_t{4} * s + c];
       const float weight = model_.surface_weight[std::size_t{4} * s + c];
-      place += weight * at(positions, vertex);
+      if (placed.empty()) place += weight * at(positions, vertex);
       if (!lag.empty()) distance += weight * lag[vertex];
     }
     shape.positions.push_back(place);
@@ -297,6 +312,7 @@ Shape BodyDrawing::surface(std::span<const float> positions, std::span<const flo
   }
   shape.triangles = drawn_triangles_;
   shape.normals = smooth_normals(shape, normal_of_);
+  if (options_.looks != nullptr && options_.mode == Mode::shaded) paint(shape);
   return shape;
 }
 
@@ -361,9 +377,9 @@ Shape BodyDrawing::fibre_lines(std::span<const float> positions, const Vector3f&
 }
 
 std::vector<Shape> BodyDrawing::shapes(std::span<const float> positions, std::span<const float> lag,
-                                       const Vector3f& eye) const {
+                                       const Vector3f& eye, std::span<const float> placed) const {
   std::vector<Shape> result;
-  result.push_back(draws_tetrahedra_ ? faces(positions, lag) : surface(positions, lag));
+  result.push_back(draws_tetrahedra_ ? faces(positions, lag) : surface(positions, lag, placed));
   if (options_.mode == Mode::fibres) result.push_back(fibre_lines(positions, eye));
   return result;
 }

@@ -9,6 +9,7 @@
 
 #include "host/model/model.h"
 #include "host/render/annotate.h"
+#include "host/render/looks.h"
 #include "host/render/shape.h"
 
 namespace fascicle::render {
@@ -30,6 +31,8 @@ struct DrawingOptions {
   bool tetrahedra = false;  // instead of the render mesh; fibres and a clip draw them in any case
   std::optional<Clip> clip;
   double lag_scale = 0.0;  // m that take the scale's last colour
+  // Of the render mesh, for Mode::shaded without tetrahedra; none: skin. Must outlive the drawing.
+  const Looks* looks = nullptr;
 };
 
 // Everything about a drawing that stays from frame to frame. The model must outlive it.
@@ -39,12 +42,14 @@ class BodyDrawing {
   BodyDrawing(const model::Model& model, const DrawingOptions& options);
 
   // `positions`: of the model's vertices, 3 a vertex, m. `lag`: m, one a vertex, for Mode::lag only. `eye`:
-  // the camera's place; fibres are laid out to face it.
-  std::vector<Shape> shapes(std::span<const float> positions, std::span<const float> lag,
-                            const Vector3f& eye) const;
+  // the camera's place; fibres are laid out to face it. `placed`: of the render mesh's vertices, 3 a vertex,
+  // m, where it is not to stand as the model's vertices carry it.
+  std::vector<Shape> shapes(std::span<const float> positions, std::span<const float> lag, const Vector3f& eye,
+                            std::span<const float> placed = {}) const;
 
   // What the colours mean; empty for Mode::shaded.
   Legend legend() const;
+  bool draws_tetrahedra() const { return draws_tetrahedra_; }
   // Whether a fibre runs through any vertex that is drawn.
   bool shows_fibres() const;
 
@@ -54,7 +59,9 @@ class BodyDrawing {
     std::uint32_t tetrahedron;
   };
 
-  Shape surface(std::span<const float> positions, std::span<const float> lag) const;
+  Shape surface(std::span<const float> positions, std::span<const float> lag,
+                std::span<const float> placed) const;
+  void paint(Shape& shape) const;
   Shape faces(std::span<const float> positions, std::span<const float> lag) const;
   Shape fibre_lines(std::span<const float> positions, const Vector3f& eye) const;
   void split_at_creases();

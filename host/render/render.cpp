@@ -43,6 +43,7 @@ struct Facet {
 };
 
 struct Facets {
+  std::span<const Shape> shapes;
   std::vector<Facet> facets;          // in the order of shapes and triangles
   std::vector<std::uint32_t> number;  // of each facet among all triangles of all shapes
   std::vector<std::vector<std::uint32_t>> of_band;
@@ -50,6 +51,7 @@ struct Facets {
 
 Facets project(std::span<const Shape> shapes, const Camera& camera) {
   Facets result;
+  result.shapes = shapes;
   result.of_band.resize((camera.height + band_rows - 1) / band_rows);
   std::vector<Corner> corners;
   std::uint32_t number = 0;
@@ -83,6 +85,54 @@ Facets project(std::span<const Shape> shapes, const Camera& camera) {
 std::array<GridPoint, 3> places_of(const Facet& facet) {
   return {facet.corners[0].place, facet.corners[1].place, facet.corners[2].place};
 }
+
+// Barycentric coordinates in space, not on the picture.
+Vector3f weights_at(const Facet& facet, const Edges& edges, const GridPoint& at) {
+  // value / area times 1/distance, over their sum: the perspective undone.
+  Vector3f weights;
+  for (std::size_t k = 0; k < 3; ++k)
+    weights[static_cast<int>(k)] =
+        std::max(0.0f, static_cast<float>(edges.value(k, at.x, at.y))) * facet.corners[k].nearness;
+  return weights / weights.sum();
+}
+
+// What covers a triangle: red, green, blue in linear light, and alpha.
+class Cover {
+ public:
+  Cover(const Shape& shape, std::uint32_t triangle, const Edges& edges)
+      : shape_(shape), corners_(shape.triangles[triangle]) {
+    if (shape.looks == nullptr) return;
+    paint_ = &shape.looks->paints[shape.paints[triangle]];
+    if (paint_->texture < 0 || shape.uvs.empty()) return;
+    texture_ = &shape.looks->textures[static_cast<std::size_t>(paint_->texture)];
+    const Vector2f u = shape.uvs[corners_[1]] - shape.uvs[corners_[0]];
+    const Vector2f v = shape.uvs[corners_[2]] - shape.uvs[corners_[0]];
+    const float texels = std::fabs(u.x() * v.y() - u.y() * v.x()) * static_cast<float>(texture_->width()) *
+                         static_cast<float>(texture_->height());
+    // Both are twice the area.
+    level_ = texture_->level_for(texels / (static_cast<float>(edges.area) / (grid * grid)));
+  }
+
+  bool has_holes() const { return paint_ != nullptr && paint_->cutoff > 0.0f; }
+  bool is_hole(const Vector3f& weights) const { return has_holes() && at(weights).w() < paint_->cutoff; }
+  Vector4f at(const Vector3f& weights) const {
+    if (paint_ == nullptr) return Vector4f::Ones();
+    Vector4f colour(paint_->colour.x(), paint_->colour.y(), paint_->colour.z(), paint_->alpha);
+    if (texture_ != nullptr)
+      colour = colour.cwiseProduct(texture_->at(weights[0] * shape_.uvs[corners_[0]] +
+                                                    weights[1] * shape_.uvs[corners_[1]] +
+                                                    weights[2] * shape_.uvs[corners_[2]],
+                                                level_));
+    return colour;
+  }
+
+ private:
+  const Shape& shape_;
+  const std::array<std::uint32_t, 3>& corners_;
+  const Paint* paint_ = nullptr;
+  const Texture* texture_ = nullptr;
+  unsigned level_ = 0;
+};
 
 struct Sample {
   float nearness = 0.0f;
@@ -122,6 +172,8 @@ class Band {
     const std::int64_t first_y = std::max<std::int64_t>(first_row_, y0 / grid);
     const std::int64_t last_y = std::min<std::int64_t>(first_row_ + rows_ - 1, y1 / grid);
     const float scale = 1.0f / static_cast<float>(edges->area);
+    const Cover cover(facets_.shapes[facet.shape], facet.triangle, *edges);
+    const bool has_holes = cover.has_holes();
     for (std::int64_t y = first_y; y <= last_y; ++y)
       for (std::int64_t x = first_x; x <= last_x; ++x) {
         std::array<std::int64_t, 3> corner;
@@ -139,7 +191,10 @@ class Band {
                  static_cast<float>(e[2]) * c.nearness) *
                 scale;
             // Of two at one depth the first drawn stays.
-            if (nearness > sample->nearness) *sample = {nearness, f};
+            if (nearness > sample->nearness &&
+                !(has_holes &&
+                  cover.is_hole(weights_at(facet, *edges, {x * grid + point.x, y * grid + point.y}))))
+              *sample = {nearness, f};
           }
           ++sample;
         }
@@ -157,6 +212,10 @@ float soft_limit(float x) {
   constexpr float knee = 0.7f;
   return x < knee ? x : knee + (1.0f - knee) * (1.0f - std::exp(-(x - knee) / (1.0f - knee)));
 }
+
+// How far light reaches past the terminator, as a cosine: what enters skin wanders before it leaves, red the
+// farthest.
+constexpr std::array<float, 3> skin_reach{0.22f, 0.08f, 0.05f}, paint_reach{0.08f, 0.08f, 0.08f};
 
 class Painter {
  public:
@@ -222,16 +281,6 @@ class Painter {
     return paper.cwiseProduct(Vector3f::Constant(thrown_back) + (1.0f - thrown_back) * share);
   }
 
-  // Barycentric coordinates in space, not on the picture.
-  Vector3f weights_at(const Facet& facet, const Edges& edges, const GridPoint& at) const {
-    // value / area times 1/distance, over their sum: the perspective undone.
-    Vector3f weights;
-    for (std::size_t k = 0; k < 3; ++k)
-      weights[static_cast<int>(k)] =
-          std::max(0.0f, static_cast<float>(edges.value(k, at.x, at.y))) * facet.corners[k].nearness;
-    return weights / weights.sum();
-  }
-
   Vector3f shade(std::uint32_t f, const GridPoint& at) const {
     const Facet& facet = facets_.facets[f];
     const Shape& shape = shapes_[facet.shape];
@@ -244,8 +293,9 @@ class Painter {
     };
     int nearest = 0;
     weights.maxCoeff(&nearest);
-    const Vector3f paint =
+    const Vector3f own =
         shape.blend_colours ? blend(shape.colours) : shape.colours[corner[static_cast<std::size_t>(nearest)]];
+    const Vector3f paint = own.cwiseProduct(Cover(shape, facet.triangle, edges).at(weights).head<3>());
     if (shape.finish == Finish::ink) return paint;
     const Vector3f position = blend(shape.positions);
     const Vector3f to_eye = (camera_.eye.cast<float>() - position).normalized();
@@ -256,8 +306,10 @@ class Painter {
                                   .cross(shape.positions[corner[2]] - shape.positions[corner[0]]);
       if (across.dot(to_eye) * across.dot(normal) < 0.0f) normal = -normal;
     }
-    Vector3f light =
-        shape.finish == Finish::skin ? skin(paint, position, normal, to_eye) : plain(paint, position, normal);
+    Vector3f light = shape.finish == Finish::plain
+                         ? plain(paint, position, normal)
+                         : glossy(paint, position, normal, to_eye,
+                                  shape.finish == Finish::skin ? skin_reach : paint_reach);
     if (shape.draw_edges) light *= edge_shade(edges, at);
     return light;
   }
@@ -270,10 +322,9 @@ class Painter {
     return paint * soft_limit(light);
   }
 
-  Vector3f skin(const Vector3f& paint, const Vector3f& position, const Vector3f& normal,
-                const Vector3f& to_eye) const {
-    // Light that enters wanders a little before it leaves, red the farthest: it reaches past the terminator.
-    const Vector3f reach(0.22f, 0.08f, 0.05f);
+  Vector3f glossy(const Vector3f& paint, const Vector3f& position, const Vector3f& normal,
+                  const Vector3f& to_eye, const std::array<float, 3>& past) const {
+    const Vector3f reach(past[0], past[1], past[2]);
     Vector3f diffuse = paint * bounce(normal);
     float sheen = 0.0f;
     for (const Lamp& lamp : lamps_) {

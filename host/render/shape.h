@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "host/render/image.h"
+#include "host/render/looks.h"
 
 namespace fascicle::render {
 
 // How a shape answers to light. skin: softened towards red and with a sheen; plain: its colour times the
-// light's strength, so that a legend's colour is recognised; ink: its colour, unlit.
-enum class Finish { skin, plain, ink };
+// light's strength, so that a legend's colour is recognised; painted: its own colour, with a sheen; ink: its
+// colour, unlit.
+enum class Finish { skin, plain, painted, ink };
 
 struct Shape {
   std::vector<Vector3f> positions;  // m
@@ -22,6 +24,10 @@ struct Shape {
   bool blend_colours = true;  // false: each point takes its nearest corner's colour, nothing in between
   bool draw_edges = false;    // thin dark lines along the triangles' sides
   bool casts_shadow = true;
+  // With looks, which must outlive the shape: their paints and textures multiply `colours`.
+  const Looks* looks = nullptr;
+  std::vector<std::uint32_t> paints;  // one a triangle
+  std::vector<Vector2f> uvs;          // one a position, or none
 };
 
 }  // namespace fascicle::render

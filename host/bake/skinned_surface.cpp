@@ -1,0 +1,47 @@
+#include "host/bake/skinned_surface.h"
+
+#include "host/bake/bake.h"
+#include "host/bake/character_file.h"
+#include "host/bake/text.h"
+#include "host/scene/gltf_file.h"
+#include "host/scene/pose.h"
+
+namespace fascicle::bake {
+
+using Eigen::Matrix4d;
+
+SkinnedSurface::SkinnedSurface(const std::filesystem::path& character, const model::Model& model, double fps)
+    : rig_(scene::read_rig(character)),
+      is_moving_(has_baked_clip(scene::read_gltf_file(character).document)),
+      fps_(fps) {
+  std::size_t vertices = 0;
+  for (const scene::RigPart& part : rig_.parts) vertices += part.positions.size();
+  if (vertices != model.surface_count())
+    throw BakeError(character.string() + ": has " + number_text(std::uint64_t{vertices}) +
+                    " vertices, and the baked surface " + number_text(model.surface_count()) +
+                    "; bake again with --overwrite");
+}
+
+std::vector<float> SkinnedSurface::positions(std::uint64_t frame) const {
+  // The time as the file has it.
+  const auto time = static_cast<float>(static_cast<double>(frame) / fps_);
+  const scene::Clip* clip = is_moving_ ? scene::find_clip(rig_.character, "") : nullptr;
+  const std::vector<Matrix4d> joints = scene::joint_transforms_at(rig_.character, clip, double{time});
+  std::vector<float> positions;
+  for (const scene::RigPart& part : rig_.parts) {
+    std::vector<Matrix4d> slots;
+    for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
+      slots.push_back(joints[part.skin_joint[k]] * part.inverse_bind[k]);
+    for (std::size_t i = 0; i < part.positions.size(); ++i) {
+      Matrix4d blend = Matrix4d::Zero();
+      for (std::size_t k = part.influence_offset[i]; k < part.influence_offset[i + 1]; ++k)
+        blend += part.weight[k] * slots[part.slot[k]];
+      const Eigen::Vector3d place =
+          blend.topLeftCorner<3, 3>() * part.positions[i] + blend.topRightCorner<3, 1>();
+      for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(place[axis]));
+    }
+  }
+  return positions;
+}
+
+}  // namespace fascicle::bake

@@ -1,0 +1,239 @@
+#include "host/cli/artist.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "host/cli/text.h"
+
+namespace fascicle::cli {
+namespace {
+
+double number_of(const std::string& text, const std::string& option) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    throw UsageError(option + ": \"" + text + "\" is not a number");
+  return value;
+}
+
+render::View view_of(const RenderArguments& arguments) {
+  static const std::map<std::string, render::View> views{
+      {"front", {0.0, 6.0}}, {"side", {90.0, 6.0}}, {"back", {180.0, 6.0}}, {"three-quarter", {35.0, 10.0}}};
+  render::View view = views.at(arguments.view);
+  view.azimuth += arguments.turn;
+  if (arguments.tilt) view.elevation = *arguments.tilt;
+  return view;
+}
+
+// "x=0.1" or "x=50%". The half that faces the camera goes.
+render::Clip clip_of(const std::string& text, const model::Model& model, const render::View& view) {
+  const std::string axes = "xyz";
+  if (text.size() < 3 || axes.find(text[0]) == std::string::npos || text[1] != '=')
+    throw UsageError("--clip: \"" + text +
+                     "\" is not an axis and a place, as in x=0.1 (metres) or y=50% (of the body)");
+  render::Clip clip;
+  clip.axis = static_cast<int>(axes.find(text[0]));
+  const bool share = text.back() == '%';
+  const double value = number_of(text.substr(2, text.size() - 2 - (share ? 1 : 0)), "--clip");
+  const auto axis = static_cast<std::size_t>(clip.axis);
+  float low = model.rest[axis], high = low;
+  for (std::size_t k = axis; k < model.rest.size(); k += 3) {
+    low = std::min(low, model.rest[k]);
+    high = std::max(high, model.rest[k]);
+  }
+  clip.place = share ? model.rest_origin[axis] +
+                           model.unit * (double{low} + (double{high} - double{low}) * value / 100.0)
+                     : value;
+  clip.keeps_below = render::camera_axes(view)(2, clip.axis) >= 0.0;
+  return clip;
+}
+
+// Frames looked at for the camera and the scales: all, or of long bakes evenly spaced ones.
+std::vector<std::uint64_t> survey_frames(std::uint64_t count) {
+  constexpr std::uint64_t most = 400;
+  const std::uint64_t step = (count + most - 1) / most;
+  std::vector<std::uint64_t> frames;
+  for (std::uint64_t k = 0; k < count; k += step) frames.push_back(k);
+  if (frames.back() + 1 != count) frames.push_back(count - 1);
+  return frames;
+}
+
+Eigen::Vector3d point(std::span<const float> positions, std::size_t i) {
+  return {double{positions[3 * i]}, double{positions[3 * i + 1]}, double{positions[3 * i + 2]}};
+}
+
+// Where a following camera looks at: the middle of the body, on the floor.
+Eigen::Vector3d center_of(std::span<const float> positions) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const std::size_t count = positions.size() / 3;
+  for (std::size_t i = 0; i < count; ++i) sum += point(positions, i);
+  sum.y() = 0.0;
+  return sum / static_cast<double>(count);
+}
+
+// Where it looks in a frame. Beside skinning both sides have one camera, which flesh does not move.
+Eigen::Vector3d followed(DrawnFrames& frames, const RenderArguments& arguments, std::uint64_t k) {
+  return center_of(arguments.compare ? frames.skinned_surface(k) : frames.positions(k));
+}
+
+// What the camera must hold.
+class Survey {
+ public:
+  Survey(DrawnFrames& frames, const RenderArguments& arguments, std::span<const std::uint64_t> shown)
+      : frames_(frames), arguments_(arguments), shown_(shown.begin(), shown.end()) {
+    if (shown_.empty()) shown_ = survey_frames(frames.count());
+    if (!arguments.compare) return;
+    for (const std::uint64_t k : shown_) {
+      const std::vector<float> skinned = frames_.skinned_surface(k);
+      each(skinned, center(k), [&](const Eigen::Vector3d& p) { box_.extend(p); });
+    }
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(0.25 * box_.diagonal().norm());
+    box_ = Eigen::AlignedBox3d(Eigen::Vector3d(box_.min() - margin), Eigen::Vector3d(box_.max() + margin));
+  }
+
+  // The flesh; beside skinning what skinning does too, and of flesh at most what is a quarter of the body
+  // away from that, so that one vertex that flies off does not make the rest a dot.
+  template <class Visit>
+  void visit(Visit visit) const {
+    for (const std::uint64_t k : shown_) {
+      const Eigen::Vector3d from = center(k);
+      const std::vector<float> positions = frames_.positions(k);
+      each(positions, from, [&](const Eigen::Vector3d& p) {
+        visit(arguments_.compare ? Eigen::Vector3d(p.cwiseMax(box_.min()).cwiseMin(box_.max())) : p);
+      });
+      if (!arguments_.compare) continue;
+      const std::vector<float> skinned = frames_.skinned_surface(k);
+      each(skinned, from, visit);
+    }
+  }
+
+ private:
+  Eigen::Vector3d center(std::uint64_t k) const {
+    return arguments_.follow ? followed(frames_, arguments_, k) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  }
+  template <class Visit>
+  static void each(std::span<const float> positions, const Eigen::Vector3d& from, Visit visit) {
+    for (std::size_t i = 0; i < positions.size() / 3; ++i) visit(Eigen::Vector3d(point(positions, i) - from));
+  }
+
+  DrawnFrames& frames_;
+  const RenderArguments& arguments_;
+  std::vector<std::uint64_t> shown_;
+  Eigen::AlignedBox3d box_;
+};
+
+struct Extent {
+  double lowest = 0.0;  // y
+  double aspect = 1.0;  // width over height in the camera's axes
+};
+
+Extent extent_of(const Survey& survey, const render::View& view) {
+  const Eigen::Matrix3d axes = render::camera_axes(view);
+  Eigen::AlignedBox3d box;
+  double lowest = std::numeric_limits<double>::infinity();
+  survey.visit([&](const Eigen::Vector3d& p) {
+    box.extend(Eigen::Vector3d(axes * p));
+    lowest = std::min(lowest, p.y());
+  });
+  const Eigen::Vector3d sizes = box.sizes();
+  return {lowest, sizes.y() > 0.0 ? sizes.x() / sizes.y() : 1.0};
+}
+
+// As wide as what it shows, between a door and a film; whole macroblocks, for the sake of video.
+Size natural_size(double aspect, unsigned height) {
+  const double width = std::clamp(aspect, 0.6, 1.78) * height;
+  return {static_cast<unsigned>(std::lround(width / 16.0)) * 16, height};
+}
+
+// 1, 2 or 5 times a power of ten, the next from `value` up.
+double round_up(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (step * power >= value) return step * power;
+  return 10.0 * power;
+}
+
+double natural_lag_scale(DrawnFrames& frames) {
+  float most = 0.0f;
+  for (const std::uint64_t k : survey_frames(frames.count()))
+    for (const float lag : frames.lag(k)) most = std::max(most, lag);
+  return most > 0.0f ? round_up(double{most}) : 1e-3;
+}
+
+}  // namespace
+
+Size size_of(const std::string& text, const std::string& option, unsigned most) {
+  const std::size_t cross = text.find('x');
+  const auto whole = [&](const std::string& part) {
+    unsigned value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc() || end != part.data() + part.size() || value < 1 || value > most)
+      throw UsageError(option + ": \"" + text + "\" is not WIDTHxHEIGHT with numbers from 1 to " +
+                       std::to_string(most));
+    return value;
+  };
+  if (cross == std::string::npos) whole("");
+  return {whole(text.substr(0, cross)), whole(text.substr(cross + 1))};
+}
+
+Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<const std::uint64_t> shown,
+               unsigned height, Log& log)
+    : arguments_(arguments), frames_(frames) {
+  const render::View view = view_of(arguments);
+  render::DrawingOptions options;
+  options.mode = arguments.mode;
+  options.tetrahedra = arguments.tetrahedra;
+  if (!arguments.clip.empty()) options.clip = clip_of(arguments.clip, frames.model(), view);
+  if (arguments.mode == render::Mode::lag)
+    options.lag_scale = arguments.lag_scale ? *arguments.lag_scale * 1e-3 : natural_lag_scale(frames);
+  if (arguments.mode == render::Mode::shaded && !arguments.plain) looks_ = frames.looks(log);
+  if (looks_) options.looks = &*looks_;
+  try {
+    drawing_.emplace(frames.model(), options);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  legend_ = drawing_->legend();
+  const Survey survey(frames, arguments, shown);
+  const Extent extent = extent_of(survey, view);
+  const Size size =
+      arguments.size.empty() ? natural_size(extent.aspect, height) : size_of(arguments.size, "--size", 8192);
+  render::CameraFit fit(view, size.width, size.height);
+  survey.visit([&](const Eigen::Vector3d& p) { fit.include(p); });
+  camera_ = fit.camera(arguments.zoom);
+  backdrop_.ground = extent.lowest;
+}
+
+render::Camera Artist::camera_at(std::uint64_t k) const {
+  render::Camera camera = camera_;
+  if (arguments_.follow) camera.eye += followed(frames_, arguments_, k);
+  return camera;
+}
+
+render::Image Artist::draw(std::uint64_t k, std::span<const float> positions, std::span<const float> lag,
+                           std::span<const float> surface) const {
+  const render::Camera camera = camera_at(k);
+  const std::vector<render::Shape> shapes =
+      drawing_->shapes(positions, lag, camera.eye.cast<float>(), surface);
+  return render::render(shapes, camera, backdrop_, arguments_.threads);
+}
+
+render::Image Artist::picture(std::uint64_t k) const {
+  const bool needs_lag = arguments_.mode == render::Mode::lag;
+  return draw(k, frames_.positions(k), needs_lag ? frames_.lag(k) : std::vector<float>(), {});
+}
+
+render::Image Artist::skinned_picture(std::uint64_t k) const {
+  const std::vector<float> no_lag(frames_.model().vertex_count, 0.0f);
+  if (drawing_->draws_tetrahedra()) return draw(k, frames_.skinned_vertices(k), no_lag, {});
+  return draw(k, {}, no_lag, frames_.skinned_surface(k));
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,56 @@
+// One camera and one drawing for all pictures of a bake.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/cli/drawn_frames.h"
+#include "host/cli/log.h"
+#include "host/cli/render_arguments.h"
+#include "host/render/annotate.h"
+#include "host/render/body_shapes.h"
+#include "host/render/image.h"
+#include "host/render/render.h"
+
+namespace fascicle::cli {
+
+// Pixels, or columns and rows.
+struct Size {
+  unsigned width = 0, height = 0;
+};
+
+// "1280x720". Throws UsageError, also above `most`.
+Size size_of(const std::string& text, const std::string& option, unsigned most);
+
+class Artist {
+ public:
+  // `shown`: the frames that the camera must hold; none: all. `height`: pixels, where --size does not say.
+  // `arguments` and `frames` must outlive it. Throws UsageError.
+  Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<const std::uint64_t> shown,
+         unsigned height, Log& log);
+
+  const render::BodyDrawing& drawing() const { return *drawing_; }
+  const render::Legend& legend() const { return legend_; }
+
+  render::Image picture(std::uint64_t k) const;
+  // The same view of skinning alone.
+  render::Image skinned_picture(std::uint64_t k) const;
+
+ private:
+  render::Camera camera_at(std::uint64_t k) const;
+  render::Image draw(std::uint64_t k, std::span<const float> positions, std::span<const float> lag,
+                     std::span<const float> surface) const;
+
+  const RenderArguments& arguments_;
+  DrawnFrames& frames_;
+  std::optional<render::Looks> looks_;
+  std::optional<render::BodyDrawing> drawing_;
+  render::Legend legend_;
+  render::Camera camera_;
+  render::Backdrop backdrop_;
+};
+
+}  // namespace fascicle::cli

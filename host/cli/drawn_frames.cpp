@@ -1,0 +1,79 @@
+#include "host/cli/drawn_frames.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "host/bake/character_file.h"
+#include "host/bake/surface.h"
+#include "host/cli/looks.h"
+#include "host/scene/gltf_rig.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+scene::Scene load_named(const SceneArguments& input) {
+  const auto& builtin = scene::builtin_scenes();
+  const bool is_builtin =
+      std::any_of(builtin.begin(), builtin.end(), [&](const auto& s) { return s.name == input.name; });
+  if (!is_builtin && !fs::exists(input.name))
+    throw scene::SceneError(
+        input.name +
+        ": there is no such bake, scene, mesh or character; give a bake's folder, a file, "
+        "or a built-in scene" +
+        nearest_scene_hint(input.name));
+  return load(input);
+}
+
+}  // namespace
+
+DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
+  if (fs::is_directory(arguments.input.name)) {
+    folder_ = arguments.input.name;
+    bake_.emplace(folder_);
+    if (bake_->model().has_skeleton()) character_ = folder_ / bake::character_name;
+    return;
+  }
+  scene::Scene scene = load_named(arguments.input);
+  Built built = build(scene, log);
+  log_warnings(built.report, log);
+  built_ = std::move(built.model);
+  character_ = scene::character_file(scene);
+}
+
+std::vector<float> DrawnFrames::positions(std::uint64_t k) const {
+  if (!bake_) return bake::world_positions(built_.rest, built_.unit, built_.rest_origin);
+  const model::Frame frame = bake_->frame(k);
+  return bake::world_positions(frame.positions, bake_->model().unit, frame.origin);
+}
+
+std::vector<float> DrawnFrames::skinned_vertices(std::uint64_t k) {
+  const OpenBake::Skinned skinned = bake_.value().skinned(k);
+  return bake::world_positions(skinned.positions, bake_->model().unit, skinned.origin);
+}
+
+std::vector<float> DrawnFrames::skinned_surface(std::uint64_t k) {
+  const model::Model& model = bake_.value().model();
+  if (!model.has_skeleton())
+    return bake::world_positions(bake::embed(model, model.rest), model.unit, model.rest_origin);
+  if (!skin_) {
+    if (!fs::exists(character_))
+      throw bake::BakeError(character_.string() +
+                            ": is not there; it holds the skinning to compare with; bake again");
+    skin_.emplace(character_, model, bake_->fps());
+  }
+  return skin_->positions(k);
+}
+
+std::vector<float> DrawnFrames::lag(std::uint64_t k) {
+  if (!bake_) return std::vector<float>(built_.vertex_count, 0.0f);
+  return bake_->lag(bake_->frame(k));
+}
+
+std::optional<render::Looks> DrawnFrames::looks(Log& log) const {
+  if (character_.empty() || !fs::exists(character_)) return std::nullopt;
+  return looks_of(character_, model(), log);
+}
+
+}  // namespace fascicle::cli

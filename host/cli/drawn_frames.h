@@ -1,0 +1,48 @@
+// What there is to draw: the frames of a bake, or the rest pose of a scene.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "host/bake/skinned_surface.h"
+#include "host/cli/log.h"
+#include "host/cli/open_bake.h"
+#include "host/cli/render_arguments.h"
+#include "host/model/model.h"
+#include "host/render/looks.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::cli {
+
+class DrawnFrames {
+ public:
+  // Throws bake::BakeError, scene::SceneError.
+  DrawnFrames(const RenderArguments& arguments, Log& log);
+
+  const model::Model& model() const { return bake_ ? bake_->model() : built_; }
+  bool is_bake() const { return bake_.has_value(); }
+  std::uint64_t count() const { return bake_ ? bake_->frame_count() : 1; }
+  // s; frame 0 is at 0.
+  double time(std::uint64_t k) const { return bake_ ? static_cast<double>(k) / bake_->fps() : 0.0; }
+
+  // The flesh: the model's vertices, metres, 3 a vertex.
+  std::vector<float> positions(std::uint64_t k) const;
+  // Of a bake, metres, 3 a vertex: the model's vertices as skinning alone has them, and those of the render
+  // mesh. Without a skeleton both rest.
+  std::vector<float> skinned_vertices(std::uint64_t k);
+  std::vector<float> skinned_surface(std::uint64_t k);
+  // Metres from the skinned vertices, one a vertex; 0 in the rest pose.
+  std::vector<float> lag(std::uint64_t k);
+
+  // The file's own colours; nothing where there is no file or it has none. What could not be read is told.
+  std::optional<render::Looks> looks(Log& log) const;
+
+ private:
+  std::filesystem::path folder_, character_;  // a bake's folder; the glTF, empty: none
+  std::optional<OpenBake> bake_;
+  std::optional<bake::SkinnedSurface> skin_;
+  model::Model built_;
+};
+
+}  // namespace fascicle::cli

@@ -1,0 +1,112 @@
+#include "host/cli/worst_frames.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "host/bake/bake.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* metrics_name = "metrics.csv";
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  for (const char c : line) {
+    if (c == ',')
+      fields.emplace_back();
+    else if (c != '\r')
+      fields.back() += c;
+  }
+  return fields;
+}
+
+std::optional<double> number_in(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// What is not a number is as bad as can be.
+double badness_of(double value) {
+  return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
+}
+
+}  // namespace
+
+bool has_metrics(const fs::path& folder) {
+  return fs::exists(folder / metrics_name);
+}
+
+FrameScores read_frame_scores(const fs::path& folder) {
+  const fs::path path = folder / metrics_name;
+  std::ifstream file(path);
+  std::string line;
+  if (!file || !std::getline(file, line))
+    throw bake::BakeError(path.string() +
+                          ": is not there or empty; without it nothing tells which frames are "
+                          "worst: give --frame or --sheet, or bake again");
+  const std::vector<std::string> columns = fields_of(line);
+  if (columns.front() != "frame")
+    throw bake::BakeError(path.string() + ": its first column is not `frame`; bake again");
+  FrameScores scores;
+  scores.has_look = std::count(columns.begin(), columns.end(), "look") > 0;
+  while (std::getline(file, line)) {
+    const std::vector<std::string> fields = fields_of(line);
+    const std::optional<double> number = number_in(fields.front());
+    // A running bake's last line may be cut off.
+    if (fields.size() < columns.size() || !number || !(*number >= 0.0 && *number < 1e15)) continue;
+    FrameScore score;
+    score.frame = static_cast<std::uint64_t>(*number);
+    double inverted = 0.0, lag = 0.0, cause = 0.0;
+    for (std::size_t c = 1; c < columns.size(); ++c) {
+      const std::optional<double> read = number_in(fields[c]);
+      if (!read) continue;
+      const double value = badness_of(*read);
+      const std::string& name = columns[c];
+      if (name == "look") score.look = value;
+      if (name == "inverted") inverted += value;
+      if (name == "inverted_skinned") inverted -= value;
+      if (name.starts_with("lag_")) lag = std::max(lag, value);
+      if (name.starts_with("look_") && value > cause) {
+        cause = value;
+        score.cause = name.substr(5);
+      }
+    }
+    score.badness =
+        scores.has_look ? std::pair(score.look.value_or(0.0), 0.0) : std::pair(std::max(inverted, 0.0), lag);
+    scores.frames.push_back(std::move(score));
+  }
+  return scores;
+}
+
+std::uint64_t frames_apart(std::uint64_t frame_count, std::uint64_t count) {
+  return std::max<std::uint64_t>(3, frame_count / (4 * std::max<std::uint64_t>(count, 1)));
+}
+
+std::vector<std::uint64_t> worst_frames(const FrameScores& scores, std::uint64_t frame_count,
+                                        std::uint64_t count, std::uint64_t distance) {
+  std::vector<const FrameScore*> order;
+  for (const FrameScore& score : scores.frames)
+    if (score.frame < frame_count) order.push_back(&score);
+  std::sort(order.begin(), order.end(), [](const FrameScore* a, const FrameScore* b) {
+    return a->badness != b->badness ? a->badness > b->badness : a->frame < b->frame;
+  });
+  std::vector<std::uint64_t> chosen;
+  for (const FrameScore* score : order) {
+    if (chosen.size() == count) break;
+    const bool is_near = std::any_of(chosen.begin(), chosen.end(), [&](std::uint64_t k) {
+      return (k > score->frame ? k - score->frame : score->frame - k) <= distance;
+    });
+    if (!is_near) chosen.push_back(score->frame);
+  }
+  return chosen;
+}
+
+}  // namespace fascicle::cli
