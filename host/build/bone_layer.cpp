@@ -6,6 +6,8 @@
 #include <numeric>
 #include <queue>
 #include <tuple>
+#include <unordered_map>
+#include <utility>
 
 namespace fascicle::build {
 
@@ -44,6 +46,18 @@ Islands find_islands(const OneRings& rings, const std::vector<char>& is_bone) {
   return islands;
 }
 
+// The first vertex of each island but the largest of its part of the mesh.
+std::vector<std::uint32_t> islands_apart(const Islands& islands, const Parts& parts) {
+  std::vector<std::uint32_t> largest(parts.count, none), apart;
+  for (std::uint32_t k = 0; k < islands.first.size(); ++k) {
+    std::uint32_t& best = largest[parts.of_vertex[islands.first[k]]];
+    if (best == none || islands.size[k] > islands.size[best]) best = k;
+  }
+  for (std::uint32_t k = 0; k < islands.first.size(); ++k)
+    if (largest[parts.of_vertex[islands.first[k]]] != k) apart.push_back(islands.first[k]);
+  return apart;
+}
+
 double diagonal(const std::vector<Vector3d>& vertices) {
   Vector3d low = vertices[0], high = vertices[0];
   for (const Vector3d& p : vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
@@ -63,28 +77,101 @@ std::vector<std::uint32_t> first_in_place(const std::vector<Bone>& bones) {
   return first;
 }
 
-// A vertex for each bone that owns none.
-void give_each_bone_a_vertex(Measures& measures, const std::vector<char>& closed, std::vector<char>& is_bone,
-                             BoneLayerReport& report) {
-  const std::vector<NearestBone>& nearest = measures.nearest_bones();
-  const std::size_t bones = measures.body().bones.size();
-  const std::vector<std::uint32_t> first = first_in_place(measures.body().bones);
-  std::vector<char> owns(bones, 0);
-  std::vector<std::uint32_t> best(bones, none);
-  for (std::uint32_t i = 0; i < nearest.size(); ++i) {
-    const std::uint32_t bone = first[nearest[i].bone];
-    if (is_bone[i]) owns[bone] = 1;
-    if (closed[i]) continue;
-    if (best[bone] == none || nearest[i].distance < nearest[best[bone]].distance) best[bone] = i;
+// What a vertex off the bone's axis costs more: by the square, so that a way keeps to the axis where it can.
+class Axis {
+ public:
+  Axis(const Bone& bone, const std::vector<Vector3d>& vertices, double spacing)
+      : bone_(bone), vertices_(vertices), spacing_(spacing) {}
+  double cost_of(std::uint32_t a, std::uint32_t b) const {
+    const double off = (distance(a) + distance(b)) / (2.0 * spacing_);
+    return (vertices_[a] - vertices_[b]).norm() * (1.0 + off * off);
   }
-  for (std::uint32_t bone = 0; bone < bones; ++bone) {
-    if (first[bone] != bone || owns[bone]) continue;
-    if (best[bone] == none) {
-      report.without.push_back(bone);
+
+ private:
+  double distance(std::uint32_t vertex) const {
+    return segment_distance(vertices_[vertex], bone_.from, bone_.to);
+  }
+  const Bone& bone_;
+  const std::vector<Vector3d>& vertices_;
+  double spacing_;
+};
+
+// The cheapest way from one vertex to another over vertices that are open; empty where there is none.
+std::vector<std::uint32_t> way_along(const Axis& axis, const OneRings& rings, const std::vector<char>& open,
+                                     std::uint32_t start, std::uint32_t goal) {
+  std::unordered_map<std::uint32_t, std::pair<double, std::uint32_t>> reached{{start, {0.0, none}}};
+  using Entry = std::pair<double, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  queue.emplace(0.0, start);
+  while (!queue.empty()) {
+    const auto [cost, i] = queue.top();
+    queue.pop();
+    if (i == goal) break;
+    if (cost > reached.at(i).first) continue;
+    for (const std::uint32_t j : rings[i]) {
+      if (!open[j]) continue;
+      const double next = cost + axis.cost_of(i, j);
+      const auto [entry, is_new] = reached.try_emplace(j, next, i);
+      if (!is_new && next >= entry->second.first) continue;
+      entry->second = {next, i};
+      queue.emplace(next, j);
+    }
+  }
+  std::vector<std::uint32_t> way;
+  if (!reached.contains(goal)) return way;
+  for (std::uint32_t i = goal; i != none; i = reached.at(i).second) way.push_back(i);
+  return way;
+}
+
+double mean_edge_of(const std::vector<Vector3d>& vertices, const OneRings& rings) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < vertices.size(); ++i)
+    for (const std::uint32_t j : rings[i]) sum += (vertices[i] - vertices[j]).norm(), ++count;
+  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+// Marks a way along every bone, from its vertex nearest to the one end to that nearest to the other: through
+// its own vertices where they hold together, else through any. The flesh of a slender limb has vertices that
+// lie nearer to the skin than to the bone all through, and would have no bone in it.
+void lay_along_bones(Measures& measures, const OneRings& rings, const std::vector<char>& closed,
+                     std::vector<char>& is_bone, BoneLayerReport& report) {
+  const Body& body = measures.body();
+  const std::vector<Vector3d>& vertices = body.mesh.vertices;
+  const std::vector<NearestBone>& nearest = measures.nearest_bones();
+  const std::vector<std::uint32_t> first = first_in_place(body.bones);
+  std::vector<std::vector<std::uint32_t>> own(body.bones.size());
+  std::vector<char> owns(body.bones.size(), 0);
+  for (std::uint32_t i = 0; i < nearest.size(); ++i) {
+    if (!closed[i] || is_bone[i]) own[first[nearest[i].bone]].push_back(i);
+    if (is_bone[i]) owns[first[nearest[i].bone]] = 1;
+  }
+  const double spacing = mean_edge_of(vertices, rings);
+  std::vector<char> any(closed.size());
+  for (std::size_t i = 0; i < any.size(); ++i) any[i] = !closed[i] || is_bone[i];
+  std::vector<char> open(closed.size(), 0);
+  for (std::uint32_t b = 0; b < body.bones.size(); ++b) {
+    if (first[b] != b) continue;
+    if (own[b].empty()) {
+      report.without.push_back(b);
       continue;
     }
-    is_bone[best[bone]] = 1;
-    ++report.added;
+    const auto nearest_to = [&](const Vector3d& point) {
+      return *std::min_element(own[b].begin(), own[b].end(), [&](std::uint32_t i, std::uint32_t j) {
+        return (vertices[i] - point).squaredNorm() < (vertices[j] - point).squaredNorm();
+      });
+    };
+    const std::uint32_t start = nearest_to(body.bones[b].from), goal = nearest_to(body.bones[b].to);
+    const Axis axis(body.bones[b], vertices, spacing);
+    for (const std::uint32_t i : own[b]) open[i] = 1;
+    std::vector<std::uint32_t> way = way_along(axis, rings, open, start, goal);
+    for (const std::uint32_t i : own[b]) open[i] = 0;
+    if (way.empty()) way = way_along(axis, rings, any, start, goal);
+    if (way.empty() && !owns[b]) way = {start};
+    for (const std::uint32_t i : way) {
+      if (!is_bone[i]) ++report.added;
+      is_bone[i] = 1;
+    }
   }
 }
 
@@ -99,7 +186,6 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
   const std::vector<Vector3d>& vertices = measures.body().mesh.vertices;
   const std::vector<double>& depth = measures.depths();
   const Islands islands = find_islands(rings, is_bone);
-  report.islands_before = islands.first.size();
   if (islands.first.size() < 2) return;
 
   const double longest = longest_of_diagonal * diagonal(vertices);
@@ -166,16 +252,12 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
 BoneLayerReport complete_bone_layer(Measures& measures, const OneRings& rings,
                                     const std::vector<char>& closed, std::vector<char>& is_bone) {
   BoneLayerReport report;
-  give_each_bone_a_vertex(measures, closed, is_bone, report);
+  const Parts parts = connected_parts(rings);
+  report.islands_before = islands_apart(find_islands(rings, is_bone), parts).size() + 1;
+  lay_along_bones(measures, rings, closed, is_bone, report);
   join_islands(measures, rings, closed, is_bone, report);
-  const Islands islands = find_islands(rings, is_bone);
-  report.islands = islands.first.size();
-  if (report.islands > 1) {
-    const auto largest = static_cast<std::size_t>(std::max_element(islands.size.begin(), islands.size.end()) -
-                                                  islands.size.begin());
-    for (std::size_t k = 0; k < islands.first.size(); ++k)
-      if (k != largest) report.island_vertex.push_back(islands.first[k]);
-  }
+  report.island_vertex = islands_apart(find_islands(rings, is_bone), parts);
+  report.islands = report.island_vertex.size() + 1;
   return report;
 }
 

@@ -96,13 +96,18 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
     warn(report, key + counted(found.without.size(), "bone owns", "bones own") + " no vertex (" + names +
                      "); widen the layer, or ask for a finer mesh");
   }
-  if (found.islands > 1)
+  if (found.islands > 1) {
+    std::string names;
+    for (const std::uint32_t i : found.island_vertex) {
+      const std::string name = name_of(body, body.bones[measures.nearest_bones()[i].bone]);
+      if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
+    }
     warn(report,
-         key + "the bones lie in " + std::to_string(found.islands) +
-             " islands that no vertices join; one vertex of each but the largest is named; widen the layer, "
-             "or "
-             "ask for a finer mesh",
+         key + "the bones of " + names +
+             " hang apart from the rest: no bone layer leads to them through the flesh; name the joints "
+             "between in skeleton.bones, or ask for a finer mesh",
          numbers_of(found.island_vertex, source_vertex));
+  }
 }
 
 std::vector<double> alphas(const scene::Scene& scene, Measures& measures,

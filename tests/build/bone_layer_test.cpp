@@ -67,10 +67,27 @@ TEST(BoneLayer, IsLeftAloneWhereItHoldsTogether) {
   EXPECT_EQ(result.report.added, 0u);
 }
 
-TEST(BoneLayer, ReportsGapsThatAreTooWide) {
+// The shank of a bull: nothing near its bone is marked, and the gap is 0.44 of the diagonal.
+TEST(BoneLayer, LiesAlongABoneOfAnyLength) {
   const Body body = bar_body();
-  // A tenth of the diagonal is 0.042 m.
   const Completed result = complete(body, axis_without(body, 0.11, 0.29));
+  EXPECT_EQ(result.report.islands_before, 2u);
+  EXPECT_EQ(result.report.islands, 1u);
+  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
+    EXPECT_EQ(result.is_bone[i] != 0, is_on_axis(body.mesh.vertices[i])) << body.mesh.vertices[i].transpose();
+  // And with no vertex marked at all.
+  const Completed bare = complete(body, axis_without(body, -1.0, 1.0));
+  EXPECT_EQ(bare.report.islands, 1u);
+  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
+    EXPECT_EQ(bare.is_bone[i] != 0, is_on_axis(body.mesh.vertices[i])) << body.mesh.vertices[i].transpose();
+}
+
+TEST(BoneLayer, ReportsGapsThatAreTooWide) {
+  Body body = bar_body();
+  // Between the two bones, where none leads: a tenth of the diagonal is 0.042 m.
+  body.bones[0].to[0] = 0.11;
+  body.bones[1].from[0] = 0.29;
+  const Completed result = complete(body, axis_without(body, 0.115, 0.285));
   EXPECT_EQ(result.report.islands_before, 2u);
   EXPECT_EQ(result.report.islands, 2u);
   EXPECT_EQ(result.report.added, 0u);
