@@ -4,6 +4,7 @@
 #   ./do test [CTEST...]  build everything and run the tests
 #   ./do build [PRESET]   build a preset (release)
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
+#   ./do characters [ASSETS]   bake characters, draw their worst frames beside skinning into docs/characters (minutes)
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
@@ -13,7 +14,7 @@ set -eu
 cd "$(dirname "$0")"
 
 build_packages="g++ cmake ninja-build glslang-tools spirv-tools libvulkan-dev libvulkan-volk-dev libeigen3-dev \
-libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libcgal-dev libpugixml-dev libpng-dev"
+libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libcgal-dev libpugixml-dev libpng-dev libjpeg-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy"
 bench_packages="libbullet-dev libbenchmark-dev"
@@ -90,6 +91,14 @@ case $command in
     build release
     exec python3 -B docs/paper.py build/release/fascicle "${1:-../shared/assets}"
     ;;
+  characters)
+    need $build_packages $run_packages python3
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    assets=../shared/assets
+    [ $# -eq 0 ] || { assets=$1; shift; }
+    exec python3 -B docs/character_sheets.py build/release/fascicle "$assets" "$@"
+    ;;
   plot)
     need python3
     exec python3 -B bench/plot.py "$@"
@@ -106,7 +115,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,12s/^# \{0,1\}//p' "$0"
+    sed -n '2,13s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -4,6 +4,7 @@ import json
 import os
 import struct
 import subprocess
+import sys
 
 import drawing
 
@@ -15,7 +16,11 @@ class Program:
         self.path, self.folder = os.path.abspath(path), folder
 
     def run(self, *arguments):
-        return subprocess.run([self.path, *arguments], check=True, stdout=subprocess.PIPE).stdout.decode()
+        """What it wrote. What it says goes on to stderr; a CalledProcessError holds that too."""
+        done = subprocess.run([self.path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+        sys.stderr.write(done.stderr.decode(errors="replace"))
+        done.check_returncode()
+        return done.stdout.decode()
 
     def bake(self, scene, name=None, more=()):
         folder = os.path.join(self.folder, name or scene)
@@ -43,7 +48,7 @@ class Bake:
         with open(os.path.join(folder, "manifest.json"), encoding="utf-8") as file:
             self.manifest = json.load(file)
         with open(os.path.join(folder, "metrics.csv"), encoding="utf-8") as file:
-            self.metrics = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+            self.metrics = [{key: number_or_text(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
     def column(self, name):
         return [row[name] for row in self.metrics]
@@ -84,6 +89,13 @@ class Bake:
         return {"vertices": m["model"]["vertices"], "tetrahedra": m["model"]["tetrahedra"], "frames": frames,
                 "substeps": m["scene"]["solver"]["substeps"], "fps": m["scene"]["fps"], "milliseconds": 1e3 * m["timings"]["solver_seconds"] / frames,
                 "device": m["device"]["name"], "threads": m["device"]["threads"]}
+
+
+def number_or_text(value):
+    try:
+        return float(value)
+    except ValueError:
+        return value
 
 
 def read_vtu(path):

@@ -1,9 +1,54 @@
 #include "host/cli/looks.h"
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/render/decode_image.h"
 #include "host/scene/gltf_looks.h"
 #include "host/scene/gltf_rig.h"
 
 namespace fascicle::cli {
+namespace {
+
+constexpr std::size_t most_textures = 128;
+
+// The longest side that is kept of each of `count` textures: together below 400 MiB, and far more than a body
+// on a picture shows.
+unsigned longest_side(std::size_t count) {
+  return count <= 8 ? 2048 : count <= 32 ? 1024 : 512;
+}
+
+render::Wrap wrap_of(scene::TextureWrap wrap) {
+  return wrap == scene::TextureWrap::clamp    ? render::Wrap::clamp
+         : wrap == scene::TextureWrap::mirror ? render::Wrap::mirror
+                                              : render::Wrap::repeat;
+}
+
+// Into looks.textures; of each texture of the file its number there, -1 where it could not be read.
+std::vector<std::int32_t> add_textures(const scene::Looks& read, const std::string& file,
+                                       render::Looks& looks, Log& log) {
+  std::vector<std::int32_t> numbers;
+  for (const scene::LookTexture& texture : read.textures) {
+    numbers.push_back(-1);
+    if (numbers.size() > most_textures) continue;
+    const render::DecodedImage image = render::decode_image(texture.bytes);
+    const bool is_read = !image.texels.values.empty();
+    if (!image.flaw.empty())
+      log.warning(file + ": " + texture.name + " " + image.flaw +
+                  (is_read ? "" : "; its surface gets its plain colour"));
+    if (!is_read) continue;
+    numbers.back() = static_cast<std::int32_t>(looks.textures.size());
+    looks.textures.emplace_back(image.texels, wrap_of(texture.across), wrap_of(texture.down),
+                                longest_side(read.textures.size()));
+  }
+  if (read.textures.size() > most_textures)
+    log.warning(file + ": has " + std::to_string(read.textures.size()) + " textures; only the first " +
+                std::to_string(most_textures) + " are drawn");
+  return numbers;
+}
+
+}  // namespace
 
 std::optional<render::Looks> looks_of(const std::filesystem::path& character, const model::Model& model,
                                       Log& log) {
@@ -12,11 +57,13 @@ std::optional<render::Looks> looks_of(const std::filesystem::path& character, co
   for (const std::string& note : read.notes) log.warning(character.string() + ": " + note);
   if (!read.has_colours) return std::nullopt;
   render::Looks looks;
+  const std::vector<std::int32_t> textures = add_textures(read, character.string(), looks, log);
   for (const scene::LookMaterial& material : read.materials)
-    looks.paints.push_back({.colour = material.base_colour.head<3>().cast<float>(),
-                            .alpha = static_cast<float>(material.base_colour[3]),
-                            .cutoff = static_cast<float>(material.alpha_cutoff),
-                            .texture = -1});
+    looks.paints.push_back(
+        {.colour = material.base_colour.head<3>().cast<float>(),
+         .alpha = static_cast<float>(material.base_colour[3]),
+         .cutoff = static_cast<float>(material.alpha_cutoff),
+         .texture = material.texture < 0 ? -1 : textures[static_cast<std::size_t>(material.texture)]});
   bool has_uvs = false, has_vertex_colours = false;
   for (const scene::PartLooks& part : read.parts) {
     has_uvs = has_uvs || !part.uvs.empty();

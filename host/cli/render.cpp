@@ -151,7 +151,7 @@ void print_legend(const render::Legend& legend) {
   if (!rows.empty()) std::cout << "colours\n" << columns_text(rows);
 }
 
-// "frame 43  1.433 s", and "look 2.31 stretch" where the bake has a look score.
+// "frame 43  1.433 s", and "look 2.31 stretch  shin.l" where the bake has a look score.
 std::string frame_words(std::uint64_t k, double time) {
   return "frame " + std::to_string(k) + "  " + number_text(time) + " s";
 }
@@ -163,6 +163,7 @@ std::string look_words(const std::optional<FrameScores>& scores, std::uint64_t k
   if (row == scores->frames.end() || !row->look) return "";
   std::string words = "  look " + number_text(*row->look, 3);
   if (!row->cause.empty()) words += " " + row->cause;
+  if (!row->joint.empty()) words += "  " + row->joint;
   return words;
 }
 

@@ -15,13 +15,22 @@ namespace fs = std::filesystem;
 
 constexpr const char* metrics_name = "metrics.csv";
 
+// Of one line; a field in quotation marks may hold commas, and two marks for one.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
-  for (const char c : line) {
-    if (c == ',')
-      fields.emplace_back();
-    else if (c != '\r')
+  bool quoted = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const char c = line[k];
+    if (c == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"') {
       fields.back() += c;
+      ++k;
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      fields.emplace_back();
+    } else if (c != '\r') {
+      fields.back() += c;
+    }
   }
   return fields;
 }
@@ -66,10 +75,11 @@ FrameScores read_frame_scores(const fs::path& folder) {
     score.frame = static_cast<std::uint64_t>(*number);
     double inverted = 0.0, lag = 0.0, cause = 0.0;
     for (std::size_t c = 1; c < columns.size(); ++c) {
-      const std::optional<double> read = number_in(fields[c]);
-      if (!read) continue;
-      const double value = badness_of(*read);
       const std::string& name = columns[c];
+      if (name == "look_joint") score.joint = fields[c];
+      const std::optional<double> read = number_in(fields[c]);
+      if (!read || name == "look_joint") continue;
+      const double value = badness_of(*read);
       if (name == "look") score.look = value;
       if (name == "inverted") inverted += value;
       if (name == "inverted_skinned") inverted -= value;

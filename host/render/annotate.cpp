@@ -157,15 +157,16 @@ void draw_legend(Image& image, const Legend& legend) {
 Image row_of(std::span<const Image> images, std::span<const std::string> words) {
   if (images.empty()) return {};
   const unsigned text = std::max(9u, images[0].height / 32), strip = 2 * text;
-  unsigned width = 0;
-  for (const Image& image : images) width += image.width;
+  unsigned width = 0, height = text;  // one height for all words
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    width += images[k].width;
+    while (height > 5 && text_width(height, words[k]) + text > images[k].width) --height;
+  }
   Image row(width, strip + images[0].height);
   std::fill(row.pixels.begin(), row.pixels.end(), paper);
   unsigned x = 0;
   for (std::size_t k = 0; k < images.size(); ++k) {
     const Image& image = images[k];
-    unsigned height = text;
-    while (height > 5 && text_width(height, words[k]) + text > image.width) --height;
     draw_text(row, x + text / 2, (strip - height) / 2, height, words[k], dark_ink);
     for (unsigned y = 0; y < image.height; ++y)
       std::memcpy(row.at(x, strip + y), image.at(0, y), std::size_t{3} * image.width);

@@ -52,7 +52,7 @@ Neighbours neighbours(float coordinate, unsigned count, Wrap wrap) {
 
 }  // namespace
 
-Texture::Texture(const Texels& texels, Wrap across, Wrap down) : across_(across), down_(down) {
+Texture::Texture(const Texels& texels, Wrap across, Wrap down, unsigned most) : across_(across), down_(down) {
   if (texels.width == 0 || texels.height == 0 ||
       texels.values.size() != std::size_t{4} * texels.width * texels.height)
     throw std::invalid_argument("Texture: needs width x height x 4 values, and at least one texel");
@@ -63,6 +63,8 @@ Texture::Texture(const Texels& texels, Wrap across, Wrap down) : across_(across)
     first.values.push_back(k % 4 == 3 ? static_cast<std::uint16_t>(257u * texels.values[k])
                                       : linear[texels.values[k]]);
   levels_.push_back(std::move(first));
+  while (levels_.back().width > std::max(most, 1u) || levels_.back().height > std::max(most, 1u))
+    levels_.back() = half_of(levels_.back());
   while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half_of(levels_.back()));
 }
 

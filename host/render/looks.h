@@ -27,8 +27,9 @@ struct Texels {
 // A texture in linear light with its smaller versions, each half as wide and high as the one before.
 class Texture {
  public:
-  // Of at least one texel.
-  Texture(const Texels& texels, Wrap across, Wrap down);
+  // Of at least one texel. What is wider or higher than `most` is kept from the first smaller version on that
+  // is not.
+  Texture(const Texels& texels, Wrap across, Wrap down, unsigned most = 8192);
 
   unsigned width() const { return levels_[0].width; }
   unsigned height() const { return levels_[0].height; }

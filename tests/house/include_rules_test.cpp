@@ -25,7 +25,7 @@ const std::vector<std::string> every_room{"shaders/",       "host/scene/", "host
                                           "host/model/",    "host/bake/",  "host/render/",
                                           "cpu_reference/", "gpu/",        "host/cli/"};
 const std::vector<std::string> every_library{"Eigen",      "JSON",  "xxHash", "Vulkan", "GoogleTest",
-                                             "RapidCheck", "CLI11", "SIMD",   "PNG"};
+                                             "RapidCheck", "CLI11", "SIMD",   "PNG",    "JPEG"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
@@ -37,7 +37,7 @@ const std::vector<Room>& rooms() {
       {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
       {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
       {"host/bake/", {"host/scene/", "host/model/"}, {"JSON", "xxHash"}},
-      {"host/render/", {"host/model/"}, {"Eigen", "PNG"}},
+      {"host/render/", {"host/model/"}, {"Eigen", "PNG", "JPEG"}},
       {"host/cli/", every_room, {"CLI11", "JSON", "Eigen"}},
       {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
       {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
@@ -68,7 +68,8 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"Bullet", "Bullet"},
                                                                       {"btBullet", "Bullet"},
                                                                       {"benchmark/", "Google Benchmark"},
-                                                                      {"png.h", "PNG"}};
+                                                                      {"png.h", "PNG"},
+                                                                      {"jpeglib.h", "JPEG"}};
   return table;
 }
 

@@ -1,0 +1,139 @@
+#include "host/render/decode_image.h"
+
+#include <array>
+#include <csetjmp>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include <jpeglib.h>
+#include <png.h>
+
+namespace fascicle::render {
+namespace {
+
+std::string too_large(std::size_t width, std::size_t height) {
+  return std::to_string(width) + " x " + std::to_string(height) +
+         " is larger than what is read; make it smaller";
+}
+
+bool fits(std::size_t width, std::size_t height) {
+  return width > 0 && height > 0 && width <= most_texels / height;
+}
+
+DecodedImage decode_png(std::span<const unsigned char> bytes) {
+  DecodedImage image;
+  // The simplified interface reports errors by value.
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0) {
+    image.flaw = std::string("is no PNG that can be read: ") + png.message;
+    return image;
+  }
+  if (!fits(png.width, png.height)) {
+    image.flaw = too_large(png.width, png.height);
+    png_image_free(&png);
+    return image;
+  }
+  png.format = PNG_FORMAT_RGBA;
+  Texels texels{png.width, png.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
+  if (png_image_finish_read(&png, nullptr, texels.values.data(), 0, nullptr) == 0) {
+    image.flaw = std::string("is a damaged PNG: ") + png.message;
+    return image;
+  }
+  image.texels = std::move(texels);
+  return image;
+}
+
+// libjpeg leaves by longjmp: between setjmp and it stands nothing that needs a destructor.
+struct JpegErrors {
+  jpeg_error_mgr manager;  // first, so that a pointer to it is one to this
+  std::jmp_buf leave;
+};
+
+[[noreturn]] void leave_jpeg(j_common_ptr jpeg) {
+  std::longjmp(reinterpret_cast<JpegErrors*>(jpeg->err)->leave, 1);
+}
+
+// More scans than a file means to have are a way to keep a reader busy.
+constexpr int most_scans = 500;
+
+void watch_scans(j_common_ptr jpeg) {
+  if (jpeg->is_decompressor != 0 && reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > most_scans)
+    leave_jpeg(jpeg);
+}
+
+struct JpegReader {
+  jpeg_decompress_struct jpeg{};
+  JpegErrors errors{};
+  jpeg_progress_mgr progress{};
+  std::array<char, JMSG_LENGTH_MAX> message{};
+};
+
+// Into `rgb`, 3 a texel, which is laid out between the two steps. False where it fails.
+bool open_jpeg(JpegReader& reader, std::span<const unsigned char> bytes) {
+  reader.jpeg.err = jpeg_std_error(&reader.errors.manager);
+  reader.errors.manager.error_exit = leave_jpeg;
+  reader.errors.manager.emit_message = [](j_common_ptr jpeg, int level) {
+    if (level < 0) ++jpeg->err->num_warnings;
+  };
+  if (setjmp(reader.errors.leave) != 0) return false;
+  jpeg_create_decompress(&reader.jpeg);
+  reader.progress.progress_monitor = watch_scans;
+  reader.jpeg.progress = &reader.progress;
+  jpeg_mem_src(&reader.jpeg, bytes.data(), bytes.size());
+  jpeg_read_header(&reader.jpeg, TRUE);
+  reader.jpeg.out_color_space = JCS_RGB;
+  return true;
+}
+
+bool read_jpeg(JpegReader& reader, std::uint8_t* rgb) {
+  if (setjmp(reader.errors.leave) != 0) return false;
+  jpeg_start_decompress(&reader.jpeg);
+  while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
+    JSAMPROW row = rgb + std::size_t{3} * reader.jpeg.output_width * reader.jpeg.output_scanline;
+    jpeg_read_scanlines(&reader.jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&reader.jpeg);
+  return true;
+}
+
+DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
+  DecodedImage image;
+  JpegReader reader;
+  std::vector<std::uint8_t> rgb;
+  bool is_read = open_jpeg(reader, bytes);
+  const std::size_t width = reader.jpeg.image_width, height = reader.jpeg.image_height;
+  if (is_read && !fits(width, height)) {
+    image.flaw = too_large(width, height);
+  } else if (is_read) {
+    rgb.resize(3 * width * height);
+    is_read = read_jpeg(reader, rgb.data());
+  }
+  if (!is_read) {
+    (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
+                                            reader.message.data());
+    image.flaw = std::string("is no JPEG that can be read: ") + reader.message.data();
+  } else if (image.flaw.empty()) {
+    if (reader.errors.manager.num_warnings > 0)
+      image.flaw = "is a damaged JPEG; what can be read of it is drawn";
+    image.texels = {static_cast<unsigned>(width), static_cast<unsigned>(height), {}};
+    image.texels.values.reserve(4 * width * height);
+    for (std::size_t k = 0; k < rgb.size(); k += 3)
+      image.texels.values.insert(image.texels.values.end(), {rgb[k], rgb[k + 1], rgb[k + 2], 255});
+  }
+  jpeg_destroy_decompress(&reader.jpeg);
+  return image;
+}
+
+}  // namespace
+
+DecodedImage decode_image(std::span<const unsigned char> bytes) {
+  if (bytes.size() > 8 && std::memcmp(bytes.data(), "\x89PNG\r\n\x1a\n", 8) == 0) return decode_png(bytes);
+  if (bytes.size() > 3 && std::memcmp(bytes.data(), "\xff\xd8\xff", 3) == 0) return decode_jpeg(bytes);
+  return {{}, "is neither PNG nor JPEG"};
+}
+
+}  // namespace fascicle::render

@@ -1,0 +1,223 @@
+// fascicle render --compare, --worst and the file's own colours, as a user sees them.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <png.h>
+
+#include "host/bake/surface.h"
+#include "host/cli/drawn_frames.h"
+#include "host/cli/log.h"
+#include "host/cli/render_arguments.h"
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Pixels {
+  unsigned width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+Pixels pixels_of(const std::string& path) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  EXPECT_NE(png_image_begin_read_from_file(&png, path.c_str()), 0) << png.message;
+  png.format = PNG_FORMAT_RGB;
+  Pixels pixels{png.width, png.height, std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
+  EXPECT_NE(png_image_finish_read(&png, nullptr, pixels.rgb.data(), 0, nullptr), 0) << png.message;
+  return pixels;
+}
+
+// How many pixels of the columns from `first` to before `last` are far bluer than red.
+std::size_t blue_between(const Pixels& pixels, unsigned first, unsigned last) {
+  std::size_t count = 0;
+  for (unsigned y = 0; y < pixels.height; ++y)
+    for (unsigned x = first; x < last; ++x) {
+      const std::uint8_t* p = &pixels.rgb[3 * (std::size_t{y} * pixels.width + x)];
+      count += p[2] > p[0] + 60 ? 1u : 0u;
+    }
+  return count;
+}
+
+// Changes the JSON of a GLB file.
+template <class Change>
+void change_glb(const fs::path& path, Change change) {
+  const std::string bytes = read_text(path);
+  const auto number_at = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof(value));
+    return value;
+  };
+  const std::uint32_t length = number_at(12);
+  json document = json::parse(bytes.substr(20, length));
+  change(document);
+  std::string text = document.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::string rest = bytes.substr(20 + length);
+  std::string out = bytes.substr(0, 8);
+  const auto append = [&out](std::size_t value) {
+    const auto number = static_cast<std::uint32_t>(value);
+    out.append(reinterpret_cast<const char*>(&number), sizeof(number));
+  };
+  append(20 + text.size() + rest.size());
+  append(text.size());
+  out += bytes.substr(16, 4) + text + rest;
+  write_text(path, out);
+}
+
+// A PNG of one blue pixel.
+const std::string blue_png =
+    "data:image/png;base64,"
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGMQ0XgGAAF2ASO9MrfzAAAAAElFTkSuQmCC";
+
+class RenderCompare : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Outcome outcome =
+        fascicle({"bake", "jump", "-o", bake_, "--end", "0.2", "--preroll", "0s", "--device", "cpu", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  Outcome render(std::vector<std::string> arguments, const std::string& size = "120x160") const {
+    arguments.insert(arguments.begin(), {"render", bake_, "--overwrite", "--size", size});
+    return fascicle(arguments);
+  }
+  void paint(const json& image) const {
+    change_glb(fs::path(bake_) / "character.glb", [&](json& document) {
+      document["materials"] =
+          json::array({{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}});
+      document["textures"] = json::array({{{"source", 0}}});
+      document["images"] = json::array({image});
+      for (json& primitive : document["meshes"][0]["primitives"]) {
+        primitive["material"] = 0;
+        primitive["attributes"]["TEXCOORD_0"] = add_uvs(document, primitive);
+      }
+    });
+  }
+
+  TemporaryFolder folder_;
+  std::string bake_ = folder_ / "bake";
+  std::string sheet_ = folder_ / "sheet.png";
+
+ private:
+  // Numbers that are all 0, one pair a vertex: an accessor without a view.
+  static std::size_t add_uvs(json& document, const json& primitive) {
+    const std::size_t position = primitive["attributes"]["POSITION"];
+    document["accessors"].push_back(
+        {{"componentType", 5126}, {"type", "VEC2"}, {"count", document["accessors"][position]["count"]}});
+    return document["accessors"].size() - 1;
+  }
+};
+
+TEST_F(RenderCompare, BothHalvesShowTheBodyInItsColours) {
+  paint({{"uri", blue_png}});
+  const Outcome outcome = render({"-o", sheet_, "--compare", "--frame", "6"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Pixels pair = pixels_of(sheet_);
+  ASSERT_EQ(pair.width, 240u);
+  EXPECT_GT(pair.height, 160u);
+  const std::size_t left = blue_between(pair, 0, 120), right = blue_between(pair, 120, 240);
+  // A body that fills its picture as the camera fits it covers more than a tenth; the two differ by what is
+  // soft.
+  EXPECT_GT(left, 120u * 160u / 10);
+  EXPECT_NEAR(static_cast<double>(left), static_cast<double>(right), 0.1 * static_cast<double>(left));
+
+  ASSERT_EQ(render({"-o", sheet_, "--compare", "--frame", "6", "--threads", "1"}).status, 0);
+  const std::string one = read_text(sheet_);
+  ASSERT_EQ(render({"-o", sheet_, "--compare", "--frame", "6", "--threads", "5"}).status, 0);
+  EXPECT_EQ(read_text(sheet_), one);
+
+  // The control: without the file's colours nothing is blue.
+  ASSERT_EQ(render({"-o", sheet_, "--compare", "--frame", "6", "--plain"}).status, 0);
+  EXPECT_EQ(blue_between(pixels_of(sheet_), 0, 240), 0u);
+}
+
+TEST_F(RenderCompare, BrokenImageIsAWarningAndAPicture) {
+  for (const char* uri : {"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEA", "data:image/png;base64,????",
+                          "../outside.png", "data:image/webp;base64,UklGRiIAAABXRUJQ"}) {
+    paint({{"uri", uri}});
+    const Outcome outcome = render({"-o", sheet_, "--frame", "1"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "its surface gets its plain colour")) << uri << ": " << outcome.err;
+    EXPECT_EQ(pixels_of(sheet_).width, 120u);
+  }
+}
+
+// The file's skinning of the render mesh and the drive's of the tetrahedra are two ways to the same place.
+TEST_F(RenderCompare, SkinnedSurfaceIsWhereTheDriveSkinsIt) {
+  cli::RenderArguments arguments;
+  arguments.input.name = bake_;
+  cli::Log log({});
+  cli::DrawnFrames frames(arguments, log);
+  const model::Model& model = frames.model();
+  for (const std::uint64_t k : {std::uint64_t{0}, std::uint64_t{7}, frames.count() - 1}) {
+    const std::vector<float> vertices = frames.skinned_vertices(k), surface = frames.skinned_surface(k);
+    ASSERT_EQ(surface.size(), std::size_t{3} * model.surface_count());
+    const std::vector<float> carried = bake::embed(model, vertices);
+    double most = 0.0;
+    for (std::size_t i = 0; i < surface.size(); ++i)
+      most = std::max(most, std::fabs(double{surface[i]} - double{carried[i]}));
+    // Of a body of 2 m: weights, bind matrices and poses of the file are floats.
+    EXPECT_LT(most, 2e-5) << k;
+  }
+}
+
+TEST_F(RenderCompare, WorstFramesAreThoseOfTheMetrics) {
+  std::string text = "frame,time,look,look_jump\n";
+  for (int k = 0; k <= 12; ++k)
+    text += std::to_string(k) + ",0," + (k == 9 ? "5" : k == 2 ? "4" : k == 10 ? "4.5" : "0.5") + ",1\n";
+  write_text(fs::path(bake_) / "metrics.csv", text);
+  const Outcome outcome = render({"-o", sheet_, "--worst", "2"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "worst first: 9, 2\n")) << outcome.out;
+  EXPECT_EQ(outcome.err.find("no column look"), std::string::npos);
+  const Outcome compared = render({"-o", sheet_, "--compare"});
+  EXPECT_TRUE(contains(compared.out, "worst first: 9, 2\n")) << compared.out;
+  write_text(fs::path(bake_) / "metrics.csv",
+             "frame,inverted,inverted_skinned,lag_fat\n0,0,0,0\n4,3,1,0\n8,9,8,1\n");
+  const Outcome without = render({"-o", sheet_, "--worst", "2"});
+  EXPECT_TRUE(contains(without.out, "worst first: 4, 8\n")) << without.out;
+  EXPECT_TRUE(contains(without.err, "no column look")) << without.err;
+}
+
+TEST_F(RenderCompare, WrongUseIsOneClearMessage) {
+  const auto expect_refused = [&](const Outcome& outcome, int status, const std::string& part) {
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, part)) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_FALSE(fs::exists(sheet_));
+  };
+  expect_refused(render({"-o", sheet_, "--worst", "0"}), 2, "--worst");
+  expect_refused(render({"-o", sheet_, "--worst", "2", "--frame", "1"}), 2, "leave out --frame");
+  expect_refused(render({"-o", sheet_, "--worst", "2", "--sheet", "2x1"}), 2, "leave out --sheet");
+  expect_refused(render({"-o", folder_ / "frames", "--worst", "2"}), 2, ".png");
+  expect_refused(fascicle({"render", "bar-beta-1", "-o", sheet_, "--compare"}), 2, "--compare is for bakes");
+  expect_refused(fascicle({"render", "bar-beta-1", "-o", sheet_, "--worst", "3"}), 2, "--worst is for bakes");
+  fs::remove(fs::path(bake_) / "metrics.csv");
+  expect_refused(render({"-o", sheet_, "--compare"}), 3, "metrics.csv");
+  fs::remove(fs::path(bake_) / "character.glb");
+  expect_refused(render({"-o", sheet_, "--compare", "--frame", "1"}), 3, "character.glb");
+}
+
+// A body without a skeleton stands beside its rest pose.
+TEST_F(RenderCompare, BarStandsBesideItsRest) {
+  ASSERT_EQ(
+      fascicle({"bake", "bar-beta-1", "-o", bake_, "--overwrite", "--end", "0.1", "--device", "cpu", "-q"})
+          .status,
+      0);
+  const Outcome outcome = render({"-o", sheet_, "--compare", "--sheet", "2x1"}, "160x96");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(pixels_of(sheet_).width, 640u);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
