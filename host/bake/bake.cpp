@@ -10,6 +10,7 @@
 #include "host/bake/bake.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <optional>
@@ -25,6 +26,7 @@
 #include "host/bake/identity.h"
 #include "host/bake/kept_start.h"
 #include "host/bake/lead_in.h"
+#include "host/bake/look.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
 #include "host/bake/muscle_drive.h"
@@ -102,12 +104,14 @@ class Run {
   std::optional<Checkpoint> checkpoint_to_resume();
   model::State lead_to_start();
   void begin_sinks(std::uint64_t first);
+  std::vector<model::Frame> frames_before(std::uint64_t first) const;
   void step_frames(std::uint64_t first);
   bool checkpoint_due(std::uint64_t frame) const;
   void note_clamped(const model::Drive& drive, std::uint64_t frame);
   [[noreturn]] void refuse_not_finite(const model::Frame& frame);
   void write(const model::Frame& frame);
   void checkpoint(const model::State& state);
+  void take_look();
   void save_manifest(Status status);
   fs::path path_of(const char* name) const { return options_.folder / name; }
 
@@ -124,6 +128,7 @@ class Run {
   model::Frame initial_;
   std::vector<std::unique_ptr<FrameSink>> sinks_;
   model::Read needs_;
+  std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty where nobody looks
   Progress progress_;
   Timings before_;  // of earlier runs
   double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
@@ -176,6 +181,7 @@ BakeResult Run::go() {
   model::State state;
   if (resumed) {
     state = resumed->state;
+    skinned_ = resumed->skinned;
     initial_ = FrameCacheReader(path_of(cache_name)).read(0);
   } else {
     state = lead_to_start();
@@ -205,12 +211,14 @@ BakeResult Run::go() {
       const Stopwatch time(seconds_writing_);
       sink->finish();
     }
+  if (!interrupted_) take_look();
   save_manifest(interrupted_ ? Status::interrupted : Status::complete);
 
   BakeResult result;
   result.frames_done = progress_.position_hashes.empty() ? 0 : progress_.position_hashes.size() - 1;
   result.lead_in = progress_.lead_in;
   result.loop_jump = progress_.loop_jump;
+  result.look = progress_.look;
   result.clamped = progress_.clamped;
   result.interrupted = interrupted_;
   result.missing_images = missing_images_;
@@ -244,8 +252,21 @@ model::State Run::lead_to_start() {
   return std::move(led.state);
 }
 
+// Up to two frames before this one, with positions and skinned, where a look is taken.
+std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
+  std::vector<model::Frame> frames;
+  if (first == 0 || !has_look(model_)) return frames;
+  const FrameCacheReader cache(path_of(cache_name));
+  for (std::uint64_t k = first - std::min<std::uint64_t>(first, 2); k < first; ++k) {
+    frames.push_back(cache.read(k));
+    frames.back().skinned = skinned_[2 - (first - k)];
+  }
+  return frames;
+}
+
 void Run::begin_sinks(std::uint64_t first) {
   const Stopwatch time(seconds_writing_);
+  const std::vector<model::Frame> before = frames_before(first);
   const auto* character = std::get_if<scene::Character>(&scene_.geometry);
   const bool is_character = character != nullptr && model_.has_skeleton();
   if (is_character && (first == 0 || !fs::exists(path_of(character_name))))
@@ -262,6 +283,8 @@ void Run::begin_sinks(std::uint64_t first) {
                       .first = first,
                       .initial = &initial_,
                       .character = is_character ? path_of(character_name) : fs::path(),
+                      .rig = is_character ? character : nullptr,
+                      .before = before,
                       .glb = options_.glb};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const Format& format : all_formats()) {
@@ -369,15 +392,34 @@ void Run::refuse_not_finite(const model::Frame& frame) {
 void Run::write(const model::Frame& frame) {
   const Stopwatch time(seconds_writing_);
   for (const auto& sink : sinks_) sink->write(frame);
+  if (has_look(model_)) {
+    skinned_[0] = std::move(skinned_[1]);
+    skinned_[1] = frame.skinned;
+  }
   progress_.position_hashes.push_back(model::position_hash(frame));
 }
 
 void Run::checkpoint(const model::State& state) {
   const Stopwatch time(seconds_writing_);
   for (const auto& sink : sinks_) sink->sync();
-  write_checkpoint(path_of(checkpoint_name), {identity_, state});
+  write_checkpoint(path_of(checkpoint_name), {identity_, state, skinned_});
   save_manifest(Status::running);
   last_checkpoint_ = Clock::now();
+}
+
+void Run::take_look() {
+  const Stopwatch time(seconds_writing_);
+  const FrameCacheReader cache(path_of(cache_name));
+  progress_.look = look_summary(
+      options_.folder, model_, std::get_if<scene::Character>(&scene_.geometry), [&](std::uint64_t k) {
+        // Skinned on the host, where the last bits may differ from the solver's: the words are the same.
+        model::Frame frame = cache.read(k);
+        frame.skinned = k == 0 ? drives_.initial_state().skinned : [&] {
+          const model::Drive drive = drives_.drive(k);
+          return model::initial_state(model_, drive.bones.last(model_.joint_count), drive.origin).skinned;
+        }();
+        return frame;
+      });
 }
 
 void Run::save_manifest(Status status) {

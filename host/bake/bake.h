@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/bake/lead_in.h"
+#include "host/bake/look_report.h"
 #include "host/bake/sink.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
@@ -75,6 +76,7 @@ struct BakeResult {
   std::optional<double>
       loop_jump;  // m: of a seamless loop, the furthest that a vertex ends from its beginning
   ClampedMuscles clamped;
+  std::optional<LookSummary> look;  // of a finished bake of a character
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view magic = "FASCCKPT";
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t version = 4;
 
 void append_floats(std::string& out, const std::vector<float>& values) {
   append_bytes(out, std::uint64_t{values.size()});
@@ -76,6 +76,7 @@ std::string checkpoint_text(const Checkpoint& checkpoint) {
   append_floats(bytes, state.positions_before);
   append_floats(bytes, state.velocities_before);
   append_bytes(bytes, state.step_before);
+  for (const std::vector<float>& skinned : checkpoint.skinned) append_floats(bytes, skinned);
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
   append_bytes(bytes, checksum);
   return bytes;
@@ -108,6 +109,7 @@ Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
   state.positions_before = parser.floats();
   state.velocities_before = parser.floats();
   state.step_before = parser.value<double>();
+  for (std::vector<float>& skinned : checkpoint.skinned) skinned = parser.floats();
   return checkpoint;
 }
 
@@ -135,10 +137,10 @@ bool is_checkpoint(const fs::path& path) {
 }
 
 std::uint64_t checkpoint_bytes(const model::Model& model) {
-  // Positions, velocities, rotations, the skinned positions that only a skeleton has, what an implicit run
-  // keeps of the substep before, and the skinned velocities where some vertex is carried; the rest is the
-  // identity.
-  const std::uint64_t floats = (model.has_skeleton() ? 13u : 10u) + (model.is_implicit() ? 6u : 0u);
+  // Positions, velocities, rotations, the skinned positions that only a skeleton has, now and of two frames,
+  // what an implicit run keeps of the substep before, and the skinned velocities where some vertex is
+  // carried; the rest is the identity.
+  const std::uint64_t floats = (model.has_skeleton() ? 19u : 10u) + (model.is_implicit() ? 6u : 0u);
   return (floats * model.vertex_count + 3 * model.carried.size()) * sizeof(float) + 1024;
 }
 

@@ -1,15 +1,18 @@
 // The file `checkpoint`: what a solver needs to go on, and what the bake was.
 //
-// Little-endian: char[8] "FASCCKPT", uint32 version 2, uint32 bytes of the identity, the identity (a JSON
-// array of name and value pairs), uint64 frame, float64[3] origin (m), then positions, velocities, rotations
-// skinned and skinned velocities, each a uint64 count and float32 values, and the XXH3-64 of all bytes
-// before.
+// Little-endian: char[8] "FASCCKPT", uint32 version 4, uint32 bytes of the identity, the identity (a JSON
+// array of name and value pairs), uint64 frame, float64[3] origin (m), then positions, velocities, rotations,
+// skinned, skinned velocities, positions and velocities a substep before, each a uint64 count and float32
+// values, float64 length of that substep (s), the skinned positions of the frame before the last and of the
+// last frame, and the XXH3-64 of all bytes before.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/bake/identity.h"
 #include "host/model/solver.h"
@@ -21,6 +24,9 @@ inline constexpr const char* checkpoint_name = "checkpoint";
 struct Checkpoint {
   Identity identity;
   model::State state;
+  // Where skinning alone had the vertices in the frame before the last one and in the last one that were
+  // written, as their sinks got it: what a resumed bake's look is measured against. Empty where nothing is.
+  std::array<std::vector<float>, 2> skinned = {};
 };
 
 // The file's bytes, and back. Throws BakeError, naming `path`, if they are not a whole checkpoint.

@@ -42,9 +42,16 @@ std::uint64_t cache_bytes(const model::Model& model, std::uint64_t frames);
 //   volume_NAME               m^3: a layer's, of each tetrahedron the quarters of the layer's vertices; and
 //   volume_ratio_NAME         over that of the rest shape
 //   NAME_x, NAME_y, NAME_z    m: mean position of each probe's vertices
+//   look                      how the frame looks beside skinning: the largest of the look_ columns. 1 is the
+//                             limit, above is red; look.h has the measures. With a skeleton and a render mesh
+//                             only, and so are
+//   worst_joint               where: the joint whose skin it is; empty where the score is 0
+//   look_stretch, look_crossing, look_distance, look_rigid, look_jump, look_inverted
 std::unique_ptr<FrameSink> make_metrics_sink();
 inline constexpr const char* metrics_name = "metrics.csv";
 inline constexpr const char* lag_column = "lag_";
+inline constexpr const char* look_column = "look";
+inline constexpr const char* look_joint_column = "worst_joint";
 inline constexpr const char* volume_column = "volume_";
 inline constexpr const char* volume_ratio_column = "volume_ratio_";
 

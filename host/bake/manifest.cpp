@@ -86,6 +86,15 @@ void read_count(const Json& json, const char* key, std::uint64_t& out) {
     out = entry->get<std::uint64_t>();
 }
 
+Json json_of(const std::optional<LookSummary>& look) {
+  if (!look) return nullptr;
+  return {{"worst", look->worst},
+          {"frame", look->frame},
+          {"joint", look->joint},
+          {"cause", look->cause},
+          {"frames_over", look->frames_over}};
+}
+
 // What json_of wrote; what is not there, or of another type, stays as it is.
 LeadInSummary lead_in_of(const Json& json) {
   LeadInSummary led;
@@ -147,6 +156,9 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
     inputs.push_back({{"file", file}, {"xxh3_64", file_hash}});
   // Frame 0 is the pose at the start and is written too.
   const std::uint64_t frames_done = hashes.empty() ? 0 : hashes.size() - 1;
+  std::vector<std::string> warnings = options.warnings;
+  if (progress.look)
+    warnings.insert(warnings.end(), progress.look->warnings.begin(), progress.look->warnings.end());
   const Json manifest{
       {"kind", kind},
       {"version", 1},
@@ -171,9 +183,10 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"lead_in", json_of(progress.lead_in)},
       {"clamped_muscles", {{"regions", progress.clamped.regions}, {"frame", progress.clamped.frame}}},
       {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},
+      {"look", json_of(progress.look)},
       {"inputs", std::move(inputs)},
       {"model", json_of(model, hash)},
-      {"warnings", options.warnings},
+      {"warnings", warnings},
       {"timings",
        {{"solver_seconds", progress.timings.solver},
         {"writing_seconds", progress.timings.writing},

@@ -9,6 +9,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/identity.h"
+#include "host/bake/look_report.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
@@ -32,6 +33,7 @@ struct Progress {
   Timings timings;
   LeadInSummary lead_in;
   ClampedMuscles clamped;
+  std::optional<LookSummary> look;  // of a complete bake of a character
   std::optional<double> loop_jump;  // m, of a seamless loop that is complete
 };
 

@@ -9,29 +9,16 @@
 
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
+#include "host/bake/look.h"
+#include "host/bake/points.h"
 #include "host/bake/text.h"
 
 namespace fascicle::bake {
 
 namespace {
 
-using Point = std::array<double, 3>;
-
-Point point_at(const std::vector<float>& values, std::size_t i) {
-  return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
-}
-
-Point difference(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 double squared_length(const Point& a) {
-  return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-}
-
-double determinant(const Point& a, const Point& b, const Point& c) {
-  return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-         a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return dot(a, a);
 }
 
 // Of the tetrahedron whose corners begin at entry `t`, cubic working units; below 0 if it is inside out.
@@ -138,7 +125,11 @@ class MetricsSink final : public FrameSink {
   model::Read needs() const override { return {.positions = true, .velocities = true, .skinned = true}; }
   void begin(const BakeInfo& info) override {
     info_ = info;
-
+    if (has_look(*info.model)) {
+      look_body_ = look_body(*info.model, info.rig);
+      look_.emplace(*info.model, look_body_);
+      for (const model::Frame& frame : info.before) look_->remember(frame);
+    }
     six_volumes(*info.model, info.model->rest, six_volumes_);
     rest_volume_ = volume(*info.model, six_volumes_);
     rest_layer_volumes_ = layer_volumes(*info.model, six_volumes_);
@@ -176,6 +167,13 @@ class MetricsSink final : public FrameSink {
     }
     for (const model::ProbeSet& probe : model.probes)
       for (const double coordinate : mean_position(model, frame, probe)) add(coordinate);
+    if (look_) {
+      const LookScores scores = look_->of(frame);
+      add(scores.worst().score);
+      line +=
+          ',' + (scores.worst().score > 0.0 ? csv_text(look_body_.joint_names[scores.worst().joint]) : "");
+      for (const LookScore& score : scores.of) add(score.score);
+    }
     file_->write(line + '\n');
   }
   void sync() override { file_->sync(); }
@@ -193,6 +191,11 @@ class MetricsSink final : public FrameSink {
         line += ',' + csv_text(column + layer.name);
     for (const model::ProbeSet& probe : info_.model->probes)
       for (const char* axis : {"_x", "_y", "_z"}) line += ',' + csv_text(probe.name + axis);
+    if (look_) {
+      line += std::string(",") + look_column + ',' + look_joint_column;
+      for (std::size_t m = 0; m < look_measures; ++m)
+        line += std::string(",") + look_column + '_' + name_of(static_cast<LookMeasure>(m));
+    }
     return line + '\n';
   }
 
@@ -201,6 +204,8 @@ class MetricsSink final : public FrameSink {
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
   std::vector<double> six_volumes_;         // of the frame in hand
+  LookBody look_body_;
+  std::optional<Look> look_;  // with a skeleton and a render mesh only
   std::optional<PartFile> file_;
 };
 
@@ -246,8 +251,8 @@ std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model:
 std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames) {
   // A number takes up to 24 characters and a comma, mostly about 19.
   return (frames + 1) *
-         (std::uint64_t{7} + 2 * model.layers.size() + (model.has_skeleton() ? 1 + model.layers.size() : 0) +
-          3 * model.probes.size()) *
+         (std::uint64_t{7} + (has_look(model) ? 2 + look_measures : 0) + 2 * model.layers.size() +
+          (model.has_skeleton() ? 1 + model.layers.size() : 0) + 3 * model.probes.size()) *
          20;
 }
 

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "host/model/model.h"
 #include "host/model/solver.h"
+#include "host/scene/scene.h"
 
 namespace fascicle::bake {
 
@@ -29,6 +31,9 @@ struct BakeInfo {
   std::uint64_t first = 0;                // first frame to write: 0, or where a resumed bake goes on
   const model::Frame* initial = nullptr;  // frame 0 with positions, for displacements; outlives the sink
   std::filesystem::path character = {};   // character.glb; empty for bodies that are no characters
+  const scene::Character* rig = nullptr;  // the scene's, where the render mesh is its skin; null elsewhere
+  // The two frames before `first`, with positions and skinned, the earlier one first; fewer near frame 0.
+  std::span<const model::Frame> before = {};
   GlbOptions glb = {};
 };
 

@@ -136,6 +136,10 @@ void print_motion(const BakeArguments& arguments, const model::Model& model, con
   if (result.loop_jump)
     std::cout << "loop: " << led.cycles << " cycles before it; its end is at most "
               << number_text(*result.loop_jump * 1e3, 3) << " mm from its beginning\n";
+  if (result.look && result.look->worst > 0.0)
+    std::cout << "look " << number_text(result.look->worst, 2) << " (1 is the limit): worst in frame "
+              << result.look->frame << " at joint \"" << result.look->joint << "\", " << result.look->cause
+              << "; " << result.look->frames_over << " frames over\n";
   for (const bake::PeakLag& peak : bake::peak_lags(arguments.folder, model))
     std::cout << "peak lag of " << peak.layer << ": " << number_text(peak.lag * 1e3, 3) << " mm in frame "
               << peak.frame << "\n";
@@ -230,6 +234,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
                 "; the same command with --resume (and without --overwrite) goes on");
     return ExitCode::interrupted;
   }
+  if (result.look)
+    for (const std::string& warning : result.look->warnings) log.warning(warning);
   print_result(arguments, scene, built.model, options.device, result);
   return ExitCode::done;
 }

@@ -1,0 +1,155 @@
+#include "host/bake/look_report.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <utility>
+
+#include "host/bake/formats.h"
+#include "host/bake/text.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+// The cells of a line of RFC 4180; no cell of ours holds a line end but a joint's name with one in it, and
+// then the lines are joined.
+std::optional<std::vector<std::string>> next_row(std::istream& in) {
+  std::vector<std::string> cells(1);
+  bool quoted = false, any = false;
+  for (int c = in.get(); c != std::char_traits<char>::eof(); c = in.get()) {
+    any = true;
+    if (c == '"') {
+      if (quoted && in.peek() == '"')
+        cells.back() += static_cast<char>(in.get());
+      else
+        quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else if (c == '\n' && !quoted) {
+      return cells;
+    } else {
+      cells.back() += static_cast<char>(c);
+    }
+  }
+  if (!any) return std::nullopt;
+  return cells;
+}
+
+template <class Number>
+Number number_in(const std::string& text) {
+  Number number{};
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+// Two digits after the point: 0.55, 2.6, 12.
+std::string short_text(double value) {
+  return number_text(std::round(value * 100.0) / 100.0);
+}
+
+struct Peak {
+  double score = 0.0;
+  std::uint64_t frame = 0, frames_over = 0;
+};
+
+}  // namespace
+
+std::string look_warning(LookMeasure measure, const LookScore& score, const std::string& joint,
+                         std::uint64_t frame, std::uint64_t frames_over) {
+  const std::string at = "joint \"" + joint + "\"", value = short_text(score.value);
+  std::string seen, help;
+  switch (measure) {
+    case LookMeasure::stretch:
+      seen = "the skin at " + at + " is stretched to " + value + " times what skinning does";
+      help =
+          "skin that should part may be grown together there, or the flesh is too soft: try a larger "
+          "--cage-detail, or raise youngs_modulus of its layer";
+      break;
+    case LookMeasure::crossing:
+      seen = value + " triangles, most at " + at + ", go through others that skinning keeps apart";
+      help = "the flesh is too soft for this motion: raise youngs_modulus of its layer, or damping";
+      break;
+    case LookMeasure::distance:
+      seen = "the skin at " + at + " is " + value + " of the body's thickness away from skinning";
+      help =
+          "no bone holds it, or its flesh is too soft: name the joint in [skeleton] bones or kinematic, or "
+          "raise youngs_modulus of its layer";
+      break;
+    case LookMeasure::rigid:
+      seen = "a part that only " + at + " moves is strained by " + value;
+      help = "it is taken for flesh: name the joint in [skeleton] kinematic";
+      break;
+    case LookMeasure::jump:
+      seen = "the skin at " + at + " changes its pace by " + value + " of the body's thickness in one frame";
+      help =
+          "the clip's motion breaks there, or the flesh is too soft for it: look at the clip's keys, or "
+          "lower "
+          "inertia_scale of its layer";
+      break;
+    case LookMeasure::inverted:
+      seen = value + " tetrahedra, most at " + at + ", are inside out";
+      help = "the flesh is too soft for this motion: raise youngs_modulus or volume of its layer";
+      break;
+  }
+  return "look: frame " + number_text(frame) + ": " + seen + " (limit " + short_text(score.limit) + "; " +
+         number_text(frames_over) + (frames_over == 1 ? " frame is" : " frames are") + " over); " + help;
+}
+
+std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,
+                                        const scene::Character* rig,
+                                        const std::function<model::Frame(std::uint64_t)>& frame_at) {
+  if (!has_look(model)) return std::nullopt;
+  std::ifstream file(folder / metrics_name, std::ios::binary);
+  const auto header = next_row(file);
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(header->begin(), header->end(), name) - header->begin());
+  };
+  if (!header || column(look_column) == header->size()) return std::nullopt;
+  const std::size_t worst = column(look_column), joint = column(look_joint_column);
+  std::array<std::size_t, look_measures> columns{};
+  for (std::size_t m = 0; m < look_measures; ++m)
+    columns[m] = column(std::string(look_column) + '_' + name_of(static_cast<LookMeasure>(m)));
+
+  LookSummary summary;
+  std::array<Peak, look_measures> peaks;
+  while (const auto row = next_row(file)) {
+    if (row->size() != header->size()) break;
+    const auto frame = number_in<std::uint64_t>((*row)[0]);
+    const auto score = number_in<double>((*row)[worst]);
+    if (score > 1.0) ++summary.frames_over;
+    for (std::size_t m = 0; m < look_measures; ++m) {
+      const auto of_measure = number_in<double>((*row)[columns[m]]);
+      if (of_measure > 1.0) ++peaks[m].frames_over;
+      if (of_measure > peaks[m].score) peaks[m] = {of_measure, frame, peaks[m].frames_over};
+      if (of_measure == score && score > summary.worst) {
+        summary.worst = score;
+        summary.frame = frame;
+        summary.joint = (*row)[joint];
+        summary.cause = name_of(static_cast<LookMeasure>(m));
+      }
+    }
+  }
+  if (summary.frames_over == 0) return summary;
+
+  std::vector<std::size_t> over;
+  for (std::size_t m = 0; m < look_measures; ++m)
+    if (peaks[m].score > 1.0) over.push_back(m);
+  std::stable_sort(over.begin(), over.end(),
+                   [&](std::size_t a, std::size_t b) { return peaks[a].score > peaks[b].score; });
+  const LookBody body = look_body(model, rig);
+  for (const std::size_t m : over) {
+    Look look(model, body);
+    const std::uint64_t frame = peaks[m].frame;
+    for (std::uint64_t k = frame - std::min<std::uint64_t>(frame, 2); k < frame; ++k)
+      look.remember(frame_at(k));
+    const LookScore score = look.of(frame_at(frame)).of[m];
+    summary.warnings.push_back(look_warning(static_cast<LookMeasure>(m), score, body.joint_names[score.joint],
+                                            frame, peaks[m].frames_over));
+  }
+  return summary;
+}
+
+}  // namespace fascicle::bake

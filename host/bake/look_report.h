@@ -1,0 +1,38 @@
+// What a finished bake's look comes to: the worst of it, and a warning for each cause that is over its limit.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bake/look.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::bake {
+
+struct LookSummary {
+  double worst = 0.0;  // the largest score of any frame; 1 is the limit
+  std::uint64_t frame = 0;
+  std::string joint;                  // where; empty where nothing is ever seen
+  std::string cause;                  // a LookMeasure's name; empty as above
+  std::uint64_t frames_over = 0;      // with a score above 1
+  std::vector<std::string> warnings;  // worst first, one a cause
+};
+
+// Of a bake whose metrics.csv is whole. `frame_at` gives a frame with positions and skinned; it is asked for
+// the worst frame of each cause that is over its limit and the two before. Nothing where there is no look to
+// take.
+std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,
+                                        const scene::Character* rig,
+                                        const std::function<model::Frame(std::uint64_t)>& frame_at);
+
+// One line for the log: what was seen, where, over which limit, and what helps.
+std::string look_warning(LookMeasure measure, const LookScore& score, const std::string& joint,
+                         std::uint64_t frame, std::uint64_t frames_over);
+
+}  // namespace fascicle::bake

@@ -1,0 +1,236 @@
+#include "host/bake/triangle_tree.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "host/bake/points.h"
+
+namespace fascicle::bake {
+
+namespace {
+
+constexpr std::uint32_t leaf_triangles = 4;
+
+// Whether the edge from p to q goes through the inside of the triangle a b c. `p_side` and `q_side` are their
+// heights over its plane.
+bool pierces(const Point& p, const Point& q, double p_side, double q_side, const Point& a, const Point& b,
+             const Point& c) {
+  if (!((p_side > 0.0 && q_side < 0.0) || (p_side < 0.0 && q_side > 0.0))) return false;
+  const Point way = difference(q, p);
+  const Point pa = difference(a, p), pb = difference(b, p), pc = difference(c, p);
+  const double ab = dot(way, cross_product(pa, pb));
+  const double bc = dot(way, cross_product(pb, pc));
+  const double ca = dot(way, cross_product(pc, pa));
+  return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
+}
+
+// Heights of the corners of one triangle over the plane of another.
+Point heights(const std::array<Point, 3>& of, const std::array<Point, 3>& over) {
+  const Point normal = cross_product(difference(over[1], over[0]), difference(over[2], over[0]));
+  return {dot(normal, difference(of[0], over[0])), dot(normal, difference(of[1], over[0])),
+          dot(normal, difference(of[2], over[0]))};
+}
+
+bool on_one_side(const Point& h) {
+  return (h[0] >= 0.0 && h[1] >= 0.0 && h[2] >= 0.0) || (h[0] <= 0.0 && h[1] <= 0.0 && h[2] <= 0.0);
+}
+
+bool triangles_cross(const std::array<Point, 3>& a, const std::array<Point, 3>& b) {
+  const Point of_a = heights(a, b);
+  if (on_one_side(of_a)) return false;
+  const Point of_b = heights(b, a);
+  if (on_one_side(of_b)) return false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t n = (k + 1) % 3;
+    if (pierces(a[k], a[n], of_a[k], of_a[n], b[0], b[1], b[2])) return true;
+    if (pierces(b[k], b[n], of_b[k], of_b[n], a[0], a[1], a[2])) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool TriangleTree::overlap(const Box& a, const Box& b) {
+  return a.least[0] <= b.most[0] && b.least[0] <= a.most[0] && a.least[1] <= b.most[1] &&
+         b.least[1] <= a.most[1] && a.least[2] <= b.most[2] && b.least[2] <= a.most[2];
+}
+
+void TriangleTree::grow(Box& box, const Box& other) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.least[axis] = std::min(box.least[axis], other.least[axis]);
+    box.most[axis] = std::max(box.most[axis], other.most[axis]);
+  }
+}
+
+TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> places,
+                           std::span<const float> positions)
+    : triangles_(triangles), places_(places), positions_(positions), order_(triangles.size() / 3) {
+  std::iota(order_.begin(), order_.end(), 0U);
+  boxes_.resize(order_.size());
+  std::vector<float> centres(triangles.size());
+  for (std::size_t t = 0; t < order_.size(); ++t)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t k = 0; k < 3; ++k)
+        centres[3 * t + axis] += positions[std::size_t{3} * triangles[3 * t + k] + axis];
+  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), centres);
+  fit(positions);
+}
+
+// Halves along the longest side of the centres' box. Returns the node's number.
+std::uint32_t TriangleTree::build(std::uint32_t first, std::uint32_t last,
+                                  const std::vector<float>& centres) {
+  const auto number = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.push_back({{}, 0, first, last});
+  if (last - first <= leaf_triangles) return number;
+  std::array<float, 3> least, most;
+  least.fill(std::numeric_limits<float>::infinity());
+  most.fill(-std::numeric_limits<float>::infinity());
+  for (std::uint32_t i = first; i < last; ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float x = centres[std::size_t{3} * order_[i] + axis];
+      least[axis] = std::min(least[axis], x);
+      most[axis] = std::max(most[axis], x);
+    }
+  std::size_t longest = 0;
+  for (std::size_t axis = 1; axis < 3; ++axis)
+    if (most[axis] - least[axis] > most[longest] - least[longest]) longest = axis;
+  const std::uint32_t middle = first + (last - first) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const float x = centres[std::size_t{3} * a + longest];
+                     const float y = centres[std::size_t{3} * b + longest];
+                     return x != y ? x < y : a < b;
+                   });
+  build(first, middle, centres);
+  nodes_[number].second = build(middle, last, centres);
+  return number;
+}
+
+void TriangleTree::fit(std::span<const float> positions) {
+  positions_ = positions;
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const std::uint32_t* corners = &triangles_[std::size_t{3} * order_[i]];
+    const float* a = &positions_[std::size_t{3} * corners[0]];
+    const float* b = &positions_[std::size_t{3} * corners[1]];
+    const float* c = &positions_[std::size_t{3} * corners[2]];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      boxes_[i].least[axis] = std::min(a[axis], std::min(b[axis], c[axis]));
+      boxes_[i].most[axis] = std::max(a[axis], std::max(b[axis], c[axis]));
+    }
+  }
+  // Children stand after their parents.
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    Node& node = nodes_[n];
+    if (node.second != 0) {
+      node.box = nodes_[n + 1].box;
+      grow(node.box, nodes_[node.second].box);
+      continue;
+    }
+    node.box = boxes_[node.first_triangle];
+    for (std::uint32_t i = node.first_triangle + 1; i < node.last_triangle; ++i) grow(node.box, boxes_[i]);
+  }
+}
+
+std::array<double, 3> TriangleTree::corner(std::uint32_t triangle, std::size_t k) const {
+  const float* p = &positions_[std::size_t{3} * triangles_[std::size_t{3} * triangle + k]];
+  return {double{p[0]}, double{p[1]}, double{p[2]}};
+}
+
+bool TriangleTree::neighbours(std::uint32_t a, std::uint32_t b) const {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      if (places_[triangles_[std::size_t{3} * a + i]] == places_[triangles_[std::size_t{3} * b + j]])
+        return true;
+  return false;
+}
+
+bool TriangleTree::cross(std::uint32_t a, std::uint32_t b) const {
+  if (neighbours(a, b)) return false;
+  return triangles_cross({corner(a, 0), corner(a, 1), corner(a, 2)},
+                         {corner(b, 0), corner(b, 1), corner(b, 2)});
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings() const {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
+  if (nodes_.empty()) return found;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, 0}};
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    const Node &x = nodes_[a], &y = nodes_[b];
+    if (a == b && x.second != 0) {
+      open.insert(open.end(), {{a + 1, a + 1}, {x.second, x.second}, {a + 1, x.second}});
+      continue;
+    }
+    if (a != b && !overlap(x.box, y.box)) continue;
+    if (x.second == 0 && y.second == 0) {
+      for (std::uint32_t i = x.first_triangle; i < x.last_triangle; ++i)
+        for (std::uint32_t j = a == b ? i + 1 : y.first_triangle; j < y.last_triangle; ++j) {
+          if (overlap(boxes_[i], boxes_[j]) && cross(order_[i], order_[j]))
+            found.push_back(std::minmax(order_[i], order_[j]));
+        }
+      continue;
+    }
+    // The one with more triangles is opened.
+    const bool opens_x = y.second == 0 || (x.second != 0 && x.last_triangle - x.first_triangle >=
+                                                                y.last_triangle - y.first_triangle);
+    if (opens_x)
+      open.insert(open.end(), {{a + 1, b}, {x.second, b}});
+    else
+      open.insert(open.end(), {{a, b + 1}, {a, y.second}});
+  }
+  return found;
+}
+
+std::optional<double> TriangleTree::hit(const std::array<double, 3>& from,
+                                        const std::array<double, 3>& direction,
+                                        std::uint32_t without_place) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto meets = [&](const Box& box) {
+    double enter = 0.0, leave = nearest;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double least = double{box.least[axis]} - from[axis], most = double{box.most[axis]} - from[axis];
+      if (direction[axis] == 0.0) {
+        if (least > 0.0 || most < 0.0) return false;
+        continue;
+      }
+      const double one = least / direction[axis], other = most / direction[axis];
+      enter = std::max(enter, std::min(one, other));
+      leave = std::min(leave, std::max(one, other));
+    }
+    return enter <= leave;
+  };
+  std::vector<std::uint32_t> open;
+  if (!nodes_.empty()) open.push_back(0);
+  while (!open.empty()) {
+    const std::uint32_t n = open.back();
+    open.pop_back();
+    const Node& node = nodes_[n];
+    if (!meets(node.box)) continue;
+    if (node.second != 0) {
+      open.insert(open.end(), {n + 1, node.second});
+      continue;
+    }
+    for (std::uint32_t i = node.first_triangle; i < node.last_triangle; ++i) {
+      const std::uint32_t t = order_[i];
+      bool is_own = false;
+      for (std::size_t k = 0; k < 3; ++k)
+        is_own = is_own || places_[triangles_[std::size_t{3} * t + k]] == without_place;
+      if (is_own) continue;
+      // Moeller and Trumbore.
+      const Point a = corner(t, 0), ab = difference(corner(t, 1), a), ac = difference(corner(t, 2), a);
+      const Point p = cross_product(direction, ac);
+      const double volume = dot(ab, p);
+      if (volume == 0.0) continue;
+      const Point at = difference(from, a), q = cross_product(at, ab);
+      const double u = dot(at, p) / volume, v = dot(direction, q) / volume, s = dot(ac, q) / volume;
+      if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && s > 0.0) nearest = std::min(nearest, s);
+    }
+  }
+  if (nearest == std::numeric_limits<double>::infinity()) return std::nullopt;
+  return nearest;
+}
+
+}  // namespace fascicle::bake

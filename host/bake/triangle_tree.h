@@ -1,0 +1,57 @@
+// A box tree over triangles whose corners move: built once, fitted anew to each frame. It finds triangles
+// that cross and what a ray hits first.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace fascicle::bake {
+
+class TriangleTree {
+ public:
+  // Corners: 3 a triangle. Positions: 3 values a corner's number. Place: of each number; triangles that share
+  // a place are neighbours. The arrays stay the caller's and must outlive the tree.
+  TriangleTree(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> places,
+               std::span<const float> positions);
+
+  // The positions as they are now; the order of the triangles in the tree stays.
+  void fit(std::span<const float> positions);
+
+  // Pairs of triangles that cross and are no neighbours, the lower number first, in no order that matters.
+  // Triangles that only touch do not cross.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> crossings() const;
+
+  // The distance, in lengths of `direction`, to the first triangle without this place; nothing where none is
+  // hit.
+  std::optional<double> hit(const std::array<double, 3>& from, const std::array<double, 3>& direction,
+                            std::uint32_t without_place) const;
+
+ private:
+  struct Box {
+    std::array<float, 3> least{}, most{};
+  };
+  // An inner node's children are the next node and `second`; a leaf has second 0.
+  struct Node {
+    Box box;
+    std::uint32_t second = 0, first_triangle = 0, last_triangle = 0;
+  };
+
+  static bool overlap(const Box& a, const Box& b);
+  static void grow(Box& box, const Box& other);
+  std::uint32_t build(std::uint32_t first, std::uint32_t last, const std::vector<float>& centres);
+  bool neighbours(std::uint32_t a, std::uint32_t b) const;
+  bool cross(std::uint32_t a, std::uint32_t b) const;
+  std::array<double, 3> corner(std::uint32_t triangle, std::size_t k) const;
+
+  std::span<const std::uint32_t> triangles_, places_;
+  std::span<const float> positions_;
+  std::vector<std::uint32_t> order_;  // triangles, leaf by leaf
+  std::vector<Box> boxes_;            // of triangles, in that order
+  std::vector<Node> nodes_;
+};
+
+}  // namespace fascicle::bake
