@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/bake/felt_acceleration.h"
 #include "host/bake/muscle_drive.h"
 #include "host/bake/pose_blend.h"
 #include "host/bake/timeline.h"
@@ -33,6 +34,10 @@ struct DriveSource::Impl {
   Pose followed_back(std::uint64_t count);
   Pose followed_on(std::uint64_t count);
   void append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before, const Vector3d& after);
+  bool accelerates(std::uint64_t count);
+  bool is_bounded(std::uint64_t count);
+  void append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+                    const Vector3d& after);
   std::vector<shader::Bone> start_after(const Vector3d& origin);
   model::Drive drive_to(const Vector3d& end);
 
@@ -40,6 +45,7 @@ struct DriveSource::Impl {
   const model::Model& model;
   std::uint64_t substeps;
   std::optional<Timeline> timeline;         // nothing without a skeleton
+  std::optional<FeltAcceleration> felt;     // the same
   std::optional<MuscleDrive> muscle_drive;  // nothing without muscles
   std::vector<shader::Bone> bones;
   std::vector<shader::Muscle> muscles;
@@ -77,6 +83,7 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
   if (character != nullptr) timeline.emplace(scene, *character, model::extent(model));
+  if (character != nullptr) felt.emplace(scene, *character, model);
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
     decay.push_back(static_cast<float>(scene::exact_exp(-layer.damping * h())));
@@ -174,6 +181,41 @@ void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, c
   cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
 }
 
+// Whether the ends of substeps count - 2, count - 1 and count lie in one motion.
+bool DriveSource::Impl::accelerates(std::uint64_t count) {
+  return count >= 2 && !timeline->is_cut(count) && !timeline->is_cut(count - 1);
+}
+
+// Whether a joint's acceleration into substep `count` is beyond what its flesh is to feel.
+bool DriveSource::Impl::is_bounded(std::uint64_t count) {
+  if (!accelerates(count)) return false;
+  const Pose &before = timeline->pose(count - 2), &at = timeline->pose(count - 1),
+             &to = timeline->pose(count);
+  for (std::size_t j = 0; j < to.size(); ++j)
+    if (felt->of_joint(j, before, at, to, h()) > felt->limit()) return true;
+  return false;
+}
+
+// A cut at which the body stays where it is: flesh is given that part of the skeleton's change of velocity
+// into substep `count` which it is not to feel.
+void DriveSource::Impl::append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+                                     const Vector3d& after) {
+  const Pose &old = timeline->pose(count - 2), &at = timeline->pose(count - 1), &to = timeline->pose(count);
+  Pose given(at.size());
+  for (std::size_t j = 0; j < at.size(); ++j) {
+    const double acceleration = felt->of_joint(j, old, at, to, h());
+    const double share = acceleration > felt->limit() ? 1.0 - felt->limit() / acceleration : 0.0;
+    given[j] = (1.0 - share) * (2.0 * at[j] - old[j]) + share * to[j];
+  }
+  const std::size_t first = cut_poses.size();
+  cut_poses.resize(first + 4);
+  append_bones(old, before, cut_poses[first]);
+  append_bones(at, before, cut_poses[first + 1]);
+  append_bones(at, after, cut_poses[first + 2]);
+  append_bones(given, after, cut_poses[first + 3]);
+  cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
+}
+
 // The pose after the clip's first substep, by which the start is seen to move; the first one where the motion
 // breaks there.
 std::vector<shader::Bone> DriveSource::Impl::start_after(const Vector3d& origin) {
@@ -222,13 +264,16 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
   // Without a cut the frame is seen from its end's origin; the first cut takes the body there.
   bool cut_ahead = false;
   for (std::uint64_t s = 1; impl.timeline && s <= substeps; ++s)
-    cut_ahead = cut_ahead || impl.timeline->is_cut(first + s);
+    cut_ahead = cut_ahead || impl.timeline->is_cut(first + s) || impl.is_bounded(first + s);
   const Vector3d shift = cut_ahead ? Vector3d(Vector3d::Zero()) : Vector3d((end - before) / impl.model.unit);
   Vector3d origin = cut_ahead ? before : end;
   for (std::uint64_t s = 0; s < substeps; ++s) {
     const std::uint64_t count = first + s + 1;
     if (impl.timeline && impl.timeline->is_cut(count)) {
       impl.append_cut(static_cast<std::uint32_t>(s), count, origin, end);
+      origin = end;
+    } else if (impl.timeline && impl.is_bounded(count)) {
+      impl.append_bound(static_cast<std::uint32_t>(s), count, origin, end);
       origin = end;
     }
     if (impl.timeline) impl.append_pose(impl.timeline->pose(count), origin, impl.timeline->clip_time(count));
@@ -248,6 +293,33 @@ model::State DriveSource::initial_state() const {
   std::vector<shader::Bone> bones;
   impl.append_bones(impl.timeline->pose(0), origin, bones);
   return started(model::initial_state(impl.model, bones, array_of(origin)));
+}
+
+std::vector<DriveSource::Thrown> DriveSource::thrown() {
+  Impl& impl = *impl_;
+  std::vector<Thrown> worst;
+  if (!impl.timeline) return worst;
+  const std::uint64_t substeps = impl.substeps, last = scene::cycle_frames(impl.scene) * substeps;
+  std::vector<Thrown> of_joint(impl.model.joint_count);
+  for (std::uint64_t count = 2; count <= last; ++count) {
+    if (!impl.accelerates(count)) continue;
+    const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1),
+               &to = impl.timeline->pose(count);
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const double a = impl.felt->of_joint(j, before, at, to, impl.h());
+      if (a > std::max(impl.felt->limit(), of_joint[j].acceleration))
+        of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count + substeps - 1) / substeps};
+    }
+  }
+  for (const Thrown& joint : of_joint)
+    if (joint.acceleration > 0.0) worst.push_back(joint);
+  std::stable_sort(worst.begin(), worst.end(),
+                   [](const Thrown& a, const Thrown& b) { return a.acceleration > b.acceleration; });
+  return worst;
+}
+
+double DriveSource::acceleration_limit() const {
+  return impl_->felt ? impl_->felt->limit() : 0.0;
 }
 
 std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {

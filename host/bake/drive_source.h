@@ -27,6 +27,18 @@ class DriveSource {
   // The drive of frame k >= 1. Frames may be asked for in any order.
   model::Drive drive(std::uint64_t frame);
 
+  // Where the skeleton throws flesh harder than the bound on what it feels (felt_acceleration.h), in one
+  // cycle of the clip: each joint once, with its largest acceleration, the worst first. Goes through all
+  // substeps.
+  struct Thrown {
+    std::size_t joint = 0;
+    double acceleration = 0.0;  // m/s^2
+    double time = 0.0;          // s of the clip
+    std::uint64_t frame = 0;    // at whose end, or before it, that was
+  };
+  std::vector<Thrown> thrown();
+  double acceleration_limit() const;  // m/s^2; 0 without a skeleton
+
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
   // the first pose. Nothing without a skeleton.
   std::vector<Eigen::Matrix4d> joints(std::uint64_t frame);

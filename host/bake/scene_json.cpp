@@ -170,16 +170,19 @@ Json json_of(const std::vector<scene::Force>& forces) {
 }
 
 Json json_of(const scene::Motion& motion) {
-  return {{"rest", motion.rest == scene::Rest::sculpted ? "sculpted" : "weightless"},
-          {"preroll", motion.preroll},
-          {"settle", motion.settle},
-          {"loop", motion.loop},
-          {"seamless", motion.seamless},
-          {"seamless_tolerance", motion.seamless_tolerance},
-          {"seamless_cycles", motion.seamless_cycles},
-          {"hold", motion.hold},
-          {"cuts", motion.cuts},
-          {"cut_distance", motion.cut_distance ? Json(*motion.cut_distance) : Json(nullptr)}};
+  return {
+      {"rest", motion.rest == scene::Rest::sculpted ? "sculpted" : "weightless"},
+      {"interpolation", motion.interpolation == scene::KeyInterpolation::smooth ? "smooth" : "as-authored"},
+      {"preroll", motion.preroll},
+      {"settle", motion.settle},
+      {"loop", motion.loop},
+      {"seamless", motion.seamless},
+      {"seamless_tolerance", motion.seamless_tolerance},
+      {"seamless_cycles", motion.seamless_cycles},
+      {"hold", motion.hold},
+      {"acceleration_limit", motion.acceleration_limit ? Json(*motion.acceleration_limit) : Json(nullptr)},
+      {"cuts", motion.cuts},
+      {"cut_distance", motion.cut_distance ? Json(*motion.cut_distance) : Json(nullptr)}};
 }
 
 Json json_of_curve(const scene::KeyedCurve& curve) {

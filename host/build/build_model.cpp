@@ -230,7 +230,7 @@ void warn_of_parts(const OneRings& rings, const Model& model, Report& report) {
 // A file in centimetres or in hundredths is a giant or a dwarf, on whom gravity acts as on one.
 void warn_of_size(const Model& model, Report& report) {
   constexpr double smallest = 0.05, largest = 20.0;
-  const double size = model::extent(model) * model.unit;
+  const double size = model::extent(model);
   if (size >= smallest && size <= largest) return;
   std::ostringstream text;
   text << std::setprecision(3) << "the character is " << size

@@ -158,6 +158,34 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_how_to_look(arguments, result.files);
 }
 
+// What is to be said of the clip before anything is built; empty: nothing.
+std::string warning_of_clip(const scene::Scene& scene) {
+  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  if (character == nullptr || !character->clips.empty()) return "";
+  const std::uint64_t frames = scene::frame_count(scene);
+  return "the character has no clip: " +
+         (frames == 1 ? std::string("its rest pose is baked, in one frame")
+                      : "its skeleton stands still for " + count_text(frames) + " frames") +
+         "; export it with an animation, or give --end for a longer bake";
+}
+
+// Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
+std::string warning_of_throws(const scene::Scene& scene, const model::Model& model) {
+  constexpr std::size_t most_named = 4;
+  bake::DriveSource drives(scene, model);
+  const std::vector<bake::DriveSource::Thrown> thrown = drives.thrown();
+  if (thrown.empty()) return "";
+  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
+  std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
+                     number_text(drives.acceleration_limit(), 3) + " m/s^2, which is all that it feels: ";
+  for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
+    text += (k == 0 ? "joint " : ", ") + skeleton[thrown[k].joint].name + " by " +
+            number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +
+            std::to_string(thrown[k].frame) + ")";
+  if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
+  return text + "; look for keys that leap there";
+}
+
 // Beside the filled bodies, under what these programs make of it.
 void keep_starts(bake::BakeOptions& options) {
   build::BuildOptions paths;
@@ -190,6 +218,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
     log.info("clip: " + scene::clip_name(scene) + ", the first of " +
              std::to_string(character->clips.size()) + " (fascicle inspect lists them, --clip chooses)");
+  const std::string of_clip = warning_of_clip(scene);
+  if (!of_clip.empty()) log.warning(of_clip);
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
   // Before the work of building, not after it.
   if (!arguments.dry_run && !arguments.overwrite && !arguments.resume && bake::holds_bake(arguments.folder))
@@ -199,6 +229,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (!arguments.dry_run) refuse_unwritable("-o", (fs::path(arguments.folder) / "").string(), true);
   const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
+  const std::string of_throws = warning_of_throws(scene, built.model);
+  if (!of_throws.empty()) log.warning(of_throws);
   const Simulation simulation =
       choose_simulation(request, arguments.threads, built.model, solver_options(scene), log);
   if (arguments.dry_run) {
@@ -217,6 +249,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.resume = arguments.resume;
   options.device = simulation.device.description();
   for (const build::Warning& warning : built.report.warnings) options.warnings.push_back(warning.text);
+  for (const std::string& text : {of_clip, of_throws})
+    if (!text.empty()) options.warnings.push_back(text);
   options.interrupted = &catch_interrupts();
   options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   if (!arguments.scene.no_cache) keep_starts(options);

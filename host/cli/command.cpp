@@ -77,7 +77,8 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_option("--fps", overrides.fps, "Frames a second");
   subcommand.add_option("--start", overrides.start, "Time of frame 0, s");
   subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
-  subcommand.add_option("--clip", overrides.clip, "The character's clip, by name or number");
+  subcommand.add_option("--clip", overrides.clip,
+                        "The character's clip, by name, by the last part of its name, or by number");
   subcommand.add_flag(
       "--no-cache", arguments.no_cache,
       "Neither use nor keep filled bodies, what comes before the first frame and compiled shaders "
@@ -87,6 +88,11 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
           "--rest", overrides.rest,
           "What the rest shape is: hung by gravity already (sculpted), or shaped without (weightless)")
       ->option_text("sculpted|weightless");
+  subcommand
+      .add_option("--interpolation", overrides.interpolation,
+                  "What dense linear keys are: samples of a smooth motion (smooth), or corners between "
+                  "straight lines (as-authored)")
+      ->option_text("smooth|as-authored");
   subcommand
       .add_option(
           "--preroll", overrides.preroll,

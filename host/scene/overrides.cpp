@@ -123,8 +123,8 @@ std::string preroll_seconds(const std::string& text, const toml::table& root) {
 }  // namespace
 
 bool has_overrides(const SceneOverrides& o) {
-  return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.preroll || o.settle || o.loop ||
-         o.seamless || o.hold || o.cage || o.cage_detail || o.resolution;
+  return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.interpolation || o.preroll ||
+         o.settle || o.loop || o.seamless || o.hold || o.cage || o.cage_detail || o.resolution;
 }
 
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path) {
@@ -159,6 +159,8 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   assign_number("--start", "scene.start", overrides.start);
   assign_number("--end", "scene.end", overrides.end);
   if (overrides.rest) set("--rest " + *overrides.rest, "motion.rest", *overrides.rest);
+  if (overrides.interpolation)
+    set("--interpolation " + *overrides.interpolation, "motion.interpolation", *overrides.interpolation);
   if (overrides.preroll)
     set("--preroll " + *overrides.preroll, "motion.preroll", preroll_seconds(*overrides.preroll, root));
   assign_number("--settle", "motion.settle", overrides.settle);

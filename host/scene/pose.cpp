@@ -3,8 +3,55 @@
 #include <charconv>
 
 #include "host/scene/pose_interpolation.h"
+#include "host/scene/scene_table.h"
 
 namespace fascicle::scene {
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+bool is_letter_or_digit(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || (c & 0x80) != 0;
+}
+
+// Whether `text` ends with `end`, after a character for which `separates` says so.
+template <class Separates>
+bool ends_with_part(const std::string& text, const std::string& end, const Separates& separates) {
+  return text.size() > end.size() && text.ends_with(end) && separates(text[text.size() - end.size() - 1]);
+}
+
+// From strict to lenient; the first way by which any clip answers to the name decides.
+std::vector<std::size_t> clips_called(const std::vector<Clip>& clips, const std::string& name) {
+  const auto is_of_armature = [](char c) { return c == '|' || c == ':' || c == '/'; };
+  const auto is_any = [](char c) { return !is_letter_or_digit(c); };
+  std::vector<std::size_t> found;
+  for (int way = 0; way < 6 && found.empty(); ++way) {
+    const bool ignores_case = way % 2 == 1;
+    const std::string wanted = ignores_case ? lower(name) : name;
+    for (std::size_t i = 0; i < clips.size(); ++i) {
+      const std::string has = ignores_case ? lower(clips[i].name) : clips[i].name;
+      const bool answers = way < 2   ? has == wanted
+                           : way < 4 ? ends_with_part(has, wanted, is_of_armature)
+                                     : ends_with_part(has, wanted, is_any);
+      if (answers) found.push_back(i);
+    }
+  }
+  return found;
+}
+
+std::string list_of_clips(const std::vector<Clip>& clips) {
+  std::string text;
+  for (std::size_t i = 0; i < clips.size(); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(i) + " `" + clips[i].name + "`";
+  return text;
+}
+
+}  // namespace
+
 const Clip* find_clip(const Character& character, const std::string& name) {
   const std::vector<Clip>& clips = character.clips;
   if (name.empty()) return clips.empty() ? nullptr : &clips.front();
@@ -14,13 +61,25 @@ const Clip* find_clip(const Character& character, const std::string& name) {
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
   if (error == std::errc() && end == name.data() + name.size() && index < clips.size()) return &clips[index];
-  std::string text = "the character has no clip `" + name + "`";
-  if (clips.empty()) throw SceneError(text + ", nor any other; leave the clip out");
-  text += "; it has ";
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    text += (i == 0 ? "" : ", ") + std::to_string(i) + " `" + clips[i].name + "`";
+  const std::vector<std::size_t> found = clips_called(clips, name);
+  if (found.size() == 1) return &clips[found.front()];
+  if (found.size() > 1) {
+    std::string several;
+    for (const std::size_t i : found)
+      several += (several.empty() ? "" : ", ") + std::to_string(i) + " `" + clips[i].name + "`";
+    throw SceneError("`" + name + "` may be any of the clips " + several +
+                     "; give the number or the whole name");
   }
-  throw SceneError(text);
+  if (clips.empty())
+    throw SceneError("the character has no clip `" + name + "`, nor any other; leave the clip out");
+  std::vector<std::string> names;
+  for (const Clip& clip : clips) {
+    names.push_back(clip.name);
+    names.push_back(clip.name.substr(clip.name.find_last_of("|:/") + 1));
+  }
+  const std::string hint = nearest_name_hint(name, names);
+  throw SceneError("the character has no clip `" + name + "`" +
+                   (hint.empty() ? "; it has " : hint + " It has ") + list_of_clips(clips));
 }
 
 std::string clip_name(const Scene& scene) {

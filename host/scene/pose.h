@@ -7,8 +7,9 @@
 
 namespace fascicle::scene {
 
-// The clip named `name`, by index if it is a number, or the first if empty. Null if the character has no clip
-// and name is empty. Throws SceneError with the names there are.
+// The clip named `name`, by index if it is a number, or the first if empty; else the one clip that is called
+// so in other letters' case, or whose name ends so behind a separator: `Gallop` is `AnimalArmature|Gallop`.
+// Null if the character has no clip and name is empty. Throws SceneError with the names there are.
 const Clip* find_clip(const Character& character, const std::string& name);
 // The name of the clip that the scene plays; empty where it plays none.
 std::string clip_name(const Scene& scene);

@@ -93,7 +93,7 @@ Eigen::Vector4d sample(const Channel& channel, double time) {
   const double span = times[next] - times[key];
   const double u = (time - times[key]) / span;
   const Eigen::Vector4d a = value(key), b = value(next);
-  if (is_spline) {
+  if (is_spline && (channel.straight.empty() || channel.straight[key] == 0)) {
     const Eigen::Vector4d leaving = part(key, 2), arriving = part(next, 0);
     Eigen::Vector4d v;
     for (int c = 0; c < 4; ++c) v[c] = hermite(a[c], leaving[c] * span, b[c], arriving[c] * span, u);

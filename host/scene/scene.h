@@ -63,6 +63,8 @@ struct Channel {
   Interpolation interpolation = Interpolation::linear;
   std::vector<double> times;   // s, ascending
   std::vector<double> values;  // 3 or 4 a key; cubic_spline: in-tangent, value, out-tangent
+  // cubic_spline: not 0 where the stretch after this key runs as between linear keys; empty: nowhere.
+  std::vector<char> straight = {};
 };
 
 struct Clip {
@@ -274,10 +276,15 @@ struct SolverSettings {
 // (f_i = m_i (g - R_i g)), or shaped without gravity, which then acts in full.
 enum class Rest { sculpted, weightless };
 
+// What a clip's linear keys are where they lie closer than a tenth of a second: samples of a smooth motion
+// (smooth_clip.h), or corners between straight lines, as glTF has it.
+enum class KeyInterpolation { smooth, as_authored };
+
 // How time runs around the clip. The frames that are written show the clip from `start` to `end`, `loop`
 // times, and then its last pose for `hold` seconds; what comes before frame 0 is stepped and not written.
 struct Motion {
-  Rest rest = Rest::weightless;        // characters: sculpted
+  Rest rest = Rest::weightless;                                    // characters: sculpted
+  KeyInterpolation interpolation = KeyInterpolation::as_authored;  // characters from files: smooth
   double preroll = 0.0;                // s: from the bind pose, at the first pose's place, to the first pose
   double settle = 0.0;                 // s at most: the first pose held until the flesh is still
   std::uint32_t loop = 1;              // cycles, at least 1
@@ -285,6 +292,8 @@ struct Motion {
   double seamless_tolerance = 1e-3;    // of the body's extent: how near is "as it began"
   std::uint32_t seamless_cycles = 10;  // before frame 0, at most
   double hold = 0.0;                   // s
+  std::optional<double>
+      acceleration_limit;              // m/s^2: the flesh feels no more of the skeleton's; absent: by size
   std::vector<double> cuts;            // s of the clip: the motion jumps in the substep that holds it
   std::optional<double> cut_distance;  // m: a root that goes further in a frame has jumped; absent: the
                                        // body's extent
@@ -332,6 +341,7 @@ struct SceneOverrides {
   std::optional<double> fps = {}, start = {}, end = {};
   std::optional<std::string> clip = {};
   std::optional<std::string> rest = {};
+  std::optional<std::string> interpolation = {};
   std::optional<std::string> preroll = {};  // frames, or seconds as in "0.5s"
   std::optional<double> settle = {}, hold = {};
   std::optional<std::uint32_t> loop = {};

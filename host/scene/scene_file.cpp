@@ -10,7 +10,6 @@
 #include "host/scene/made_character.h"
 #include "host/scene/material.h"
 #include "host/scene/overrides.h"
-#include "host/scene/pose.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_values.h"
 
@@ -272,93 +271,6 @@ void read_character(const toml::table& table, const std::filesystem::path& folde
   } catch (const InputFileError& error) {
     fail(table.get("file")->source(), "character.file", error.what());
   }
-}
-
-const Clip* clip_of(const toml::table& root, const Scene& scene) {
-  const auto* character = std::get_if<Character>(&scene.geometry);
-  if (character == nullptr) return nullptr;
-  try {
-    return find_clip(*character, scene.clip);
-  } catch (const SceneError& error) {
-    const toml::table& table = table_at(root, "character");
-    const toml::node* node = table.get("clip");
-    fail(node != nullptr ? node->source() : table.source(), "character.clip", error.what());
-  }
-}
-
-void read_time(const toml::table& root, Scene& scene) {
-  const toml::table& table = table_at(root, "scene");
-  read(table, "fps", scene.fps);
-  read(table, "start", scene.start);
-  const Clip* clip = clip_of(root, scene);
-  const toml::node* end = table.get("end");
-  if (end != nullptr) {
-    read(table, "end", scene.end);
-  } else if (clip != nullptr) {
-    scene.end = clip->duration;
-  } else {
-    scene.end = scene.start + Scene{}.end;
-  }
-  // Where the end follows from the clip, the start is what can be wrong.
-  const toml::node* start = table.get("start");
-  const toml::source_region& blame = end != nullptr     ? end->source()
-                                     : start != nullptr ? start->source()
-                                                        : root.source();
-  const double frames = (scene.end - scene.start) * scene.fps;
-  if (!(frames >= 0.5)) {
-    fail(blame, "scene.end", "lies less than a frame after scene.start; nothing would be baked");
-  }
-  if (frames > most_frames)
-    fail(blame, "scene.end", "asks for more than 10 million frames; end earlier or lower fps");
-}
-
-// A character's flesh is not crushed by the first frame if it gets this long to follow, s.
-constexpr double default_preroll = 0.5;
-
-void read_motion(const toml::table& root, Scene& scene) {
-  const toml::table& table = table_at(root, "motion");
-  const bool is_character = std::holds_alternative<Character>(scene.geometry);
-  const auto refuse = [&](const char* key, const std::string& what) {
-    fail(table.get(key)->source(), join_path("motion", key), what);
-  };
-  Motion& motion = scene.motion;
-  if (is_character) {
-    motion.rest = Rest::sculpted;
-    motion.preroll = default_preroll;
-  }
-  std::string rest = motion.rest == Rest::sculpted ? "sculpted" : "weightless";
-  read(table, "rest", rest);
-  motion.rest = rest == "sculpted" ? Rest::sculpted : Rest::weightless;
-  read(table, "preroll", motion.preroll);
-  read(table, "settle", motion.settle);
-  read(table, "loop", motion.loop);
-  read(table, "seamless", motion.seamless);
-  read(table, "seamless_tolerance", motion.seamless_tolerance);
-  read(table, "seamless_cycles", motion.seamless_cycles);
-  read(table, "hold", motion.hold);
-  read(table, "cut_distance", motion.cut_distance);
-  if (const toml::node* node = table.get("cuts"))
-    for (const toml::node& time : *node->as_array()) motion.cuts.push_back(number_of(time));
-  std::sort(motion.cuts.begin(), motion.cuts.end());
-
-  if (!is_character) {
-    if (motion.rest == Rest::sculpted)
-      refuse("rest",
-             "a body without a skeleton has no bones' frames in which gravity could change; say "
-             "weightless, or use a [character]");
-    if (motion.preroll > 0.0) refuse("preroll", "takes a [character]; leave it out");
-    if (motion.loop > 1) refuse("loop", "takes a [character], whose clip it repeats; leave it out");
-    if (motion.seamless) refuse("seamless", "takes a [character], whose clip it repeats; leave it out");
-    if (!motion.cuts.empty()) refuse("cuts", "takes a [character], whose clip it cuts; leave it out");
-  }
-  if (motion.seamless && motion.loop > 1)
-    refuse("loop", "stands beside seamless, which writes one cycle; leave one of them out");
-  if (motion.seamless && motion.hold > 0.0)
-    refuse("hold", "stands beside seamless, whose end is its beginning; leave one of them out");
-  const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
-  if (frames > most_frames)
-    fail(table.source(), "motion",
-         "loop and hold make more than 10 million frames; make them less, or lower fps");
 }
 
 void read_steps(const toml::table& table, SolverSettings& solver) {

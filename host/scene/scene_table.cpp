@@ -234,6 +234,13 @@ struct Tables {
                "sculpted: the rest shape hangs under gravity already, only its change in the bones' frames "
                "acts; weightless: all of it acts. Where absent, sculpted for a character, else weightless.",
            .allowed = {"sculpted", "weightless"}},
+          {.name = "interpolation",
+           .type = KeyType::text,
+           .doc =
+               "smooth: linear keys closer than a tenth of a second are samples of a smooth motion, and a "
+               "cubic runs through them; as-authored: straight lines. Where absent, smooth for a character "
+               "from a file.",
+           .allowed = {"smooth", "as-authored"}},
           {.name = "preroll",
            .doc =
                "Time before frame 0 in which the bind pose goes over into the first pose, s; where absent, "
@@ -268,6 +275,10 @@ struct Tables {
            .doc = "Time after the clip's end in which its last pose is held, s.",
            .range = between(0.0, 1e5),
            .fallback = Motion{}.hold},
+          {.name = "acceleration_limit",
+           .doc = "Most of a joint's acceleration that its flesh feels, m/s^2; with the rest it is carried "
+                  "along. Where absent, and keys are smooth, a thousand times the body's extent.",
+           .range = positive(1e9)},
           {.name = "cuts",
            .type = KeyType::numbers,
            .doc =

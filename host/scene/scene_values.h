@@ -47,6 +47,11 @@ Where read_where(const toml::table& owner, const Surroundings& surroundings, con
 // Adds [muscle.NAME] to the scene, whose layers have been read.
 void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 
+// [scene] fps, start and end, and [motion]: the clip that plays, and how time runs around it. The geometry
+// and the forces have been read. Makes the clip smooth if that is said.
+void read_time(const toml::table& root, Scene& scene);
+void read_motion(const toml::table& root, Scene& scene);
+
 // Refuses muscles whose words fit no joints of the scene's character.
 void check_muscle_bones(const toml::table& root, const Scene& scene);
 

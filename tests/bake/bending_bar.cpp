@@ -77,7 +77,9 @@ std::vector<Vector3d> world(const model::Model& model, const std::vector<float>&
 Walked run(const BendingBar& bar, std::uint64_t frames) {
   Walked result;
   bake::DriveSource drives(bar.scene, bar.model);
-  const auto solver = cpu_reference::make_cpu_solver(bar.model, {}, 2);
+  const auto integrator =
+      bar.model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step;
+  const auto solver = cpu_reference::make_cpu_solver(bar.model, {.integrator = integrator}, 2);
   const model::State start = bake::lead_in(bar.scene, bar.model, drives, *solver).state;
   solver->load(start);
   result.positions.push_back(world(bar.model, start.positions, start.origin));

@@ -29,6 +29,24 @@ TEST_P(MadeScenes, AreBuiltWithoutAWarning) {
   EXPECT_LT(report.vertices, 12000u);
 }
 
+// An arm as long as a house: the warning says how long, in metres, whatever the working unit.
+TEST(SizeWarning, SaysHowLongTheCharacterIs) {
+  scene::Scene scene = scene::load_scene("arm");
+  scene.scale = 40.0;
+  build::Report report;
+  const model::Model model = build::build_model(scene, report, with_mesher());
+  const double extent = model::extent(model);
+  ASSERT_GT(extent, 20.0);
+  ASSERT_NE(model.unit, 1.0);
+  std::string said;
+  for (const build::Warning& warning : report.warnings)
+    if (warning.text.find("where its file is not in metres") != std::string::npos) said = warning.text;
+  const std::size_t number = said.find("is ");
+  ASSERT_NE(number, std::string::npos) << "no warning of its size";
+  // Three digits are written.
+  EXPECT_NEAR(std::stod(said.substr(number + 3)), extent, 0.005 * extent) << said;
+}
+
 INSTANTIATE_TEST_SUITE_P(All, MadeScenes, testing::Values("jump", "arm"));
 
 }  // namespace

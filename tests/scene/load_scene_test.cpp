@@ -9,6 +9,7 @@
 
 #include "host/scene/input_files.h"
 #include "host/scene/scene_file.h"
+#include "tests/scene/gltf_builder.h"
 #include "tests/scene/scene_samples.h"
 #include "tests/support/assets.h"
 
@@ -442,6 +443,38 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(frame_count(load_scene(path.string(), {.fps = 24.0, .end = 1.0, .clip = "0"})), 24u);
   EXPECT_TRUE(refusal(path.string(), {.clip = "jump"}).starts_with("--clip jump: character.clip: "));
   EXPECT_EQ(scene.input_hashes.size(), 1u);
+}
+
+// Nothing moves a character without a clip, but forces and its own weight do.
+TEST(LoadScene, ACharacterWithoutAClipIsBakedInOneFrame) {
+  const TemporaryFolder folder;
+  GltfBuilder builder = column();
+  builder.document.erase("animations");
+  const std::string file = folder.write("column.glb", builder.glb()).string();
+  EXPECT_EQ(frame_count(load_scene(file)), 1u);
+  EXPECT_EQ(frame_count(load_scene(file, {.fps = 24.0})), 1u);
+  EXPECT_EQ(frame_count(load_scene(file, {.end = 0.5})), 30u);
+  EXPECT_EQ(frame_count(load_scene(file, {.rest = "weightless"})), 120u);
+}
+
+// Files' keys are samples, unless it is said otherwise; those of made characters lie dense enough.
+TEST(LoadScene, KeysOfFilesAreSmooth) {
+  const TemporaryFolder folder;
+  GltfBuilder builder = column();
+  const std::string file = folder.write("column.glb", builder.glb()).string();
+  EXPECT_EQ(load_scene(file).motion.interpolation, KeyInterpolation::smooth);
+  EXPECT_EQ(load_scene(file, {.interpolation = "as-authored"}).motion.interpolation,
+            KeyInterpolation::as_authored);
+  EXPECT_EQ(load_scene("jump").motion.interpolation, KeyInterpolation::as_authored);
+  const auto kind = [](const SceneOverrides& overrides) {
+    const Scene scene = load_scene("jump", overrides);
+    return std::get<Character>(scene.geometry).clips[0].channels[0].interpolation;
+  };
+  EXPECT_EQ(kind({}), Interpolation::linear);
+  EXPECT_EQ(kind({.interpolation = "smooth"}), Interpolation::cubic_spline);
+  EXPECT_NE(refusal("bar-layers-iii", {.interpolation = "smooth"}).find("motion.interpolation"),
+            std::string::npos);
+  EXPECT_NE(refusal("jump", {.interpolation = "smoth"}).find("did you mean smooth?"), std::string::npos);
 }
 
 TEST(LoadScene, SaysWhatANameMayBe) {

@@ -193,7 +193,7 @@ TEST(FindClip, by_name_then_by_number) {
   EXPECT_EQ(scene::find_clip(character, "1"), &character.clips[1]);  // a name comes before a number
   EXPECT_EQ(scene::find_clip(scene::Character{}, ""), nullptr);
   EXPECT_THROW(scene::find_clip(scene::Character{}, "0"), scene::SceneError);
-  for (const char* name : {"3", "-1", "1x", "Bend", "99999999999999999999999"}) {
+  for (const char* name : {"3", "-1", "1x", "end", "99999999999999999999999"}) {
     try {
       scene::find_clip(character, name);
       ADD_FAILURE() << name << " was found";
@@ -201,6 +201,35 @@ TEST(FindClip, by_name_then_by_number) {
       EXPECT_NE(std::string(error.what()).find("`lift`"), std::string::npos) << error.what();
     }
   }
+}
+
+// Exporters put the armature's name before the clip's.
+TEST(FindClip, by_the_last_part_of_its_name) {
+  scene::Character character;
+  for (const char* name : {"AnimalArmature|Gallop", "AnimalArmature|Gallop_Jump", "AnimalArmature|Idle_2",
+                           "Dog:Walk", "Dog:walk", "FrogArmature|Frog_Attack"})
+    character.clips.push_back({name, 1.0, {}});
+  const auto found = [&](const char* name) { return scene::find_clip(character, name)->name; };
+  EXPECT_EQ(found("Gallop"), "AnimalArmature|Gallop");
+  EXPECT_EQ(found("gallop"), "AnimalArmature|Gallop");
+  EXPECT_EQ(found("ANIMALARMATURE|GALLOP"), "AnimalArmature|Gallop");
+  EXPECT_EQ(found("Walk"), "Dog:Walk");  // letters as written go first
+  EXPECT_EQ(found("walk"), "Dog:walk");
+  EXPECT_EQ(found("Frog_Attack"), "FrogArmature|Frog_Attack");
+  EXPECT_EQ(found("attack"), "FrogArmature|Frog_Attack");
+  EXPECT_EQ(found("2"), "AnimalArmature|Idle_2");  // a number
+  const auto refusal = [&](const char* name) -> std::string {
+    try {
+      return "found " + scene::find_clip(character, name)->name;
+    } catch (const scene::SceneError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal("WALK"),
+            "`WALK` may be any of the clips 3 `Dog:Walk`, 4 `Dog:walk`; give the number or the "
+            "whole name");
+  EXPECT_NE(refusal("Galop").find("did you mean Gallop?"), std::string::npos) << refusal("Galop");
+  EXPECT_NE(refusal("llop").find("has no clip `llop`"), std::string::npos) << "a part of a word is none";
 }
 
 }  // namespace

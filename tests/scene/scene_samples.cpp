@@ -147,6 +147,7 @@ sliding = true
 
 [motion]
 rest = "sculpted"
+interpolation = "as-authored"
 preroll = 0.25
 settle = 0.5
 loop = 1
@@ -155,6 +156,7 @@ seamless_tolerance = 0.01
 seamless_cycles = 5
 hold = 0.125
 cuts = [0.5, 0.25]
+acceleration_limit = 500.0
 cut_distance = 4.0
 
 [probe.head.where.joints]
@@ -344,8 +346,8 @@ std::string describe(const Scene& scene) {
          scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip);
   const Motion& m = scene.motion;
-  d.line("motion", static_cast<int>(m.rest), m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,
-         m.seamless_cycles, m.hold, m.cut_distance);
+  d.line("motion", static_cast<int>(m.rest), static_cast<int>(m.interpolation), m.preroll, m.settle, m.loop,
+         m.seamless, m.seamless_tolerance, m.seamless_cycles, m.hold, m.acceleration_limit, m.cut_distance);
   for (const double cut : m.cuts) d.line("cut", cut);
   return d.text();
 }

@@ -1,0 +1,37 @@
+// How much of the skeleton's acceleration flesh feels, and where that is bounded.
+//
+// Keys may leap: a limb that a key puts elsewhere within a frame, or a rig that flips. Flesh cannot follow,
+// and no artist meant the blow. So of a joint's acceleration flesh feels at most the bound, and is carried
+// along with the rest, as over a cut.
+//
+// A joint's acceleration is the largest at the corners of the box around the free vertices that follow it
+// most, by the second difference of its poses: joints whose flesh is all kinematic throw none.
+#pragma once
+
+#include <vector>
+
+#include "host/bake/timeline.h"
+#include "host/model/model.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::bake {
+
+// 1/s^2, times the body's extent: the bound where the scene has none. Clips take the same time whatever the
+// size, so accelerations grow with it. See docs/architecture.md for what clips have.
+inline constexpr double default_acceleration_limit = 1000.0;
+
+class FeltAcceleration {
+ public:
+  FeltAcceleration(const scene::Scene& scene, const scene::Character& character, const model::Model& model);
+
+  // m/s^2.
+  double limit() const { return limit_; }
+  // Of joint j, m/s^2; the poses are h seconds apart. 0 where the joint has no free flesh.
+  double of_joint(std::size_t j, const Pose& before, const Pose& at, const Pose& after, double h) const;
+
+ private:
+  double scale_ = 1.0, limit_ = 0.0;
+  std::vector<std::vector<scene::Vector3d>> corners_;  // of a joint, its own space; none: no free flesh
+};
+
+}  // namespace fascicle::bake

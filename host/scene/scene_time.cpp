@@ -1,0 +1,127 @@
+#include <algorithm>
+
+#include "host/scene/pose.h"
+#include "host/scene/scene_check.h"
+#include "host/scene/scene_file.h"
+#include "host/scene/scene_values.h"
+#include "host/scene/smooth_clip.h"
+
+namespace fascicle::scene {
+namespace {
+
+const Clip* clip_of(const toml::table& root, const Scene& scene) {
+  const auto* character = std::get_if<Character>(&scene.geometry);
+  if (character == nullptr) return nullptr;
+  try {
+    return find_clip(*character, scene.clip);
+  } catch (const SceneError& error) {
+    const toml::table& table = table_at(root, "character");
+    const toml::node* node = table.get("clip");
+    fail(node != nullptr ? node->source() : table.source(), "character.clip", error.what());
+  }
+}
+
+// Whether nothing moves: a character that hangs by gravity in its rest pose, without a clip and without
+// forces.
+bool is_rest_bake(const toml::table& root, const Scene& scene) {
+  const auto* character = std::get_if<Character>(&scene.geometry);
+  std::string rest = "sculpted";
+  read(table_at(root, "motion"), "rest", rest);
+  return character != nullptr && character->clips.empty() && scene.forces.empty() && rest == "sculpted";
+}
+
+}  // namespace
+
+void read_time(const toml::table& root, Scene& scene) {
+  const toml::table& table = table_at(root, "scene");
+  read(table, "fps", scene.fps);
+  read(table, "start", scene.start);
+  const Clip* clip = clip_of(root, scene);
+  const toml::node* end = table.get("end");
+  if (end != nullptr) {
+    read(table, "end", scene.end);
+  } else if (clip != nullptr) {
+    scene.end = clip->duration;
+  } else if (is_rest_bake(root, scene)) {
+    scene.end = scene.start + 1.0 / scene.fps;
+  } else {
+    scene.end = scene.start + Scene{}.end;
+  }
+  // Where the end follows from the clip, the start is what can be wrong.
+  const toml::node* start = table.get("start");
+  const toml::source_region& blame = end != nullptr     ? end->source()
+                                     : start != nullptr ? start->source()
+                                                        : root.source();
+  const double frames = (scene.end - scene.start) * scene.fps;
+  if (!(frames >= 0.5)) {
+    fail(blame, "scene.end", "lies less than a frame after scene.start; nothing would be baked");
+  }
+  if (frames > most_frames)
+    fail(blame, "scene.end", "asks for more than 10 million frames; end earlier or lower fps");
+}
+
+namespace {
+
+// A character's flesh is not crushed by the first frame if it gets this long to follow, s.
+constexpr double default_preroll = 0.5;
+
+}  // namespace
+
+void read_motion(const toml::table& root, Scene& scene) {
+  const toml::table& table = table_at(root, "motion");
+  const bool is_character = std::holds_alternative<Character>(scene.geometry);
+  const auto refuse = [&](const char* key, const std::string& what) {
+    fail(table.get(key)->source(), join_path("motion", key), what);
+  };
+  Motion& motion = scene.motion;
+  if (is_character) {
+    motion.rest = Rest::sculpted;
+    motion.preroll = default_preroll;
+  }
+  std::string rest = motion.rest == Rest::sculpted ? "sculpted" : "weightless";
+  read(table, "rest", rest);
+  motion.rest = rest == "sculpted" ? Rest::sculpted : Rest::weightless;
+  // The keys of characters made in code lie dense enough.
+  const bool from_file = is_character && table_at(root, "character").contains("file");
+  std::string interpolation = from_file ? "smooth" : "as-authored";
+  read(table, "interpolation", interpolation);
+  motion.interpolation = interpolation == "smooth" ? KeyInterpolation::smooth : KeyInterpolation::as_authored;
+  read(table, "preroll", motion.preroll);
+  read(table, "settle", motion.settle);
+  read(table, "loop", motion.loop);
+  read(table, "seamless", motion.seamless);
+  read(table, "seamless_tolerance", motion.seamless_tolerance);
+  read(table, "seamless_cycles", motion.seamless_cycles);
+  read(table, "hold", motion.hold);
+  read(table, "acceleration_limit", motion.acceleration_limit);
+  read(table, "cut_distance", motion.cut_distance);
+  if (const toml::node* node = table.get("cuts"))
+    for (const toml::node& time : *node->as_array()) motion.cuts.push_back(number_of(time));
+  std::sort(motion.cuts.begin(), motion.cuts.end());
+
+  if (!is_character) {
+    if (motion.rest == Rest::sculpted)
+      refuse("rest",
+             "a body without a skeleton has no bones' frames in which gravity could change; say "
+             "weightless, or use a [character]");
+    if (table.contains("interpolation"))
+      refuse("interpolation", "takes a [character], whose clip has keys; leave it out");
+    if (motion.acceleration_limit)
+      refuse("acceleration_limit", "takes a [character], whose joints accelerate; leave it out");
+    if (motion.preroll > 0.0) refuse("preroll", "takes a [character]; leave it out");
+    if (motion.loop > 1) refuse("loop", "takes a [character], whose clip it repeats; leave it out");
+    if (motion.seamless) refuse("seamless", "takes a [character], whose clip it repeats; leave it out");
+    if (!motion.cuts.empty()) refuse("cuts", "takes a [character], whose clip it cuts; leave it out");
+  }
+  if (motion.seamless && motion.loop > 1)
+    refuse("loop", "stands beside seamless, which writes one cycle; leave one of them out");
+  if (motion.seamless && motion.hold > 0.0)
+    refuse("hold", "stands beside seamless, whose end is its beginning; leave one of them out");
+  if (motion.interpolation == KeyInterpolation::smooth) smooth_played_clip(scene);
+  const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
+  if (frames > most_frames)
+    fail(table.source(), "motion",
+         "loop and hold make more than 10 million frames; make them less, or lower fps");
+}
+
+}  // namespace fascicle::scene
