@@ -149,6 +149,9 @@ class GltfCheck {
   void fits(const std::string& pointer, std::size_t view, std::uint64_t offset, std::uint64_t stride,
             std::uint64_t size, std::uint64_t count) const;
   void meshes();
+  json morph_targets(const GltfPlace& primitive, const GltfPlace& attributes) const;
+  void morph_weights(const GltfPlace& owner, std::size_t targets) const;
+  std::size_t shapes_of(std::size_t node) const;
   void skins();
   void nodes();
   json node(const GltfPlace& place);
@@ -172,7 +175,8 @@ class GltfCheck {
   std::vector<std::uint64_t> buffer_bytes_;
   std::vector<View> views_;
   std::vector<Accessor> accessors_;
-  std::vector<bool> has_matrix_;  // of a node
+  std::vector<std::size_t> targets_;  // of a mesh: how many morph targets its primitives have
+  std::vector<bool> has_matrix_;      // of a node
 };
 
 }  // namespace fascicle::scene

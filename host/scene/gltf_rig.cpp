@@ -8,6 +8,7 @@
 #include "host/scene/gltf_decode.h"
 #include "host/scene/gltf_library.h"
 #include "host/scene/gltf_parts.h"
+#include "host/scene/gltf_shapes.h"
 #include "host/scene/gltf_skeleton.h"
 #include "host/scene/input_files.h"
 
@@ -102,7 +103,7 @@ class Reader {
     return a.type == type && a.count == count ? static_cast<int>(accessor) : -1;
   }
 
-  RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) const {
+  RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) {
     const std::size_t mesh = source.mesh, p = source.primitive;
     const tinygltf::Primitive& primitive = model_.meshes[mesh].primitives[p];
     RigPart part;
@@ -118,6 +119,10 @@ class Reader {
       const std::vector<double> values = numbers(accessor);
       for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
     }
+    part.shapes = read_shapes(path_, model_, primitive,
+                              "/meshes/" + std::to_string(mesh) + "/primitives/" + std::to_string(p), count,
+                              targets_left_);
+    part.rest_weights = rest_weights(document_, source.node, mesh, part.shapes.size());
     if (source.skin < 0) {
       part.skin_joint = {static_cast<std::uint32_t>(joint_of[static_cast<std::size_t>(source.carrier)])};
       part.inverse_bind = {source.to_carrier};
@@ -169,6 +174,7 @@ class Reader {
   const json& document_;
   const tinygltf::Model& model_;
   Rig rig_;
+  std::size_t targets_left_ = most_target_positions;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "host/scene/blend_shapes.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -36,6 +37,8 @@ struct RigPart {
   std::vector<std::uint32_t> influence_offset;  // vertices + 1
   std::vector<std::uint32_t> slot;
   std::vector<double> weight;
+  std::vector<BlendShape> shapes;    // morph targets; `positions` are without them
+  std::vector<double> rest_weights;  // of each shape, where no clip moves it: in the bind pose
 };
 
 // The parts of a character in the order of Character::surface's vertices; of `character`, the skeleton, its

@@ -65,10 +65,19 @@ struct Channel {
   std::vector<double> values;  // 3 or 4 a key; cubic_spline: in-tangent, value, out-tangent
 };
 
+// The weights of a part's blend shapes over time.
+struct WeightChannel {
+  std::uint32_t node = 0;  // in the file: SurfacePart::node
+  Interpolation interpolation = Interpolation::linear;
+  std::vector<double> times;   // s, ascending
+  std::vector<double> values;  // one a shape a key; cubic_spline: in-tangents, values, out-tangents
+};
+
 struct Clip {
   std::string name;
   double duration = 0.0;  // s, the last key of any channel
   std::vector<Channel> channels;
+  std::vector<WeightChannel> weights = {};
 };
 
 // Values painted on a character's vertices: a glTF attribute whose name begins with _ or COLOR_. 0 on the
