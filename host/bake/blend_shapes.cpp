@@ -55,10 +55,7 @@ void BlendShapes::add_to(std::uint64_t frame, std::span<float> surface) const {
   std::vector<Matrix4d> joints;
   std::size_t first = 0;
   for (const scene::RigPart& part : rig_.parts) {
-    std::vector<double> weights = part.rest_weights;
-    if (clip != nullptr)
-      for (const scene::WeightChannel& channel : clip->weights)
-        if (channel.node == part.node) weights = scene::weights_at(channel, time);
+    std::vector<double> weights = scene::shape_weights(part, clip, time);
     for (std::size_t k = 0; k < weights.size(); ++k) weights[k] -= part.rest_weights[k];
     if (std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0.0; })) {
       if (joints.empty()) joints = scene::joint_transforms_at(rig_.character, clip, time);

@@ -456,11 +456,9 @@ class Reader {
 }  // namespace
 
 Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
-  GltfFile file = read_gltf_file(path);
-  const nlohmann::json looks = file.document;
-  const CheckedGltf checked = check_gltf(std::move(file));
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
   const auto model = decode_gltf(checked);
-  Character character = Reader(path, looks, *model).run();
+  Character character = Reader(path, checked.plain, *model).run();
   if (files_read != nullptr) {
     files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());
   }

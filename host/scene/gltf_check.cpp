@@ -28,18 +28,37 @@ void GltfCheck::asset() {
   out_["asset"] = {{"version", "2.0"}};
 }
 
-// Extensions that change how a surface looks, or no more than the types of numbers that are read here anyway.
+// Extensions that change how a surface looks, what is known about it, or no more than what is read here
+// anyway.
 void GltfCheck::extensions() {
-  static constexpr std::array<const char*, 5> harmless{"KHR_materials_", "KHR_texture_", "EXT_texture_",
-                                                       "KHR_lights_punctual", "KHR_mesh_quantization"};
+  static constexpr std::array<const char*, 20> harmless{"KHR_materials_",
+                                                        "KHR_texture_",
+                                                        "EXT_texture_",
+                                                        "MSFT_texture_",
+                                                        "MSFT_packing_",
+                                                        "ADOBE_materials_",
+                                                        "KHR_lights_",
+                                                        "EXT_lights_",
+                                                        "KHR_mesh_quantization",
+                                                        "KHR_animation_",
+                                                        "KHR_xmp",
+                                                        "KHR_audio",
+                                                        "VRM",
+                                                        "EXT_mesh_features",
+                                                        "EXT_structural_metadata",
+                                                        "EXT_feature_metadata",
+                                                        "KHR_draco_mesh_compression",
+                                                        "EXT_meshopt_compression",
+                                                        "KHR_meshopt_compression",
+                                                        "AGI_"};
   for (const GltfPlace& place : elements({&file_.document, ""}, "extensionsRequired")) {
     if (!place.value->is_string()) fail(place.pointer, "must be a string");
     const auto name = place.value->get<std::string>();
     const bool is_harmless = std::any_of(harmless.begin(), harmless.end(),
                                          [&](const char* prefix) { return name.rfind(prefix, 0) == 0; });
     if (!is_harmless) {
-      fail(place.pointer,
-           "the file needs the extension `" + name.substr(0, 60) + "`, which is not read; export without it");
+      fail(place.pointer, "the file needs the extension `" + name.substr(0, 60) +
+                              "`, which may change its meshes and is not read; export without it");
     }
   }
 }

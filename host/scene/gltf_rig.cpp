@@ -180,9 +180,9 @@ class Reader {
 }  // namespace
 
 GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) {
-  GltfFile file = read_gltf_file(path);
-  GltfDocument document{.json = file.document, .binary = {}};
-  const auto model = decode_gltf(check_gltf(std::move(file)));
+  CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  GltfDocument document{.json = std::move(checked.plain), .binary = {}};
   std::vector<std::size_t> offsets;
   for (const tinygltf::Buffer& buffer : model->buffers) {
     append_aligned(document.binary, buffer.data.data(), buffer.data.size());
@@ -199,10 +199,22 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) 
 }
 
 Rig read_rig(const fs::path& path) {
-  GltfFile file = read_gltf_file(path);
-  const json document = file.document;
-  const auto model = decode_gltf(check_gltf(std::move(file)));
-  return Reader(path, document, *model).run();
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  return Reader(path, checked.plain, *model).run();
+}
+
+std::vector<double> shape_weights(const RigPart& part, const Clip* clip, double time) {
+  if (clip != nullptr && !part.shapes.empty())
+    for (const WeightChannel& channel : clip->weights)
+      if (channel.node == part.node) return weights_at(channel, time);
+  return part.rest_weights;
+}
+
+std::vector<Eigen::Vector3d> shaped_positions(const RigPart& part, const Clip* clip, double time) {
+  std::vector<Eigen::Vector3d> positions = part.positions;
+  add_shapes(part.shapes, shape_weights(part, clip, time), positions);
+  return positions;
 }
 
 fs::path character_file(const Scene& scene) {

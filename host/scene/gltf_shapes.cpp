@@ -10,14 +10,14 @@ std::vector<BlendShape> read_shapes(const std::filesystem::path& path, const tin
                                     const tinygltf::Primitive& primitive, const std::string& pointer,
                                     std::size_t count, std::size_t& left) {
   std::vector<BlendShape> shapes(primitive.targets.size());
+  if (count > 0 && shapes.size() > left / count)
+    gltf_error(path, pointer + "/targets",
+               "the morph targets have more than " + std::to_string(most_target_positions) +
+                   " positions in all; export fewer");
+  left -= shapes.size() * count;
   for (std::size_t k = 0; k < shapes.size(); ++k) {
     const auto found = primitive.targets[k].find("POSITION");
     if (found == primitive.targets[k].end()) continue;
-    if (count > left)
-      gltf_error(path, pointer + "/targets/" + std::to_string(k),
-                 "the morph targets have more than " + std::to_string(most_target_positions) +
-                     " positions in all; export fewer");
-    left -= count;
     const std::vector<double> moves = accessor_numbers(path, model, found->second);
     for (std::size_t i = 0; i < count; ++i) {
       const Vector3d move(moves[3 * i], moves[3 * i + 1], moves[3 * i + 2]);

@@ -351,7 +351,7 @@ struct SceneOverrides {
 bool has_overrides(const SceneOverrides& overrides);
 
 // `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
-// .gltf) or a built-in scene. Throws SceneError.
+// .gltf .vrm) or a built-in scene. Throws SceneError.
 Scene load_scene(const std::string& name, const SceneOverrides& overrides = {});
 
 // The built-in scenes, in the order `fascicle scenes` lists them.
