@@ -15,6 +15,7 @@
 #include <chrono>
 #include <optional>
 
+#include "host/bake/blend_shapes.h"
 #include "host/bake/blender_script.h"
 #include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
@@ -126,6 +127,7 @@ class Run {
 
   std::optional<FolderLock> lock_;
   model::Frame initial_;
+  std::optional<BlendShapes> shapes_;
   std::vector<std::unique_ptr<FrameSink>> sinks_;
   model::Read needs_;
   std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty where nobody looks
@@ -197,6 +199,7 @@ BakeResult Run::go() {
     solver_.load(state);
     if (!resumed) {
       if (!all_finite(initial_)) refuse_not_finite(initial_);
+      shapes_->add_to(0, initial_.surface);
       write(initial_);
       checkpoint(state);
     }
@@ -270,10 +273,11 @@ void Run::begin_sinks(std::uint64_t first) {
   const auto* character = std::get_if<scene::Character>(&scene_.geometry);
   const bool is_character = character != nullptr && model_.has_skeleton();
   if (is_character && (first == 0 || !fs::exists(path_of(character_name))))
-    write_whole(
-        path_of(character_name),
-        character_glb(
-            scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); }, missing_images_));
+    write_whole(path_of(character_name),
+                character_glb(
+                    scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); },
+                    [this](std::uint64_t frame) { return drives_.clip_time(frame); }, missing_images_));
+  shapes_.emplace(is_character ? path_of(character_name) : fs::path(), model_, scene_.fps);
   const BakeInfo info{.model = &model_,
                       .folder = options_.folder,
                       .scene_name = scene_.name,
@@ -309,6 +313,7 @@ void Run::begin_sinks(std::uint64_t first) {
     model::Frame frame = cache.read(k);
     progress_.position_hashes.push_back(model::position_hash(frame));
     frame.surface = embed(model_, frame.positions);
+    shapes_->add_to(k, frame.surface);
     for (const auto& sink : sinks_)
       if (!sink->resumes()) sink->write(frame);
   }
@@ -332,7 +337,10 @@ void Run::step_frames(std::uint64_t first) {
     interrupted_ = true;
     return;
   }
-  FrameWriter writer([this](const model::Frame& frame) { write(frame); });
+  FrameWriter writer([this](model::Frame& frame) {
+    if (!frame.surface.empty()) shapes_->add_to(frame.index, frame.surface);
+    write(frame);
+  });
   submit(first);
   for (std::uint64_t k = first; k <= frames_; ++k) {
     interrupted_ = k < frames_ && stopped();

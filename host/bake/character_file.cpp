@@ -7,6 +7,7 @@
 #include "host/bake/gltf_writer.h"
 #include "host/bake/surface.h"
 #include "host/bake/version.h"
+#include "host/scene/blend_shapes.h"
 #include "host/scene/pose.h"
 #include "host/scene/rig_math.h"
 
@@ -138,12 +139,13 @@ const char* name_of(scene::ChannelPath path) {
 // The skeleton's motion at the bake's frames, as the first animation.
 void add_baked_clip(scene::GltfDocument& document, const scene::Scene& scene,
                     const scene::Character& character, const std::vector<std::uint32_t>& joint_node,
-                    const PoseOfFrame& pose) {
+                    const PoseOfFrame& pose, const TimeOfFrame& time) {
   const scene::Clip* clip = scene::find_clip(character, scene.clip);
-  if (clip == nullptr || clip->channels.empty()) return;
+  if (clip == nullptr || (clip->channels.empty() && clip->weights.empty())) return;
   std::vector<Track> tracks;
   for (const scene::Channel& channel : clip->channels)
     tracks.push_back({.joint = channel.joint, .path = channel.path, .values = {}});
+  std::vector<std::vector<float>> weights(clip->weights.size());
   std::vector<float> times;
   const std::uint64_t frames = scene::frame_count(scene);
   for (std::uint64_t k = 0; k <= frames; ++k) {
@@ -155,6 +157,9 @@ void add_baked_clip(scene::GltfDocument& document, const scene::Scene& scene,
           joint.parent < 0 ? character.root : joints[static_cast<std::size_t>(joint.parent)];
       track.append(scene::joint_parts(above, joints[track.joint], joint.rest_scale));
     }
+    for (std::size_t w = 0; w < weights.size(); ++w)
+      for (const double value : scene::weights_at(clip->weights[w], time(k)))
+        weights[w].push_back(static_cast<float>(value));
   }
   const std::size_t input = add_accessor(document, std::span<const float>(times), 1, true);
   json samplers = json::array(), channels = json::array();
@@ -165,6 +170,13 @@ void add_baked_clip(scene::GltfDocument& document, const scene::Scene& scene,
                         {"interpolation", "LINEAR"}});
     channels.push_back({{"sampler", samplers.size() - 1},
                         {"target", {{"node", joint_node.at(track.joint)}, {"path", name_of(track.path)}}}});
+  }
+  for (std::size_t w = 0; w < weights.size(); ++w) {
+    samplers.push_back({{"input", input},
+                        {"output", add_accessor(document, std::span<const float>(weights[w]), 1)},
+                        {"interpolation", "LINEAR"}});
+    channels.push_back({{"sampler", samplers.size() - 1},
+                        {"target", {{"node", clip->weights[w].node}, {"path", "weights"}}}});
   }
   json& animations = document.json["animations"];
   if (!animations.is_array()) animations = json::array();
@@ -194,7 +206,7 @@ bool has_baked_clip(const json& document) {
 }
 
 std::string character_glb(const scene::Scene& scene, const model::Model& model, const PoseOfFrame& pose,
-                          std::vector<std::string>& missing) {
+                          const TimeOfFrame& time, std::vector<std::string>& missing) {
   const auto& character = std::get<scene::Character>(scene.geometry);
   const std::filesystem::path file = scene::character_file(scene);
   scene::GltfDocument document;
@@ -202,11 +214,11 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
     document = made_document(character, model);
     std::vector<std::uint32_t> joint_node;
     for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) joint_node.push_back(j + 1);
-    add_baked_clip(document, scene, character, joint_node, pose);
+    add_baked_clip(document, scene, character, joint_node, pose, time);
   } else {
     document = scene::pack_gltf(file, missing);
     const scene::Rig rig = scene::read_rig(file);
-    add_baked_clip(document, scene, rig.character, rig.joint_node, pose);
+    add_baked_clip(document, scene, rig.character, rig.joint_node, pose, time);
     if (scene.scale != 1.0 && document.json.contains("scenes")) add_scale(document.json, scene.scale);
   }
   json& extras = document.json["extras"];

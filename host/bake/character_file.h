@@ -19,10 +19,13 @@ inline constexpr const char* character_name = "character.glb";
 // Of each joint, from its own space to the world (metres of the file), at the end of a frame.
 using PoseOfFrame = std::function<std::vector<Eigen::Matrix4d>(std::uint64_t frame)>;
 
+// The clip's time that a frame shows, s.
+using TimeOfFrame = std::function<double(std::uint64_t frame)>;
+
 // Its bytes. Metres: a scale of the scene becomes a node above all others. `missing` gets the names of images
 // that are not there.
 std::string character_glb(const scene::Scene& scene, const model::Model& model, const PoseOfFrame& pose,
-                          std::vector<std::string>& missing);
+                          const TimeOfFrame& time, std::vector<std::string>& missing);
 
 // Whether the first animation of a document is the clip that a bake was made with.
 bool has_baked_clip(const nlohmann::json& document);

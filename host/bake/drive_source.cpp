@@ -327,6 +327,10 @@ std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {
   return impl_->timeline->pose(frame * impl_->substeps);
 }
 
+double DriveSource::clip_time(std::uint64_t frame) const {
+  return impl_->timeline ? impl_->timeline->clip_time(frame * impl_->substeps) : 0.0;
+}
+
 std::uint64_t DriveSource::preroll_frames() const {
   if (!impl_->timeline) return 0;
   return static_cast<std::uint64_t>(std::llround(impl_->scene.motion.preroll * impl_->scene.fps));

@@ -42,6 +42,8 @@ class DriveSource {
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
   // the first pose. Nothing without a skeleton.
   std::vector<Eigen::Matrix4d> joints(std::uint64_t frame);
+  // The clip's time that a frame shows, s; 0 without a skeleton.
+  double clip_time(std::uint64_t frame) const;
 
   // Before frame 0. The preroll begins in preroll_state(), at rest, and lasts preroll_frames(); frame k of it
   // is k = 1.. of them, which begins and ends at rest. Without a preroll its state is that of the first pose.

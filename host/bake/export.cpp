@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/bake/bake.h"
+#include "host/bake/blend_shapes.h"
 #include "host/bake/blender_script.h"
 #include "host/bake/character_file.h"
 #include "host/bake/file.h"
@@ -77,7 +78,9 @@ class Export {
         own_(is_own(options)),
         folder_(own_ ? options.bake : options.folder),
         cache_(finished_cache(options.bake)),
-        model_(model_of(options.bake, cache_)) {}
+        model_(model_of(options.bake, cache_)),
+        shapes_(model_.has_skeleton() ? options.bake / character_name : fs::path(), model_,
+                cache_.header().fps) {}
 
   ExportResult go();
 
@@ -85,6 +88,7 @@ class Export {
   model::Frame frame(std::uint64_t k) const {
     model::Frame frame = cache_.read(k);
     frame.surface = embed(model_, frame.positions);
+    shapes_.add_to(k, frame.surface);
     return frame;
   }
   std::vector<std::string> names() const;
@@ -96,6 +100,7 @@ class Export {
   const fs::path folder_;
   const FrameCacheReader cache_;
   const model::Model model_;
+  const BlendShapes shapes_;
   std::optional<FolderLock> bake_lock_, lock_;
 };
 

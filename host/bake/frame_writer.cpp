@@ -5,7 +5,7 @@
 
 namespace fascicle::bake {
 
-FrameWriter::FrameWriter(std::function<void(const model::Frame&)> write) : write_(std::move(write)) {
+FrameWriter::FrameWriter(std::function<void(model::Frame&)> write) : write_(std::move(write)) {
   try {
     thread_ = std::thread([this] { work(); });
   } catch (const std::system_error&) {

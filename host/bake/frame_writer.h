@@ -15,9 +15,9 @@ namespace fascicle::bake {
 
 class FrameWriter {
  public:
-  // `write` is called on the writer's thread, one frame at a time; where the system refuses to make a thread,
-  // by put().
-  explicit FrameWriter(std::function<void(const model::Frame&)> write);
+  // `write` is called on the writer's thread, one frame at a time, which it may change; where the system refuses
+  // to make a thread, by put().
+  explicit FrameWriter(std::function<void(model::Frame&)> write);
   // Frames whose writing has not begun are dropped.
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
@@ -33,7 +33,7 @@ class FrameWriter {
   void work();
   void rethrow();
 
-  std::function<void(const model::Frame&)> write_;
+  std::function<void(model::Frame&)> write_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<model::Frame> waiting_;  // at most one

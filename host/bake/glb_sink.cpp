@@ -234,17 +234,21 @@ Piece GlbSink::write_part(const scene::RigPart& part, std::size_t first, const s
   return piece;
 }
 
-// The source's own morph targets are gone, and so is what moved them.
-void drop_weight_channels(json& animations) {
+// The source's own morph targets are gone, and so is what moved them: the targets of the baked clip hold what
+// they did to the surface. `kept`: animations that stay even if nothing is left in them.
+void drop_weight_channels(json& animations, std::size_t kept) {
   for (json& animation : animations) {
-    json kept = json::array();
+    json others = json::array();
     for (const json& channel : animation.value("channels", json::array()))
       if (channel.value("target", json::object()).value("path", std::string()) != "weights")
-        kept.push_back(channel);
-    animation["channels"] = std::move(kept);
+        others.push_back(channel);
+    animation["channels"] = std::move(others);
   }
-  std::erase_if(animations.get_ref<json::array_t&>(),
-                [](const json& animation) { return animation["channels"].empty(); });
+  auto& list = animations.get_ref<json::array_t&>();
+  const auto first = list.begin() + static_cast<std::ptrdiff_t>(std::min(kept, list.size()));
+  list.erase(
+      std::remove_if(first, list.end(), [](const json& animation) { return animation["channels"].empty(); }),
+      list.end());
 }
 
 // Targets into the primitives, their weights into the animation. Numbers of the targets' accessors begin
@@ -275,7 +279,7 @@ void GlbSink::add_targets(json& document) {
   const bool has_clip = has_baked_clip(document);
   json& animations = document["animations"];
   if (!animations.is_array()) animations = json::array();
-  drop_weight_channels(animations);
+  drop_weight_channels(animations, has_clip ? 1 : 0);
   if (!has_clip)
     animations.insert(animations.begin(),
                       json({{"name", "baked"}, {"samplers", json::array()}, {"channels", json::array()}}));

@@ -32,12 +32,12 @@ std::vector<float> SkinnedSurface::positions(std::uint64_t frame) const {
     std::vector<Matrix4d> slots;
     for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
       slots.push_back(joints[part.skin_joint[k]] * part.inverse_bind[k]);
-    for (std::size_t i = 0; i < part.positions.size(); ++i) {
+    const std::vector<Eigen::Vector3d> shaped = scene::shaped_positions(part, clip, double{time});
+    for (std::size_t i = 0; i < shaped.size(); ++i) {
       Matrix4d blend = Matrix4d::Zero();
       for (std::size_t k = part.influence_offset[i]; k < part.influence_offset[i + 1]; ++k)
         blend += part.weight[k] * slots[part.slot[k]];
-      const Eigen::Vector3d place =
-          blend.topLeftCorner<3, 3>() * part.positions[i] + blend.topRightCorner<3, 1>();
+      const Eigen::Vector3d place = blend.topLeftCorner<3, 3>() * shaped[i] + blend.topRightCorner<3, 1>();
       for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(place[axis]));
     }
   }

@@ -11,6 +11,7 @@
 #include "host/scene/gltf_decode.h"
 #include "host/scene/gltf_library.h"
 #include "host/scene/gltf_parts.h"
+#include "host/scene/gltf_shapes.h"
 #include "host/scene/gltf_skeleton.h"
 #include "host/scene/pose.h"
 
@@ -84,7 +85,7 @@ class Reader {
       SurfacePart part = begun_part(source);
       read_primitive(
           model_.meshes[source.mesh].primitives[source.primitive],
-          source.skin >= 0 ? skins.at(source.skin) : carried(source), source.skin >= 0,
+          source.skin >= 0 ? skins.at(source.skin) : carried(source), source,
           "/meshes/" + std::to_string(source.mesh) + "/primitives/" + std::to_string(source.primitive));
       part.vertex_count = static_cast<std::uint32_t>(character_.surface.vertices.size()) - part.first_vertex;
       part.triangle_count =
@@ -380,7 +381,7 @@ class Reader {
       attribute.values.resize(attribute.width * all, 0.0);
   }
 
-  void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, bool is_skinned,
+  void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, const GltfPart& source,
                       const std::string& pointer) {
     if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN) {
@@ -398,8 +399,14 @@ class Reader {
     const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
                                             a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
     const std::vector<std::vector<Influence>> influences =
-        is_skinned ? read_influences(primitive, skin, pointer, a.count)
-                   : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
+        source.skin >= 0 ? read_influences(primitive, skin, pointer, a.count)
+                         : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
+
+    std::vector<Vector3d> points;
+    for (std::size_t i = 0; i < a.count; ++i) points.emplace_back(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
+    const std::vector<BlendShape> shapes =
+        read_shapes(path_, model_, primitive, pointer, a.count, targets_left_);
+    add_shapes(shapes, rest_weights(looks_, source.node, source.mesh, shapes.size()), points);
 
     const auto first = static_cast<std::uint32_t>(surface.vertices.size());
     std::vector<bool> is_mirrored(a.count);
@@ -413,7 +420,7 @@ class Reader {
         joints[k] = skin.joints[x.joint];
         weights[k] = x.weight;
       }
-      const Vector3d p(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
+      const Vector3d& p = points[i];
       const Vector3d bound = blend.topLeftCorner<3, 3>() * p + blend.topRightCorner<3, 1>();
       if (!bound.allFinite())
         fail(position_pointer, "vertex " + std::to_string(i) + " is skinned to no finite position");
@@ -439,8 +446,9 @@ class Reader {
   const nlohmann::json& looks_;
   const tinygltf::Model& model_;
   Character character_;
-  std::vector<std::int32_t> joint_of_;    // of a node
-  std::vector<Eigen::Matrix4d> bind_;     // of a joint: its space to the bind pose, metres
+  std::vector<std::int32_t> joint_of_;  // of a node
+  std::vector<Eigen::Matrix4d> bind_;   // of a joint: its space to the bind pose, metres
+  std::size_t targets_left_ = most_target_positions;
   std::size_t normalised_ = 0, cut_ = 0;  // vertices whose weights were not taken as they are
   std::vector<bool> is_bound_;            // of a joint: whether a skin has said where it stands
 };
@@ -448,11 +456,9 @@ class Reader {
 }  // namespace
 
 Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
-  GltfFile file = read_gltf_file(path);
-  const nlohmann::json looks = file.document;
-  const CheckedGltf checked = check_gltf(std::move(file));
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
   const auto model = decode_gltf(checked);
-  Character character = Reader(path, looks, *model).run();
+  Character character = Reader(path, checked.plain, *model).run();
   if (files_read != nullptr) {
     files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());
   }

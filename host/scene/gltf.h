@@ -5,9 +5,10 @@
 // show twice; strips and fans become triangles; all JOINTS_n and WEIGHTS_n; attributes with numbers for each
 // vertex whose names begin with _ or COLOR_, as painted. A mesh without a skin follows with weight 1 the
 // nearest node at or above its own that is a joint or that a clip moves; such a node is a joint of the
-// skeleton. What is left out: meshes that nothing moves (Character::notes says which), morph targets,
-// everything about looks. Joint::skins holds for every joint of a skin, weighted or not, and for every joint
-// that carries a mesh.
+// skeleton. What is left out: meshes that nothing moves (Character::notes says which) and
+// everything about looks. Morph targets stand in the surface at the weights of the mesh or the node;
+// Clip::weights moves them, and read_rig (gltf_rig.h) has them. Joint::skins holds for every joint of a skin,
+// weighted or not, and for every joint that carries a mesh.
 //
 // The bind pose is the pose of the nodes as the file holds them: positions are put through the skin with
 // those transforms, which turns raw units into metres and the axes to Y up. Where the file's inverse bind

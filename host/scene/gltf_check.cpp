@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -27,18 +28,37 @@ void GltfCheck::asset() {
   out_["asset"] = {{"version", "2.0"}};
 }
 
-// Extensions that change how a surface looks, or no more than the types of numbers that are read here anyway.
+// Extensions that change how a surface looks, what is known about it, or no more than what is read here
+// anyway.
 void GltfCheck::extensions() {
-  static constexpr std::array<const char*, 5> harmless{"KHR_materials_", "KHR_texture_", "EXT_texture_",
-                                                       "KHR_lights_punctual", "KHR_mesh_quantization"};
+  static constexpr std::array<const char*, 20> harmless{"KHR_materials_",
+                                                        "KHR_texture_",
+                                                        "EXT_texture_",
+                                                        "MSFT_texture_",
+                                                        "MSFT_packing_",
+                                                        "ADOBE_materials_",
+                                                        "KHR_lights_",
+                                                        "EXT_lights_",
+                                                        "KHR_mesh_quantization",
+                                                        "KHR_animation_",
+                                                        "KHR_xmp",
+                                                        "KHR_audio",
+                                                        "VRM",
+                                                        "EXT_mesh_features",
+                                                        "EXT_structural_metadata",
+                                                        "EXT_feature_metadata",
+                                                        "KHR_draco_mesh_compression",
+                                                        "EXT_meshopt_compression",
+                                                        "KHR_meshopt_compression",
+                                                        "AGI_"};
   for (const GltfPlace& place : elements({&file_.document, ""}, "extensionsRequired")) {
     if (!place.value->is_string()) fail(place.pointer, "must be a string");
     const auto name = place.value->get<std::string>();
     const bool is_harmless = std::any_of(harmless.begin(), harmless.end(),
                                          [&](const char* prefix) { return name.rfind(prefix, 0) == 0; });
     if (!is_harmless) {
-      fail(place.pointer,
-           "the file needs the extension `" + name.substr(0, 60) + "`, which is not read; export without it");
+      fail(place.pointer, "the file needs the extension `" + name.substr(0, 60) +
+                              "`, which may change its meshes and is not read; export without it");
     }
   }
 }
@@ -64,11 +84,55 @@ void GltfCheck::meshes() {
         if (is_needed)
           result["attributes"][name] = index(value, attributes.pointer + "/" + name, "accessors");
       }
+      json targets = morph_targets(primitive, attributes);
+      const std::size_t number = targets.size();
+      if (primitives.empty()) {
+        targets_.push_back(number);
+      } else if (number != targets_.back()) {
+        fail(primitive.pointer + "/targets", std::to_string(number) +
+                                                 " targets, and the mesh's first primitive has " +
+                                                 std::to_string(targets_.back()));
+      }
+      if (number > 0) result["targets"] = std::move(targets);
       primitives.push_back(std::move(result));
     }
     if (primitives.empty()) fail(place.pointer + "/primitives", "must have at least one");
     out_["meshes"].push_back({{"primitives", std::move(primitives)}});
+    morph_weights(place, targets_.back());
   }
+}
+
+json GltfCheck::morph_targets(const GltfPlace& primitive, const GltfPlace& attributes) const {
+  json result = json::array();
+  for (const GltfPlace& target : objects(primitive, "targets")) {
+    json kept = json::object();
+    if (const auto position = optional_index(target, "POSITION", "accessors")) {
+      const Accessor& accessor = accessors_[*position];
+      const std::string pointer = target.pointer + "/POSITION";
+      if (accessor.type != "VEC3" || accessor.component == 5125)
+        fail(pointer, "its accessor must be VEC3 of floats or of short integers");
+      const json* base = member(attributes, "POSITION");
+      if (base != nullptr && base->is_number_unsigned() &&
+          accessor.count != accessors_[base->get<std::size_t>()].count) {
+        fail(pointer, std::to_string(accessor.count) + " elements for " +
+                          std::to_string(accessors_[base->get<std::size_t>()].count) + " positions");
+      }
+      kept["POSITION"] = *position;
+    }
+    result.push_back(std::move(kept));
+  }
+  return result;
+}
+
+// Of a mesh or of a node that shows one.
+void GltfCheck::morph_weights(const GltfPlace& owner, std::size_t targets) const {
+  const std::vector<GltfPlace> values = elements(owner, "weights");
+  for (const GltfPlace& value : values)
+    if (!value.value->is_number() || !std::isfinite(value.value->get<double>()))
+      fail(value.pointer, "must be a number");
+  if (!values.empty() && targets > 0 && values.size() != targets)
+    fail(owner.pointer + "/weights",
+         std::to_string(values.size()) + " weights for " + std::to_string(targets) + " targets");
 }
 
 void GltfCheck::skins() {
@@ -102,7 +166,10 @@ void GltfCheck::skins() {
 json GltfCheck::node(const GltfPlace& place) {
   json result = json::object();
   if (const auto name = optional_text(place, "name")) result["name"] = *name;
-  if (const auto mesh = optional_index(place, "mesh", "meshes")) result["mesh"] = *mesh;
+  if (const auto mesh = optional_index(place, "mesh", "meshes")) {
+    result["mesh"] = *mesh;
+    morph_weights(place, targets_[*mesh]);
+  }
   if (const auto skin = optional_index(place, "skin", "skins")) result["skin"] = *skin;
   json children = json::array();
   for (const GltfPlace& child : elements(place, "children"))
@@ -209,6 +276,13 @@ void GltfCheck::scenes() {
   if (const auto scene = optional_index(top, "scene", "scenes")) out_["scene"] = *scene;
 }
 
+// Morph targets of the mesh that a node shows.
+std::size_t GltfCheck::shapes_of(std::size_t node) const {
+  const json& checked = out_.at("nodes")[node];
+  const auto mesh = checked.find("mesh");
+  return mesh == checked.end() ? 0 : targets_[mesh->get<std::size_t>()];
+}
+
 json GltfCheck::animation(const GltfPlace& place) {
   struct Sampler {
     std::size_t input, output;
@@ -244,13 +318,15 @@ json GltfCheck::animation(const GltfPlace& place) {
     const auto path = optional_text(target, "path");
     if (!path) fail(target.pointer + "/path", "is missing");
     const auto node = optional_index(target, "node", "nodes");
-    // Morph weights and what extensions animate move no joint.
-    if (!node || *path == "weights" || *path == "pointer") continue;
-    if (*path != "translation" && *path != "rotation" && *path != "scale") {
+    // What extensions animate moves no joint.
+    if (!node || *path == "pointer") continue;
+    const bool is_weights = *path == "weights";
+    if (is_weights && shapes_of(*node) == 0) continue;
+    if (!is_weights && *path != "translation" && *path != "rotation" && *path != "scale") {
       fail(target.pointer + "/path",
            "`" + path->substr(0, 20) + "`; must be translation, rotation, scale or weights");
     }
-    if (has_matrix_[*node]) {
+    if (!is_weights && has_matrix_[*node]) {
       fail(target.pointer + "/node",
            "node " + std::to_string(*node) + " is given as a matrix and cannot be animated");
     }
@@ -259,12 +335,11 @@ json GltfCheck::animation(const GltfPlace& place) {
     }
     const Sampler& sampler = samplers[static_cast<std::size_t>(s)];
     const Accessor& output = accessors_[sampler.output];
-    const bool is_rotation = *path == "rotation";
+    const std::string type = is_weights ? "SCALAR" : *path == "rotation" ? "VEC4" : "VEC3";
     const std::string pointer = place.pointer + "/samplers/" + std::to_string(s) + "/output";
-    if (output.type != (is_rotation ? "VEC4" : "VEC3")) {
-      fail(pointer, "its accessor must be " + std::string(is_rotation ? "VEC4" : "VEC3") + " for a " + *path);
-    }
-    const std::uint64_t wanted = accessors_[sampler.input].count * (sampler.is_spline ? 3 : 1);
+    if (output.type != type) fail(pointer, "its accessor must be " + type + " for a " + *path);
+    const std::uint64_t shapes = is_weights ? shapes_of(*node) : 1;
+    const std::uint64_t wanted = accessors_[sampler.input].count * (sampler.is_spline ? 3 : 1) * shapes;
     if (output.count != wanted) {
       fail(pointer, std::to_string(output.count) + " values where the keys need " + std::to_string(wanted));
     }

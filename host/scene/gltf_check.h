@@ -15,9 +15,12 @@ namespace fascicle::scene {
 struct CheckedGltf {
   std::filesystem::path path;
   // What a character needs of the document and nothing else: images, extensions and extras never reach the
-  // decoder. Numbering is that of the file, except that animation channels that move no node's transform are
-  // left out.
+  // decoder. Numbering is that of the file, except that animation channels that move neither a node's
+  // transform nor its morph targets are left out.
   nlohmann::json document;
+  // The whole document as the file has it, but with compressed geometry made plain; its buffers are numbered
+  // as those of `document`.
+  nlohmann::json plain;
   // Bytes of the buffers that are not data: URIs, by the name the document now gives as their uri; cut to
   // byteLength.
   std::map<std::string, std::vector<unsigned char>> buffers;

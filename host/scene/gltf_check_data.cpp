@@ -10,7 +10,9 @@ using nlohmann::json;
 
 constexpr std::uint64_t most_elements_without_view = std::uint64_t{1} << 24;
 
-std::uint64_t component_bytes(std::uint64_t component) {
+}  // namespace
+
+std::uint64_t gltf_component_bytes(std::uint64_t component) {
   switch (component) {
     case 5120:
     case 5121:
@@ -26,7 +28,7 @@ std::uint64_t component_bytes(std::uint64_t component) {
   }
 }
 
-std::uint64_t component_count(const std::string& type) {
+std::uint64_t gltf_components(const std::string& type) {
   static constexpr std::array<std::pair<const char*, std::uint64_t>, 7> types{
       {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT2", 4}, {"MAT3", 9}, {"MAT4", 16}}};
   for (const auto& [name, count] : types) {
@@ -34,8 +36,6 @@ std::uint64_t component_count(const std::string& type) {
   }
   return 0;
 }
-
-}  // namespace
 
 std::uint64_t GltfCheck::data_uri_bytes(const std::string& pointer, const std::string& uri,
                                         std::size_t start) const {
@@ -84,6 +84,15 @@ void GltfCheck::buffers() {
         bytes = read_gltf_buffer(file_.path, pointer, *uri, checked_.files_read);
       } else if (buffer_bytes_.empty() && file_.has_binary) {
         bytes = std::move(file_.binary);
+      } else if (is_fallback(place)) {
+        // Its views hold their bytes compressed, elsewhere: one byte stands for it.
+        buffer_bytes_.push_back(1);
+        total -= length;
+        file_.document["buffers"][buffer_bytes_.size() - 1]["byteLength"] = 1;
+        name = "buffer-" + std::to_string(buffer_bytes_.size() - 1);
+        checked_.buffers[name] = {0};
+        out_["buffers"].push_back({{"byteLength", 1}, {"uri", name}});
+        continue;
       } else {
         fail(pointer, "is missing, and there is no BIN chunk for this buffer");
       }
@@ -145,7 +154,7 @@ json GltfCheck::sparse(const GltfPlace& accessor, std::uint64_t count, std::uint
   if (component != 5121 && component != 5123 && component != 5125) {
     fail(indices.pointer + "/componentType", std::to_string(component) + "; indices are 5121, 5123 or 5125");
   }
-  const std::uint64_t bytes = component_bytes(component);
+  const std::uint64_t bytes = gltf_component_bytes(component);
   json result{{"count", changed}};
   const auto part = [&](const GltfPlace& from, std::uint64_t size) {
     const std::size_t view = required_index(from, "bufferView", "bufferViews");
@@ -163,12 +172,12 @@ void GltfCheck::accessors() {
   out_["accessors"] = json::array();
   for (const GltfPlace& place : objects({&file_.document, ""}, "accessors")) {
     const std::uint64_t component = required_whole(place, "componentType");
-    const std::uint64_t bytes = component_bytes(component);
+    const std::uint64_t bytes = gltf_component_bytes(component);
     if (bytes == 0)
       fail(place.pointer + "/componentType", std::to_string(component) + " is not one that glTF has");
     const auto type = optional_text(place, "type");
     if (!type) fail(place.pointer + "/type", "is missing");
-    const std::uint64_t components = component_count(*type);
+    const std::uint64_t components = gltf_components(*type);
     if (components == 0)
       fail(place.pointer + "/type", "`" + type->substr(0, 20) + "` is not one that glTF has");
     const std::uint64_t size = bytes * components;

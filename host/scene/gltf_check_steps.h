@@ -1,9 +1,11 @@
-// The check's steps, in two files: gltf_check_data.cpp (buffers, views, accessors) and gltf_check.cpp (what
-// is built of them).
+// The check's steps, in three files: gltf_check_data.cpp (buffers, views, accessors),
+// gltf_check_compressed.cpp (what is compressed) and gltf_check.cpp (what is built of them).
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +26,10 @@ struct GltfPlace {
   std::string pointer;
 };
 
+// Bytes of a component type and components of a type; 0 for what glTF does not have.
+std::uint64_t gltf_component_bytes(std::uint64_t component);
+std::uint64_t gltf_components(const std::string& type);
+
 class GltfCheck {
  public:
   using json = nlohmann::json;
@@ -36,6 +42,8 @@ class GltfCheck {
     asset();
     extensions();
     buffers();
+    meshopt_views();
+    draco_primitives();
     views();
     accessors();
     meshes();
@@ -44,6 +52,7 @@ class GltfCheck {
     scenes();
     animations();
     checked_.document = std::move(out_);
+    checked_.plain = std::move(file_.document);
     return std::move(checked_);
   }
 
@@ -143,12 +152,22 @@ class GltfCheck {
   void extensions();
   void buffers();
   std::uint64_t data_uri_bytes(const std::string& pointer, const std::string& uri, std::size_t start) const;
+  std::optional<GltfPlace> extension(const GltfPlace& owner, const char* name) const;
+  bool is_fallback(const GltfPlace& buffer) const;
+  std::span<const unsigned char> compressed_bytes(const GltfPlace& place);
+  std::size_t add_buffer(const std::string& pointer, std::vector<unsigned char> bytes);
+  void meshopt_views();
+  void draco_primitives();
+  void draco_primitive(std::size_t mesh, std::size_t number, const std::string& pointer);
   void views();
   void accessors();
   json sparse(const GltfPlace& accessor, std::uint64_t count, std::uint64_t element) const;
   void fits(const std::string& pointer, std::size_t view, std::uint64_t offset, std::uint64_t stride,
             std::uint64_t size, std::uint64_t count) const;
   void meshes();
+  json morph_targets(const GltfPlace& primitive, const GltfPlace& attributes) const;
+  void morph_weights(const GltfPlace& owner, std::size_t targets) const;
+  std::size_t shapes_of(std::size_t node) const;
   void skins();
   void nodes();
   json node(const GltfPlace& place);
@@ -170,9 +189,12 @@ class GltfCheck {
   CheckedGltf checked_;
   json out_;
   std::vector<std::uint64_t> buffer_bytes_;
+  std::map<std::size_t, std::vector<unsigned char>> data_uris_;  // decoded, by buffer
+  std::uint64_t decoded_bytes_ = 0;
   std::vector<View> views_;
   std::vector<Accessor> accessors_;
-  std::vector<bool> has_matrix_;  // of a node
+  std::vector<std::size_t> targets_;  // of a mesh: how many morph targets its primitives have
+  std::vector<bool> has_matrix_;      // of a node
 };
 
 }  // namespace fascicle::scene

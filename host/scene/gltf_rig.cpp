@@ -8,6 +8,7 @@
 #include "host/scene/gltf_decode.h"
 #include "host/scene/gltf_library.h"
 #include "host/scene/gltf_parts.h"
+#include "host/scene/gltf_shapes.h"
 #include "host/scene/gltf_skeleton.h"
 #include "host/scene/input_files.h"
 
@@ -102,7 +103,7 @@ class Reader {
     return a.type == type && a.count == count ? static_cast<int>(accessor) : -1;
   }
 
-  RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) const {
+  RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) {
     const std::size_t mesh = source.mesh, p = source.primitive;
     const tinygltf::Primitive& primitive = model_.meshes[mesh].primitives[p];
     RigPart part;
@@ -118,6 +119,10 @@ class Reader {
       const std::vector<double> values = numbers(accessor);
       for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
     }
+    part.shapes = read_shapes(path_, model_, primitive,
+                              "/meshes/" + std::to_string(mesh) + "/primitives/" + std::to_string(p), count,
+                              targets_left_);
+    part.rest_weights = rest_weights(document_, source.node, mesh, part.shapes.size());
     if (source.skin < 0) {
       part.skin_joint = {static_cast<std::uint32_t>(joint_of[static_cast<std::size_t>(source.carrier)])};
       part.inverse_bind = {source.to_carrier};
@@ -169,14 +174,15 @@ class Reader {
   const json& document_;
   const tinygltf::Model& model_;
   Rig rig_;
+  std::size_t targets_left_ = most_target_positions;
 };
 
 }  // namespace
 
 GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) {
-  GltfFile file = read_gltf_file(path);
-  GltfDocument document{.json = file.document, .binary = {}};
-  const auto model = decode_gltf(check_gltf(std::move(file)));
+  CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  GltfDocument document{.json = std::move(checked.plain), .binary = {}};
   std::vector<std::size_t> offsets;
   for (const tinygltf::Buffer& buffer : model->buffers) {
     append_aligned(document.binary, buffer.data.data(), buffer.data.size());
@@ -193,10 +199,22 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) 
 }
 
 Rig read_rig(const fs::path& path) {
-  GltfFile file = read_gltf_file(path);
-  const json document = file.document;
-  const auto model = decode_gltf(check_gltf(std::move(file)));
-  return Reader(path, document, *model).run();
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  return Reader(path, checked.plain, *model).run();
+}
+
+std::vector<double> shape_weights(const RigPart& part, const Clip* clip, double time) {
+  if (clip != nullptr && !part.shapes.empty())
+    for (const WeightChannel& channel : clip->weights)
+      if (channel.node == part.node) return weights_at(channel, time);
+  return part.rest_weights;
+}
+
+std::vector<Eigen::Vector3d> shaped_positions(const RigPart& part, const Clip* clip, double time) {
+  std::vector<Eigen::Vector3d> positions = part.positions;
+  add_shapes(part.shapes, shape_weights(part, clip, time), positions);
+  return positions;
 }
 
 fs::path character_file(const Scene& scene) {

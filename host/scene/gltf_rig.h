@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "host/scene/blend_shapes.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -19,7 +20,8 @@ struct GltfDocument {
   std::string binary;
 };
 
-// The whole file, checked as read_gltf does; buffers and images inside `binary`, all else as it is. An image
+// The whole file, checked as read_gltf does; buffers and images inside `binary`, compressed geometry made
+// plain, all else as it is. An image
 // that is not there becomes a white pixel, and its name is appended to `missing`. Throws SceneError.
 GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::string>& missing);
 
@@ -36,7 +38,14 @@ struct RigPart {
   std::vector<std::uint32_t> influence_offset;  // vertices + 1
   std::vector<std::uint32_t> slot;
   std::vector<double> weight;
+  std::vector<BlendShape> shapes;    // morph targets; `positions` are without them
+  std::vector<double> rest_weights;  // of each shape, where no clip moves it: in the bind pose
 };
+
+// The weights of a part's shapes at `time` (s) of a clip; null: at rest.
+std::vector<double> shape_weights(const RigPart& part, const Clip* clip, double time);
+// The part's positions with its shapes, as its skin finds them.
+std::vector<Eigen::Vector3d> shaped_positions(const RigPart& part, const Clip* clip, double time);
 
 // The parts of a character in the order of Character::surface's vertices; of `character`, the skeleton, its
 // root and its clips.

@@ -43,7 +43,7 @@ std::vector<int> skeleton_nodes(const tinygltf::Model& model, const std::vector<
   std::vector<bool> is_moved(count, false), is_needed(count, false);
   for (const tinygltf::Animation& animation : model.animations) {
     for (const auto& channel : animation.channels)
-      is_moved[static_cast<std::size_t>(channel.target_node)] = true;
+      if (channel.target_path != "weights") is_moved[static_cast<std::size_t>(channel.target_node)] = true;
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!is_joint[i]) continue;
@@ -82,22 +82,32 @@ std::vector<int> skeleton_nodes(const tinygltf::Model& model, const std::vector<
   return order;
 }
 
+Interpolation interpolation_of(const tinygltf::AnimationSampler& sampler) {
+  return sampler.interpolation == "STEP"          ? Interpolation::step
+         : sampler.interpolation == "CUBICSPLINE" ? Interpolation::cubic_spline
+                                                  : Interpolation::linear;
+}
+
+std::vector<double> read_times(const std::filesystem::path& path, const tinygltf::Model& model,
+                               int accessor) {
+  std::vector<double> times = accessor_numbers(path, model, accessor);
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (!(times[k] > times[k - 1])) {
+      gltf_error(path, "/accessors/" + std::to_string(accessor),
+                 "key " + std::to_string(k) + " is not later than the one before");
+    }
+  }
+  return times;
+}
+
 Channel read_channel(const std::filesystem::path& path, const tinygltf::Model& model,
                      const tinygltf::AnimationSampler& sampler, const std::string& target_path) {
   Channel channel;
   channel.path = target_path == "translation" ? ChannelPath::translation
                  : target_path == "rotation"  ? ChannelPath::rotation
                                               : ChannelPath::scale;
-  channel.interpolation = sampler.interpolation == "STEP"          ? Interpolation::step
-                          : sampler.interpolation == "CUBICSPLINE" ? Interpolation::cubic_spline
-                                                                   : Interpolation::linear;
-  channel.times = accessor_numbers(path, model, sampler.input);
-  for (std::size_t k = 1; k < channel.times.size(); ++k) {
-    if (!(channel.times[k] > channel.times[k - 1])) {
-      gltf_error(path, "/accessors/" + std::to_string(sampler.input),
-                 "key " + std::to_string(k) + " is not later than the one before");
-    }
-  }
+  channel.interpolation = interpolation_of(sampler);
+  channel.times = read_times(path, model, sampler.input);
   channel.values = accessor_numbers(path, model, sampler.output);
   if (channel.path == ChannelPath::rotation) {
     const bool is_spline = channel.interpolation == Interpolation::cubic_spline;
@@ -157,23 +167,38 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
     character.skeleton[j].inverse_bind = affine_inverse(rest[j]);
   }
 
+  std::vector<bool> is_shown(model.nodes.size(), false);
+  for (const GltfPart& part : parts.parts) is_shown[part.node] = true;
   std::size_t numbers = 0;
   for (std::size_t a = 0; a < model.animations.size(); ++a) {
     const tinygltf::Animation& animation = model.animations[a];
     Clip clip;
     clip.name = animation.name;
-    for (const tinygltf::AnimationChannel& source : animation.channels) {
-      const std::int32_t joint = joint_of[static_cast<std::size_t>(source.target_node)];
-      if (joint < 0) continue;
-      Channel channel = read_channel(
-          path, model, animation.samplers[static_cast<std::size_t>(source.sampler)], source.target_path);
-      channel.joint = static_cast<std::uint32_t>(joint);
+    const auto count = [&](const auto& channel) {
       numbers += channel.times.size() + channel.values.size();
       if (numbers > most_key_numbers) {
         gltf_error(path, "/animations/" + std::to_string(a),
                    "the clips have more than " + std::to_string(most_key_numbers) + " numbers; export fewer");
       }
       clip.duration = std::max(clip.duration, channel.times.back());
+    };
+    for (const tinygltf::AnimationChannel& source : animation.channels) {
+      const auto node = static_cast<std::size_t>(source.target_node);
+      const auto& sampler = animation.samplers[static_cast<std::size_t>(source.sampler)];
+      if (source.target_path == "weights") {
+        if (!is_shown[node]) continue;
+        WeightChannel channel{.node = static_cast<std::uint32_t>(node),
+                              .interpolation = interpolation_of(sampler),
+                              .times = read_times(path, model, sampler.input),
+                              .values = accessor_numbers(path, model, sampler.output)};
+        count(channel);
+        clip.weights.push_back(std::move(channel));
+        continue;
+      }
+      if (joint_of[node] < 0) continue;
+      Channel channel = read_channel(path, model, sampler, source.target_path);
+      channel.joint = static_cast<std::uint32_t>(joint_of[node]);
+      count(channel);
       clip.channels.push_back(std::move(channel));
     }
     character.clips.push_back(std::move(clip));

@@ -61,7 +61,20 @@ std::string hash_of(std::string_view bytes) {
 
 bool is_gltf_file(const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
-  return extension == ".glb" || extension == ".gltf";
+  return extension == ".glb" || extension == ".gltf" || extension == ".vrm";
+}
+
+std::string conversion_advice(const std::filesystem::path& path) {
+  static constexpr std::array<const char*, 17> known{".fbx", ".dae",  ".blend", ".bvh",  ".x",      ".abc",
+                                                     ".usd", ".usda", ".usdc",  ".usdz", ".ma",     ".mb",
+                                                     ".max", ".c4d",  ".pmx",   ".b3d",  ".md5mesh"};
+  const std::string extension = lower_extension(path);
+  if (std::find(known.begin(), known.end(), extension) == known.end()) return {};
+  const std::string glb = std::filesystem::path(path).replace_extension(".glb").filename().string();
+  return path.string() + ": " + extension + " is not read; characters are glTF (.glb .gltf .vrm). " +
+         (extension == ".fbx" ? "Convert it with FBX2glTF, or import it in Blender and export `"
+                              : "Import it in Blender and export `") +
+         glb + "`, with its armature and animations (File > Export > glTF 2.0)";
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes) {
@@ -101,7 +114,9 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
 }
 
 void load_character(const std::filesystem::path& path, Scene& scene) {
-  if (!is_gltf_file(path)) throw InputFileError(path.string() + " is no character; it may be .glb or .gltf");
+  if (const std::string advice = conversion_advice(path); !advice.empty()) throw InputFileError(advice);
+  if (!is_gltf_file(path))
+    throw InputFileError(path.string() + " is no character; it may be .glb, .gltf or .vrm");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
   scene.geometry = read_gltf(path, &files);

@@ -19,6 +19,8 @@ struct InputFileError : std::runtime_error {
 std::string hash_of(std::string_view bytes);
 
 bool is_gltf_file(const std::filesystem::path& path);
+// What to do with a character in a format that is not read (.fbx, .blend, ...); empty for all other files.
+std::string conversion_advice(const std::filesystem::path& path);
 
 // Whole regular file. Throws InputFileError; `most_bytes` keeps a wrong name from filling the memory.
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes);

@@ -22,12 +22,13 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
 
 [[noreturn]] void fail_unknown_scene(const std::string& name) {
   if (name.empty()) throw SceneError("the scene's name is empty; leave it out, or give one");
+  if (const std::string advice = conversion_advice(name); !advice.empty()) throw SceneError(advice);
   std::vector<std::string> names;
   for (const BuiltinScene& builtin : builtin_scenes()) names.push_back(builtin.name);
   throw SceneError(name +
                    ": no such scene; give a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj "
                    ".ply .stl), a "
-                   "character (.glb .gltf) or a built-in scene" +
+                   "character (.glb .gltf .vrm) or a built-in scene" +
                    nearest_name_hint(name, names));
 }
 

@@ -67,10 +67,19 @@ struct Channel {
   std::vector<char> straight = {};
 };
 
+// The weights of a part's blend shapes over time.
+struct WeightChannel {
+  std::uint32_t node = 0;  // in the file: SurfacePart::node
+  Interpolation interpolation = Interpolation::linear;
+  std::vector<double> times;   // s, ascending
+  std::vector<double> values;  // one a shape a key; cubic_spline: in-tangents, values, out-tangents
+};
+
 struct Clip {
   std::string name;
   double duration = 0.0;  // s, the last key of any channel
   std::vector<Channel> channels;
+  std::vector<WeightChannel> weights = {};
 };
 
 // Values painted on a character's vertices: a glTF attribute whose name begins with _ or COLOR_. 0 on the
@@ -352,7 +361,7 @@ struct SceneOverrides {
 bool has_overrides(const SceneOverrides& overrides);
 
 // `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
-// .gltf) or a built-in scene. Throws SceneError.
+// .gltf .vrm) or a built-in scene. Throws SceneError.
 Scene load_scene(const std::string& name, const SceneOverrides& overrides = {});
 
 // The built-in scenes, in the order `fascicle scenes` lists them.

@@ -143,6 +143,33 @@ GltfBuilder column() {
   return b;
 }
 
+GltfBuilder column_with_shapes() {
+  GltfBuilder b = column();
+  std::vector<float> moves(36, 0.0f);
+  moves[3 * 8 + 2] = 40.0f;
+  moves[3 * 10] = 60.0f;
+  const std::size_t first = b.add("VEC3", moves);
+  const std::size_t indices = b.add_view(std::vector<std::uint8_t>{2, 9}),
+                    values = b.add_view(std::vector<float>{0, 30, 0, -20, 0, 10});
+  b.document["accessors"].push_back({{"componentType", 5126},
+                                     {"type", "VEC3"},
+                                     {"count", 12},
+                                     {"sparse",
+                                      {{"count", 2},
+                                       {"indices", {{"bufferView", indices}, {"componentType", 5121}}},
+                                       {"values", {{"bufferView", values}}}}}});
+  const std::size_t second = b.document["accessors"].size() - 1;
+  json& mesh = b.document["meshes"][0];
+  mesh["primitives"][0]["targets"] = {{{"POSITION", first}}, {{"POSITION", second}}};
+  mesh["weights"] = {0.25, 1.0};
+  const std::size_t times = b.add("SCALAR", std::vector<float>{0, 0.5f, 1});
+  const std::size_t weights = b.add("SCALAR", std::vector<float>{0, 1, 1, 0.5f, 0.25f, -0.5f});
+  json& animation = b.document["animations"][0];
+  animation["samplers"].push_back({{"input", times}, {"output", weights}});
+  animation["channels"].push_back({{"sampler", 1}, {"target", {{"node", 3}, {"path", "weights"}}}});
+  return b;
+}
+
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "fascicle-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");

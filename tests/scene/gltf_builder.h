@@ -35,6 +35,10 @@ class GltfBuilder {
 // second, clip "lift" moves the lower one up by 2 m.
 GltfBuilder column();
 
+// The column with two blend shapes that clip "bend" moves: the first shifts two vertices of the top, the
+// second, sparse, one of the bottom and one of the top. The mesh rests at weights 0.25 and 1.
+GltfBuilder column_with_shapes();
+
 // A fresh folder below the system's temporary one, removed with all it holds.
 class TemporaryFolder {
  public:

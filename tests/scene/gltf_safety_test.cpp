@@ -241,7 +241,47 @@ const std::vector<Lie>& lies() {
       {"interpolation_unknown", "/animations/0/samplers/0/interpolation",
        [](GltfBuilder& b) { b.document["animations"][0]["samplers"][0]["interpolation"] = "QUINTIC"; }},
       {"extension_that_is_needed", "/extensionsRequired/0",
-       [](GltfBuilder& b) { b.document["extensionsRequired"] = {"KHR_draco_mesh_compression"}; }},
+       [](GltfBuilder& b) { b.document["extensionsRequired"] = {"EXT_mesh_gpu_instancing"}; }},
+      {"target_of_no_accessor", "/meshes/0/primitives/0/targets/0/POSITION",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 4000000}}};
+       }},
+      {"target_of_another_count", "/meshes/0/primitives/0/targets/0/POSITION",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", b.add("VEC3", std::vector<float>(33, 0.0f))}}};
+       }},
+      {"target_of_the_wrong_type", "/meshes/0/primitives/0/targets/0/POSITION",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 2}}};
+       }},
+      {"target_not_a_number", "/accessors/8",
+       [](GltfBuilder& b) {
+         std::vector<float> p(36, 0.0f);
+         p[35] = std::numeric_limits<float>::quiet_NaN();
+         primitive(b)["targets"] = {{{"POSITION", b.add("VEC3", p)}}};
+       }},
+      {"target_weights_too_few", "/meshes/0/weights",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}, {{"POSITION", 0}}};
+         b.document["meshes"][0]["weights"] = {0.5};
+       }},
+      {"target_weights_of_the_node_too_many", "/nodes/3/weights",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}};
+         b.document["nodes"][3]["weights"] = {0.5, 0.5};
+       }},
+      {"target_weights_text", "/meshes/0/weights/0",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}};
+         b.document["meshes"][0]["weights"] = {"half"};
+       }},
+      {"target_keys_too_few", "/animations/0/samplers/0/output",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}, {{"POSITION", 0}}};
+         json& animation = b.document["animations"][0];
+         animation["samplers"][0]["output"] = b.add("SCALAR", std::vector<float>{0, 1, 0});
+         animation["channels"][0]["target"] = {{"node", 3}, {"path", "weights"}};
+       }},
       {"version_one", "/asset/version", [](GltfBuilder& b) { b.document["asset"]["version"] = "1.0"; }},
       {"asset_missing", "/asset", [](GltfBuilder& b) { b.document.erase("asset"); }},
       {"scene_that_is_not", "/scene", [](GltfBuilder& b) { b.document["scene"] = 1; }},
@@ -280,6 +320,24 @@ TEST(LyingCounts, many_uses_of_one_accessor) {
   const TemporaryFolder folder;
   expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()),
                  "/meshes/0/primitives/1/attributes/POSITION");
+}
+
+TEST(LyingCounts, many_uses_of_one_target) {
+  GltfBuilder b = column();
+  json& primitive = b.document["meshes"][0]["primitives"][0];
+  const std::size_t count = std::size_t{1} << 20;
+  b.document["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", count}});
+  primitive["attributes"]["POSITION"] = 8;
+  b.document["accessors"].push_back(
+      {{"componentType", 5121}, {"normalized", false}, {"type", "VEC4"}, {"count", count}});
+  primitive["attributes"]["JOINTS_0"] = 9;
+  b.document["nodes"][3].erase("skin");  // hung: no weights are needed
+  b.document["scenes"][0]["nodes"] = {0};
+  b.document["nodes"][2]["children"] = {3};
+  primitive["targets"] = json::array();
+  for (int k = 0; k < 200; ++k) primitive["targets"].push_back({{"POSITION", 8}});
+  const TemporaryFolder folder;
+  expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()), "/meshes/0/primitives/0/targets");
 }
 
 class LyingUri : public testing::TestWithParam<const char*> {};

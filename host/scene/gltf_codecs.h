@@ -1,0 +1,41 @@
+// Compressed geometry of glTF files, to plain bytes. Streams are hostile: every size is bounded by what the
+// file says and by the stream's own length before memory is taken.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace fascicle::scene {
+
+// what() is what is wrong, without the place.
+struct CodecError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// EXT_meshopt_compression: count x stride bytes. Mode ATTRIBUTES, TRIANGLES or INDICES; filter NONE,
+// OCTAHEDRAL, QUATERNION or EXPONENTIAL. Throws CodecError.
+std::vector<unsigned char> decode_meshopt(std::span<const unsigned char> stream, std::uint64_t count,
+                                          std::uint64_t stride, const std::string& mode,
+                                          const std::string& filter);
+
+// One attribute wanted of a Draco stream: its unique id, and the accessor it fills.
+struct DracoAttribute {
+  std::uint32_t id = 0;
+  std::uint64_t component = 0;   // glTF's component type, 5120 to 5126
+  std::uint64_t components = 0;  // numbers a vertex, 1 to 4
+};
+
+struct DracoMesh {
+  std::vector<std::uint32_t> corners;                  // three a triangle
+  std::vector<std::vector<unsigned char>> attributes;  // as wanted, tightly packed
+};
+
+// KHR_draco_mesh_compression: a triangle mesh of exactly `vertices` vertices. Throws CodecError.
+DracoMesh decode_draco(std::span<const unsigned char> stream, std::uint64_t vertices,
+                       const std::vector<DracoAttribute>& wanted);
+
+}  // namespace fascicle::scene
