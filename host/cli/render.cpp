@@ -153,7 +153,7 @@ void print_legend(const render::Legend& legend) {
 
 // "frame 43  1.433 s", and "look 2.31 stretch  shin.l" where the bake has a look score.
 std::string frame_words(std::uint64_t k, double time) {
-  return "frame " + std::to_string(k) + "  " + number_text(time) + " s";
+  return "frame " + std::to_string(k) + "  " + cli::number_text(time) + " s";
 }
 
 std::string look_words(const std::optional<FrameScores>& scores, std::uint64_t k) {
@@ -161,7 +161,7 @@ std::string look_words(const std::optional<FrameScores>& scores, std::uint64_t k
   const auto row = std::find_if(scores->frames.begin(), scores->frames.end(),
                                 [k](const FrameScore& score) { return score.frame == k; });
   if (row == scores->frames.end() || !row->look) return "";
-  std::string words = "  look " + number_text(*row->look, 3);
+  std::string words = "  look " + cli::number_text(*row->look, 3);
   if (!row->cause.empty()) words += " " + row->cause;
   if (!row->joint.empty()) words += "  " + row->joint;
   return words;

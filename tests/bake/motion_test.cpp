@@ -117,8 +117,8 @@ TEST(Preroll, GoesFromTheBindPoseInThePlaceOfTheFirstPose) {
   const Vector3d pivot(0, 0.1, 0.1), place(5, 1.1, 0.1);
   for (std::size_t i = 0; i < bar.model.vertex_count; ++i) {
     const Vector3d expected = R * (rest(i) - pivot) + place;
-    const Vector3d origin(first.origin[0], first.origin[1], first.origin[2]);
-    ASSERT_LT((point(first, i) + origin - expected).norm(), 2e-6) << "rounding of positions of a few metres";
+    const Vector3d frame_origin(first.origin[0], first.origin[1], first.origin[2]);
+    ASSERT_LT((point(first, i) + frame_origin - expected).norm(), 2e-6) << "rounding of positions of a few metres";
   }
   // The preroll's last pose is that of frame 0.
   const model::Drive last = drives.preroll_drive(30);

@@ -22,9 +22,9 @@ using nlohmann::json;
 using scene::Character;
 
 // Matrices and coordinates of the made files are floats near 1.
-constexpr double float_rounding = 1e-6;
+constexpr double hung_rounding = 1e-6;
 
-Character read(const GltfBuilder& builder) {
+Character read_hung(const GltfBuilder& builder) {
   const TemporaryFolder folder;
   return scene::read_gltf(folder.write("robot.glb", builder.glb()));
 }
@@ -114,12 +114,12 @@ double distance(const std::vector<Vector3d>& a, const std::vector<Vector3d>& b) 
 
 // Reader, rig and an independent viewer agree at all times; the clip moves what they show.
 void expect_shown(const GltfBuilder& b, int clip) {
-  const Character c = read(b);
+  const Character c = read_hung(b);
   const scene::Rig rig = rig_of(b);
   const GltfViewer viewer(b);
   for (const double time : {0.0, 0.3, 1.0}) {
-    EXPECT_LT(distance(skinned(c, clip, time), viewer.shown(clip, time)), float_rounding) << time;
-    EXPECT_LT(distance(rigged(rig, clip, time), viewer.shown(clip, time)), float_rounding) << time;
+    EXPECT_LT(distance(skinned(c, clip, time), viewer.shown(clip, time)), hung_rounding) << time;
+    EXPECT_LT(distance(rigged(rig, clip, time), viewer.shown(clip, time)), hung_rounding) << time;
   }
   // The same comparison sees a surface that stays behind.
   EXPECT_GT(distance(c.surface.vertices, viewer.shown(clip, 1.0)), 0.2);
@@ -127,7 +127,7 @@ void expect_shown(const GltfBuilder& b, int clip) {
 
 TEST(GltfHung, a_mesh_below_a_joint_follows_it) {
   const GltfBuilder b = column_with_plate();
-  const Character c = read(b);
+  const Character c = read_hung(b);
   ASSERT_EQ(c.surface.vertices.size(), 16u);
   ASSERT_EQ(c.parts.size(), 2u);
   EXPECT_EQ(c.parts[1].object, "plate");
@@ -140,7 +140,7 @@ TEST(GltfHung, a_mesh_below_a_joint_follows_it) {
     EXPECT_EQ(c.weights[i][0], 1.0);
   }
   EXPECT_TRUE(c.notes.empty());
-  EXPECT_LT(distance(c.surface.vertices, GltfViewer(b).shown(-1, 0.0)), float_rounding);
+  EXPECT_LT(distance(c.surface.vertices, GltfViewer(b).shown(-1, 0.0)), hung_rounding);
   expect_shown(b, 0);
   expect_shown(b, 1);
 }
@@ -152,7 +152,7 @@ TEST(GltfHung, a_mesh_on_a_joint_or_on_a_moving_node_follows_it) {
   const std::size_t moving = add_node(b, {{"name", "lid"}, {"mesh", plate}}, 1);
   b.document["animations"][0]["channels"].push_back(
       {{"sampler", 0}, {"target", {{"node", moving}, {"path", "rotation"}}}});
-  const Character c = read(b);
+  const Character c = read_hung(b);
   ASSERT_EQ(c.skeleton.size(), 3u);
   EXPECT_EQ(c.skeleton[2].name, "lid");
   EXPECT_TRUE(c.skeleton[2].skins);
@@ -164,7 +164,7 @@ TEST(GltfHung, a_mesh_on_a_joint_or_on_a_moving_node_follows_it) {
 
 TEST(GltfHung, a_file_without_any_skin_is_a_character_where_a_clip_moves_it) {
   const GltfBuilder b = rigid_robot();
-  const Character c = read(b);
+  const Character c = read_hung(b);
   EXPECT_EQ(c.surface.vertices.size(), 4u);
   ASSERT_EQ(c.skeleton.size(), 2u);
   EXPECT_FALSE(c.skeleton[0].skins);
@@ -186,10 +186,10 @@ TEST(GltfHung, the_bind_pose_is_that_of_the_skin) {
   add_node(b, {{"name", "tip"}, {"mesh", 1}}, static_cast<int>(child));
   b.document["animations"][0]["channels"].push_back(
       {{"sampler", 0}, {"target", {{"node", child}, {"path", "rotation"}}}});
-  const Character straight = read(b);
+  const Character straight = read_hung(b);
   b.document["nodes"][2]["rotation"] = {0, 0, 0.6, 0.8};
-  const Character posed = read(b);
-  EXPECT_LT(distance(straight.surface.vertices, posed.surface.vertices), float_rounding);
+  const Character posed = read_hung(b);
+  EXPECT_LT(distance(straight.surface.vertices, posed.surface.vertices), hung_rounding);
   EXPECT_GT(distance(posed.surface.vertices, GltfViewer(b).shown(-1, 0.0)), 0.2);
   expect_shown(b, 0);
 }
@@ -201,7 +201,7 @@ TEST(GltfHung, one_mesh_on_two_nodes_is_two_parts) {
   node["mesh"] = 1;
   node["translation"] = {-0.4, 0.2, 0.3};
   add_node(b, std::move(node), 1);
-  const Character c = read(b);
+  const Character c = read_hung(b);
   ASSERT_EQ(c.parts.size(), 3u);
   EXPECT_EQ(c.parts[2].object, "second plate");
   EXPECT_EQ(c.joints[16][0], 0u);
@@ -217,12 +217,11 @@ TEST(GltfHung, one_skinned_mesh_on_two_skeletons_is_two_bodies) {
   add_node(b, {{"name", "twin"}, {"mesh", 0}, {"skin", 1}}, -1);
   b.document["animations"][0]["channels"].push_back(
       {{"sampler", 0}, {"target", {{"node", 6}, {"path", "rotation"}}}});
-  const Character c = read(b);
+  const Character c = read_hung(b);
   ASSERT_EQ(c.parts.size(), 2u);
   EXPECT_EQ(c.parts[1].object, "twin");
   for (std::size_t i = 0; i < 12; ++i)
-    EXPECT_LT((c.surface.vertices[12 + i] - c.surface.vertices[i] - Vector3d(3, 0, 0)).norm(),
-              float_rounding);
+    EXPECT_LT((c.surface.vertices[12 + i] - c.surface.vertices[i] - Vector3d(3, 0, 0)).norm(), hung_rounding);
   expect_shown(b, 0);
 }
 
@@ -233,7 +232,7 @@ TEST(GltfHung, what_nothing_moves_is_left_out_and_named) {
   b.document["meshes"].push_back(b.document["meshes"][1]);
   b.document["meshes"][2]["primitives"][0]["mode"] = 1;
   add_node(b, {{"name", "wire"}, {"mesh", 2}}, 2);
-  const Character c = read(b);
+  const Character c = read_hung(b);
   EXPECT_EQ(c.surface.vertices.size(), 16u);
   EXPECT_EQ(rig_of(b).parts.size(), 2u);
   ASSERT_EQ(c.notes.size(), 3u);
@@ -248,7 +247,7 @@ TEST(GltfHung, a_file_that_nothing_moves_says_what_to_do) {
   b.document.erase("animations");
   b.document["nodes"][3] = {{"name", "spare"}};
   try {
-    read(b);
+    read_hung(b);
     FAIL() << "was read";
   } catch (const scene::SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("name a still mesh as .ply or .obj"), std::string::npos)

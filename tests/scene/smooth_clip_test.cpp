@@ -22,7 +22,7 @@ constexpr double rate = 24.0;  // keys a second
 constexpr double pi = std::numbers::pi;
 
 // A few dozen operations on numbers near 1, each off by 1e-16.
-constexpr double rounding = 1e-14;
+constexpr double spline_rounding = 1e-14;
 
 Channel sampled(const std::function<Vector3d(double)>& place, const std::vector<double>& times) {
   Channel channel{0, ChannelPath::translation, Interpolation::linear, times, {}};
@@ -85,7 +85,7 @@ TEST(SmoothClip, ReproducesAParabola) {
   const auto fall = [](double t) { return Vector3d(t, 3.0 * t - 4.905 * t * t, 1.0); };
   std::vector<double> times = frames(16);
   times.erase(times.begin() + 5);  // and need not be even
-  EXPECT_LT(largest_error(scene::smooth_channel(sampled(fall, times)), fall), rounding);
+  EXPECT_LT(largest_error(scene::smooth_channel(sampled(fall, times)), fall), spline_rounding);
 }
 
 // A pose held, a step, a pose held: nothing before, nothing beyond.
@@ -118,8 +118,8 @@ TEST(SmoothClip, SparseKeysKeepTheirLines) {
     const Channel smooth = scene::smooth_channel(mixed);
     EXPECT_EQ(smooth.interpolation, Interpolation::cubic_spline);
     for (double t = 0.51; t < 1.0; t += 0.07)
-      // Slerp's own rounding apart: its keys are brought to length 1 twice.
-      EXPECT_LT((scene::sample(smooth, t) - scene::sample(mixed, t)).norm(), rounding) << t;
+      // Slerp's own spline_rounding apart: its keys are brought to length 1 twice.
+      EXPECT_LT((scene::sample(smooth, t) - scene::sample(mixed, t)).norm(), spline_rounding) << t;
   }
 }
 
@@ -159,8 +159,8 @@ TEST(SmoothClip, RotationsFollowTheMotionWhateverSideTheirQuaternionsLieOn) {
   double off = 0.0, off_lines = 0.0;
   for (double t = 0.0; t <= 1.0; t += 1e-3) {
     const Vector4d q = scene::sample(smooth, t);
-    EXPECT_NEAR(q.norm(), 1.0, rounding);
-    EXPECT_LT((q * q[3] - scene::sample(same, t) * scene::sample(same, t)[3]).norm(), rounding) << t;
+    EXPECT_NEAR(q.norm(), 1.0, spline_rounding);
+    EXPECT_LT((q * q[3] - scene::sample(same, t) * scene::sample(same, t)[3]).norm(), spline_rounding) << t;
     off = std::max(off, std::abs(angle_of(q) - swing(t)));
     off_lines = std::max(off_lines, std::abs(angle_of(scene::sample(lines, t)) - swing(t)));
   }
