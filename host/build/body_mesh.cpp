@@ -10,6 +10,7 @@
 
 #include "host/build/bones.h"
 #include "host/build/box_tree.h"
+#include "host/build/caps.h"
 #include "host/build/check_mesh.h"
 #include "host/build/cut.h"
 #include "host/build/hold.h"
@@ -131,6 +132,30 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   return body;
 }
 
+// The joint that moves most of some vertices of the skin; -1 where nothing moves them.
+std::int32_t joint_of(const std::vector<std::uint32_t>& vertices, const Skin& skin) {
+  if (skin.weights.offset.empty()) return -1;
+  std::vector<double> share(skin.skeleton.size(), 0.0);
+  for (const std::uint32_t v : vertices)
+    for (std::uint32_t k = skin.weights.offset[v]; k < skin.weights.offset[v + 1]; ++k)
+      share[skin.weights.joint[k]] += skin.weights.weight[k];
+  return static_cast<std::int32_t>(std::max_element(share.begin(), share.end()) - share.begin());
+}
+
+scene::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
+  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * alpha, separate_shares});
+  const std::vector<OpenEnd> ends = find_open_ends(surface, limbs);
+  for (const OpenEnd& end : ends) {
+    cage.ends.vertex.push_back(end.loop[0]);
+    cage.ends.edges.push_back(static_cast<std::uint32_t>(end.loop.size()));
+    cage.ends.joint.push_back(joint_of(end.loop, skin));
+    cage.ends.width.push_back(end.width);
+    cage.ends.fate.push_back(static_cast<std::uint8_t>(end.fate));
+  }
+  return with_caps(surface, ends);
+}
+
 BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
   const scene::SurfaceMesh& surface = skin.welded.surface;
   const BoundingBox box = box_around(surface.vertices);
@@ -145,7 +170,8 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   report.fill.cage.alpha = order.alpha;
 
   auto start = std::chrono::steady_clock::now();
-  const scene::SurfaceMesh wrap = wrap_surface(surface, order, options);
+  const scene::SurfaceMesh wrap =
+      wrap_surface(close_ends(skin, order.alpha, report.fill.cage), order, options);
   report.fill.cage.wrap_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   const double edge = mean_edge(wrap);
