@@ -15,6 +15,7 @@
 #include "host/build/cut.h"
 #include "host/build/hold.h"
 #include "host/build/message.h"
+#include "host/build/partings.h"
 #include "host/build/smooth.h"
 #include "host/build/spacing.h"
 #include "host/build/tetrahedralize.h"
@@ -34,6 +35,9 @@ constexpr double alpha_in_edges = 1.0;
 // well before 5 edges and nothing in common, where joining them would be wrong.
 constexpr double separate_edges = 3.0;
 constexpr double separate_shares = 0.2;
+// And where it is no farther apart than this in the bind pose, and in a clip farther by that.
+constexpr double touching_edges = 1.5;
+constexpr double parting_edges = 1.0;
 // How far the cage's vertices may be moved to hold the skin, in edges.
 constexpr double farthest_in_edges = 2.0;
 
@@ -181,7 +185,11 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   report.fill.cage.fill_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();
-  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares});
+  const auto poses = skin.character != nullptr ? poses_of_clips(*skin.character, scene.scale)
+                                               : std::vector<std::vector<Eigen::Matrix4d>>();
+  const Partings partings(surface, skin.weights, poses, touching_edges * edge, parting_edges * edge);
+  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares},
+                    &partings);
   CutMesh cut = cut_limbs(filled, surface, limbs);
   Hold hold = hold_skin(cut, surface, farthest_in_edges * edge, vertices_at(on_bones, cut.mesh));
   report.fill.cage.cut_tetrahedra = cut.cut_tetrahedra;

@@ -166,10 +166,10 @@ struct Report {
 };
 
 struct BuildOptions {
-  std::filesystem::path mesher;   // fascicle-mesher; empty: beside the executable
-  double mesher_seconds = 120.0;  // limits of the helper process
-  std::uint64_t mesher_bytes = std::uint64_t{4} << 30;
-  std::filesystem::path cache;  // folder where filled bodies are kept; empty: nowhere
+  std::filesystem::path mesher;                         // fascicle-mesher; empty: beside the executable
+  double mesher_seconds = 120.0;                        // limits of the helper process: of processor time,
+  std::uint64_t mesher_bytes = std::uint64_t{4} << 30;  // and of memory
+  std::filesystem::path cache;                          // folder where filled bodies are kept; empty: nowhere
 };
 
 // Throws scene::SceneError for input that cannot be built, with what to do.

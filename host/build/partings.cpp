@@ -24,7 +24,8 @@ std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const scene::Character&
   const std::size_t each = std::clamp<std::size_t>(most_of_all / character.clips.size(), 1, most_of_clip);
   for (const scene::Clip& clip : character.clips)
     for (std::size_t k = 0; k < each; ++k) {
-      const double time = clip.duration * (2.0 * static_cast<double>(k) + 1.0) / (2.0 * static_cast<double>(each));
+      const double time =
+          clip.duration * (2.0 * static_cast<double>(k) + 1.0) / (2.0 * static_cast<double>(each));
       poses.push_back(scene::pose_at(character, &clip, time));
       for (Eigen::Matrix4d& map : poses.back()) map.block<3, 1>(0, 3) *= scale;
     }
@@ -63,8 +64,10 @@ bool Partings::do_part(std::uint32_t a, std::uint32_t b) const {
     for (std::size_t k = 0; k < 4; ++k) {
       std::array<double, 3> from{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
       if (k < 3) from = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
-      const Vector3d point = from[0] * corner(side, 0) + from[1] * corner(side, 1) + from[2] * corner(side, 2);
-      const SurfacePoint to = nearest_on_triangle(point, corner(other, 0), corner(other, 1), corner(other, 2));
+      const Vector3d point =
+          from[0] * corner(side, 0) + from[1] * corner(side, 1) + from[2] * corner(side, 2);
+      const SurfacePoint to =
+          nearest_on_triangle(point, corner(other, 0), corner(other, 1), corner(other, 2));
       if (to.distance > nearest) continue;
       nearest = to.distance;
       is_near = true;

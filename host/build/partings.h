@@ -1,6 +1,6 @@
-// Which places of a skin part in the character's clips, though they touch or nearly touch in its bind pose: jaws,
-// a tail and what it hangs on, fingers that lie together. Weights alone do not tell: a lower jaw may follow
-// the head by half.
+// Which places of a skin part in the character's clips, though they touch or nearly touch in its bind pose:
+// jaws, a tail and what it hangs on, fingers that lie together. Weights alone do not tell: a lower jaw may
+// follow the head by half.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace fascicle::build {
 
-// The maps of all joints from the bind pose to each of some poses of all clips, evenly spaced in each clip: at
-// most 16 a clip, and, but for one a clip, at most 96. Lengths are those of the character times `scale`.
+// The maps of all joints from the bind pose to each of some poses of all clips, evenly spaced in each clip:
+// at most 16 a clip, and, but for one a clip, at most 96. Lengths are those of the character times `scale`.
 std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const scene::Character& character, double scale);
 
 class Partings {
