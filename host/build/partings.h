@@ -24,7 +24,7 @@ class Partings {
   Partings(const scene::SurfaceMesh& skin, const SkinWeights& weights,
            std::span<const std::vector<Eigen::Matrix4d>> poses, double near, double far);
 
-  // Whether two triangles come near each other, and their nearest places part.
+  // Whether two triangles come near each other, and places where they do part.
   bool do_part(std::uint32_t a, std::uint32_t b) const;
 
  private:
@@ -34,6 +34,10 @@ class Partings {
     double weight;
   };
   std::vector<Share> shares_at(std::uint32_t triangle, const std::array<double, 3>& weights) const;
+
+  // Whether places of two triangles, as weights of their corners, are farther apart in some pose by `far`.
+  bool have_parted(std::uint32_t a, const std::array<double, 3>& at_a, std::uint32_t b,
+                   const std::array<double, 3>& at_b) const;
 
   const scene::SurfaceMesh& skin_;
   const SkinWeights& weights_;
