@@ -41,6 +41,15 @@ struct DeviceDescription {
   unsigned threads = 0;
 };
 
+// Where a character's skin is open, and what its body made of that.
+struct OpenEndEntry {
+  std::string joint;   // that moves most of it; empty: none
+  std::string became;  // in words
+  double width = 0.0;  // m
+  std::uint32_t edges = 0;
+  std::uint32_t vertex = 0;  // one of them, of the welded skin
+};
+
 struct BakeOptions {
   std::filesystem::path folder;
   std::vector<std::string> formats;  // of format_names()
@@ -51,6 +60,7 @@ struct BakeOptions {
   double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
+  std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;

@@ -68,6 +68,17 @@ Json json_of(const DeviceDescription& device) {
           {"exact", device.exact},   {"threads", device.threads}};
 }
 
+Json json_of(const std::vector<OpenEndEntry>& ends) {
+  Json list = Json::array();
+  for (const OpenEndEntry& end : ends)
+    list.push_back({{"joint", end.joint},
+                    {"became", end.became},
+                    {"width_m", end.width},
+                    {"edges", end.edges},
+                    {"vertex", end.vertex}});
+  return list;
+}
+
 Json json_of(const LeadInSummary& led) {
   const auto or_null = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
@@ -187,6 +198,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"inputs", std::move(inputs)},
       {"model", json_of(model, hash)},
       {"warnings", warnings},
+      {"open_ends", json_of(options.open_ends)},
       {"timings",
        {{"solver_seconds", progress.timings.solver},
         {"writing_seconds", progress.timings.writing},

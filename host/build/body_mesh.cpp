@@ -10,10 +10,13 @@
 
 #include "host/build/bones.h"
 #include "host/build/box_tree.h"
+#include "host/build/caps.h"
 #include "host/build/check_mesh.h"
 #include "host/build/cut.h"
 #include "host/build/hold.h"
 #include "host/build/message.h"
+#include "host/build/partings.h"
+#include "host/build/refine.h"
 #include "host/build/smooth.h"
 #include "host/build/spacing.h"
 #include "host/build/tetrahedralize.h"
@@ -33,6 +36,11 @@ constexpr double alpha_in_edges = 1.0;
 // well before 5 edges and nothing in common, where joining them would be wrong.
 constexpr double separate_edges = 3.0;
 constexpr double separate_shares = 0.2;
+// And where it is no farther apart than this in the bind pose, and in a clip farther by that.
+constexpr double touching_edges = 1.5;
+constexpr double parting_edges = 1.0;
+// Sides of the pieces in which the skin is looked at for that.
+constexpr double longest_in_edges = 1.5;
 // How far the cage's vertices may be moved to hold the skin, in edges.
 constexpr double farthest_in_edges = 2.0;
 
@@ -131,6 +139,30 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   return body;
 }
 
+// The joint that moves most of some vertices of the skin; -1 where nothing moves them.
+std::int32_t joint_of(const std::vector<std::uint32_t>& vertices, const Skin& skin) {
+  if (skin.weights.offset.empty()) return -1;
+  std::vector<double> share(skin.skeleton.size(), 0.0);
+  for (const std::uint32_t v : vertices)
+    for (std::uint32_t k = skin.weights.offset[v]; k < skin.weights.offset[v + 1]; ++k)
+      share[skin.weights.joint[k]] += skin.weights.weight[k];
+  return static_cast<std::int32_t>(std::max_element(share.begin(), share.end()) - share.begin());
+}
+
+scene::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
+  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * alpha, separate_shares});
+  const std::vector<OpenEnd> ends = find_open_ends(surface, limbs);
+  for (const OpenEnd& end : ends) {
+    cage.ends.vertex.push_back(end.loop[0]);
+    cage.ends.edges.push_back(static_cast<std::uint32_t>(end.loop.size()));
+    cage.ends.joint.push_back(joint_of(end.loop, skin));
+    cage.ends.width.push_back(end.width);
+    cage.ends.fate.push_back(static_cast<std::uint8_t>(end.fate));
+  }
+  return with_caps(surface, ends);
+}
+
 BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
   const scene::SurfaceMesh& surface = skin.welded.surface;
   const BoundingBox box = box_around(surface.vertices);
@@ -145,7 +177,8 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   report.fill.cage.alpha = order.alpha;
 
   auto start = std::chrono::steady_clock::now();
-  const scene::SurfaceMesh wrap = wrap_surface(surface, order, options);
+  const scene::SurfaceMesh wrap =
+      wrap_surface(close_ends(skin, order.alpha, report.fill.cage), order, options);
   report.fill.cage.wrap_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   const double edge = mean_edge(wrap);
@@ -155,8 +188,18 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   report.fill.cage.fill_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();
-  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares});
-  CutMesh cut = cut_limbs(filled, surface, limbs);
+  const auto poses = skin.character != nullptr ? poses_of_clips(*skin.character, scene.scale)
+                                               : std::vector<std::vector<Eigen::Matrix4d>>();
+  // Piece by piece: a triangle that reaches from the lips into the throat would join the jaws.
+  const RefinedSkin refined = refine_skin(surface, skin.weights, longest_in_edges * edge);
+  const Partings partings(refined.surface, refined.weights, poses, touching_edges * edge,
+                          parting_edges * edge);
+  const Limbs limbs(refined.surface, refined.weights, skin.skeleton, {separate_edges * edge, separate_shares},
+                    &partings);
+  CutMesh cut = cut_limbs(filled, refined.surface, limbs);
+  for (SkinPoint& anchor : cut.anchor) anchor = refined.on_skin(anchor);
+  cut.holder_offset.resize(surface.vertices.size() + 1);
+  cut.holder.resize(cut.holder_offset.back());
   Hold hold = hold_skin(cut, surface, farthest_in_edges * edge, vertices_at(on_bones, cut.mesh));
   report.fill.cage.cut_tetrahedra = cut.cut_tetrahedra;
   report.fill.cage.cut_seconds = seconds_since(start);

@@ -40,9 +40,10 @@ struct BodyMesh {
 // The skin of a scene's surface or character.
 struct Skin {
   const WeldedSurface& welded;
-  const SkinWeights& weights;                 // of the welded skin; empty without a skeleton
-  const std::vector<scene::Joint>& skeleton;  // empty for a surface
-  const std::vector<Bone>& bones;             // that get points along them
+  const SkinWeights& weights;                   // of the welded skin; empty without a skeleton
+  const std::vector<scene::Joint>& skeleton;    // empty for a surface
+  const std::vector<Bone>& bones;               // that get points along them
+  const scene::Character* character = nullptr;  // whose clips tell which places of the skin part
 };
 
 // Fills a skin with tetrahedra as the scene's body settings say: keeps it, or wraps it in a cage, cuts limbs

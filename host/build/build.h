@@ -74,12 +74,22 @@ struct Spread {
   double ratio() const { return low > 0.0 ? high / low : 0.0; }
 };
 
+// Where a skin is open, and what a cage made of it (caps.h). Arrays, one entry an end.
+struct OpenEnds {
+  std::vector<std::uint32_t> vertex;  // the lowest of the loop, of the welded skin
+  std::vector<std::uint32_t> edges;   // of the loop
+  std::vector<std::int32_t> joint;    // that moves most of the loop; -1 without a skeleton
+  std::vector<double> width;          // m
+  std::vector<std::uint8_t> fate;     // OpenEnd::Fate
+};
+
 // How a skin was filled.
 struct CageReport {
   bool has_skin = false;  // false: a bar or a tetrahedral file, and nothing else here holds
   bool is_cage = false;
   std::string reason;  // why a cage, or why not
   SurfaceFindings findings;
+  OpenEnds ends;                     // of a cage's skin
   double skin_volume = 0.0;          // that the skin encloses, m^3; 0 where it is open
   Spread skin_spacing;               // mean edge of each of the skin's vertices
   Spread spacing;                    // and of the tetrahedra's
@@ -101,7 +111,7 @@ void for_each_field(Fill& fill, Visit& visit) {
   auto& [riders_outside, least_barycentric, cage] = fill;  // does not compile where a field is missing
   visit(riders_outside);
   visit(least_barycentric);
-  auto& [has_skin, is_cage, reason, findings, skin_volume, skin_spacing, spacing, edges, alpha,
+  auto& [has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges, alpha,
          cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds] = cage;
   visit(has_skin);
   visit(is_cage);
@@ -114,6 +124,12 @@ void for_each_field(Fill& fill, Visit& visit) {
     visit(finding->vertices);
   }
   visit(genus);
+  auto& [vertex, edge_count, joint, width, fate] = ends;
+  visit(vertex);
+  visit(edge_count);
+  visit(joint);
+  visit(width);
+  visit(fate);
   visit(skin_volume);
   for (auto* spread : {&skin_spacing, &spacing, &edges}) {
     visit(spread->low);
@@ -150,10 +166,10 @@ struct Report {
 };
 
 struct BuildOptions {
-  std::filesystem::path mesher;   // fascicle-mesher; empty: beside the executable
-  double mesher_seconds = 120.0;  // limits of the helper process
-  std::uint64_t mesher_bytes = std::uint64_t{4} << 30;
-  std::filesystem::path cache;  // folder where filled bodies are kept; empty: nowhere
+  std::filesystem::path mesher;                         // fascicle-mesher; empty: beside the executable
+  double mesher_seconds = 120.0;                        // limits of the helper process: of processor time,
+  std::uint64_t mesher_bytes = std::uint64_t{4} << 30;  // and of memory
+  std::filesystem::path cache;                          // folder where filled bodies are kept; empty: nowhere
 };
 
 // Throws scene::SceneError for input that cannot be built, with what to do.

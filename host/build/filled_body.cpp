@@ -10,6 +10,7 @@
 #include "host/build/check_mesh.h"
 #include "host/build/embedding.h"
 #include "host/build/mesher.h"
+#include "host/build/partings.h"
 #include "host/build/skin_weights.h"
 #include "host/scene/content_hash.h"
 #include "host/scene/file.h"
@@ -40,7 +41,8 @@ FilledBody make_filled_body(const FillInput& input, Report& report, const BuildO
   if (input.character != nullptr)
     skin = welded_skin_weights(*input.character, input.welded.of_vertex, input.welded.surface.vertices.size(),
                                input.scene.source);
-  BodyMesh mesh = make_body_mesh({input.welded, skin, skeleton, input.bones}, input.scene, report, options);
+  BodyMesh mesh = make_body_mesh({input.welded, skin, skeleton, input.bones, input.character}, input.scene,
+                                 report, options);
   FilledBody body;
   if (input.character != nullptr)
     body.skin = body_skin_weights(mesh, input.welded, skin, skeleton.size(), input.scene.source);
@@ -147,6 +149,10 @@ std::string fill_key(const FillInput& input, const std::string& programs) {
       hash.add(static_cast<std::uint64_t>(std::int64_t{joint.parent}));
     add_rows(hash, input.character->joints);
     add_rows(hash, input.character->weights);
+    // What the cut reads of the clips, and no more: keys that it does not see change nothing.
+    for (const std::vector<Eigen::Matrix4d>& pose : poses_of_clips(*input.character, input.scene.scale))
+      for (const Eigen::Matrix4d& map : pose)
+        for (Eigen::Index k = 0; k < map.size(); ++k) hash.add(map.data()[k]);
   }
   return hash.text();
 }

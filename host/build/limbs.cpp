@@ -17,8 +17,8 @@ constexpr double least_kin_share = 0.05;
 }  // namespace
 
 Limbs::Limbs(const scene::SurfaceMesh& skin, const SkinWeights& weights,
-             const std::vector<scene::Joint>& skeleton, Separation separation)
-    : skin_(skin), weights_(weights), skeleton_(skeleton), separation_(separation) {
+             const std::vector<scene::Joint>& skeleton, Separation separation, const Partings* partings)
+    : skin_(skin), weights_(weights), skeleton_(skeleton), separation_(separation), partings_(partings) {
   if (weights_.offset.empty()) return;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   Unions unions(skin.vertices.size());
@@ -113,11 +113,17 @@ bool Limbs::has_stranger(std::span<const std::uint32_t> triangles, const std::ve
   });
 }
 
+bool Limbs::do_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
+  return partings_ != nullptr && std::any_of(a.begin(), a.end(), [&](std::uint32_t i) {
+           return std::any_of(b.begin(), b.end(), [&](std::uint32_t j) { return partings_->do_part(i, j); });
+         });
+}
+
 bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
   if (weights_.offset.empty()) return false;
   const std::vector<Share> of_a = shares_of(a), of_b = shares_of(b);
-  if (!has_stranger(a, of_b) && !has_stranger(b, of_a)) return false;
   const bool is_one_part = part_[skin_.triangles[a[0]][0]] == part_[skin_.triangles[b[0]][0]];
+  if (!has_stranger(a, of_b) && !has_stranger(b, of_a) && !(is_one_part && do_part(a, b))) return false;
   if (!is_one_part) return !are_kin(of_a, of_b);
   return !are_within_reach(a, b);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/build/body.h"
+#include "host/build/partings.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::build {
@@ -21,8 +22,10 @@ class Limbs {
  public:
   // `weights` holds a row for each vertex of the skin; without any, all skin is one limb. The arguments must
   // outlive it.
+  // With `partings`, skin of one part that touches and parts in a clip is of different limbs too, whatever
+  // its weights have in common.
   Limbs(const scene::SurfaceMesh& skin, const SkinWeights& weights, const std::vector<scene::Joint>& skeleton,
-        Separation separation);
+        Separation separation, const Partings* partings = nullptr);
 
   // Whether two sets of triangles belong to different limbs: any triangle of one has too little in common
   // with the mean of the other, and the way between them is long enough. Where there is no way at all, as
@@ -46,10 +49,14 @@ class Limbs {
   // Whether the way along edges from one set of triangles to the other is at most the distance.
   bool are_within_reach(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
 
+  // Whether any triangle of one part of the skin touches one of the others and parts from it in a clip.
+  bool do_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
+
   const scene::SurfaceMesh& skin_;
   const SkinWeights& weights_;
   const std::vector<scene::Joint>& skeleton_;
   Separation separation_;
+  const Partings* partings_;
   std::vector<std::uint32_t> edge_offset_, edge_end_;  // the skin's edges by vertex, CSR
   std::vector<std::uint32_t> part_;                    // of each vertex
 };

@@ -107,6 +107,16 @@ std::string reason(const ProcessResult& result) {
   return text.empty() ? "" : ": " + text;
 }
 
+void check_time(const ProcessResult& result, const ProcessLimits& limits, const std::string& what,
+                const std::string& cure) {
+  const std::string seconds = digits_of(limits.seconds) + " s";
+  if (result.end == ProcessEnd::timed_out)
+    throw SceneError(what + " took longer than the " + seconds + " of processor time allowed; " + cure);
+  if (result.end == ProcessEnd::stalled)
+    throw SceneError(what + " stood still for " + seconds +
+                     ": the mesher got no processor time; see what holds up this machine, and try again");
+}
+
 void fail_result(const std::string& what) {
   throw SceneError(std::string(mesher_name) + " gave back a mesh that cannot be used: " + what +
                    "; remesh the surface, or check that it belongs to this version of fascicle");

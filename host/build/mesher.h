@@ -47,6 +47,11 @@ std::string digits_of(double value);
 // ": " and the last line the mesher wrote, without its name, for a message of one line; or nothing.
 std::string reason(const ProcessResult& result);
 
+// Throws scene::SceneError where a run ran out of processor time or stood still. `what` is what it did,
+// `cure` what needs less time.
+void check_time(const ProcessResult& result, const ProcessLimits& limits, const std::string& what,
+                const std::string& cure);
+
 // Says that a result cannot be used, and what to do. Throws scene::SceneError.
 [[noreturn]] void fail_result(const std::string& what);
 

@@ -14,6 +14,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 namespace fascicle::build {
@@ -108,16 +109,30 @@ bool has_ended(pid_t child) {
          info.si_pid == child;
 }
 
-// Waits for the end of the child or of its time. True if it ended by itself.
-bool wait_for_end(pid_t child, int error_output, Clock::time_point deadline, std::string& tail) {
+// Processor time that a child has used, s; below 0 where the system does not say.
+double processor_seconds(pid_t child) {
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(child, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return -1.0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+// Waits for the end of the child or of its time; `exited` if it ended by itself, in whatever way.
+ProcessEnd wait_for_end(pid_t child, int error_output, double seconds, std::string& tail) {
   constexpr int slice = 20;  // ms: the end of stderr wakes us at once, this is for a child that has closed it
   bool is_open = true;
+  double used = 0.0;
+  Clock::time_point moved = Clock::now();
   for (;;) {
-    if (has_ended(child)) return true;
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return false;
+    if (has_ended(child)) return ProcessEnd::exited;
+    if (const double now = processor_seconds(child); now > used) {
+      used = now;
+      moved = Clock::now();
+    }
+    if (used > seconds) return ProcessEnd::timed_out;
+    if (std::chrono::duration<double>(Clock::now() - moved).count() > seconds) return ProcessEnd::stalled;
     pollfd event{is_open ? error_output : -1, POLLIN, 0};
-    const int ready = ::poll(&event, 1, static_cast<int>(std::min<long long>(left, slice)));
+    const int ready = ::poll(&event, 1, slice);
     if (ready > 0) is_open = read_some(error_output, tail);
   }
 }
@@ -144,9 +159,6 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
   launch.processor = limit_of(RLIMIT_CPU, seconds + 1, seconds + 2);
   launch.core = {0, 0};
 
-  const Clock::time_point deadline =
-      Clock::now() +
-      std::chrono::milliseconds(static_cast<long long>(std::clamp(limits.seconds, 0.0, 1e9) * 1e3));
   const pid_t child = ::fork();
   if (child < 0) throw_error(errno, "fork");
   if (child == 0) start_child(launch);
@@ -163,7 +175,7 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
 
   ProcessResult result;
   ::fcntl(error_output.get(), F_SETFL, O_NONBLOCK);
-  const bool ended = wait_for_end(child, error_output.get(), deadline, result.last_words);
+  const ProcessEnd waited = wait_for_end(child, error_output.get(), limits.seconds, result.last_words);
   ::kill(-child, SIGKILL);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
@@ -171,7 +183,9 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
   for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {
   }
   if (reported == static_cast<ssize_t>(sizeof exec_error)) throw_error(exec_error, name);
-  if (!ended || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) {
+  if (waited != ProcessEnd::exited) {
+    result.end = waited;
+  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
     result.end = ProcessEnd::timed_out;
   } else if (WIFSIGNALED(status)) {
     result.end = ProcessEnd::signalled;

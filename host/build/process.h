@@ -9,11 +9,12 @@
 namespace fascicle::build {
 
 struct ProcessLimits {
-  double seconds = 60.0;                         // of wall clock; of processor time a little more
+  // Of processor time, so that a busy machine is nobody's fault; and of wall clock while none of it is used.
+  double seconds = 60.0;
   std::uint64_t bytes = std::uint64_t{4} << 30;  // of address space
 };
 
-enum class ProcessEnd { exited, signalled, timed_out };
+enum class ProcessEnd { exited, signalled, timed_out, stalled };
 
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::exited;
@@ -22,8 +23,8 @@ struct ProcessResult {
 };
 
 // Runs `program` (a path, not searched for) with `arguments`; stdin and stdout are /dev/null. When it ends,
-// or its time is over, its whole process group is killed. It gets no core dump and dies with its parent.
-// Throws std::system_error if it cannot be started.
+// its processor time is over or it stands still, its whole process group is killed. It gets no core dump and
+// dies with its parent. Throws std::system_error if it cannot be started.
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits);
 

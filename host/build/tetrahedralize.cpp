@@ -55,11 +55,8 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
 // Turns a run that did not end well into one message.
 [[noreturn]] void fail_run(const ProcessResult& result, const fs::path& mesher, const fs::path& surface,
                            const ProcessLimits& limits) {
-  const std::string seconds = digits_of(limits.seconds);
-  if (result.end == ProcessEnd::timed_out) {
-    throw SceneError("filling the surface with tetrahedra took longer than the " + seconds +
-                     " s allowed; ask for a larger resolution (edge length) or simplify the surface");
-  }
+  check_time(result, limits, "filling the surface with tetrahedra",
+             "ask for a larger resolution (edge length) or simplify the surface");
   const bool crashed = result.end == ProcessEnd::signalled;
   if (!crashed && result.code == mesher_not_closed) {
     throw SceneError("the surface does not enclose a volume" + reason(result) +

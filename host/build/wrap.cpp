@@ -1,7 +1,9 @@
 #include "host/build/wrap.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -10,6 +12,8 @@
 #include <string.h>
 
 #include "host/build/mesher.h"
+#include "host/build/surface_search.h"
+#include "host/build/unions.h"
 #include "host/scene/mesh_file.h"
 
 namespace fascicle::build {
@@ -24,9 +28,7 @@ void run(const std::string& what, const std::vector<std::string>& arguments, con
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options);
   const ProcessResult result = run_process(mesher, arguments, limits);
-  if (result.end == ProcessEnd::timed_out)
-    throw SceneError(what + " took longer than the " + digits_of(limits.seconds) +
-                     " s allowed; ask for less cage_detail or simplify the surface");
+  check_time(result, limits, what, "ask for less cage_detail or simplify the surface");
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
                      "; simplify the surface");
@@ -114,13 +116,46 @@ scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrd
       arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
     run("wrapping the surface", arguments, options);
     try {
-      return scene::read_surface_mesh(out);
+      scene::SurfaceMesh wrap = scene::read_surface_mesh(out);
+      drop_inner_shells(wrap);
+      return wrap;
     } catch (const SceneError& error) {
       std::string what = error.what();
       if (what.rfind(out.string(), 0) == 0) what.erase(0, out.string().size() + 1);
       fail_result("line " + what);
     }
   });
+}
+
+void drop_inner_shells(scene::SurfaceMesh& surface) {
+  Unions unions(surface.vertices.size());
+  for (const auto& t : surface.triangles) {
+    unions.join(t[0], t[1]);
+    unions.join(t[1], t[2]);
+  }
+  std::map<std::uint32_t, scene::SurfaceMesh> parts;  // by their lowest vertex; vertices as in the whole
+  for (const auto& t : surface.triangles) parts[unions.find(t[0])].triangles.push_back(t);
+  if (parts.size() < 2) return;
+  std::vector<std::uint32_t> inner;
+  for (auto& [first, part] : parts) {
+    part.vertices = surface.vertices;
+    const SurfaceSearch search(part);
+    for (const auto& [other, unused] : parts)
+      if (other != first && search.is_inside(surface.vertices[other])) inner.push_back(other);
+  }
+  std::erase_if(surface.triangles, [&](const auto& t) {
+    return std::find(inner.begin(), inner.end(), unions.find(t[0])) != inner.end();
+  });
+  std::vector<std::uint32_t> number(surface.vertices.size());
+  std::uint32_t count = 0;
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
+    number[v] = count;
+    if (std::find(inner.begin(), inner.end(), unions.find(v)) == inner.end())
+      surface.vertices[count++] = surface.vertices[v];
+  }
+  surface.vertices.resize(count);
+  for (auto& t : surface.triangles)
+    for (std::uint32_t& v : t) v = number[v];
 }
 
 }  // namespace fascicle::build

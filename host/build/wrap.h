@@ -17,9 +17,13 @@ struct WrapOrder {
   std::optional<std::uint32_t> vertices;  // how many vertices shall fill the wrap
 };
 
-// A closed surface that does not cross itself around any surface, facing outward, at a thirtieth of alpha.
-// Throws scene::SceneError.
+// A closed surface that does not cross itself around any surface, facing outward, at a thirtieth of alpha, of
+// one part or several beside each other. Throws scene::SceneError.
 scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrder& order,
                                 const BuildOptions& options);
+
+// Leaves out the closed parts of a surface that lie inside others, and the vertices of nothing else: what a
+// cavity's wall encloses becomes solid. The parts must not cross.
+void drop_inner_shells(scene::SurfaceMesh& surface);
 
 }  // namespace fascicle::build

@@ -15,6 +15,7 @@
 #include "host/cli/command.h"
 #include "host/cli/device_choice.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/open_ends.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
 #include "host/scene/content_hash.h"
@@ -251,6 +252,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   for (const build::Warning& warning : built.report.warnings) options.warnings.push_back(warning.text);
   for (const std::string& text : {of_clip, of_throws})
     if (!text.empty()) options.warnings.push_back(text);
+  options.open_ends = open_ends_of(built.report);
   options.interrupted = &catch_interrupts();
   options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   if (!arguments.scene.no_cache) keep_starts(options);

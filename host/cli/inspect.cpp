@@ -7,6 +7,7 @@
 
 #include "host/cli/command.h"
 #include "host/cli/model_vtu.h"
+#include "host/cli/open_ends.h"
 #include "host/cli/text.h"
 #include "host/scene/muscle_bones.h"
 #include "host/scene/pose.h"
@@ -82,6 +83,17 @@ Json json_of(const build::Finding& finding) {
 
 Json json_of(const build::Spread& spread) {
   return {{"percentile_1_m", spread.low}, {"percentile_99_m", spread.high}, {"ratio", spread.ratio()}};
+}
+
+Json json_of(const std::vector<bake::OpenEndEntry>& ends) {
+  Json list = Json::array();
+  for (const bake::OpenEndEntry& end : ends)
+    list.push_back({{"joint", end.joint},
+                    {"became", end.became},
+                    {"width_m", end.width},
+                    {"edges", end.edges},
+                    {"vertex", end.vertex}});
+  return list;
 }
 
 // Null for bars and tetrahedral files, which have no skin to fill.
@@ -165,6 +177,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"least_barycentric", report.fill.least_barycentric},
           {"body_from_cache", report.body_from_cache},
           {"skin", json_of(report.fill.cage)},
+          {"open_ends", json_of(open_ends_of(report))},
           {"region_fallbacks", report.region_fallbacks},
           {"vertex_fallbacks", report.vertex_fallbacks},
           {"skipped_regions", report.skipped_regions},
@@ -235,7 +248,8 @@ std::string spread_text(const build::Spread& spread) {
          " (1st to 99th percentile, a factor of " + number_text(spread.ratio(), 3) + ")";
 }
 
-void print_skin(const build::CageReport& cage, double volume) {
+void print_skin(const build::Report& report) {
+  const build::CageReport& cage = report.fill.cage;
   if (!cage.has_skin) return;
   std::vector<std::pair<std::string, std::string>> rows{
       {"filled as", (cage.is_cage ? "a cage: " : "it is: ") + cage.reason}};
@@ -259,8 +273,9 @@ void print_skin(const build::CageReport& cage, double volume) {
   rows.emplace_back("skin spacing", spread_text(cage.skin_spacing));
   rows.emplace_back("body spacing", spread_text(cage.spacing));
   if (cage.skin_volume > 0.0)
-    rows.emplace_back("volume", number_text(100.0 * volume / cage.skin_volume) + " % of the skin's " +
+    rows.emplace_back("volume", number_text(100.0 * report.volume / cage.skin_volume) + " % of the skin's " +
                                     number_text(cage.skin_volume * 1e3) + " litres");
+  for (auto& row : rows_of(open_ends_of(report))) rows.push_back(std::move(row));
   if (cage.is_cage) {
     rows.emplace_back("gaps closed", "below " + millimetres(cage.alpha));
     rows.emplace_back("cut apart", count_text(cage.cut_tetrahedra) + " tetrahedra between limbs that touch");
@@ -292,7 +307,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                  " a second, " + std::to_string(scene.solver.substeps) + " substeps each"},
                     {"weights", model::name_of(model.weight_form)},
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
-  print_skin(report.fill.cage, report.volume);
+  print_skin(report);
   std::vector<std::pair<std::string, std::string>> rows;
   for (const scene::Clip& clip : clips_of(scene))
     rows.emplace_back(clip.name, number_text(clip.duration, 3) + " s" +

@@ -277,6 +277,24 @@ class FilledBodyTest : public testing::Test {
   std::vector<build::Bone> bones_;
 };
 
+// The cut reads the clips: other poses, another body.
+TEST_F(FilledBodyTest, IsKeptUnderItsClips) {
+  const auto key = [&] {
+    return build::fill_key({scene_, surface_, welded_, bones_, &character_}, "programs");
+  };
+  const std::string still = key();
+  scene::Clip& clip = character_.clips.emplace_back();
+  clip.duration = 1.0;
+  clip.channels.push_back(
+      {0, scene::ChannelPath::translation, scene::Interpolation::linear, {0.0, 1.0}, {0, 0, 0, 1, 0, 0}});
+  const std::string moving = key();
+  EXPECT_NE(moving, still);
+  clip.name = "a name that nothing reads";
+  EXPECT_EQ(key(), moving);
+  clip.channels[0].values[3] = 2.0;
+  EXPECT_NE(key(), moving);
+}
+
 TEST_F(FilledBodyTest, ComesBackWhole) {
   ASSERT_TRUE(reads(build::filled_body_bytes(body_, found_)));
   EXPECT_EQ(read_.mesh.vertices, body_.mesh.vertices);

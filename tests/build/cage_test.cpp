@@ -57,8 +57,8 @@ Filled fill(const scene::Scene& scene) {
     filled.skin = build::welded_skin_weights(*character, filled.welded.of_vertex,
                                              filled.welded.surface.vertices.size(), "test");
   filled.body = build::make_body_mesh(
-      {filled.welded, filled.skin, character != nullptr ? character->skeleton : no_skeleton, {}}, scene,
-      filled.report, with_mesher());
+      {filled.welded, filled.skin, character != nullptr ? character->skeleton : no_skeleton, {}, character},
+      scene, filled.report, with_mesher());
   if (character != nullptr)
     filled.weights =
         build::body_skin_weights(filled.body, filled.welded, filled.skin, character->skeleton.size(), "test");
@@ -102,8 +102,8 @@ double share_of(const build::SkinWeights& weights, std::uint32_t vertex, std::ui
 constexpr double end_of_cut = -0.28;
 
 // Edges that join flesh of joint 0 to flesh of joint 1, both nearly whole, below the end of the cut.
-std::size_t edges_between_legs(const TetMesh& mesh, const build::SkinWeights& weights) {
-  constexpr double nearly_whole = 0.9;
+std::size_t edges_between_legs(const TetMesh& mesh, const build::SkinWeights& weights,
+                               double nearly_whole = 0.9) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& t : mesh.tetrahedra)
     for (const std::uint32_t a : t)
@@ -359,6 +359,73 @@ TEST(Legs, AreNotFused) {
           EXPECT_LT(share_of(filled.weights, corner, 1 - leg), 0.5) << gap << " at skin vertex " << v;
       }
   }
+}
+
+// As jaws: either leg follows the hips by half, so that they have half of all weights in common, and a clip
+// moves them along x.
+scene::Scene jaws_scene(double gap, double way_of_left, double way_of_right) {
+  scene::Character jaws = make_legs(gap);
+  for (std::size_t v = 0; v < jaws.joints.size(); ++v) {
+    if (jaws.joints[v][0] == 2) continue;
+    jaws.joints[v][1] = 2;
+    jaws.weights[v][0] = jaws.weights[v][1] = 0.5;
+  }
+  for (scene::Joint& joint : jaws.skeleton) {
+    joint.rest_translation = -joint.inverse_bind.block<3, 1>(0, 3);
+    joint.rest_local.block<3, 1>(0, 3) = joint.rest_translation;
+  }
+  scene::Clip& clip = jaws.clips.emplace_back();
+  clip.name = "open";
+  clip.duration = 1.0;
+  for (const std::uint32_t leg : {0u, 1u}) {
+    const Vector3d at = jaws.skeleton[leg].rest_translation;
+    const double way = leg == 0 ? way_of_left : way_of_right;
+    scene::Channel& channel = clip.channels.emplace_back();
+    channel.joint = leg;
+    channel.times = {0.0, 1.0};
+    channel.values = {at.x(), at.y(), at.z(), at.x() + way, at.y(), at.z()};
+  }
+  scene::Scene scene = legs_scene(gap);
+  scene.geometry = std::move(jaws);
+  return scene;
+}
+
+TEST(Jaws, AreCutWhereAClipPartsThem) {
+  // Shares of their own joints are a half; a cage's vertex has less of it near the hips.
+  constexpr double nearly_half = 0.45, touching = 0.0002;
+  const Filled open = fill(jaws_scene(touching, -0.2, 0.2));
+  EXPECT_GT(open.report.fill.cage.cut_tetrahedra, 0u);
+  EXPECT_EQ(edges_between_legs(open.body.mesh, open.weights, nearly_half), 0u);
+  EXPECT_EQ(parts_of(open.body.mesh), 1u);
+  EXPECT_GE(least_at_home(open), -0.05);
+  EXPECT_NO_THROW(build::boundary_triangles(open.body.mesh, "test"));
+  // The control: weights alone do not tell them apart, nor does a clip that moves nothing.
+  const Filled shut = fill(jaws_scene(touching, 0.0, 0.0));
+  EXPECT_EQ(shut.report.fill.cage.cut_tetrahedra, 0u);
+  EXPECT_GT(edges_between_legs(shut.body.mesh, shut.weights, nearly_half), 10u);
+}
+
+// A ball with a hollow in it, a ball in the hollow, and a ball beside it.
+SurfaceMesh hollow_balls() {
+  SurfaceMesh surface = ball(0.5, 16), wall = ball(0.3, 16);
+  for (auto& t : wall.triangles) std::swap(t[1], t[2]);
+  append(surface, wall);
+  append(surface, ball(0.1, 16));
+  append(surface, ball(0.2, 16), Vector3d(1, 0, 0));
+  return surface;
+}
+
+TEST(Shells, InsideOthersAreLeftOut) {
+  SurfaceMesh surface = hollow_balls();
+  // The control: what the mesher is not made for.
+  expect_refusal([&] { build::tetrahedralize(surface, 0.15, {}, with_mesher()); }, "inside another part");
+  build::drop_inner_shells(surface);
+  SurfaceMesh outer = ball(0.5, 16);
+  append(outer, ball(0.2, 16), Vector3d(1, 0, 0));
+  EXPECT_EQ(surface.vertices, outer.vertices);
+  EXPECT_EQ(surface.triangles, outer.triangles);
+  const TetMesh filled = build::tetrahedralize(surface, 0.15, {}, with_mesher());
+  EXPECT_EQ(parts_of(filled), 2u);
 }
 
 // The measure of limbs that were fused: edges whose ends lie at skin with nothing in common and

@@ -1,0 +1,35 @@
+// Closes the open ends of a skin, so that what it surrounds is solid: a trouser leg that ends under a skirt,
+// a neck that ends in a collar. A wrap would enter there and leave walls as thick as a triangle, without
+// bone.
+//
+// An end is a loop of edges with an odd number of triangles; it is closed by the triangulation of least area.
+// Two kinds stay open. The outline of a sheet, as of a cape or a lock of hair: closing it would add most of
+// the sheet's own area again. And the hem of something that hangs around several limbs, each whole by itself,
+// as a skirt around legs: a lid would join them. Where a limb of them ends inside, open too, it goes on there
+// in what hangs around it, and the hem is closed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "host/build/limbs.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+struct OpenEnd {
+  enum class Fate : std::uint8_t { closed, sheet, hem };
+  std::vector<std::uint32_t> loop;                      // vertices of the skin, once round
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // that close it; corners are vertices of the skin
+  Fate fate = Fate::closed;
+  double width = 0.0;  // m: between the two vertices of the loop that are farthest apart
+};
+
+// The open ends of a welded skin, by their lowest vertex.
+std::vector<OpenEnd> find_open_ends(const scene::SurfaceMesh& skin, const Limbs& limbs);
+
+// The skin with the triangles of the ends that are closed behind its own.
+scene::SurfaceMesh with_caps(const scene::SurfaceMesh& skin, const std::vector<OpenEnd>& ends);
+
+}  // namespace fascicle::build

@@ -1,0 +1,48 @@
+// Which places of a skin part in the character's clips, though they touch or nearly touch in its bind pose:
+// jaws, a tail and what it hangs on, fingers that lie together. Weights alone do not tell: a lower jaw may
+// follow the head by half.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/build/body.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// The maps of all joints from the bind pose to each of some poses of all clips, evenly spaced in each clip:
+// at most 16 a clip, and, but for one a clip, at most 96. Lengths are those of the character times `scale`.
+std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const scene::Character& character, double scale);
+
+class Partings {
+ public:
+  // The arguments must outlive it. `near` (m): no farther apart in the bind pose do places count as touching;
+  // `far`: how much farther apart than there they must come in some pose.
+  Partings(const scene::SurfaceMesh& skin, const SkinWeights& weights,
+           std::span<const std::vector<Eigen::Matrix4d>> poses, double near, double far);
+
+  // Whether two triangles come near each other, and places where they do part.
+  bool do_part(std::uint32_t a, std::uint32_t b) const;
+
+ private:
+  // A joint's share in a place.
+  struct Share {
+    std::uint32_t joint;
+    double weight;
+  };
+  std::vector<Share> shares_at(std::uint32_t triangle, const std::array<double, 3>& weights) const;
+
+  // Whether places of two triangles, as weights of their corners, are farther apart in some pose by `far`.
+  bool have_parted(std::uint32_t a, const std::array<double, 3>& at_a, std::uint32_t b,
+                   const std::array<double, 3>& at_b) const;
+
+  const scene::SurfaceMesh& skin_;
+  const SkinWeights& weights_;
+  std::span<const std::vector<Eigen::Matrix4d>> poses_;
+  double near_, far_;
+};
+
+}  // namespace fascicle::build
