@@ -42,7 +42,8 @@ Json json_of(const std::vector<build::JointReport>& joints) {
                     {"openness", joint.openness},
                     {"bone", joint.is_bone},
                     {"ends_chain", joint.ends_chain},
-                    {"kinematic", joint.is_kinematic}});
+                    {"kinematic", joint.is_kinematic},
+                    {"reason", joint.reason}});
   return list;
 }
 
@@ -201,10 +202,7 @@ void print_joints(const build::Report& report) {
       ++left_out;
       continue;
     }
-    std::string text = joint.ends_chain ? "bone at the end of a chain" : joint.is_bone ? "bone" : "no bone";
-    if (joint.is_kinematic) text += ", kinematic";
-    rows.emplace_back(joint.name, text + "; " + number_text(100.0 * joint.share, 3) +
-                                      " % of the skin, openness " + number_text(joint.openness, 2));
+    rows.emplace_back(joint.name, joint.reason);
   }
   if (rows.empty()) return;
   std::cout << "skeleton\n" << columns_text(rows);
