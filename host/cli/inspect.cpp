@@ -70,6 +70,14 @@ std::vector<MuscleCount> count_muscles(const scene::Scene& scene, const model::M
   return counts;
 }
 
+Json json_of(const std::vector<build::RigidReport>& parts) {
+  Json list = Json::array();
+  for (const build::RigidReport& part : parts)
+    list.push_back(
+        {{"name", part.name}, {"joint", part.joint}, {"vertices", part.vertices}, {"reason", part.reason}});
+  return list;
+}
+
 Json json_of(const build::FibreReport& fibres) {
   return {{"constraints", fibres.constraints},     {"rounds", fibres.rounds},
           {"iterations", fibres.iterations},       {"edges", fibres.edges},
@@ -176,6 +184,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"substeps", scene.solver.substeps},
           {"solver_bytes", model::solver_bytes(model)},
           {"skeleton", json_of(report.joints)},
+          {"rigid_parts", json_of(report.rigid_parts)},
           {"bone_layer",
            {{"islands_of_shapes", report.bone_islands_before},
             {"islands", report.bone_islands},
@@ -211,6 +220,19 @@ void print_joints(const build::Report& report) {
     std::cout << "  bone layer: " << report.bone_islands << " connected part(s), "
               << report.bone_islands_before << " before " << count_text(report.bone_vertices_added)
               << " vertices were added\n";
+}
+
+void print_rigid_parts(const build::Report& report) {
+  if (report.rigid_parts.empty()) return;
+  constexpr std::size_t most_shown = 20;
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const build::RigidReport& part : report.rigid_parts)
+    if (rows.size() < most_shown)
+      rows.emplace_back(part.name, "follows " + part.joint + ", " + count_text(part.vertices) +
+                                       " vertices; " + part.reason);
+  std::cout << "rigid parts\n" << columns_text(rows);
+  if (report.rigid_parts.size() > rows.size())
+    std::cout << "  and " << count_text(report.rigid_parts.size() - rows.size()) << " more\n";
 }
 
 void print_fibres(const build::FibreReport& fibres) {
@@ -304,6 +326,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                       " % of the volume, " + number_text(layer.mass) + " kg");
   std::cout << columns_text(rows);
   print_joints(report);
+  print_rigid_parts(report);
   print_fibres(report.fibres);
 
   rows.clear();
