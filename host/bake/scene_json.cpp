@@ -121,11 +121,9 @@ Json json_of_layer(const scene::Layer& layer) {
 }
 
 Json json_of_skeleton(const scene::SkeletonSettings& skeleton) {
-  return {{"bones", skeleton.bones},
-          {"not_bones", skeleton.not_bones},
-          {"kinematic", skeleton.kinematic},
-          {"simulated", skeleton.simulated},
-          {"least_share", skeleton.least_share},
+  return {{"bones", skeleton.bones},         {"not_bones", skeleton.not_bones},
+          {"kinematic", skeleton.kinematic}, {"simulated", skeleton.simulated},
+          {"rigid", skeleton.rigid},         {"least_share", skeleton.least_share},
           {"connect", skeleton.connect}};
 }
 

@@ -6,6 +6,8 @@
 #include "host/build/boundary.h"
 #include "host/build/check_mesh.h"
 #include "host/build/filled_body.h"
+#include "host/build/rigid_parts.h"
+#include "host/build/skin_weights.h"
 #include "host/build/weld.h"
 
 namespace fascicle::build {
@@ -66,7 +68,20 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   body.joints = std::move(choice.joints);
   body.bones = std::move(choice.bones);
   add_scene_bones(scene, body);
-  take(fill_body({scene, character.surface, welded, body.bones, &character}, report, options), body);
+  const SkinWeights weights =
+      welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
+  RigidSkin rigid = find_rigid_parts(character, welded, weights, scene);
+  report.rigid_parts = rigid.report;
+  if (rigid.report.empty()) {
+    take(fill_body({scene, character.surface, welded, body.bones, &character}, report, options), body);
+  } else {
+    const SoftSkin soft = without_rigid_parts(character, welded, rigid);
+    if (!soft.welded.surface.triangles.empty())
+      take(fill_body({scene, soft.character.surface, soft.welded, body.bones, &soft.character}, report,
+                     options),
+           body);
+    add_rigid_parts(character, welded, weights, rigid, soft, body);
+  }
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
   if (!character.painted.empty()) {
     body.painted = character.painted;

@@ -46,8 +46,13 @@ struct JointUse {
   bool is_kinematic = false;  // its flesh follows the skeleton
 };
 
+// Why a vertex follows the skeleton whatever its layer: it lies under a rigid part of the skin, or it belongs
+// to the carrier of one (rigid_parts.h), a tetrahedron apart from the flesh.
+enum class Holding : std::uint8_t { none, covered, carrier };
+
 struct Body {
   scene::TetMesh mesh;
+  std::vector<Holding> holding;  // a vertex; empty: none of any
   RenderMesh render;
   SkinWeights skin;
   std::uint32_t joint_count = 0;
@@ -56,6 +61,10 @@ struct Body {
   scene::SurfaceMesh painted_surface;            // the character's own, m; empty where nothing is painted
   std::vector<scene::PaintedAttribute> painted;  // on its vertices
 };
+
+inline Holding holding_of(const Body& body, std::size_t vertex) {
+  return body.holding.empty() ? Holding::none : body.holding[vertex];
+}
 
 // Builds the body of a scene's geometry. Repairs and warnings go to the report. Throws scene::SceneError.
 Body make_body(const scene::Scene& scene, Report& report, const BuildOptions& options);

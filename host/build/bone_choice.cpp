@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
+#include <sstream>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "host/build/joint_skin.h"
 #include "host/build/measures.h"
 #include "host/build/message.h"
 #include "host/build/surface_search.h"
@@ -24,59 +26,17 @@ constexpr double most_skin = 0.98;
 // Places along a bone where it is asked whether it runs inside the skin.
 constexpr int axis_samples = 10;
 
-// What one joint and those below it move.
-struct Skin {
-  double area = 0.0;
-  Vector3d normal = Vector3d::Zero();  // sum w a n
-  Vector3d middle = Vector3d::Zero();  // weighted by area
-};
-
-struct VertexArea {
-  double area = 0.0;
-  Vector3d normal = Vector3d::Zero();
-};
-
-std::vector<VertexArea> vertex_areas(const scene::SurfaceMesh& surface) {
-  std::vector<VertexArea> of(surface.vertices.size());
-  for (const auto& t : surface.triangles) {
-    const Vector3d& a = surface.vertices[t[0]];
-    const Vector3d normal = (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a) / 6.0;
-    for (const std::uint32_t corner : t) {
-      of[corner].area += normal.norm();
-      of[corner].normal += normal;
-    }
-  }
-  return of;
-}
-
-// Each joint's part in each vertex, with the joints below it: pairs (joint, weight) of every vertex.
-using PartsWithBelow = std::vector<std::vector<std::pair<std::uint32_t, double>>>;
-
-PartsWithBelow parts_with_below(const scene::Character& character) {
-  PartsWithBelow parts(character.surface.vertices.size());
-  std::vector<double> weight(character.skeleton.size(), 0.0);
-  for (std::size_t v = 0; v < parts.size(); ++v) {
-    std::vector<std::uint32_t> touched;
-    double all = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      const double w = character.weights[v][k];
-      if (!(w > 0.0)) continue;
-      all += w;
-      for (auto j = static_cast<std::int32_t>(character.joints[v][k]); j >= 0;
-           j = character.skeleton[static_cast<std::size_t>(j)].parent) {
-        const auto joint = static_cast<std::uint32_t>(j);
-        if (weight[joint] == 0.0) touched.push_back(joint);
-        weight[joint] += w;
-      }
-    }
-    std::sort(touched.begin(), touched.end());
-    for (const std::uint32_t joint : touched) {
-      parts[v].emplace_back(joint, weight[joint] / all);
-      weight[joint] = 0.0;
-    }
-  }
-  return parts;
-}
+// A joint goes on from a bone above it whose skin it moves this much of: a neck's head, but no breast.
+constexpr double goes_on_share = 0.5;
+constexpr double most_open_going_on = 0.75;
+// A root that moves less than this of the skin, and stands outside of it, is a control.
+constexpr double control_share = 5e-3;
+// So far outside, in parts of the skeleton's extent.
+constexpr double control_distance = 0.02;
+// A joint that ends a chain leads to another where their skins meet this far out, in distances from it to the
+// middle of its own skin, off the way there by at most so much of that way; and that other's skin is so
+// large, of its own.
+constexpr double meets_beyond = 1.2, meets_aside = 0.6, meets_area = 0.1;
 
 Vector3d bind_position(const scene::Joint& joint, const std::string& source) {
   const Eigen::FullPivLU<Eigen::Matrix4d> factored(joint.inverse_bind);
@@ -104,26 +64,26 @@ class Chooser {
       low = low ? Vector3d(low->cwiseMin(place_[j])) : place_[j];
       high = high ? Vector3d(high->cwiseMax(place_[j])) : place_[j];
     }
-    shortest_ = low ? point_of_extent * (*high - *low).norm() : 0.0;
+    extent_ = low ? (*high - *low).norm() : 0.0;
+    shortest_ = point_of_extent * extent_;
   }
 
   BoneChoice run() {
     measure();
-    const std::vector<char> wanted = named(settings_.bones, "skeleton.bones", false);
-    const std::vector<char> refused = named(settings_.not_bones, "skeleton.not_bones", false);
-    is_bone_.resize(size());
-    for (std::size_t j = 0; j < size(); ++j) {
-      const JointReport& joint = choice_.report[j];
-      const bool fits =
-          joint.share > 0.0 && joint.share >= settings_.least_share && joint.openness <= most_open_limb;
-      is_bone_[j] = character_.skeleton[j].skins && !refused[j] && (wanted[j] || fits);
-    }
+    wanted_ = named(settings_.bones, "skeleton.bones", false);
+    refused_ = named(settings_.not_bones, "skeleton.not_bones", false);
     const SurfaceSearch search(surface_);
+    take_fitting(search);
+    take_leading();
+    meetings_ = meetings_of(surface_, character_);
     // What is dropped makes other joints ends, and others' parents.
-    while (!drop_outside(search, wanted)) continue;
-    drop_twists(wanted);
-    write_bones();
+    do {
+      find_ways_over();
+    } while (!drop_outside(search));
+    drop_twists();
+    write_bones(search);
     write_uses();
+    write_reasons();
     return std::move(choice_);
   }
 
@@ -131,29 +91,66 @@ class Chooser {
   std::size_t size() const { return place_.size(); }
 
   void measure() {
-    parts_ = parts_with_below(character_);
-    areas_ = vertex_areas(surface_);
-    std::vector<Skin> skin(size());
-    double whole = 0.0;
-    for (std::size_t v = 0; v < parts_.size(); ++v) {
-      whole += areas_[v].area;
-      for (const auto& [joint, w] : parts_[v]) {
-        skin[joint].area += w * areas_[v].area;
-        skin[joint].normal += w * areas_[v].normal;
-        skin[joint].middle += w * areas_[v].area * surface_.vertices[v];
-      }
-    }
+    skin_ = skin_of_joints(surface_, character_);
     for (std::size_t j = 0; j < size(); ++j) {
       JointReport joint;
       joint.name = character_.skeleton[j].name;
       joint.parent = character_.skeleton[j].parent;
-      if (skin[j].area > 0.0) {
-        joint.share = skin[j].area / whole;
-        joint.openness = skin[j].normal.norm() / skin[j].area;
-        skin[j].middle /= skin[j].area;
+      const SkinPiece& below = skin_.below[j];
+      if (below.area > 0.0) {
+        joint.share = below.area / skin_.whole;
+        joint.openness = below.normal.norm() / below.area;
       }
-      middle_.push_back(skin[j].middle);
       choice_.report.push_back(std::move(joint));
+    }
+  }
+
+  bool can_be_bone(std::size_t j) const {
+    const JointReport& joint = choice_.report[j];
+    return character_.skeleton[j].skins && !refused_[j] && joint.share > 0.0 &&
+           joint.share >= settings_.least_share && !is_control_[j];
+  }
+
+  void take_fitting(const SurfaceSearch& search) {
+    is_bone_.resize(size());
+    is_control_.resize(size());
+    why_.assign(size(), "");
+    for (std::size_t j = 0; j < size(); ++j) {
+      if (!character_.skeleton[j].skins) continue;
+      const std::int32_t parent = character_.skeleton[j].parent;
+      const bool is_root = parent < 0 || !character_.skeleton[static_cast<std::size_t>(parent)].skins ||
+                           is_control_[static_cast<std::size_t>(parent)];
+      is_control_[j] = is_root && skin_.own[j].area < control_share * skin_.whole &&
+                       !search.is_inside(place_[j]) &&
+                       search.nearest(place_[j]).distance > control_distance * extent_;
+      if (wanted_[j])
+        why_[j] = "asked for";
+      else if (can_be_bone(j) && choice_.report[j].openness <= most_open_limb)
+        why_[j] = "its skin closes around it";
+      is_bone_[j] = !refused_[j] && !why_[j].empty();
+    }
+  }
+
+  // What lies between bones is one, and so is what goes on from one with most of its skin.
+  void take_leading() {
+    for (std::size_t j = size(); j-- > 0;) {
+      if (!is_bone_[j]) continue;
+      for (std::int32_t k = character_.skeleton[j].parent; k >= 0;
+           k = character_.skeleton[static_cast<std::size_t>(k)].parent) {
+        const auto above = static_cast<std::size_t>(k);
+        if (is_bone_[above] || !can_be_bone(above)) continue;
+        is_bone_[above] = 1;
+        why_[above] = "leads to " + character_.skeleton[j].name;
+      }
+    }
+    for (std::size_t j = 0; j < size(); ++j) {
+      if (is_bone_[j] || !can_be_bone(j) || choice_.report[j].openness > most_open_going_on) continue;
+      const std::int32_t above = bone_above(j);
+      if (above < 0) continue;
+      const JointReport& parent = choice_.report[static_cast<std::size_t>(above)];
+      if (choice_.report[j].share < goes_on_share * parent.share) continue;
+      is_bone_[j] = 1;
+      why_[j] = "goes on from " + parent.name + " with most of its skin";
     }
   }
 
@@ -208,20 +205,18 @@ class Chooser {
     return 2 * inside >= axis_samples;
   }
 
-  // The tip of the bone of a joint that ends a chain: into its skin, as far as that reaches for the most
-  // part.
-  Vector3d tip_of(std::size_t joint) const {
-    const Vector3d towards = middle_[joint] - place_[joint];
+  // The tip of a bone that ends a chain: from its beginning into its joint's skin, as far as that reaches for
+  // the most part.
+  Vector3d tip_of(std::size_t joint, const Vector3d& begin) const {
+    const Vector3d towards = skin_.below[joint].middle - begin;
     const double length = towards.norm();
-    if (!(choice_.report[joint].share > 0.0) || !(length > shortest_)) return place_[joint];
+    if (!(choice_.report[joint].share > 0.0) || !(length > shortest_)) return begin;
     std::vector<std::pair<double, double>> reach;  // along the bone, area
     double all = 0.0;
-    for (std::size_t v = 0; v < parts_.size(); ++v)
-      for (const auto& [j, w] : parts_[v]) {
-        if (j != joint) continue;
-        reach.emplace_back((surface_.vertices[v] - place_[joint]).dot(towards) / length, w * areas_[v].area);
-        all += w * areas_[v].area;
-      }
+    for_each_part(joint, [&](const Vector3d& p, double area) {
+      reach.emplace_back((p - begin).dot(towards) / length, area);
+      all += area;
+    });
     std::sort(reach.begin(), reach.end());
     double sum = 0.0, far = 0.0;
     for (const auto& [along, area] : reach) {
@@ -229,25 +224,67 @@ class Chooser {
       sum += area;
       if (sum >= most_skin * all) break;
     }
-    return place_[joint] + std::max(end_reach * far, length) / length * towards;
+    return begin + std::max(end_reach * far, length) / length * towards;
+  }
+
+  // Vertices that a joint and those below it move, and their areas by its weight.
+  template <class Use>
+  void for_each_part(std::size_t joint, Use use) const {
+    for (std::size_t v = 0; v < skin_.with_below.size(); ++v)
+      for (const auto& [j, w] : skin_.with_below[v])
+        if (j == joint) use(surface_.vertices[v], w * skin_.vertex_area[v]);
+  }
+
+  std::vector<char> joints_that_lead_on() const {
+    std::vector<char> leads_on(size(), 0);
+    for (const Segment& s : segments()) leads_on[s.from] = 1;
+    return leads_on;
+  }
+
+  // Where a chain ends in the skeleton but goes on in space: a shank whose foot is an IK target of its own.
+  void find_ways_over() {
+    const std::vector<char> leads_on = joints_that_lead_on();
+    over_.clear();
+    is_met_.assign(size(), 0);
+    std::vector<Meeting> by_area = meetings_;
+    std::stable_sort(by_area.begin(), by_area.end(),
+                     [](const Meeting& a, const Meeting& b) { return a.area > b.area; });
+    for (const Meeting& meeting : by_area) {
+      const std::size_t from = meeting.from, to = meeting.to;
+      if (!is_bone_[from] || leads_on[from] || is_met_[from] || refused_[to] ||
+          !character_.skeleton[to].skins)
+        continue;
+      if (skin_.below[to].area < meets_area * skin_.own[from].area) continue;
+      const Vector3d way = meeting.middle - place_[from], axis = skin_.own[from].middle - place_[from];
+      const double length = axis.norm();
+      if (!(length > shortest_) || way.dot(axis) < meets_beyond * length * length) continue;
+      const Vector3d along = way.dot(axis) / (length * length) * axis;
+      if ((way - along).norm() > meets_aside * along.norm()) continue;
+      over_.push_back(meeting);
+      is_met_[from] = is_met_[to] = 1;
+      is_bone_[to] = 1;
+      why_[to] = "takes over from " + character_.skeleton[from].name + " where their skins meet";
+    }
   }
 
   // Drops the joints whose axes all run outside the skin; true if there were none.
-  bool drop_outside(const SurfaceSearch& search, const std::vector<char>& wanted) {
+  bool drop_outside(const SurfaceSearch& search) {
     std::vector<char> leads_on(size(), 0), has_axis(size(), 0);
     std::vector<char> is_cut(size(), 0);
     for (const Segment& s : segments()) {
       leads_on[s.from] = 1;
-      if (wanted[s.from] || wanted[s.to] || runs_inside(search, place_[s.from], place_[s.to]))
+      if (wanted_[s.from] || wanted_[s.to] || runs_inside(search, place_[s.from], place_[s.to]))
         has_axis[s.from] = 1;
       else
         is_cut[s.to] = 1;
     }
     bool all_stay = true;
     for (std::size_t j = 0; j < size(); ++j) {
-      if (!is_bone_[j] || wanted[j] || has_axis[j]) continue;
-      if (!leads_on[j] && runs_inside(search, place_[j], tip_of(j))) continue;
+      if (!is_bone_[j] || wanted_[j] || has_axis[j] || is_met_[j]) continue;
+      if (!leads_on[j] && runs_inside(search, place_[j], tip_of(j, place_[j]))) continue;
       is_bone_[j] = 0;
+      why_[j] = "its axis runs outside the skin";
+      refused_[j] = 1;
       all_stay = false;
     }
     is_cut_ = std::move(is_cut);
@@ -255,17 +292,18 @@ class Chooser {
   }
 
   // Joints that end a chain and whose skin lies around another bone of their parent's.
-  void drop_twists(const std::vector<char>& wanted) {
+  void drop_twists() {
     is_twist_.assign(size(), 0);
     const std::vector<Segment> all = segments();
-    std::vector<char> leads_on(size(), 0);
-    for (const Segment& s : all) leads_on[s.from] = 1;
+    const std::vector<char> leads_on = joints_that_lead_on();
     for (std::size_t j = 0; j < size(); ++j) {
-      if (!is_bone_[j] || leads_on[j] || wanted[j]) continue;
+      if (!is_bone_[j] || leads_on[j] || wanted_[j] || is_met_[j]) continue;
       const std::int32_t parent = bone_above(j);
       for (const Segment& s : all) {
         if (static_cast<std::int32_t>(s.from) != parent || s.to == j) continue;
-        if (lies_around(j, place_[s.from], place_[s.to])) is_twist_[j] = 1;
+        if (!lies_around(j, place_[s.from], place_[s.to])) continue;
+        is_twist_[j] = 1;
+        why_[j] = "its skin lies around the bone of " + character_.skeleton[s.from].name;
       }
     }
     for (std::size_t j = 0; j < size(); ++j)
@@ -275,28 +313,50 @@ class Chooser {
   // Whether a joint's skin lies around a segment: its middle is much nearer to it than the skin itself.
   bool lies_around(std::size_t joint, const Vector3d& from, const Vector3d& to) const {
     double sum = 0.0, area = 0.0;
-    for (std::size_t v = 0; v < parts_.size(); ++v)
-      for (const auto& [j, w] : parts_[v]) {
-        if (j != joint) continue;
-        sum += w * areas_[v].area * segment_distance(surface_.vertices[v], from, to);
-        area += w * areas_[v].area;
-      }
-    const double along = (middle_[joint] - from).dot(to - from) / (to - from).squaredNorm();
-    return along > 0.0 && along < 1.0 && 2.0 * area * segment_distance(middle_[joint], from, to) < sum;
+    for_each_part(joint, [&](const Vector3d& p, double part) {
+      sum += part * segment_distance(p, from, to);
+      area += part;
+    });
+    const Vector3d& middle = skin_.below[joint].middle;
+    const double along = (middle - from).dot(to - from) / (to - from).squaredNorm();
+    return along > 0.0 && along < 1.0 && 2.0 * area * segment_distance(middle, from, to) < sum;
   }
 
-  void write_bones() {
-    const auto index = [](std::size_t joint) { return static_cast<std::int32_t>(joint); };
+  static std::int32_t index(std::size_t joint) { return static_cast<std::int32_t>(joint); }
+
+  void write_bones(const SurfaceSearch& search) {
     ends_chain_.assign(size(), 0);
+    std::vector<char> is_reached(size(), 0);
     for (std::size_t j = 0; j < size(); ++j) ends_chain_[j] = is_bone_[j];
+    std::vector<Bone>& bones = choice_.bones;
     for (const Segment& s : segments()) {
       ends_chain_[s.from] = 0;
       if (is_cut_[s.to]) continue;
-      choice_.bones.push_back(
-          {place_[s.from], place_[s.to], {index(s.from), bone_above(s.from), index(s.to)}});
+      is_reached[s.to] = 1;
+      bones.push_back({place_[s.from], place_[s.to], {index(s.from), bone_above(s.from), index(s.to)}});
+    }
+    std::vector<Vector3d> begin = place_;
+    for (const Meeting& over : over_) {
+      ends_chain_[over.from] = 0;
+      bones.push_back(
+          {place_[over.from], over.middle, {index(over.from), bone_above(over.from), index(over.to)}});
+      if (ends_chain_[over.to])
+        begin[over.to] = over.middle;
+      else if (runs_inside(search, over.middle, place_[over.to]))
+        bones.push_back({over.middle, place_[over.to], {index(over.to), index(over.from), -1}});
+      is_reached[over.to] = 1;
+    }
+    // Limbs that hang on a root outside the skin: from the bone beside them.
+    for (const Meeting& meeting : meetings_) {
+      const std::size_t from = meeting.from, to = meeting.to;
+      if (!is_bone_[from] || !is_bone_[to] || is_reached[to] || ends_chain_[from]) continue;
+      if (!((place_[to] - place_[from]).norm() > shortest_)) continue;
+      if (!runs_inside(search, place_[from], place_[to])) continue;
+      is_reached[to] = 1;
+      bones.push_back({place_[from], place_[to], {index(from), bone_above(from), index(to)}});
     }
     for (std::size_t j = 0; j < size(); ++j)
-      if (ends_chain_[j]) choice_.bones.push_back({place_[j], tip_of(j), {index(j), bone_above(j), -1}});
+      if (ends_chain_[j]) bones.push_back({begin[j], tip_of(j, begin[j]), {index(j), bone_above(j), -1}});
   }
 
   void write_uses() {
@@ -306,9 +366,43 @@ class Chooser {
       JointReport& joint = choice_.report[j];
       joint.is_bone = is_bone_[j] != 0;
       joint.ends_chain = ends_chain_[j] != 0;
-      const std::int32_t bone = is_bone_[j] ? static_cast<std::int32_t>(j) : bone_above(j);
+      const std::int32_t bone = is_bone_[j] ? index(j) : bone_above(j);
       joint.is_kinematic = !simulated[j] && (kinematic[j] || follows(j, bone));
       choice_.joints.push_back({joint.name, joint.parent, bone, joint.is_kinematic});
+    }
+  }
+
+  // "bone: its skin closes around it (open 0.12); moves 4.1 % of the skin; ..."
+  void write_reasons() {
+    for (std::size_t j = 0; j < size(); ++j) {
+      JointReport& joint = choice_.report[j];
+      std::ostringstream text;
+      text << std::fixed << (joint.is_bone ? "bone: " : "no bone: ");
+      if (!(joint.share > 0.0)) {
+        joint.reason = joint.is_bone ? "bone: asked for" : "no bone: moves no skin";
+        continue;
+      }
+      if (!why_[j].empty())
+        text << why_[j];
+      else if (refused_[j])
+        text << "asked for";
+      else if (is_control_[j])
+        text << "a control outside the skin";
+      else if (joint.share < settings_.least_share)
+        text << "moves less than " << std::setprecision(1) << 100.0 * settings_.least_share
+             << " % of the skin";
+      else
+        text << "its skin does not close around it";
+      text << " (open " << std::setprecision(2) << joint.openness << "); moves " << std::setprecision(1)
+           << 100.0 * joint.share << " % of the skin";
+      for (const Meeting& over : over_)
+        if (over.from == j) text << "; leads to " << character_.skeleton[over.to].name;
+      if (joint.ends_chain) text << "; ends a chain";
+      if (joint.is_kinematic)
+        text << "; its flesh follows the skeleton";
+      else if (!joint.is_bone)
+        text << "; its flesh is free";
+      joint.reason = text.str();
     }
   }
 
@@ -328,13 +422,14 @@ class Chooser {
   const std::string& source_;
   scene::SurfaceMesh surface_;
   BoneChoice choice_;
-  std::vector<Vector3d> place_;   // of a joint, m
-  std::vector<Vector3d> middle_;  // of a joint's skin, m
-  PartsWithBelow parts_;
-  std::vector<VertexArea> areas_;
-  std::vector<char> is_bone_, ends_chain_, is_twist_;
+  std::vector<Vector3d> place_;  // of a joint, m
+  SkinOfJoints skin_;
+  std::vector<char> wanted_, refused_, is_control_;
+  std::vector<char> is_bone_, ends_chain_, is_twist_, is_met_;
   std::vector<char> is_cut_;  // the bone that leads to this joint runs outside the skin
-  double shortest_ = 0.0;
+  std::vector<Meeting> meetings_, over_;
+  std::vector<std::string> why_;          // a joint is a bone, or none
+  double extent_ = 0.0, shortest_ = 0.0;  // m
 };
 
 }  // namespace

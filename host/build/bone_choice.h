@@ -8,7 +8,13 @@
 //             cancels: a limb has 0.05 to 0.3; a half ball has 1/2, and flesh that lies on a trunk more
 //             (breasts 0.8).
 // A joint is a bone where the share is large, the openness small, and its axis (the segment to the next bone
-// below it) runs inside the skin for half of its length or more: that of a root on the floor does not.
+// below it) runs inside the skin for half of its length or more: that of a root on the floor does not. Thin
+// or oddly weighted skins are opener than limbs are, so that a joint of a large share is one, too,
+//   - between two bones (a shoulder, a thigh), whatever its openness;
+//   - where it goes on from a bone above with half of its skin or more (a head).
+// A root outside the skin that moves next to none of it is a control, and no bone. A joint that ends a chain
+// in the skeleton leads on where its skin goes over into that of a joint elsewhere in it (joint_skin.h,
+// Meeting): a shank to a foot that is an IK target of its own, which is a bone whatever its share.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +37,8 @@ struct BoneChoice {
 };
 
 // Coordinates are multiplied by `scale`. The bones run from each chosen joint to each of the next chosen ones
-// below it. A chosen joint that ends a chain gives one towards the middle of its skin, as far as most of that
-// reaches.
+// below it, or to where its skin goes over into another's. A chosen joint that ends a chain gives one towards
+// the middle of its skin, as far as most of that reaches. Every JointReport gets its reason.
 //
 // Ends (head, hand, foot) are kinematic: their flesh follows the skeleton. So are joints that are no bones,
 // but for flesh that lies on a trunk: openness of at least least_open_flesh, and above it a bone that ends no

@@ -123,7 +123,7 @@ std::vector<std::uint32_t> way_along(const Axis& axis, const OneRings& rings, co
   return way;
 }
 
-double mean_edge_of(const std::vector<Vector3d>& vertices, const OneRings& rings) {
+double mean_ring_edge(const std::vector<Vector3d>& vertices, const OneRings& rings) {
   double sum = 0.0;
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < vertices.size(); ++i)
@@ -146,7 +146,7 @@ void lay_along_bones(Measures& measures, const OneRings& rings, const std::vecto
     if (!closed[i] || is_bone[i]) own[first[nearest[i].bone]].push_back(i);
     if (is_bone[i]) owns[first[nearest[i].bone]] = 1;
   }
-  const double spacing = mean_edge_of(vertices, rings);
+  const double spacing = mean_ring_edge(vertices, rings);
   std::vector<char> any(closed.size());
   for (std::size_t i = 0; i < any.size(); ++i) any[i] = !closed[i] || is_bone[i];
   std::vector<char> open(closed.size(), 0);

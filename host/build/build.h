@@ -26,6 +26,15 @@ struct JointReport {
   bool is_bone = false;
   bool ends_chain = false;    // a bone from which no other goes on: head, hand, foot
   bool is_kinematic = false;  // its flesh follows the skeleton
+  std::string reason;         // all of this in words
+};
+
+// A part of the skin that follows its joints alone (rigid_parts.h).
+struct RigidReport {
+  std::string name;            // of its object, with the material where there are several parts
+  std::string joint;           // that moves most of it
+  std::string reason;          // in words
+  std::uint32_t vertices = 0;  // of the welded skin
 };
 
 // The fibre field, where a layer asks for it (fibre_field.h).
@@ -155,6 +164,7 @@ struct Report {
   std::uint32_t pinned_vertices = 0;     // kinematic ones: pinned, or of a kinematic layer
   FillReport fill;
   std::vector<JointReport> joints;        // of a character's skeleton
+  std::vector<RigidReport> rigid_parts;   // of a character, in the order of its skin
   std::uint32_t bone_islands_before = 0;  // pieces of a character's bone layer, as its shapes cut it
   std::uint32_t bone_islands = 0;         // and after vertices were added between them
   std::uint32_t bone_vertices_added = 0;

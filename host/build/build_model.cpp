@@ -195,21 +195,25 @@ void report_edges(const scene::TetMesh& mesh, const OneRings& rings, Report& rep
   report.mean_edge = sum / static_cast<double>(edges);
 }
 
-void warn_of_parts(const OneRings& rings, const Model& model, Report& report) {
+void warn_of_parts(const OneRings& rings, const Body& body, const Model& model, Report& report) {
   const Parts parts = connected_parts(rings);
-  std::vector<char> held(parts.count, 0);
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+  std::vector<char> held(parts.count, 0), is_flesh(parts.count, 1);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) held[parts.of_vertex[i]] = 1;
+    if (holding_of(body, i) == Holding::carrier) is_flesh[parts.of_vertex[i]] = 0;
+  }
   std::vector<std::uint32_t> first(parts.count, model.vertex_count);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     std::uint32_t& lowest = first[parts.of_vertex[i]];
     lowest = std::min(lowest, model.source_vertex[i]);
   }
-  if (parts.count > 1) {
-    std::vector<std::uint32_t> one_each = first;
+  std::vector<std::uint32_t> one_each;
+  for (std::uint32_t p = 0; p < parts.count; ++p)
+    if (is_flesh[p]) one_each.push_back(first[p]);
+  if (one_each.size() > 1) {
     std::sort(one_each.begin(), one_each.end());
     warn(report,
-         "the mesh has " + std::to_string(parts.count) +
+         "the mesh has " + std::to_string(one_each.size()) +
              " parts that do not touch; one vertex of each is named",
          one_each);
   }
@@ -280,7 +284,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   const std::vector<double> volume = lumped_volumes(body.mesh);
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
-  warn_of_parts(rings, model, report);
+  warn_of_parts(rings, body, model, report);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
     rings = without_sliding_pairs(rings, model, slides);
   write_weights(scene, layering, volume, std::move(rings), model, report);

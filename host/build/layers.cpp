@@ -77,11 +77,14 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
     if (scene.layers[l].kinematic && has(scene.layers[l], is_measured_from_bones)) bone_layer = l;
   if (bone_layer == no_layer) return;
 
-  std::vector<char> is_bone(layer_of.size(), 0);
-  for (std::size_t i = 0; i < is_bone.size(); ++i) is_bone[i] = scene.layers[layer_of[i]].kinematic;
+  // What rigid parts hold is no bone: nothing need join it to one.
+  std::vector<char> is_bone(layer_of.size(), 0), is_closed(layer_of.size(), 0);
+  for (std::size_t i = 0; i < is_bone.size(); ++i) {
+    is_bone[i] = scene.layers[layer_of[i]].kinematic && holding_of(body, i) == Holding::none;
+    is_closed[i] = closed[i] || !scene.skeleton.connect || holding_of(body, i) == Holding::carrier;
+  }
   const std::vector<char> before = is_bone;
-  const BoneLayerReport found = complete_bone_layer(
-      measures, rings, scene.skeleton.connect ? closed : std::vector<char>(is_bone.size(), 1), is_bone);
+  const BoneLayerReport found = complete_bone_layer(measures, rings, is_closed, is_bone);
   for (std::size_t i = 0; i < is_bone.size(); ++i)
     if (is_bone[i] && !before[i]) layer_of[i] = bone_layer;
 
@@ -186,6 +189,8 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& mea
   result.kinematic.resize(result.layer.size());
   for (std::size_t i = 0; i < result.layer.size(); ++i)
     result.kinematic[i] = scene.layers[result.layer[i]].kinematic;
+  for (std::size_t i = 0; i < result.kinematic.size(); ++i)
+    if (holding_of(measures.body(), i) == Holding::carrier) result.kinematic[i] = 1;
   for (const scene::Pin& pin : scene.pins) {
     const std::vector<char> inside = test.contains(pin.where, "pins." + pin.name, scene.source);
     if (std::none_of(inside.begin(), inside.end(), [](char c) { return c != 0; }))

@@ -112,11 +112,14 @@ std::vector<double> Measures::shares_of(const std::vector<char>& joints) const {
 const std::vector<char>& Measures::follows_joints() {
   if (!follows_.empty()) return follows_;
   follows_.assign(body_.mesh.vertices.size(), 0);
+  for (std::size_t i = 0; i < follows_.size(); ++i)
+    if (holding_of(body_, i) != Holding::none) follows_[i] = 1;
   if (body_.joints.empty()) return follows_;
   std::vector<char> kinematic;
   for (const JointUse& joint : body_.joints) kinematic.push_back(joint.is_kinematic ? 1 : 0);
   const std::vector<double> share = shares_of(kinematic);
-  for (std::size_t i = 0; i < share.size(); ++i) follows_[i] = share[i] >= following_share;
+  for (std::size_t i = 0; i < share.size(); ++i)
+    if (share[i] >= following_share) follows_[i] = 1;
   return follows_;
 }
 
@@ -139,7 +142,9 @@ const std::vector<double>& Measures::bone_distances() {
 const std::vector<double>& Measures::depths() {
   if (!depths_.empty()) return depths_;
   const std::vector<double>& from_bone = bone_distances();
-  const scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
+  scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
+  // A carrier inside the flesh is none of its skin.
+  std::erase_if(skin.triangles, [&](const auto& t) { return holding_of(body_, t[0]) == Holding::carrier; });
   std::vector<char> on_skin(from_bone.size(), 0);
   for (const auto& t : skin.triangles)
     for (const std::uint32_t corner : t) on_skin[corner] = 1;

@@ -93,6 +93,12 @@ void renumber(Body& body, const std::vector<std::uint32_t>& order) {
   for (auto& corners : body.render.corners)
     for (std::uint32_t& corner : corners) corner = number[corner];
 
+  if (!body.holding.empty()) {
+    std::vector<Holding> holding;
+    for (const std::uint32_t old : order) holding.push_back(body.holding[old]);
+    body.holding = std::move(holding);
+  }
+
   if (body.skin.offset.empty()) return;
   SkinWeights skin;
   skin.offset.push_back(0);

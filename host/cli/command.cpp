@@ -115,6 +115,11 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
                   "A cage closes gaps narrower than the body's diagonal divided by N (100)")
       ->option_text("N");
   subcommand
+      .add_option("--rigid", overrides.rigid,
+                  "Characters: skin that follows its joints alone, by the name of a joint, an object or a "
+                  "material; may be repeated")
+      ->option_text("NAME");
+  subcommand
       .add_option("--resolution", overrides.resolution,
                   "How fine: a number of vertices (20000), or an edge length with its unit (20mm)")
       ->option_text("SIZE");

@@ -43,7 +43,8 @@ Json json_of(const std::vector<build::JointReport>& joints) {
                     {"openness", joint.openness},
                     {"bone", joint.is_bone},
                     {"ends_chain", joint.ends_chain},
-                    {"kinematic", joint.is_kinematic}});
+                    {"kinematic", joint.is_kinematic},
+                    {"reason", joint.reason}});
   return list;
 }
 
@@ -68,6 +69,14 @@ std::vector<MuscleCount> count_muscles(const scene::Scene& scene, const model::M
     counts[entry.muscle].bulging += entry.bulge != 0.0f ? 1u : 0u;
   }
   return counts;
+}
+
+Json json_of(const std::vector<build::RigidReport>& parts) {
+  Json list = Json::array();
+  for (const build::RigidReport& part : parts)
+    list.push_back(
+        {{"name", part.name}, {"joint", part.joint}, {"vertices", part.vertices}, {"reason", part.reason}});
+  return list;
 }
 
 Json json_of(const build::FibreReport& fibres) {
@@ -188,6 +197,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"substeps", scene.solver.substeps},
           {"solver_bytes", model::solver_bytes(model)},
           {"skeleton", json_of(report.joints)},
+          {"rigid_parts", json_of(report.rigid_parts)},
           {"bone_layer",
            {{"islands_of_shapes", report.bone_islands_before},
             {"islands", report.bone_islands},
@@ -214,10 +224,7 @@ void print_joints(const build::Report& report) {
       ++left_out;
       continue;
     }
-    std::string text = joint.ends_chain ? "bone at the end of a chain" : joint.is_bone ? "bone" : "no bone";
-    if (joint.is_kinematic) text += ", kinematic";
-    rows.emplace_back(joint.name, text + "; " + number_text(100.0 * joint.share, 3) +
-                                      " % of the skin, openness " + number_text(joint.openness, 2));
+    rows.emplace_back(joint.name, joint.reason);
   }
   if (rows.empty()) return;
   std::cout << "skeleton\n" << columns_text(rows);
@@ -226,6 +233,19 @@ void print_joints(const build::Report& report) {
     std::cout << "  bone layer: " << report.bone_islands << " connected part(s), "
               << report.bone_islands_before << " before " << count_text(report.bone_vertices_added)
               << " vertices were added\n";
+}
+
+void print_rigid_parts(const build::Report& report) {
+  if (report.rigid_parts.empty()) return;
+  constexpr std::size_t most_shown = 20;
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const build::RigidReport& part : report.rigid_parts)
+    if (rows.size() < most_shown)
+      rows.emplace_back(part.name, "follows " + part.joint + ", " + count_text(part.vertices) +
+                                       " vertices; " + part.reason);
+  std::cout << "rigid parts\n" << columns_text(rows);
+  if (report.rigid_parts.size() > rows.size())
+    std::cout << "  and " << count_text(report.rigid_parts.size() - rows.size()) << " more\n";
 }
 
 void print_fibres(const build::FibreReport& fibres) {
@@ -321,6 +341,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                       " % of the volume, " + number_text(layer.mass) + " kg");
   std::cout << columns_text(rows);
   print_joints(report);
+  print_rigid_parts(report);
   print_fibres(report.fibres);
 
   rows.clear();

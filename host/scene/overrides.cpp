@@ -124,7 +124,8 @@ std::string preroll_seconds(const std::string& text, const toml::table& root) {
 
 bool has_overrides(const SceneOverrides& o) {
   return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.interpolation || o.preroll ||
-         o.settle || o.loop || o.seamless || o.hold || o.cage || o.cage_detail || o.resolution;
+         o.settle || o.loop || o.seamless || o.hold || o.cage || o.cage_detail || o.resolution ||
+         !o.rigid.empty();
 }
 
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path) {
@@ -180,6 +181,19 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
                                const std::optional<std::string>& value) {
     if (value) set(std::string(option) + " " + *value, path, *value);
   };
+  if (!overrides.rigid.empty()) {
+    toml::array names;
+    std::string option = "--rigid";
+    for (const std::string& name : overrides.rigid) {
+      names.push_back(name);
+      option += " " + name;
+    }
+    if (!root.contains("character"))
+      throw SceneError(one_line(option + ": the scene has no character, so there is nothing to be rigid"));
+    std::ostringstream text;
+    text << toml::toml_formatter{names};
+    set(option, "skeleton.rigid", text.str());
+  }
   assign_text("--cage", "body.cage", overrides.cage);
   assign_text("--cage-detail", "body.cage_detail", overrides.cage_detail);
   assign_text("--resolution", "body.resolution", overrides.resolution);

@@ -207,6 +207,7 @@ struct SkeletonSettings {
   std::vector<std::string> not_bones;  // are none
   std::vector<std::string> kinematic;  // their flesh follows the skeleton
   std::vector<std::string> simulated;  // their flesh does not
+  std::vector<std::string> rigid;      // joints, objects or materials: their skin follows its joints alone
   double least_share = 0.01;           // of the skin's area, that a bone must move
   bool connect = true;                 // bone layers are completed along the bones, until they hold together
 };
@@ -356,6 +357,7 @@ struct SceneOverrides {
   std::optional<std::uint32_t> loop = {};
   bool seamless = false;
   std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};
+  std::vector<std::string> rigid = {};  // joints, objects or materials
 };
 
 bool has_overrides(const SceneOverrides& overrides);

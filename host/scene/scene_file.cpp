@@ -163,6 +163,7 @@ void read_skeleton_settings(const toml::table& root, Scene& scene) {
   read(table, "not_bones", scene.skeleton.not_bones);
   read(table, "kinematic", scene.skeleton.kinematic);
   read(table, "simulated", scene.skeleton.simulated);
+  read(table, "rigid", scene.skeleton.rigid);
   read(table, "least_share", scene.skeleton.least_share);
   read(table, "connect", scene.skeleton.connect);
 }

@@ -327,23 +327,28 @@ struct Tables {
   Table skeleton{
       .name = "skeleton",
       .doc = "Which joints are bones, and which flesh follows them. Where nothing is said, the skin decides.",
-      .keys = {{.name = "bones", .type = KeyType::texts, .doc = "Joints that are bones."},
-               {.name = "not_bones", .type = KeyType::texts, .doc = "Joints that are no bones."},
-               {.name = "kinematic",
-                .type = KeyType::texts,
-                .doc = "Joints whose flesh follows the skeleton, with all below them."},
-               {.name = "simulated",
-                .type = KeyType::texts,
-                .doc = "Joints whose flesh is simulated, with all below them; counts before kinematic."},
-               {.name = "least_share",
-                .doc = "Share of the skin's area that a bone and the joints below it must move.",
-                .range = between(0.0, 1.0),
-                .fallback = SkeletonSettings{}.least_share},
-               {.name = "connect",
-                .type = KeyType::boolean,
-                .doc = "Bone layers that are measured from the bones are completed along them until they "
-                       "hold together.",
-                .fallback = SkeletonSettings{}.connect}}};
+      .keys = {
+          {.name = "bones", .type = KeyType::texts, .doc = "Joints that are bones."},
+          {.name = "not_bones", .type = KeyType::texts, .doc = "Joints that are no bones."},
+          {.name = "kinematic",
+           .type = KeyType::texts,
+           .doc = "Joints whose flesh follows the skeleton, with all below them."},
+          {.name = "simulated",
+           .type = KeyType::texts,
+           .doc = "Joints whose flesh is simulated, with all below them; counts before kinematic."},
+          {.name = "rigid",
+           .type = KeyType::texts,
+           .doc = "Joints (with all below them), objects or materials whose skin follows its joints alone, "
+                  "beside the parts that the weights say so of; and so does the flesh below that skin."},
+          {.name = "least_share",
+           .doc = "Share of the skin's area that a bone and the joints below it must move.",
+           .range = between(0.0, 1.0),
+           .fallback = SkeletonSettings{}.least_share},
+          {.name = "connect",
+           .type = KeyType::boolean,
+           .doc = "Bone layers that are measured from the bones are completed along them until they "
+                  "hold together.",
+           .fallback = SkeletonSettings{}.connect}}};
 
   Table fibre_curve{.name = "fibre_curve",
                     .doc = "Fibres drawn as a line from origin to insertion: the fibre field follows it.",

@@ -32,7 +32,9 @@ std::vector<std::pair<Joint, double>> weights_at(const Vector3d& p) {
   return {{chest, 0.4}, {twist, 0.6}};
 }
 
-scene::Character column_of_flesh() {
+using WeightsAt = std::vector<std::pair<Joint, double>> (*)(const Vector3d&);
+
+scene::Character column_of_flesh(WeightsAt weights_of = weights_at) {
   constexpr std::uint32_t around = 32, up = 80, across = 8;
   scene::Character c;
   c.skeleton = {joint_at("floor", -1, {1, -1, 0}),     joint_at("hip", 0, {0, 0.3, 0}),
@@ -68,7 +70,7 @@ scene::Character column_of_flesh() {
     std::array<std::uint32_t, 8> joints{};
     std::array<double, 8> weights{};
     std::size_t k = 0;
-    for (const auto& [joint, w] : weights_at(p)) joints[k] = joint, weights[k++] = w;
+    for (const auto& [joint, w] : weights_of(p)) joints[k] = joint, weights[k++] = w;
     c.joints.push_back(joints);
     c.weights.push_back(weights);
   }
@@ -183,6 +185,64 @@ TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
   expect_refusal([&] { build::choose_bones(c, {}, 1.0, "test"); }, "\"hip\"");
 }
 
+// A leg whose foot hangs on the floor's joint, not on the shank, and stands far off: an IK target.
+TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
+  enum Leg : std::uint32_t { ground, thigh, shank, foot };
+  scene::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
+    return {{static_cast<Joint>(p[1] > 1.2 ? thigh : p[1] > 0.3 ? shank : foot), 1.0}};
+  });
+  c.skeleton = {joint_at("ground", -1, {1, -1, 0}), joint_at("thigh", ground, {0, 1.9, 0}),
+                joint_at("shank", thigh, {0, 1.2, 0}), joint_at("foot", ground, {0.5, -0.1, 0})};
+  for (const bool is_below : {false, true}) {
+    // Below the shank it has always been a leg: the same bones, but for the target's place.
+    if (is_below) c.skeleton[foot] = joint_at("foot", shank, {0, 0.3, 0});
+    const BoneChoice choice = build::choose_bones(c, {}, 1.0, "test");
+    EXPECT_FALSE(choice.report[ground].is_bone);
+    EXPECT_TRUE(choice.report[foot].is_bone) << choice.report[foot].reason;
+    EXPECT_TRUE(choice.report[foot].ends_chain);
+    EXPECT_FALSE(choice.report[shank].ends_chain);
+    EXPECT_FALSE(choice.joints[shank].is_kinematic);
+    ASSERT_EQ(choice.bones.size(), 3u);
+    EXPECT_EQ(choice.bones[1].owners, (std::array<std::int32_t, 3>{shank, thigh, foot}));
+    // The row of triangles between the two lies from 0.3 to 0.325.
+    EXPECT_NEAR(choice.bones[1].to[1], 0.3, 0.03);
+    EXPECT_NEAR(choice.bones[1].to[0], 0.0, 1e-9);
+    EXPECT_NEAR(choice.bones[2].from[1], 0.3, 0.03);
+    EXPECT_LT(choice.bones[2].to[1], 0.15);
+    EXPECT_GT(choice.bones[2].to[1], 0.0);
+  }
+}
+
+// A head as flat as a breast, where a chain goes on, is a bone; a breast is none.
+TEST(BoneChoice, ChainsGoOnIntoFlatSkin) {
+  enum Torso : std::uint32_t { ground, pelvis, spine, neck, bosom, top };
+  scene::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
+    if (p[1] > 1.1 && p[1] < 1.45 && p[2] > 0.14) return {{static_cast<Joint>(bosom), 1.0}};
+    return {{static_cast<Joint>(p[1] < 1.0 ? pelvis : p[1] < 1.75 ? spine : p[1] < 1.9 ? neck : top), 1.0}};
+  });
+  c.skeleton = {joint_at("ground", -1, {1, -1, 0}),       joint_at("pelvis", ground, {0, 0.3, 0}),
+                joint_at("spine", pelvis, {0, 1.0, 0}),   joint_at("neck", spine, {0, 1.75, 0}),
+                joint_at("bosom", spine, {0, 1.25, 0.1}), joint_at("top", neck, {0, 1.9, 0})};
+  const BoneChoice choice = build::choose_bones(c, {}, 1.0, "test");
+  EXPECT_GT(choice.report[top].openness, build::most_open_limb);
+  EXPECT_TRUE(choice.report[top].is_bone) << choice.report[top].reason;
+  EXPECT_TRUE(choice.joints[top].is_kinematic);
+  EXPECT_FALSE(choice.report[bosom].is_bone) << choice.report[bosom].reason;
+  EXPECT_FALSE(choice.joints[bosom].is_kinematic);
+}
+
+TEST(BoneChoice, SaysWhy) {
+  const BoneChoice choice = choose();
+  for (const build::JointReport& joint : choice.report) {
+    EXPECT_TRUE(joint.reason.starts_with(joint.is_bone ? "bone: " : "no bone: ")) << joint.reason;
+    if (joint.share > 0.0) {
+      EXPECT_EQ(joint.reason.find("follows the skeleton") != std::string::npos, joint.is_kinematic)
+          << joint.reason;
+    }
+  }
+  EXPECT_NE(choice.report[twist].reason.find("around the bone of chest"), std::string::npos);
+}
+
 // What people would point at, on characters that were not made for this. `bones` of them, and among these all
 // of `ends`; `free` and `kinematic` move flesh that is no bone.
 struct Expected {
@@ -237,10 +297,42 @@ TEST(BoneChoice, OfAMuscularMan) {
 TEST(BoneChoice, OfAFox) {
   expect_choice({"animals_pack_Fox.glb",
                  33,
-                 {"Head", "Tail7", "FrontLowerLeg.L", "FrontLowerLeg.R", "BackLowerLeg.L", "BackLowerLeg.R",
-                  "IKBackLeg.L", "IKBackLeg.R", "IKFrontLeg.L", "IKFrontLeg.R"},
-                 {"Ear1.L", "Ear1.R", "Tail8"},
+                 {"Head", "Tail7", "IKBackLeg.L", "IKBackLeg.R", "IKFrontLeg.L", "IKFrontLeg.R"},
+                 {"Ear1.L", "Ear1.R", "Tail8", "FF.L", "FFB.R"},
                  {"Body"}});
+}
+
+TEST(BoneChoice, OfABull) {
+  expect_choice({"animals_pack_Bull.glb",
+                 30,
+                 {"Head", "Tail4", "IKBackLeg.L", "IKBackLeg.R", "IKFrontLeg.L", "IKFrontLeg.R"},
+                 {"Tail5", "Tail7", "FF.L", "FFB.R"},
+                 {"Body"}});
+}
+
+// Its rump has a joint of its own, and is soft; its belly's ends a chain in the skeleton and not in space.
+TEST(BoneChoice, OfAFrog) {
+  expect_choice({"easy_enemies_Frog.glb",
+                 23,
+                 {"Head", "FrontFoot.L", "FrontFoot.R", "BackFoot.L", "BackFoot.R"},
+                 {},
+                 {"root", "Body", "Back"}});
+}
+
+TEST(BoneChoice, OfATyrannosaur) {
+  expect_choice({"dinosaurs_pack_Trex.glb",
+                 26,
+                 {"Head", "Tail5", "FrontLowLeg.L", "FrontLowLeg.R", "BackFoot.L", "BackFoot.R"},
+                 {"FrontFoot.L", "FrontFoot.R"},
+                 {"root"}});
+}
+
+TEST(BoneChoice, OfAClothedWoman) {
+  expect_choice({"modular_women_Formal.glb",
+                 20,
+                 {"Head", "Hand.L", "Hand.R", "Foot.L", "Foot.R"},
+                 {"Index1.L", "Thumb1.R"},
+                 {"Root"}});
 }
 
 TEST(BoneChoice, OfAWalkingMan) {

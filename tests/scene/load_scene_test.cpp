@@ -519,5 +519,12 @@ TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(Overrides, RigidNamesReplaceTheSceneFiles) {
+  // Names hold what artists write: quotes, dots, spaces.
+  const std::vector<std::string> names{"hand", "Plate.001 \"left\"", "x\\y"};
+  EXPECT_EQ(load_scene("arm", {.rigid = names}).skeleton.rigid, names);
+  EXPECT_TRUE(refusal("bar-layers-iii", {.rigid = {"hand"}}).starts_with("--rigid hand: the scene has no"));
+}
+
 }  // namespace
 }  // namespace fascicle::tests

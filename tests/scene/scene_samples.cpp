@@ -136,6 +136,7 @@ bones = ["leg_joint_L_1"]
 not_bones = ["leg_joint_L_5", "leg_joint_R_5"]
 kinematic = ["Skeleton_neck_joint_1"]
 simulated = ["Skeleton_neck_joint_2"]
+rigid = ["Skeleton_arm_joint_R__3_"]
 least_share = 0.02
 connect = false
 
@@ -320,7 +321,7 @@ std::string describe(const Scene& scene) {
   }
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
-         scene.skeleton.simulated, scene.skeleton.least_share, scene.skeleton.connect);
+         scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.least_share, scene.skeleton.connect);
   for (const FibreCurve& curve : scene.fibres) {
     d.line("fibres", curve.name, curve.radius);
     for (const Vector3d& point : curve.points) d.line("point", point);

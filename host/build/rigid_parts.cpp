@@ -1,0 +1,329 @@
+#include "host/build/rigid_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "host/build/box_tree.h"
+#include "host/build/embedding.h"
+#include "host/build/message.h"
+#include "host/build/surface_search.h"
+#include "host/build/unions.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::build {
+
+namespace {
+
+constexpr double hard_weight = 0.99, even_weights = 0.05;
+constexpr double largest_rigid_share = 0.25;
+constexpr double rigid_share = 0.5, painted_rigid = 0.5;
+// A carrier's edges over the extent of what rides on it: small beside it, but within 8 of its own lengths.
+constexpr double carrier_of_extent = 0.25;
+constexpr double smallest_of_diagonal = 5e-3;
+// Barycentric weights below 8 that are multiples of this are floats, and so are their sums.
+constexpr double carrier_steps = 2097152.0;  // 2^21
+// Flesh is held as near to rigid skin as this many of the body's edges.
+constexpr double held_edges = 1.0;
+
+using Row = std::vector<std::pair<std::uint32_t, double>>;  // joint, weight; ascending
+
+Row row_of(const SkinWeights& weights, std::uint32_t vertex) {
+  Row row;
+  for (std::uint32_t k = weights.offset[vertex]; k < weights.offset[vertex + 1]; ++k)
+    row.emplace_back(weights.joint[k], weights.weight[k]);
+  std::sort(row.begin(), row.end());
+  return row;
+}
+
+// A connected part of the welded skin.
+struct Part {
+  std::vector<std::uint32_t> vertices;
+  double area = 0.0;
+  std::map<std::uint32_t, double> mean;  // weights, by joint
+  bool is_hard = false, is_even = false;
+
+  std::uint32_t main_joint() const {
+    return std::max_element(mean.begin(), mean.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
+  }
+};
+
+std::vector<Part> parts_of(const scene::SurfaceMesh& surface, const SkinWeights& weights) {
+  Unions unions(surface.vertices.size());
+  for (const auto& t : surface.triangles) unions.join(t[0], t[1]), unions.join(t[0], t[2]);
+  std::vector<Part> parts;
+  std::map<std::uint32_t, std::size_t> part_of;  // root, part
+  for (std::uint32_t v = 0; v < surface.vertices.size(); ++v) {
+    const auto [entry, is_new] = part_of.try_emplace(unions.find(v), parts.size());
+    if (is_new) parts.emplace_back();
+    parts[entry->second].vertices.push_back(v);
+  }
+  for (const auto& t : surface.triangles) {
+    const Vector3d& a = surface.vertices[t[0]];
+    parts[part_of[unions.find(t[0])]].area +=
+        (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm() / 2.0;
+  }
+  for (Part& part : parts) {
+    for (const std::uint32_t v : part.vertices)
+      for (const auto& [joint, w] : row_of(weights, v))
+        part.mean[joint] += w / static_cast<double>(part.vertices.size());
+    const std::uint32_t main = part.main_joint();
+    part.is_hard = part.is_even = true;
+    for (const std::uint32_t v : part.vertices) {
+      double of_main = 0.0, in_common = 0.0;
+      for (const auto& [joint, w] : row_of(weights, v)) {
+        if (joint == main) of_main = w;
+        in_common += std::min(w, part.mean[joint]);
+      }
+      part.is_hard = part.is_hard && of_main >= hard_weight;
+      part.is_even = part.is_even && in_common >= 1.0 - even_weights;
+    }
+  }
+  return parts;
+}
+
+std::string percent(double share) {
+  std::ostringstream text;
+  text << std::setprecision(2) << 100.0 * share << " %";
+  return text.str();
+}
+
+// The object of a vertex of the file, with its material where an object has several.
+std::string name_of_vertex(const scene::Character& character, std::uint32_t vertex) {
+  for (const scene::SurfacePart& part : character.parts)
+    if (vertex >= part.first_vertex && vertex - part.first_vertex < part.vertex_count)
+      return part.object + (part.material.empty() ? "" : " / " + part.material);
+  return "the skin";
+}
+
+// What the user asked for, one flag a vertex of the welded skin.
+std::vector<char> asked_for(const scene::Character& character, const WeldedSurface& welded,
+                            const SkinWeights& weights, const scene::Scene& scene) {
+  std::vector<char> is_asked(welded.surface.vertices.size(), 0);
+  std::vector<char> joints(character.skeleton.size(), 0);
+  std::set<std::string> known;
+  for (const scene::Joint& joint : character.skeleton) known.insert(joint.name);
+  for (const scene::SurfacePart& part : character.parts) known.insert({part.object, part.material});
+  known.erase("");
+  for (const std::string& name : scene.skeleton.rigid) {
+    if (!known.contains(name))
+      fail(scene.source, "skeleton.rigid: no joint, object or material is called \"" + name + "\"" +
+                             scene::nearest_name_hint(name, {known.begin(), known.end()}) +
+                             "; `fascicle inspect` lists the joints");
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      if (character.skeleton[j].name == name) joints[j] = 1;
+    for (const scene::SurfacePart& part : character.parts) {
+      if (part.object != name && part.material != name) continue;
+      for (std::uint32_t v = 0; v < part.vertex_count; ++v)
+        is_asked[welded.of_vertex[part.first_vertex + v]] = 1;
+    }
+  }
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (const std::int32_t parent = character.skeleton[j].parent; parent >= 0)
+      joints[j] = joints[j] || joints[static_cast<std::size_t>(parent)];
+  for (std::uint32_t v = 0; v < is_asked.size(); ++v) {
+    double share = 0.0;
+    for (const auto& [joint, w] : row_of(weights, v)) share += joints[joint] ? w : 0.0;
+    if (share >= rigid_share) is_asked[v] = 1;
+  }
+  for (const scene::PaintedAttribute& painted : character.painted) {
+    if (painted.name != "_RIGID" || painted.width != 1) continue;
+    for (std::size_t v = 0; v < painted.values.size(); ++v)
+      if (painted.values[v] >= painted_rigid) is_asked[welded.of_vertex[v]] = 1;
+  }
+  return is_asked;
+}
+
+std::vector<char> with_all_below(const scene::Character& character, const std::vector<std::string>& names) {
+  std::vector<char> is(character.skeleton.size(), 0);
+  for (std::size_t j = 0; j < is.size(); ++j) {
+    const scene::Joint& joint = character.skeleton[j];
+    is[j] = std::find(names.begin(), names.end(), joint.name) != names.end() ||
+            (joint.parent >= 0 && is[static_cast<std::size_t>(joint.parent)]);
+  }
+  return is;
+}
+
+bool is_robot(const std::vector<Part>& parts) {
+  std::set<std::uint32_t> joints;
+  for (const Part& part : parts) {
+    if (!part.is_hard) return false;
+    joints.insert(part.main_joint());
+  }
+  return parts.size() > 1 && joints.size() > 1;
+}
+
+}  // namespace
+
+RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+                           const SkinWeights& weights, const scene::Scene& scene) {
+  RigidSkin rigid;
+  rigid.is_rigid = asked_for(character, welded, weights, scene);
+  rigid.is_apart.assign(rigid.is_rigid.size(), 0);
+  std::vector<std::uint32_t> first_of(rigid.is_rigid.size());  // the file's first vertex of a welded one
+  for (std::size_t v = welded.of_vertex.size(); v-- > 0;)
+    first_of[welded.of_vertex[v]] = static_cast<std::uint32_t>(v);
+  const std::vector<char> simulated = with_all_below(character, scene.skeleton.simulated);
+  const std::vector<Part> parts = parts_of(welded.surface, weights);
+  const bool all_hard = is_robot(parts);
+  double whole = 0.0;
+  for (const Part& part : parts) whole += part.area;
+  for (const Part& part : parts) {
+    const std::uint32_t joint = part.main_joint();
+    std::uint32_t asked = 0;
+    for (const std::uint32_t v : part.vertices) asked += rigid.is_rigid[v] ? 1u : 0u;
+    const bool is_found = parts.size() > 1 && !simulated[joint] && (part.is_hard || part.is_even) &&
+                          (all_hard || part.area <= largest_rigid_share * whole);
+    if (asked == 0 && !is_found) continue;
+    const bool is_whole = is_found || asked == part.vertices.size();
+    RigidReport report{name_of_vertex(character, first_of[part.vertices.front()]),
+                       character.skeleton[joint].name, "",
+                       is_whole ? static_cast<std::uint32_t>(part.vertices.size()) : asked};
+    if (asked == part.vertices.size())
+      report.reason = "asked for";
+    else if (!is_found)
+      report.reason = "asked for, in a part that is soft elsewhere";
+    else if (all_hard)
+      report.reason = "one joint moves it, and so it is with every part: a robot, which has no flesh";
+    else
+      report.reason = (part.is_hard ? "a part of its own that one joint moves"
+                                    : "a part of its own that one blend of joints moves") +
+                      std::string(", ") + percent(part.area / whole) + " of the skin";
+    rigid.report.push_back(std::move(report));
+    if (!is_whole) continue;
+    for (const std::uint32_t v : part.vertices) rigid.is_rigid[v] = rigid.is_apart[v] = 1;
+  }
+  return rigid;
+}
+
+SoftSkin without_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+                             const RigidSkin& rigid) {
+  SoftSkin soft;
+  soft.character.skeleton = character.skeleton;
+  soft.character.clips = character.clips;
+  soft.character.root = character.root;
+  std::vector<std::uint32_t> number(character.surface.vertices.size()), of_welded(rigid.is_apart.size());
+  for (std::uint32_t v = 0; v < rigid.is_apart.size(); ++v) {
+    if (rigid.is_apart[v]) continue;
+    of_welded[v] = static_cast<std::uint32_t>(soft.welded.surface.vertices.size());
+    soft.welded.surface.vertices.push_back(welded.surface.vertices[v]);
+  }
+  for (const auto& t : welded.surface.triangles)
+    if (!rigid.is_apart[t[0]])
+      soft.welded.surface.triangles.push_back({of_welded[t[0]], of_welded[t[1]], of_welded[t[2]]});
+  for (std::uint32_t v = 0; v < welded.of_vertex.size(); ++v) {
+    if (rigid.is_apart[welded.of_vertex[v]]) continue;
+    number[v] = static_cast<std::uint32_t>(soft.render_vertex.size());
+    soft.render_vertex.push_back(v);
+    soft.welded.of_vertex.push_back(of_welded[welded.of_vertex[v]]);
+    soft.character.surface.vertices.push_back(character.surface.vertices[v]);
+    soft.character.joints.push_back(character.joints[v]);
+    soft.character.weights.push_back(character.weights[v]);
+  }
+  for (const auto& t : character.surface.triangles) {
+    const auto is_soft = [&](std::uint32_t v) { return !rigid.is_apart[welded.of_vertex[v]]; };
+    if (is_soft(t[0]) && is_soft(t[1]) && is_soft(t[2]))
+      soft.character.surface.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+  }
+  return soft;
+}
+
+namespace {
+
+double mean_side(const scene::TetMesh& mesh) {
+  double sum = 0.0;
+  for (const auto& t : mesh.tetrahedra)
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < a; ++b) sum += (mesh.vertices[t[a]] - mesh.vertices[t[b]]).norm();
+  return mesh.tetrahedra.empty() ? 0.0 : sum / (6.0 * static_cast<double>(mesh.tetrahedra.size()));
+}
+
+// Marks the flesh within `reach` of rigid skin.
+void hold_flesh(const scene::SurfaceMesh& surface, const std::vector<char>& is_rigid, double reach,
+                Body& body) {
+  scene::SurfaceMesh hard{surface.vertices, {}};
+  for (const auto& t : surface.triangles)
+    if (is_rigid[t[0]] && is_rigid[t[1]] && is_rigid[t[2]]) hard.triangles.push_back(t);
+  if (hard.triangles.empty()) return;
+  const SurfaceSearch search(hard);
+  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i)
+    if (search.is_nearer_than(body.mesh.vertices[i], reach)) body.holding[i] = Holding::covered;
+}
+
+// A regular tetrahedron on every other corner of a cube.
+std::array<std::uint32_t, 4> add_carrier(const Vector3d& middle, double side, const Row& row, Body& body) {
+  std::array<std::uint32_t, 4> corners{};
+  const std::array<Vector3d, 4> at{Vector3d(1, 1, 1), Vector3d(-1, 1, -1), Vector3d(1, -1, -1),
+                                   Vector3d(-1, -1, 1)};
+  for (std::size_t c = 0; c < 4; ++c) {
+    corners[c] = static_cast<std::uint32_t>(body.mesh.vertices.size());
+    body.mesh.vertices.push_back(middle + side / 2.0 * at[c]);
+    body.holding.push_back(Holding::carrier);
+    for (const auto& [joint, w] : row) {
+      body.skin.joint.push_back(joint);
+      body.skin.weight.push_back(w);
+    }
+    body.skin.offset.push_back(static_cast<std::uint32_t>(body.skin.joint.size()));
+  }
+  body.mesh.tetrahedra.push_back(corners);
+  return corners;
+}
+
+std::array<double, 4> rounded_weights(std::array<double, 4> weights) {
+  double others = 0.0;
+  for (std::size_t k = 1; k < 4; ++k) {
+    weights[k] = std::round(weights[k] * carrier_steps) / carrier_steps;
+    others += weights[k];
+  }
+  weights[0] = 1.0 - others;
+  return weights;
+}
+
+}  // namespace
+
+void add_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+                     const SkinWeights& weights, const RigidSkin& rigid, const SoftSkin& soft, Body& body) {
+  body.holding.assign(body.mesh.vertices.size(), Holding::none);
+  hold_flesh(welded.surface, rigid.is_rigid, held_edges * mean_side(body.mesh), body);
+  if (body.skin.offset.empty()) body.skin.offset.push_back(0);
+
+  RenderMesh render;
+  render.triangles = character.surface.triangles;
+  render.corners.resize(welded.of_vertex.size());
+  render.weights.resize(welded.of_vertex.size());
+  for (std::size_t k = 0; k < soft.render_vertex.size(); ++k) {
+    render.corners[soft.render_vertex[k]] = body.render.corners[k];
+    render.weights[soft.render_vertex[k]] = body.render.weights[k];
+  }
+  std::map<Row, std::vector<std::uint32_t>> riders;  // of welded vertices
+  for (std::uint32_t v = 0; v < rigid.is_rigid.size(); ++v)
+    if (rigid.is_rigid[v]) riders[row_of(weights, v)].push_back(v);
+  const BoundingBox all = box_around(welded.surface.vertices);
+  std::vector<std::array<std::uint32_t, 4>> corners(rigid.is_rigid.size());
+  for (const auto& [row, vertices] : riders) {
+    std::vector<Vector3d> points;
+    for (const std::uint32_t v : vertices) points.push_back(welded.surface.vertices[v]);
+    const BoundingBox box = box_around(points);
+    const double side = std::max(carrier_of_extent * (box.high - box.low).norm(),
+                                 smallest_of_diagonal * (all.high - all.low).norm());
+    const auto carrier = add_carrier((box.low + box.high) / 2.0, side, row, body);
+    for (const std::uint32_t v : vertices) corners[v] = carrier;
+  }
+  for (std::size_t k = 0; k < welded.of_vertex.size(); ++k) {
+    const std::uint32_t v = welded.of_vertex[k];
+    if (!rigid.is_rigid[v]) continue;
+    render.corners[k] = corners[v];
+    render.weights[k] = rounded_weights(barycentric(body.mesh, corners[v], welded.surface.vertices[v]));
+  }
+  body.render = std::move(render);
+}
+
+}  // namespace fascicle::build

@@ -1,0 +1,275 @@
+// Parts of the skin that the rig moves rigidly, on a soft trunk made for it: a round column from y = 0
+// to 1.4, with a plate before its chest.
+#include "host/build/rigid_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "host/build/skin_weights.h"
+#include "tests/build/made_surfaces.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using scene::Vector3d;
+
+constexpr double trunk_radius = 0.2, trunk_height = 1.4;
+constexpr std::uint32_t trunk_around = 24;
+enum Joint : std::uint32_t { pelvis, chest, plate_joint };
+
+// What hangs on the trunk: a surface, where, and by which weights.
+struct Piece {
+  scene::SurfaceMesh surface;
+  Vector3d place;
+  std::vector<std::pair<std::uint32_t, double>> weights;
+  std::string object, material;
+};
+
+Piece plate() {
+  scene::SurfaceMesh box = cube_surface(0.2);
+  for (Vector3d& p : box.vertices) p[2] *= 0.1;
+  return {box, {0, 0.9, trunk_radius + 0.02}, {{plate_joint, 1.0}}, "Plate", "Steel"};
+}
+
+void add(scene::Character& c, const Piece& piece) {
+  scene::SurfacePart part{piece.object,
+                          piece.material,
+                          static_cast<std::uint32_t>(c.parts.size()),
+                          static_cast<std::uint32_t>(c.surface.vertices.size()),
+                          static_cast<std::uint32_t>(piece.surface.vertices.size()),
+                          static_cast<std::uint32_t>(c.surface.triangles.size()),
+                          static_cast<std::uint32_t>(piece.surface.triangles.size())};
+  c.parts.push_back(part);
+  append(c.surface, piece.surface, piece.place);
+  for (std::size_t v = 0; v < piece.surface.vertices.size(); ++v) {
+    std::array<std::uint32_t, 8> joints{};
+    std::array<double, 8> weights{};
+    for (std::size_t k = 0; k < piece.weights.size(); ++k)
+      joints[k] = piece.weights[k].first, weights[k] = piece.weights[k].second;
+    c.joints.push_back(joints);
+    c.weights.push_back(weights);
+  }
+}
+
+// The trunk's lower half follows the pelvis and its upper one the chest, hard or blended over 0.4 m.
+scene::Character trunk_with(const std::vector<Piece>& pieces, bool is_hard = false) {
+  std::vector<Vector3d> line;
+  for (int k = 0; k <= 28; ++k) line.emplace_back(0, trunk_height * k / 28, 0);
+  scene::Character c;
+  add(c, {tube(line, trunk_radius, trunk_around), Vector3d::Zero(), {{pelvis, 1.0}}, "Body", "Skin"});
+  for (std::size_t v = 0; v < c.surface.vertices.size(); ++v) {
+    double up = std::clamp((c.surface.vertices[v][1] - 0.5) / 0.4, 0.0, 1.0);
+    if (is_hard) up = std::round(up);
+    c.joints[v] = {pelvis, chest};
+    c.weights[v] = {1.0 - up, up};
+  }
+  c.skeleton = {joint_at("Pelvis", -1, {0, 0.1, 0}), joint_at("Chest", pelvis, {0, 0.7, 0}),
+                joint_at("PlateJoint", chest, {0, 0.9, 0.1})};
+  for (const Piece& piece : pieces) add(c, piece);
+  return c;
+}
+
+scene::Scene scene_of(scene::Character character) {
+  scene::Scene scene;
+  scene.name = "trunk";
+  scene.source = "test";
+  scene.geometry = std::move(character);
+  scene.resolution = 0.05;
+  scene::Layer flesh, bone;
+  flesh.name = "flesh";
+  bone.name = "bone";
+  bone.kinematic = true;
+  bone.where = {scene::Depth{0.0, 0.3}};
+  scene.layers = {flesh, bone};
+  return scene;
+}
+
+struct Found {
+  build::RigidSkin rigid;
+  build::WeldedSurface welded;
+};
+Found find_in(const scene::Scene& scene) {
+  const auto& character = std::get<scene::Character>(scene.geometry);
+  build::Report report;
+  Found found;
+  found.welded = build::weld(character.surface, "test", report);
+  const build::SkinWeights weights = build::welded_skin_weights(character, found.welded.of_vertex,
+                                                                found.welded.surface.vertices.size(), "test");
+  found.rigid = build::find_rigid_parts(character, found.welded, weights, scene);
+  return found;
+}
+
+std::size_t count_rigid(const scene::Scene& scene) {
+  const Found found = find_in(scene);
+  return static_cast<std::size_t>(
+      std::count(found.rigid.is_rigid.begin(), found.rigid.is_rigid.end(), char{1}));
+}
+
+// A pose that turns and moves each joint otherwise.
+Eigen::Matrix4d pose_of(std::uint32_t joint) {
+  Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+  const double angle = 0.3 + 0.4 * joint;
+  pose.block<3, 3>(0, 0) =
+      Eigen::AngleAxisd(angle, Vector3d(1.0, 0.5 * joint, -0.3).normalized()).toRotationMatrix();
+  pose.block<3, 1>(0, 3) = Vector3d(0.1 * joint, -0.2, 0.05);
+  return pose;
+}
+
+Vector3d moved(const Eigen::Matrix4d& pose, const Vector3d& p) {
+  return pose.block<3, 3>(0, 0) * p + pose.block<3, 1>(0, 3);
+}
+
+// Where skinning alone has a vertex of the model.
+Vector3d skinned(const model::Model& m, std::uint32_t vertex) {
+  Vector3d rest;
+  for (int a = 0; a < 3; ++a)
+    rest[a] = m.rest_origin[static_cast<std::size_t>(a)] +
+              m.unit * static_cast<double>(m.rest[3 * vertex + static_cast<std::size_t>(a)]);
+  Vector3d sum = Vector3d::Zero();
+  for (std::uint32_t k = m.skin_offset[vertex]; k < m.skin_offset[vertex + 1]; ++k)
+    sum += static_cast<double>(m.skin_weight[k]) * moved(pose_of(m.skin_joint[k]), rest);
+  return sum;
+}
+
+// How far a render vertex is from where skinning of the file's own weights has it, if its corners go by
+// skinning; and whether all of them do.
+struct Ride {
+  double error = 0.0;
+  bool is_kinematic = true;
+};
+Ride ride_of(const model::Model& m, const scene::Character& c, std::uint32_t vertex) {
+  Ride ride;
+  Vector3d at = Vector3d::Zero(), wanted = Vector3d::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::uint32_t corner = m.surface_vertex[4 * vertex + k];
+    const double weight = static_cast<double>(m.surface_weight[4 * vertex + k]);
+    at += weight * skinned(m, corner);
+    if (weight != 0.0) ride.is_kinematic = ride.is_kinematic && m.is_kinematic(corner);
+  }
+  for (std::size_t k = 0; k < 8; ++k)
+    wanted += c.weights[vertex][k] * moved(pose_of(c.joints[vertex][k]), c.surface.vertices[vertex]);
+  ride.error = (at - wanted).norm();
+  return ride;
+}
+
+// Rest places are floats of a body of 1.4 m, some 1e-7 m each, and weights on a carrier reach 2.
+constexpr double ride_tolerance = 2e-6;
+
+TEST(RigidParts, APlateRidesOnItsJointAlone) {
+  const scene::Scene scene = scene_of(trunk_with({plate()}));
+  const auto& character = std::get<scene::Character>(scene.geometry);
+  build::Report report;
+  const model::Model m = build::build_model(scene, report, with_mesher());
+  ASSERT_EQ(report.rigid_parts.size(), 1u);
+  EXPECT_EQ(report.rigid_parts[0].name, "Plate / Steel");
+  EXPECT_EQ(report.rigid_parts[0].joint, "PlateJoint");
+  EXPECT_EQ(report.rigid_parts[0].vertices, 8u);
+  const scene::SurfacePart& part = character.parts[1];
+  for (std::uint32_t v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v) {
+    const Ride ride = ride_of(m, character, v);
+    EXPECT_TRUE(ride.is_kinematic) << v;
+    EXPECT_LT(ride.error, ride_tolerance) << v;
+  }
+  // The flesh behind it is held, that of the back is free.
+  std::size_t held = 0, free = 0;
+  for (std::uint32_t v = 0; v < part.first_vertex; ++v) {
+    const Vector3d& p = character.surface.vertices[v];
+    const bool is_kinematic = ride_of(m, character, v).is_kinematic;
+    if (std::abs(p[1] - 0.9) < 0.05 && p[2] > 0.19) {
+      EXPECT_TRUE(is_kinematic) << p.transpose();
+      ++held;
+    }
+    if (std::abs(p[1] - 0.4) < 0.15) free += is_kinematic ? 0 : 1;
+  }
+  EXPECT_GT(held, 0u);
+  EXPECT_GT(free, 50u);
+  // Nothing but the plate's carrier stands apart, and that is no warning.
+  for (const build::Warning& warning : report.warnings)
+    EXPECT_EQ(warning.text.find("do not touch"), std::string::npos) << warning.text;
+}
+
+// The control: the same plate, told to be flesh, rides on what is around it.
+TEST(RigidParts, APlateThatIsSimulatedIsFlesh) {
+  scene::Scene scene = scene_of(trunk_with({plate()}));
+  scene.skeleton.simulated = {"PlateJoint"};
+  EXPECT_EQ(count_rigid(scene), 0u);
+}
+
+TEST(RigidParts, AnEvenBlendIsRigidAndAnUnevenOneIsNot) {
+  Piece horn = plate();
+  horn.weights = {{chest, 0.55}, {pelvis, 0.45}};
+  scene::Scene scene = scene_of(trunk_with({horn}));
+  EXPECT_EQ(count_rigid(scene), 8u);
+  const auto& character = std::get<scene::Character>(scene.geometry);
+  const model::Model m = build_with(scene, with_mesher());
+  for (std::uint32_t v = character.parts[1].first_vertex; v < character.surface.vertices.size(); ++v)
+    EXPECT_LT(ride_of(m, character, v).error, ride_tolerance) << v;
+
+  scene::Character uneven = character;
+  uneven.weights.back() = {0.4, 0.6};
+  EXPECT_EQ(count_rigid(scene_of(uneven)), 0u);
+}
+
+TEST(RigidParts, OnePieceOfHardWeightsIsFlesh) {
+  EXPECT_EQ(count_rigid(scene_of(trunk_with({}, true))), 0u);
+}
+
+TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
+  // As large as the trunk: half of the skin.
+  Piece twin{{}, {1, 0, 0}, {{plate_joint, 1.0}}, "Twin", ""};
+  twin.surface = trunk_with({}).surface;
+  EXPECT_EQ(count_rigid(scene_of(trunk_with({twin}))), 0u);
+  // A robot: the trunk follows the pelvis, its twin a joint of its own.
+  scene::Character robot = trunk_with({twin});
+  for (std::size_t v = 0; v < robot.parts[0].vertex_count; ++v) robot.weights[v] = {1.0, 0.0};
+  const scene::Scene scene = scene_of(robot);
+  EXPECT_EQ(count_rigid(scene), robot.surface.vertices.size());
+  build::Report report;
+  const model::Model m = build::build_model(scene, report, with_mesher());
+  EXPECT_EQ(m.vertex_count, 8u);
+  ASSERT_EQ(report.rigid_parts.size(), 2u);
+  EXPECT_NE(report.rigid_parts[0].reason.find("robot"), std::string::npos);
+  for (std::uint32_t v = 0; v < robot.surface.vertices.size(); ++v)
+    EXPECT_LT(ride_of(m, robot, v).error, ride_tolerance) << v;
+}
+
+TEST(RigidParts, CanBeAskedFor) {
+  Piece soft = plate();
+  soft.weights = {{chest, 0.5}, {plate_joint, 0.5}};
+  scene::Character character = trunk_with({soft});
+  character.weights.back() = {0.9, 0.1};
+  EXPECT_EQ(count_rigid(scene_of(character)), 0u);
+  for (const char* name : {"Plate", "Steel"}) {
+    scene::Scene scene = scene_of(character);
+    scene.skeleton.rigid = {name};
+    EXPECT_EQ(count_rigid(scene), 8u) << name;
+  }
+  scene::Scene scene = scene_of(character);
+  scene.skeleton.rigid = {"PlateJoint"};
+  EXPECT_EQ(count_rigid(scene), 7u);  // the last vertex has 0.1 of it
+  scene.skeleton.rigid = {"Sted"};
+  expect_refusal([&] { find_in(scene); }, "did you mean Steel");
+  // Painted: one patch of the trunk, which stays in one piece.
+  scene::PaintedAttribute paint{"_RIGID", 1, {}};
+  for (const Vector3d& p : character.surface.vertices)
+    paint.values.push_back(p[1] > 1.2 && p[2] < 0.3 && std::abs(p[0]) < 0.5 ? 1.0 : 0.0);
+  character.painted = {paint};
+  const scene::Scene painted = scene_of(character);
+  const Found found = find_in(painted);
+  EXPECT_GT(std::count(found.rigid.is_rigid.begin(), found.rigid.is_rigid.end(), char{1}), 20);
+  EXPECT_EQ(std::count(found.rigid.is_apart.begin(), found.rigid.is_apart.end(), char{1}), 0);
+  const model::Model m = build_with(painted, with_mesher());
+  for (std::uint32_t v = 0; v < character.surface.vertices.size(); ++v) {
+    if (paint.values[v] == 0.0) continue;
+    const Ride ride = ride_of(m, character, v);
+    EXPECT_TRUE(ride.is_kinematic);
+    EXPECT_LT(ride.error, ride_tolerance) << v;
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests
