@@ -68,11 +68,10 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   add_scene_bones(scene, body);
   take(fill_body({scene, character.surface, welded, body.bones, &character}, report, options), body);
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
-  if (!character.painted.empty()) {
-    body.painted = character.painted;
-    body.painted_surface = character.surface;
-    for (Vector3d& p : body.painted_surface.vertices) p *= scene.scale;
-  }
+  body.painted = character.painted;
+  body.parts = character.parts;
+  body.skin_surface = character.surface;
+  for (Vector3d& p : body.skin_surface.vertices) p *= scene.scale;
   return body;
 }
 

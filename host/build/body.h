@@ -53,8 +53,9 @@ struct Body {
   std::uint32_t joint_count = 0;
   std::vector<JointUse> joints;  // joint_count, or empty: every joint is its own bone, none is kinematic
   std::vector<Bone> bones;
-  scene::SurfaceMesh painted_surface;            // the character's own, m; empty where nothing is painted
+  scene::SurfaceMesh skin_surface;               // a character's own, m, in its vertex order; else empty
   std::vector<scene::PaintedAttribute> painted;  // on its vertices
+  std::vector<scene::SurfacePart> parts;         // of it
 };
 
 // Builds the body of a scene's geometry. Repairs and warnings go to the report. Throws scene::SceneError.

@@ -136,8 +136,13 @@ bones = ["leg_joint_L_1"]
 not_bones = ["leg_joint_L_5", "leg_joint_R_5"]
 kinematic = ["Skeleton_neck_joint_1"]
 simulated = ["Skeleton_neck_joint_2"]
+only = ["leg_joint_L_1"]
 least_share = 0.02
 connect = false
+
+[flesh]
+softness = 1.25
+exaggerate = 1.5
 
 [layers.body]
 alpha = 0.5
@@ -160,6 +165,13 @@ cut_distance = 4.0
 [probe.head.where.joints]
 names = ["Skeleton_neck_joint_1"]
 share = 0.75
+below = false
+
+[probe.jacket.where.material]
+names = ["jacket"]
+
+[probe.hat.where.object]
+names = ["hat"]
 
 [probe.near.where.bone_distance]
 maximum = 0.02
@@ -291,7 +303,8 @@ class Description {
   void add_shape(const VolumeShare& s) {
     out_ << "volume_share " << s.minimum << ' ' << s.maximum << ' ' << s.by_distance;
   }
-  void add_shape(const JointSet& s) { out_ << "joints " << s.share << ' ', add(s.names); }
+  void add_shape(const JointSet& s) { out_ << "joints " << s.share << s.below << ' ', add(s.names); }
+  void add_shape(const PartSet& s) { out_ << "parts " << s.by_object << ' ', add(s.names); }
   void add_shape(const Painted& s) {
     out_ << "painted " << s.attribute << ' ' << s.minimum << ' ' << s.maximum;
   }
@@ -318,7 +331,8 @@ std::string describe(const Scene& scene) {
   }
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
-         scene.skeleton.simulated, scene.skeleton.least_share, scene.skeleton.connect);
+         scene.skeleton.simulated, scene.skeleton.only, scene.skeleton.least_share, scene.skeleton.connect);
+  d.line("flesh", scene.flesh.softness, scene.flesh.exaggerate);
   for (const FibreCurve& curve : scene.fibres) {
     d.line("fibres", curve.name, curve.radius);
     for (const Vector3d& point : curve.points) d.line("point", point);
