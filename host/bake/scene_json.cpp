@@ -52,7 +52,10 @@ struct ShapeJson {
               {"by", share.by_distance ? "distance" : "depth"}}}};
   }
   Json operator()(const scene::JointSet& set) const {
-    return {{"joints", {{"names", set.names}, {"share", set.share}}}};
+    return {{"joints", {{"names", set.names}, {"share", set.share}, {"below", set.below}}}};
+  }
+  Json operator()(const scene::PartSet& set) const {
+    return {{set.by_object ? "object" : "material", {{"names", set.names}}}};
   }
   Json operator()(const scene::Painted& painted) const {
     return {{"painted",
@@ -121,9 +124,13 @@ Json json_of_layer(const scene::Layer& layer) {
 }
 
 Json json_of_skeleton(const scene::SkeletonSettings& skeleton) {
-  return {{"bones", skeleton.bones},         {"not_bones", skeleton.not_bones},
-          {"kinematic", skeleton.kinematic}, {"simulated", skeleton.simulated},
-          {"rigid", skeleton.rigid},         {"least_share", skeleton.least_share},
+  return {{"bones", skeleton.bones},
+          {"not_bones", skeleton.not_bones},
+          {"kinematic", skeleton.kinematic},
+          {"simulated", skeleton.simulated},
+          {"rigid", skeleton.rigid},
+          {"only", skeleton.only},
+          {"least_share", skeleton.least_share},
           {"connect", skeleton.connect}};
 }
 

@@ -83,11 +83,10 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
     add_rigid_parts(character, welded, weights, rigid, soft, body);
   }
   body.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
-  if (!character.painted.empty()) {
-    body.painted = character.painted;
-    body.painted_surface = character.surface;
-    for (Vector3d& p : body.painted_surface.vertices) p *= scene.scale;
-  }
+  body.painted = character.painted;
+  body.parts = character.parts;
+  body.skin_surface = character.surface;
+  for (Vector3d& p : body.skin_surface.vertices) p *= scene.scale;
   return body;
 }
 

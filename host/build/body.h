@@ -58,8 +58,9 @@ struct Body {
   std::uint32_t joint_count = 0;
   std::vector<JointUse> joints;  // joint_count, or empty: every joint is its own bone, none is kinematic
   std::vector<Bone> bones;
-  scene::SurfaceMesh painted_surface;            // the character's own, m; empty where nothing is painted
+  scene::SurfaceMesh skin_surface;               // a character's own, m, in its vertex order; else empty
   std::vector<scene::PaintedAttribute> painted;  // on its vertices
+  std::vector<scene::SurfacePart> parts;         // of it
 };
 
 inline Holding holding_of(const Body& body, std::size_t vertex) {

@@ -362,12 +362,16 @@ class Chooser {
   void write_uses() {
     const std::vector<char> kinematic = named(settings_.kinematic, "skeleton.kinematic", true);
     const std::vector<char> simulated = named(settings_.simulated, "skeleton.simulated", true);
+    const std::vector<char> only = named(settings_.only, "skeleton.only", true);
+    const std::vector<char> only_itself = named(settings_.only, "skeleton.only", false);
     for (std::size_t j = 0; j < size(); ++j) {
       JointReport& joint = choice_.report[j];
       joint.is_bone = is_bone_[j] != 0;
       joint.ends_chain = ends_chain_[j] != 0;
       const std::int32_t bone = is_bone_[j] ? index(j) : bone_above(j);
-      joint.is_kinematic = !simulated[j] && (kinematic[j] || follows(j, bone));
+      const bool is_left_out = !settings_.only.empty() && !only[j];
+      joint.is_kinematic =
+          !simulated[j] && (is_left_out || kinematic[j] || (!only_itself[j] && follows(j, bone)));
       choice_.joints.push_back({joint.name, joint.parent, bone, joint.is_kinematic});
     }
   }

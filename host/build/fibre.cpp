@@ -74,14 +74,14 @@ std::vector<Vector3d> painted_directions(const Body& body, const Boundary& skin)
       std::find_if(body.painted.begin(), body.painted.end(),
                    [](const scene::PaintedAttribute& a) { return a.name == painted_fibre && a.width >= 3; });
   if (attribute == body.painted.end()) return direction;
-  const SurfaceSearch search(body.painted_surface);
+  const SurfaceSearch search(body.skin_surface);
   for (std::size_t i = 0; i < direction.size(); ++i) {
     if (skin.normal[i] == Vector3d::Zero()) continue;
     const SurfacePoint place = search.nearest(body.mesh.vertices[i]);
     Vector3d sum = Vector3d::Zero();
     for (std::size_t c = 0; c < 3; ++c) {
       const double* value =
-          &attribute->values[attribute->width * body.painted_surface.triangles[place.triangle][c]];
+          &attribute->values[attribute->width * body.skin_surface.triangles[place.triangle][c]];
       const Vector3d corner(value[0], value[1], value[2]);
       sum += (sum.dot(corner) < 0.0 ? -1.0 : 1.0) * place.weights[c] * corner;
     }

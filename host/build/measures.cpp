@@ -84,7 +84,7 @@ double segment_distance(const Vector3d& point, const Vector3d& from, const Vecto
   return (point - (from + u * along)).norm();
 }
 
-std::vector<char> joints_named(const Body& body, const std::vector<std::string>& names,
+std::vector<char> joints_named(const Body& body, const std::vector<std::string>& names, bool and_below,
                                const std::string& key, const std::string& source) {
   std::vector<char> is(body.joints.size(), 0);
   for (const std::string& name : names) {
@@ -93,7 +93,7 @@ std::vector<char> joints_named(const Body& body, const std::vector<std::string>&
       if (body.joints[j].name == name) is[j] = 1, found = true;
     if (!found) fail(source, key + ": no joint is called \"" + name + "\"; `fascicle inspect` lists them");
   }
-  for (std::size_t j = 0; j < is.size(); ++j)
+  for (std::size_t j = 0; and_below && j < is.size(); ++j)
     if (body.joints[j].parent >= 0 && is[static_cast<std::size_t>(body.joints[j].parent)]) is[j] = 1;
   return is;
 }
@@ -193,17 +193,30 @@ const std::vector<double>& Measures::painted(const std::string& name, const std:
     fail(source, key + ": nothing called \"" + name + "\" is painted on the character (" +
                      painted_names(body_) +
                      "); one of several numbers is named with .r .g .b .a or .x .y .z .w");
-  const SurfaceSearch search(body_.painted_surface);
+  const SurfaceSearch search(body_.skin_surface);
   for (const Vector3d& p : body_.mesh.vertices) {
     const SurfacePoint place = search.nearest(p);
     double value = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t vertex = body_.painted_surface.triangles[place.triangle][c];
+      const std::size_t vertex = body_.skin_surface.triangles[place.triangle][c];
       value += place.weights[c] * attribute->values[attribute->width * vertex + channel];
     }
     values.push_back(value);
   }
   return values;
+}
+
+const std::vector<std::uint32_t>& Measures::nearest_parts() {
+  if (!parts_.empty()) return parts_;
+  const SurfaceSearch search(body_.skin_surface);
+  for (const Vector3d& p : body_.mesh.vertices) {
+    const std::uint32_t triangle = search.nearest(p).triangle;
+    const auto after = std::upper_bound(
+        body_.parts.begin(), body_.parts.end(), triangle,
+        [](std::uint32_t t, const scene::SurfacePart& part) { return t < part.first_triangle; });
+    parts_.push_back(static_cast<std::uint32_t>(after - body_.parts.begin()) - 1);
+  }
+  return parts_;
 }
 
 }  // namespace fascicle::build

@@ -48,6 +48,9 @@ class Measures {
   const std::vector<double>& painted(const std::string& name, const std::string& key,
                                      const std::string& source);
 
+  // Of each vertex, the entry of Body::parts that its nearest place on the skin belongs to. Needs parts.
+  const std::vector<std::uint32_t>& nearest_parts();
+
   // The share of each vertex's weights on joints of a set: one flag a joint.
   std::vector<double> shares_of(const std::vector<char>& joints) const;
 
@@ -58,14 +61,15 @@ class Measures {
   std::vector<double> bone_distances_, depths_;
   std::map<bool, std::vector<double>> inner_shares_;
   std::map<std::string, std::vector<double>> painted_;
+  std::vector<std::uint32_t> parts_;
 };
 
 // Distance from a point to a segment, m.
 double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to);
 
-// The joints of these names with all below them, one flag a joint. Throws scene::SceneError, naming `key`,
-// for a name that no joint has.
-std::vector<char> joints_named(const Body& body, const std::vector<std::string>& names,
+// The joints of these names, one flag a joint; with all below them if `and_below`. Throws scene::SceneError,
+// naming `key`, for a name that no joint has.
+std::vector<char> joints_named(const Body& body, const std::vector<std::string>& names, bool and_below,
                                const std::string& key, const std::string& source);
 
 }  // namespace fascicle::build

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/build/message.h"
+#include "host/scene/scene_table.h"
 
 namespace fascicle::build {
 
@@ -97,8 +98,32 @@ struct ShapeTest {
     return between(measures.inner_shares(range.by_distance), range.minimum, range.maximum, 0.0);
   }
   std::vector<char> operator()(const scene::JointSet& set) const {
-    const std::vector<char> joints = joints_named(measures.body(), set.names, key + ".joints.names", source);
+    const std::vector<char> joints =
+        joints_named(measures.body(), set.names, set.below, key + ".joints.names", source);
     return between(measures.shares_of(joints), set.share, 2.0, slack_of_diagonal);
+  }
+  std::vector<char> operator()(const scene::PartSet& set) const {
+    const std::vector<scene::SurfacePart>& parts = measures.body().parts;
+    const auto name_of = [&](const scene::SurfacePart& part) -> const std::string& {
+      return set.by_object ? part.object : part.material;
+    };
+    const std::string kind = set.by_object ? "object" : "material";
+    std::vector<char> is_named(parts.size(), 0);
+    for (const std::string& name : set.names) {
+      bool found = false;
+      std::vector<std::string> names;
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        names.push_back(name_of(parts[k]));
+        if (name_of(parts[k]) == name) is_named[k] = 1, found = true;
+      }
+      if (!found)
+        fail(source, key + "." + kind + ".names: no " + kind + " is called \"" + name + "\"" +
+                         scene::nearest_name_hint(name, names) + "; `fascicle scenes FILE` lists them");
+    }
+    std::vector<char> inside;
+    inside.reserve(vertices().size());
+    for (const std::uint32_t part : measures.nearest_parts()) inside.push_back(is_named[part]);
+    return inside;
   }
   std::vector<char> operator()(const scene::Painted& painted) const {
     return between(measures.painted(painted.attribute, key + ".painted", source), painted.minimum,

@@ -79,6 +79,20 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
   subcommand.add_option("--clip", overrides.clip,
                         "The character's clip, by name, by the last part of its name, or by number");
+  subcommand
+      .add_option("--softness", overrides.softness,
+                  "How many times as soft all flesh is: 2 halves its stiffness, 0.5 doubles it")
+      ->option_text("X");
+  subcommand
+      .add_option("--exaggerate", overrides.exaggerate,
+                  "How many times as far flesh trails and jiggles; 0 leaves it to gravity and forces")
+      ->option_text("X");
+  subcommand
+      .add_option("--only", overrides.only,
+                  "Simulate the flesh of this joint and of those below it, and no other; repeatable")
+      ->allow_extra_args(false)
+      ->take_all()
+      ->option_text("JOINT");
   subcommand.add_flag(
       "--no-cache", arguments.no_cache,
       "Neither use nor keep filled bodies, what comes before the first frame and compiled shaders "

@@ -1,15 +1,85 @@
-// fascicle scenes: the built-in scenes, listed or printed as files.
+// fascicle scenes: the built-in scenes, listed or printed as files; a mesh's or a character's own scene,
+// printed with all it could say.
 #include <iostream>
 #include <memory>
+#include <set>
 
+#include "host/build/bone_choice.h"
 #include "host/cli/command.h"
 #include "host/cli/text.h"
 
 namespace fascicle::cli {
 namespace {
 
-ExitCode scenes(const std::string& name) {
-  if (name.empty()) {
+using scene::Vector3d;
+
+// Names from files may hold anything, and comments end with their line.
+std::string in_comment(const std::string& text) {
+  std::string line;
+  for (const char c : text) line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  return line;
+}
+
+std::string extent_text(const std::vector<Vector3d>& vertices, double scale) {
+  if (vertices.empty()) return "nothing";
+  Vector3d low = vertices.front(), high = vertices.front();
+  for (const Vector3d& p : vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Vector3d size = scale * (high - low);
+  return number_text(size[0], 3) + " x " + number_text(size[1], 3) + " x " + number_text(size[2], 3) + " m";
+}
+
+std::string names_text(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + in_comment(name);
+  return text;
+}
+
+std::string use_text(const build::JointReport& joint) {
+  if (joint.is_bone) return joint.is_kinematic ? "bone that ends a chain; its flesh follows it" : "bone";
+  return joint.is_kinematic ? "no bone; its flesh follows it" : "no bone; its flesh is soft";
+}
+
+// What was measured on a character, as comments.
+void print_character(const scene::Scene& scene, const scene::Character& character) {
+  std::set<std::string> objects, materials;
+  for (const scene::SurfacePart& part : character.parts) {
+    objects.insert(part.object);
+    if (!part.material.empty()) materials.insert(part.material);
+  }
+  std::cout << "# Extent: " << extent_text(character.surface.vertices, scene.scale) << " (x, y, z); "
+            << count_text(character.surface.vertices.size()) << " vertices, "
+            << count_text(character.surface.triangles.size()) << " triangles\n";
+  if (!objects.empty()) std::cout << "# Objects: " << names_text(objects) << "\n";
+  if (!materials.empty()) std::cout << "# Materials: " << names_text(materials) << "\n";
+  for (const scene::PaintedAttribute& painted : character.painted)
+    std::cout << "# Painted: " << in_comment(painted.name) << ", " << painted.width << " to a vertex\n";
+  for (std::size_t k = 0; k < character.clips.size(); ++k) {
+    const scene::Clip& clip = character.clips[k];
+    std::cout << "# Clip: " << (clip.name.empty() ? "number " + std::to_string(k) : in_comment(clip.name))
+              << ", " << number_text(clip.duration, 4) << " s\n";
+  }
+  const build::BoneChoice choice = build::choose_bones(character, scene.skeleton, scene.scale, scene.source);
+  for (const build::JointReport& joint : choice.report)
+    if (joint.share > 0.0)
+      std::cout << "# Joint: " << in_comment(joint.name) << ", with those below "
+                << number_text(100.0 * joint.share, 3) << " % of the skin; " << use_text(joint) << "\n";
+}
+
+void print_documented(const scene::Scene& scene) {
+  std::cout << "# " << in_comment(scene.name)
+            << ": its scene with every key. Keys behind a # without a space are "
+               "at their defaults:\n# take the # away to change them. Metres, kilograms, seconds, Y up.\n#\n";
+  if (const auto* character = std::get_if<scene::Character>(&scene.geometry))
+    print_character(scene, *character);
+  else if (const auto* surface = std::get_if<scene::SurfaceMesh>(&scene.geometry))
+    std::cout << "# Extent: " << extent_text(surface->vertices, scene.scale) << " (x, y, z)\n";
+  else if (const auto* mesh = std::get_if<scene::TetMesh>(&scene.geometry))
+    std::cout << "# Extent: " << extent_text(mesh->vertices, scene.scale) << " (x, y, z)\n";
+  std::cout << scene::documented_text(scene);
+}
+
+ExitCode scenes(const SceneArguments& arguments) {
+  if (arguments.name.empty()) {
     std::vector<std::pair<std::string, std::string>> rows;
     for (const scene::BuiltinScene& scene : scene::builtin_scenes())
       rows.emplace_back(scene.name,
@@ -17,23 +87,28 @@ ExitCode scenes(const std::string& name) {
     std::cout << columns_text(rows);
     return ExitCode::done;
   }
-  for (const scene::BuiltinScene& scene : scene::builtin_scenes())
-    if (scene.name == name) {
-      std::cout << scene.text;
-      if (!scene.text.ends_with('\n')) std::cout << '\n';
-      return ExitCode::done;
-    }
-  throw scene::SceneError("there is no built-in scene \"" + name + "\"" + nearest_scene_hint(name));
+  if (!scene::has_overrides(arguments.overrides))
+    for (const scene::BuiltinScene& scene : scene::builtin_scenes())
+      if (scene.name == arguments.name) {
+        std::cout << scene.text;
+        if (!scene.text.ends_with('\n')) std::cout << '\n';
+        return ExitCode::done;
+      }
+  print_documented(load(arguments));
+  return ExitCode::done;
 }
 
 }  // namespace
 
 void add_scenes(CLI::App& app, Command& command) {
-  auto* subcommand = app.add_subcommand("scenes", "List the built-in scenes, or print one as a scene file");
-  const auto name = std::make_shared<std::string>();
-  subcommand->add_option("NAME", *name, "The scene to print")->option_text(" ");
+  auto* subcommand = app.add_subcommand(
+      "scenes",
+      "List the built-in scenes, or print the scene of one, of a mesh or of a character as a file to edit");
+  const auto arguments = std::make_shared<SceneArguments>();
+  add_scene_options(*subcommand, *arguments, "Built-in name, mesh, character or scene file", false);
   add_log_options(*subcommand, command.log);
-  subcommand->callback([name, &command] { command.run = [name](Log&) { return scenes(*name); }; });
+  subcommand->callback(
+      [arguments, &command] { command.run = [arguments](Log&) { return scenes(*arguments); }; });
 }
 
 }  // namespace fascicle::cli

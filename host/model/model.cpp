@@ -203,7 +203,10 @@ void check_skin(const Model& m) {
   }
   if (m.carried.empty()) return;
   check_size("carried", m.carried, m.vertex_count);
-  check_factors("carried", m.carried, 1.0f);
+  check_range("carried", m.carried, least_carried, 1.0f);
+  for (std::size_t i = 0; i < m.carried.size(); ++i)
+    if (m.carried[i] != 0.0f && std::abs(m.carried[i]) < least_factor)
+      broken("carried", i, "is below 2^-40 in size and not 0");
 }
 
 void check_forces(const Model& m) {

@@ -48,6 +48,8 @@ const char* name_of(Rotation rotation);
 // The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which
 // devices treat differently, into products that no snap sees.
 inline constexpr float least_factor = 0x1p-40f;
+// Model::carried of flesh that feels four times the skeleton's acceleration.
+inline constexpr float least_carried = -3.0f;
 // x, or 0 where it is smaller than that in size.
 inline float as_factor(double x) {
   const auto factor = static_cast<float>(x);
@@ -115,10 +117,10 @@ struct Model {
   std::vector<std::uint32_t> skin_joint;
   std::vector<float> skin_weight;  // sums to 1 for each vertex
 
-  // The share of the skeleton's acceleration that a vertex does not feel, 0 or at least least_factor, at most
-  // 1: 1 less its layer's inertia scale. Empty where every vertex feels all of it, and without a skeleton. An
-  // implicit model with a skeleton always has it: the solvers keep the skinned velocities of the last substep
-  // where it is.
+  // The share of the skeleton's acceleration that a vertex does not feel, 0 or at least least_factor in size,
+  // least_carried to 1: 1 less its layer's inertia scale. Empty where every vertex feels all of it, and
+  // without a skeleton. An implicit model with a skeleton always has it: the solvers keep the skinned
+  // velocities of the last substep where it is.
   std::vector<float> carried;  // n or 0
 
   // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in

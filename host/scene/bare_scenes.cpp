@@ -94,16 +94,10 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
 }
 
 Stiffness stiffness_for(const Character& character, const std::optional<std::string>& integrator,
-                        const std::optional<std::string>& weights, const SceneOverrides& overrides) {
+                        const std::optional<std::string>& weights) {
   if (integrator) return *integrator == "explicit" ? Stiffness::alpha : Stiffness::modulus;
   if (weights == "kaneda2017") return Stiffness::alpha;
-  const bool names_alpha =
-      std::any_of(overrides.set.begin(), overrides.set.end(), [](const std::string& set) {
-        const std::string path = set.substr(0, set.find('='));
-        return path.starts_with("layers.") &&
-               (path.ends_with(".alpha") || path.ends_with(".alpha_attribute"));
-      });
-  return names_alpha || is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
+  return is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
 }
 
 std::string layers_for_character(const Character& character, Stiffness by) {

@@ -16,10 +16,10 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
 // By what the layers state theirs: alpha for the explicit integrator, Young's modulus for the implicit one.
 enum class Stiffness { alpha, modulus };
 // By solver.integrator, where the scene names one. Else the modulus, but alpha where solver.weights are the
-// paper's, which the implicit integrator does not know, where an override sets one, and where _STIFFNESS is
-// painted, which multiplies alpha and has no part in a modulus.
+// paper's, which the implicit integrator does not know, and where _STIFFNESS is painted, which multiplies
+// alpha and has no part in a modulus.
 Stiffness stiffness_for(const Character& character, const std::optional<std::string>& integrator,
-                        const std::optional<std::string>& weights, const SceneOverrides& overrides);
+                        const std::optional<std::string>& weights);
 
 // What a character gets whose scene says nothing of layers: [layers.NAME] and [solver].
 // Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3

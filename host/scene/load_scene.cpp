@@ -66,15 +66,14 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       // before it is parsed.
       Scene sized;
       load_character(path, sized);
-      return parse_scene(
-          {stem,
-           name,
-           scene_for_character(
-               path, std::get<Character>(sized.geometry),
-               stiffness_for(std::get<Character>(sized.geometry), overridden(overrides, "solver.integrator"),
-                             overridden(overrides, "solver.weights"), overrides)),
-           {}},
-          overrides);
+      return parse_scene({stem,
+                          name,
+                          scene_for_character(path, std::get<Character>(sized.geometry),
+                                              stiffness_for(std::get<Character>(sized.geometry),
+                                                            overridden(overrides, "solver.integrator"),
+                                                            overridden(overrides, "solver.weights"))),
+                          {}},
+                         overrides);
     }
   } catch (const InputFileError& error) {
     throw SceneError(error.what());

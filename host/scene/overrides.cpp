@@ -107,6 +107,12 @@ std::vector<std::string> split_path(std::string_view text) {
   }
 }
 
+std::string quoted(const std::string& text) {
+  std::ostringstream out;
+  out << toml::toml_formatter{toml::value<std::string>(text), toml::format_flags::none};
+  return out.str();
+}
+
 // "30" frames or "0.5s" as seconds.
 std::string preroll_seconds(const std::string& text, const toml::table& root) {
   const bool in_seconds = text.ends_with('s');
@@ -125,7 +131,7 @@ std::string preroll_seconds(const std::string& text, const toml::table& root) {
 bool has_overrides(const SceneOverrides& o) {
   return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.interpolation || o.preroll ||
          o.settle || o.loop || o.seamless || o.hold || o.cage || o.cage_detail || o.resolution ||
-         !o.rigid.empty();
+         !o.rigid.empty() || o.softness || o.exaggerate || !o.only.empty();
 }
 
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path) {
@@ -165,6 +171,18 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   if (overrides.preroll)
     set("--preroll " + *overrides.preroll, "motion.preroll", preroll_seconds(*overrides.preroll, root));
   assign_number("--settle", "motion.settle", overrides.settle);
+  assign_number("--softness", "flesh.softness", overrides.softness);
+  assign_number("--exaggerate", "flesh.exaggerate", overrides.exaggerate);
+  if (!overrides.only.empty()) {
+    std::string option, value;
+    for (const std::string& joint : overrides.only) {
+      option += (option.empty() ? "--only " : " --only ") + joint;
+      value += (value.empty() ? "[" : ", ") + quoted(joint);
+    }
+    if (!root.contains("character"))
+      throw SceneError(one_line(option + ": the scene has no character, so there is no joint to choose"));
+    set(option, "skeleton.only", value + "]");
+  }
   assign_number("--hold", "motion.hold", overrides.hold);
   if (overrides.loop) {
     const std::string count = std::to_string(*overrides.loop);
@@ -201,82 +219,6 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     for (const char* source : {"mesh", "character"})
       if (toml::table* table = root.get_as<toml::table>(source)) table->erase("resolution");
   }
-}
-
-namespace {
-
-// Names that users chose may hold anything; TOML wants those in quotes.
-void write_name(std::ostream& out, std::string_view name) {
-  if (is_valid_name(name))
-    out << name;
-  else
-    out << toml::toml_formatter{toml::value<std::string>(std::string(name)), toml::format_flags::none};
-}
-
-// Tables inside values are written inline, in the order of their keys. Numbers are the shortest that read
-// back the same.
-void write_value(std::ostream& out, const toml::node& node) {
-  if (const auto* table = node.as_table()) {
-    const char* separator = "{ ";
-    for (const auto& [name, value] : in_order(*table)) {
-      out << separator;
-      write_name(out, name->str());
-      out << " = ";
-      write_value(out, *value);
-      separator = ", ";
-    }
-    out << " }";
-  } else if (const auto* array = node.as_array()) {
-    const char* separator = "[";
-    for (const toml::node& value : *array) {
-      out << separator;
-      write_value(out, value);
-      separator = ", ";
-    }
-    out << "]";
-  } else if (const auto* number = node.as_floating_point()) {
-    const std::string text = shortest(number->get());
-    out << text << (text.find_first_of(".e") == std::string::npos ? ".0" : "");
-  } else {
-    node.visit([&](const auto& value) { out << toml::toml_formatter{value}; });
-  }
-}
-
-void write_table(std::ostream& out, const toml::table& table, const Table& keys, const std::string& path) {
-  const auto is_header = [](const Key& key) {
-    return key.type == KeyType::table || key.type == KeyType::named_tables;
-  };
-  const auto entries = in_order(table);
-  for (const auto& [name, node] : entries) {
-    if (is_header(*find_key(keys, name->str()))) continue;
-    out << name->str() << " = ";
-    write_value(out, *node);
-    out << '\n';
-  }
-  for (const auto& [name, node] : entries) {
-    const Key& key = *find_key(keys, name->str());
-    if (!is_header(key)) continue;
-    const std::string inner = join_path(path, name->str());
-    if (key.type == KeyType::table) {
-      out << "\n[" << inner << "]\n";
-      write_table(out, *node->as_table(), *key.table, inner);
-      continue;
-    }
-    for (const auto& [chosen, chosen_node] : in_order(*node->as_table())) {
-      const std::string innermost = join_path(inner, chosen->str());
-      out << "\n[" << innermost << "]\n";
-      write_table(out, *chosen_node->as_table(), *key.table, innermost);
-    }
-  }
-}
-
-}  // namespace
-
-std::string write_scene(const toml::table& root) {
-  std::ostringstream out;
-  write_table(out, root, scene_table(), "");
-  const std::string text = out.str();
-  return text.starts_with('\n') ? text.substr(1) : text;
 }
 
 }  // namespace fascicle::scene

@@ -1,4 +1,4 @@
-// Changes to a parsed scene file before it is checked, and the changed file as text.
+// Changes to a parsed scene file before it is checked.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,5 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides);
 // What a --set puts there, without its quotes; nothing if none does. For what has to be known before the
 // overrides can be applied.
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path);
-
-// The scene file that reads as `root` does: same values, same order of layers. `root` has passed check_scene.
-std::string write_scene(const toml::table& root);
 
 }  // namespace fascicle::scene

@@ -157,10 +157,17 @@ struct VolumeShare {
   double maximum = 0.0;
   bool by_distance = false;
 };
-// Vertices with at least `share` of their weights on the joints named and those below them.
+// Vertices with at least `share` of their weights on the joints named and, if `below`, those below them.
 struct JointSet {
   std::vector<std::string> names;
   double share = 0.5;
+  bool below = true;
+};
+// Vertices whose nearest place on the skin is of a material, or of an object, with one of these names
+// (SurfacePart).
+struct PartSet {
+  std::vector<std::string> names;
+  bool by_object = false;
 };
 // Where a painted value lies within [minimum, maximum]. The attribute is named as in the file, a colour with
 // its channel: "_LAYER", "COLOR_0.r".
@@ -171,13 +178,16 @@ struct Painted {
 };
 struct Everywhere {};
 using Shape = std::variant<Box, Sphere, Capsule, HalfSpace, BoneDistance, Depth, VolumeShare, JointSet,
-                           Painted, Everywhere>;
+                           PartSet, Painted, Everywhere>;
 using Where = std::vector<Shape>;
 
 struct BoneSegment {
   std::string name;
   Vector3d from, to;
 };
+
+// Of a layer's inertia_scale: flesh that feels four times the skeleton's acceleration.
+inline constexpr double most_inertia = 4.0;
 
 struct Layer {
   std::string name;
@@ -196,8 +206,8 @@ struct Layer {
   bool fibre_field = false;              // the direction comes from the fibre field; not beside `fibre`
   bool kinematic = false;                // a bone layer: moved by skinning, pinned without a skeleton
   bool sliding = false;                  // skin: tied to the flesh of other layers across it only
-  double inertia_scale = 1.0;            // [0, 1]: share of the skeleton's acceleration that the flesh feels
-  double volume = 0.0;                   // [0, 1]: how strongly volume is drawn back to rest
+  double inertia_scale = 1.0;  // [0, most_inertia]: share of the skeleton's acceleration that the flesh feels
+  double volume = 0.0;         // [0, 1]: how strongly volume is drawn back to rest
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
@@ -208,8 +218,16 @@ struct SkeletonSettings {
   std::vector<std::string> kinematic;  // their flesh follows the skeleton
   std::vector<std::string> simulated;  // their flesh does not
   std::vector<std::string> rigid;      // joints, objects or materials: their skin follows its joints alone
+  std::vector<std::string> only;       // if any: the flesh of all other joints follows the skeleton
   double least_share = 0.01;           // of the skin's area, that a bone must move
   bool connect = true;                 // bone layers are completed along the bones, until they hold together
+};
+
+// What the user wishes of all flesh at once. Layers are read first: their stiffness and inertia_scale hold
+// both.
+struct FleshSettings {
+  double softness = 1.0;    // > 0: all free layers' moduli are divided by it
+  double exaggerate = 1.0;  // [0, 4]: all free layers' inertia_scale is multiplied by it
 };
 
 // Muscle fibres drawn as a polyline from origin to insertion, m.
@@ -325,6 +343,7 @@ struct Scene {
   BodySettings body;
   std::vector<BoneSegment> bones;
   SkeletonSettings skeleton;
+  FleshSettings flesh;
   std::vector<Layer> layers;  // at least one
   std::vector<FibreCurve> fibres;
   std::vector<Muscle> muscles;
@@ -358,6 +377,8 @@ struct SceneOverrides {
   bool seamless = false;
   std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};
   std::vector<std::string> rigid = {};  // joints, objects or materials
+  std::optional<double> softness = {}, exaggerate = {};
+  std::vector<std::string> only = {};  // joints
 };
 
 bool has_overrides(const SceneOverrides& overrides);
@@ -365,6 +386,10 @@ bool has_overrides(const SceneOverrides& overrides);
 // `name` is a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
 // .gltf .vrm) or a built-in scene. Throws SceneError.
 Scene load_scene(const std::string& name, const SceneOverrides& overrides = {});
+
+// The scene's text with every key that it leaves at its default, as comments, and what each key means: a file
+// to edit. Reads as the scene itself does. Lines of the text's own comments are lost.
+std::string documented_text(const Scene& scene);
 
 // The built-in scenes, in the order `fascicle scenes` lists them.
 struct BuiltinScene {

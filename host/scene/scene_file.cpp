@@ -12,6 +12,7 @@
 #include "host/scene/overrides.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_values.h"
+#include "host/scene/scene_writer.h"
 
 namespace fascicle::scene {
 namespace {
@@ -46,7 +47,8 @@ void read_stiffness(const toml::table& table, const std::string& path, bool impl
   for (const char* key : explicit_keys)
     if (implicit)
       refuse(key,
-             "takes solver.integrator = \"explicit\"; say youngs_modulus, frequency or material instead");
+             "takes solver.integrator = \"explicit\"; say youngs_modulus, frequency or material instead, or "
+             "flesh.softness to change all layers");
   read(table, "youngs_modulus", layer.youngs_modulus);
   read(table, "frequency", layer.frequency);
   read(table, "damping_ratio", layer.damping_ratio);
@@ -116,6 +118,36 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                  });
 }
 
+// After the layers, whose numbers it changes.
+void read_flesh(const toml::table& root, Scene& scene) {
+  const toml::table& table = table_at(root, "flesh");
+  FleshSettings& flesh = scene.flesh;
+  read(table, "softness", flesh.softness);
+  read(table, "exaggerate", flesh.exaggerate);
+  const auto refuse = [&](const char* key, const std::string& what) {
+    fail(table.get(key)->source(), join_path("flesh", key), what);
+  };
+  for (Layer& layer : scene.layers) {
+    if (layer.kinematic) continue;
+    if (layer.youngs_modulus) *layer.youngs_modulus /= flesh.softness;
+    if (layer.frequency) *layer.frequency /= std::sqrt(flesh.softness);
+    if (scene.solver.integrator == "explicit" && flesh.softness != 1.0) {
+      const double stiffest = std::max(layer.alpha, layer.alpha_outer.value_or(0.0)) / flesh.softness;
+      if (stiffest > 1.0)
+        refuse("softness",
+               "makes alpha of layers." + layer.name + " " + shortest(stiffest) +
+                   ", and 1 is the most; say more substeps instead, or integrator = \"implicit\"");
+      layer.alpha /= flesh.softness;
+      if (layer.alpha_outer) *layer.alpha_outer /= flesh.softness;
+    }
+    layer.inertia_scale *= flesh.exaggerate;
+    if (layer.inertia_scale > most_inertia)
+      refuse("exaggerate", "makes inertia_scale of layers." + layer.name + " " +
+                               shortest(layer.inertia_scale) + ", and " + shortest(most_inertia) +
+                               " is the most; lower one of them");
+  }
+}
+
 void read_forces(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
   for_each_named(
       root, "force", [&](const std::string& name, const toml::table& table, const std::string& path) {
@@ -164,6 +196,7 @@ void read_skeleton_settings(const toml::table& root, Scene& scene) {
   read(table, "kinematic", scene.skeleton.kinematic);
   read(table, "simulated", scene.skeleton.simulated);
   read(table, "rigid", scene.skeleton.rigid);
+  read(table, "only", scene.skeleton.only);
   read(table, "least_share", scene.skeleton.least_share);
   read(table, "connect", scene.skeleton.connect);
 }
@@ -330,8 +363,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
     return set ? set : root["solver"][key].value<std::string>();
   };
   const auto& character = std::get<Character>(loaded.geometry);
-  const Stiffness stiffness =
-      stiffness_for(character, of_solver("integrator"), of_solver("weights"), overrides);
+  const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
   toml::table defaults =
       toml::parse(layers_for_character(character, stiffness), std::string_view("default layers"));
   root.insert("layers", defaults["layers"]);
@@ -369,6 +401,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   const Surroundings surroundings{!scene.bones.empty() || has_character, has_character};
   read_skeleton_settings(root, scene);
   read_layers(root, surroundings, scene);
+  read_flesh(root, scene);
   read_fibres(root, scene);
   read_muscles(root, surroundings, scene);
   for_each_named(root, "pin",
@@ -394,6 +427,10 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read_time(root, scene);
   read_motion(root, scene);
   return scene;
+}
+
+std::string documented_text(const Scene& scene) {
+  return write_documented_scene(toml::parse(scene.text, scene.source));
 }
 
 }  // namespace fascicle::scene

@@ -101,6 +101,14 @@ Shape read_shape(const toml::table& table, const Surroundings& surroundings, con
     JointSet set;
     read(inner, "names", set.names);
     read(inner, "share", set.share);
+    read(inner, "below", set.below);
+    need_character(inner, surroundings, inner_path);
+    return set;
+  }
+  if (kind == "material" || kind == "object") {
+    PartSet set;
+    set.by_object = kind == "object";
+    read(inner, "names", set.names);
     need_character(inner, surroundings, inner_path);
     return set;
   }

@@ -173,8 +173,9 @@ struct Tables {
                    "attached where it meets bone.",
             .fallback = Layer{}.sliding},
            {.name = "inertia_scale",
-            .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along.",
-            .range = between(0.0, 1.0),
+            .doc = "Share of the skeleton's acceleration that the flesh feels; 0: it is carried along; above "
+                   "1: it feels more than there is.",
+            .range = between(0.0, most_inertia),
             .fallback = Layer{}.inertia_scale},
            {.name = "volume",
             .doc =
@@ -340,6 +341,10 @@ struct Tables {
            .type = KeyType::texts,
            .doc = "Joints (with all below them), objects or materials whose skin follows its joints alone, "
                   "beside the parts that the weights say so of; and so does the flesh below that skin."},
+          {.name = "only",
+           .type = KeyType::texts,
+           .doc = "Joints whose flesh is simulated, with all below them; that of all others follows the "
+                  "skeleton."},
           {.name = "least_share",
            .doc = "Share of the skin's area that a bone and the joints below it must move.",
            .range = between(0.0, 1.0),
@@ -349,6 +354,22 @@ struct Tables {
            .doc = "Bone layers that are measured from the bones are completed along them until they "
                   "hold together.",
            .fallback = SkeletonSettings{}.connect}}};
+
+  Table flesh{
+      .name = "flesh",
+      .doc = "What is wished of all flesh at once.",
+      .keys = {
+          {.name = "softness",
+           .doc = "How many times as soft: the stiffness of all layers that move by themselves is divided by "
+                  "it.",
+           .range = between(0.01, 100.0),
+           .fallback = FleshSettings{}.softness},
+          {.name = "exaggerate",
+           .doc =
+               "How many times as much of the skeleton's acceleration all flesh feels, so that it trails and "
+               "jiggles as many times as far.",
+           .range = between(0.0, most_inertia),
+           .fallback = FleshSettings{}.exaggerate}}};
 
   Table fibre_curve{.name = "fibre_curve",
                     .doc = "Fibres drawn as a line from origin to insertion: the fibre field follows it.",
@@ -441,6 +462,7 @@ struct Tables {
             .table = &body},
            {.name = "bones", .type = KeyType::named_tables, .doc = "Bones by name.", .table = &bone},
            {.name = "skeleton", .type = KeyType::table, .doc = "What joints are.", .table = &skeleton},
+           {.name = "flesh", .type = KeyType::table, .doc = "What is wished of all flesh.", .table = &flesh},
            {.name = "layers",
             .type = KeyType::named_tables,
             .doc =

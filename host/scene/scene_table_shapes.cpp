@@ -89,12 +89,21 @@ struct ShapeTables {
                   .doc = "Points by the joints of a character that move them.",
                   .keys = {{.name = "names",
                             .type = KeyType::texts,
-                            .doc = "The joints, with all below them.",
+                            .doc = "The joints, with all below them unless below = false.",
                             .required = true},
                            {.name = "share",
                             .doc = "Least share of their weights that a point follows.",
                             .range = positive(1.0),
-                            .fallback = JointSet{}.share}}};
+                            .fallback = JointSet{}.share},
+                           {.name = "below",
+                            .type = KeyType::boolean,
+                            .doc = "Whether the joints below those named count too.",
+                            .fallback = JointSet{}.below}}};
+
+  Table part_set{
+      .name = "part_set",
+      .doc = "Points by what the nearest skin belongs to in the character's file.",
+      .keys = {{.name = "names", .type = KeyType::texts, .doc = "As the file has them.", .required = true}}};
 
   Table painted{
       .name = "painted",
@@ -122,10 +131,18 @@ struct ShapeTables {
             .doc = "A share of the volume.",
             .table = &volume_share},
            {.name = "joints", .type = KeyType::table, .doc = "What joints move.", .table = &joint_set},
+           {.name = "material",
+            .type = KeyType::table,
+            .doc = "Below skin of these materials.",
+            .table = &part_set},
+           {.name = "object",
+            .type = KeyType::table,
+            .doc = "Below skin of these objects.",
+            .table = &part_set},
            {.name = "painted", .type = KeyType::table, .doc = "Where it is painted.", .table = &painted},
            {.name = "everywhere", .type = KeyType::boolean, .doc = "All of space: everywhere = true."}},
       .choices = {{"box", "sphere", "capsule", "below", "above", "bone_distance", "depth", "volume_share",
-                   "joints", "painted", "everywhere"}}};
+                   "joints", "material", "object", "painted", "everywhere"}}};
 };
 
 }  // namespace

@@ -268,7 +268,7 @@ TEST(FibreConstraints, FollowDrawnCurves) {
 TEST(FibreConstraints, FollowPaint) {
   const scene::Scene scene = boned_bar();
   build::Body body = body_of(scene);
-  body.painted_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
+  body.skin_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
   // Slanted, and a little out of the top face, over one half; the other half is left unpainted. The second is
   // the first turned round: a direction is a line.
   const Vector3d slanted(0.3, 0.1, 0.2), in_the_top = Vector3d(0.3, 0.0, 0.2).normalized();

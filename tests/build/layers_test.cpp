@@ -163,7 +163,7 @@ struct PaintedBar {
                   {{0.3, 0.04, 0.04}, {0.4, 0.04, 0.04}, {1, 0, -1}}};
     body.skin.offset = {0};
     body.painted = {{"_LAYER", 1, {}}, {"COLOR_0", 4, {}}};
-    body.painted_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
+    body.skin_surface = {body.mesh.vertices, build::boundary_triangles(body.mesh, "test")};
     for (std::uint32_t i = 0; i < count; ++i) {
       const double x = body.mesh.vertices[i][0];
       body.skin.joint.push_back(x < 0.29 ? 0u : x < 0.35 ? 1u : 2u);

@@ -137,8 +137,13 @@ not_bones = ["leg_joint_L_5", "leg_joint_R_5"]
 kinematic = ["Skeleton_neck_joint_1"]
 simulated = ["Skeleton_neck_joint_2"]
 rigid = ["Skeleton_arm_joint_R__3_"]
+only = ["leg_joint_L_1"]
 least_share = 0.02
 connect = false
+
+[flesh]
+softness = 1.25
+exaggerate = 1.5
 
 [layers.body]
 alpha = 0.5
@@ -163,6 +168,13 @@ cut_distance = 4.0
 [probe.head.where.joints]
 names = ["Skeleton_neck_joint_1"]
 share = 0.75
+below = false
+
+[probe.jacket.where.material]
+names = ["jacket"]
+
+[probe.hat.where.object]
+names = ["hat"]
 
 [probe.near.where.bone_distance]
 maximum = 0.02
@@ -294,7 +306,8 @@ class Description {
   void add_shape(const VolumeShare& s) {
     out_ << "volume_share " << s.minimum << ' ' << s.maximum << ' ' << s.by_distance;
   }
-  void add_shape(const JointSet& s) { out_ << "joints " << s.share << ' ', add(s.names); }
+  void add_shape(const JointSet& s) { out_ << "joints " << s.share << s.below << ' ', add(s.names); }
+  void add_shape(const PartSet& s) { out_ << "parts " << s.by_object << ' ', add(s.names); }
   void add_shape(const Painted& s) {
     out_ << "painted " << s.attribute << ' ' << s.minimum << ' ' << s.maximum;
   }
@@ -321,7 +334,9 @@ std::string describe(const Scene& scene) {
   }
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
-         scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.least_share, scene.skeleton.connect);
+         scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,
+         scene.skeleton.connect);
+  d.line("flesh", scene.flesh.softness, scene.flesh.exaggerate);
   for (const FibreCurve& curve : scene.fibres) {
     d.line("fibres", curve.name, curve.radius);
     for (const Vector3d& point : curve.points) d.line("point", point);

@@ -1,0 +1,175 @@
+#include "host/scene/scene_writer.h"
+
+#include <algorithm>
+#include <sstream>
+#include <string_view>
+
+#include "host/scene/scene_check.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::scene {
+namespace {
+
+// Names that users chose may hold anything; TOML wants those in quotes.
+void write_name(std::ostream& out, std::string_view name) {
+  if (is_valid_name(name))
+    out << name;
+  else
+    out << toml::toml_formatter{toml::value<std::string>(std::string(name)), toml::format_flags::none};
+}
+
+// Tables inside values are written inline, in the order of their keys. Numbers are the shortest that read
+// back the same.
+void write_value(std::ostream& out, const toml::node& node) {
+  if (const auto* table = node.as_table()) {
+    const char* separator = "{ ";
+    for (const auto& [name, value] : in_order(*table)) {
+      out << separator;
+      write_name(out, name->str());
+      out << " = ";
+      write_value(out, *value);
+      separator = ", ";
+    }
+    out << " }";
+  } else if (const auto* array = node.as_array()) {
+    const char* separator = "[";
+    for (const toml::node& value : *array) {
+      out << separator;
+      write_value(out, value);
+      separator = ", ";
+    }
+    out << "]";
+  } else if (const auto* number = node.as_floating_point()) {
+    const std::string text = shortest(number->get());
+    out << text << (text.find_first_of(".e") == std::string::npos ? ".0" : "");
+  } else {
+    node.visit([&](const auto& value) { out << toml::toml_formatter{value}; });
+  }
+}
+
+bool is_header(const Key& key) {
+  return key.type == KeyType::table || key.type == KeyType::named_tables;
+}
+
+void write_table(std::ostream& out, const toml::table& table, const Table& keys, const std::string& path) {
+  const auto entries = in_order(table);
+  for (const auto& [name, node] : entries) {
+    if (is_header(*find_key(keys, name->str()))) continue;
+    out << name->str() << " = ";
+    write_value(out, *node);
+    out << '\n';
+  }
+  for (const auto& [name, node] : entries) {
+    const Key& key = *find_key(keys, name->str());
+    if (!is_header(key)) continue;
+    const std::string inner = join_path(path, name->str());
+    if (key.type == KeyType::table) {
+      out << "\n[" << inner << "]\n";
+      write_table(out, *node->as_table(), *key.table, inner);
+      continue;
+    }
+    for (const auto& [chosen, chosen_node] : in_order(*node->as_table())) {
+      const std::string innermost = join_path(inner, chosen->str());
+      out << "\n[" << innermost << "]\n";
+      write_table(out, *chosen_node->as_table(), *key.table, innermost);
+    }
+  }
+}
+
+constexpr std::size_t comment_width = 100;
+
+// Words in lines that begin with "# ".
+void write_comment(std::ostream& out, const std::string& text) {
+  std::istringstream words(text);
+  std::size_t column = 0;
+  for (std::string word; words >> word;) {
+    if (column > 0 && column + 1 + word.size() > comment_width) {
+      out << '\n';
+      column = 0;
+    }
+    out << (column == 0 ? "# " : " ") << word;
+    column += (column == 0 ? 2 : 1) + word.size();
+  }
+  out << '\n';
+}
+
+// A default as TOML, which for these types is what JSON has.
+std::string fallback_text(const nlohmann::ordered_json& fallback) {
+  if (!fallback.is_array()) return fallback.dump();
+  std::string text;
+  for (const auto& value : fallback) text += (text.empty() ? "[" : ", ") + value.dump();
+  return text + "]";
+}
+
+// The key that stands in the table in place of this one; null if none does.
+const std::string* taken_by(const Table& keys, const toml::table& table, const Key& key) {
+  for (const auto* groups : {&keys.choices, &keys.alternatives})
+    for (const auto& group : *groups) {
+      if (std::find(group.begin(), group.end(), key.name) == group.end()) continue;
+      for (const std::string& other : group)
+        if (other != key.name && table.contains(other)) return &other;
+    }
+  return nullptr;
+}
+
+// The keys of one table that are no tables: those that are set, and the others as comments.
+void write_documented_values(std::ostream& out, const toml::table& table, const Table& keys) {
+  for (const Key& key : keys.keys) {
+    if (is_header(key)) continue;
+    if (const toml::node* node = table.get(key.name)) {
+      write_comment(out, key.doc);
+      out << key.name << " = ";
+      write_value(out, *node);
+      out << '\n';
+    } else if (const std::string* other = taken_by(keys, table, key)) {
+      write_comment(out, "In place of " + *other + ": " + key.name + ". " + key.doc);
+    } else if (key.fallback.is_null()) {
+      write_comment(out, key.name + ": " + key.doc);
+    } else {
+      write_comment(out, key.doc);
+      out << "#" << key.name << " = " << fallback_text(key.fallback) << '\n';
+    }
+  }
+}
+
+// A headline and what stands below it. Tables of tables the scene lacks are named, with their keys.
+void write_documented_key(std::ostream& out, const toml::table& root, const Table& keys, const Key& key) {
+  const toml::node* node = root.get(key.name);
+  if (node == nullptr && taken_by(keys, root, key) != nullptr) return;
+  out << '\n';
+  if (key.type == KeyType::named_tables && node != nullptr) {
+    write_comment(out, key.table->doc);
+    for (const auto& [name, inner] : in_order(*node->as_table())) {
+      out << "[" << join_path(key.name, name->str()) << "]\n";
+      write_documented_values(out, *inner->as_table(), *key.table);
+      out << '\n';
+    }
+  } else if (key.type == KeyType::named_tables) {
+    std::string names;
+    for (const std::string& name : key_names(*key.table)) names += (names.empty() ? "" : ", ") + name;
+    write_comment(out, "[" + key.name + ".NAME] " + key.table->doc + " Keys: " + names + ".");
+  } else {
+    write_comment(out, key.table->doc);
+    out << "[" << key.name << "]\n";
+    static const toml::table empty;
+    write_documented_values(out, node != nullptr ? *node->as_table() : empty, *key.table);
+  }
+}
+
+}  // namespace
+
+std::string write_scene(const toml::table& root) {
+  std::ostringstream out;
+  write_table(out, root, scene_table(), "");
+  const std::string text = out.str();
+  return text.starts_with('\n') ? text.substr(1) : text;
+}
+
+std::string write_documented_scene(const toml::table& root) {
+  std::ostringstream out;
+  const Table& keys = scene_table();
+  for (const Key& key : keys.keys) write_documented_key(out, root, keys, key);
+  return out.str();
+}
+
+}  // namespace fascicle::scene

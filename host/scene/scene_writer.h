@@ -1,0 +1,17 @@
+// A parsed scene as the text of a scene file.
+#pragma once
+
+#include <string>
+
+#include "host/scene/toml.h"
+
+namespace fascicle::scene {
+
+// The scene file that reads as `root` does: same values, same order of layers. `root` has passed check_scene.
+std::string write_scene(const toml::table& root);
+
+// The same with all keys that the scene leaves at their defaults, as comments to be uncommented, and what
+// each key means: from the table of keys.
+std::string write_documented_scene(const toml::table& root);
+
+}  // namespace fascicle::scene
