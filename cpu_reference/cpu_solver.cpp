@@ -45,6 +45,23 @@ std::array<Column, 7> regions_of(const Fields& fields) {
   return {part(0, 3), part(4, 3), part(8, 3), part(3, 1), part(7, 1), part(11, 1), part(rotation_place, 4)};
 }
 
+// Numbers below a count, each once.
+struct Numbers {
+  explicit Numbers(std::uint32_t count) : is_listed(count, 0) {}
+  void add(std::uint32_t number) {
+    if (is_listed[number] != 0) return;
+    is_listed[number] = 1;
+    list.push_back(number);
+  }
+  void clear() {
+    for (const std::uint32_t number : list) is_listed[number] = 0;
+    list.clear();
+  }
+
+  std::vector<std::uint32_t> list;
+  std::vector<char> is_listed;
+};
+
 class CpuSolver : public model::Solver {
  public:
   CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads, Simd simd)
@@ -322,9 +339,51 @@ class CpuSolver : public model::Solver {
       show(Stage::relax, std::array{positions_of(fields_)});
     }
     where.iteration = 0;
+    if (model_.has_limits()) {
+      limit_volumes(in);
+      show(Stage::limit, std::array{positions_of(fields_)});
+    }
     run(&LaneStages::integrate, &integrate, in);
     show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
     step_before_ = h;
+  }
+
+  // A stage over the items that are listed.
+  void run(const std::vector<std::uint32_t>& items, ModelStage stage, const SubstepInput& in) {
+    pool_->run(static_cast<std::uint32_t>(items.size()), [&](std::uint32_t first, std::uint32_t last) {
+      for (std::uint32_t k = first; k < last; ++k) stage(model_, in, fields_, {items[k], items[k] + 1});
+    });
+  }
+
+  // All passes of stage limit. After the first only what can have changed is looked at: the tetrahedra at the
+  // corners that moved. Where nothing lacks volume, no further pass would change anything.
+  void limit_volumes(const SubstepInput& in) {
+    const auto count = static_cast<std::uint32_t>(model_.limit.size());
+    run(count, &lack, in);
+    std::vector<std::uint32_t> lacking;
+    for (std::uint32_t t = 0; t < count; ++t)
+      if (fields_.lack[t] > 0.0f) lacking.push_back(t);
+    if (lacking.empty()) return;
+    Numbers corners(model_.vertex_count), near(count);
+    for (std::uint32_t pass = 0; pass < shader::limit_passes && !lacking.empty(); ++pass) {
+      corners.clear();
+      for (const std::uint32_t t : lacking) {
+        const shader::Limit& l = model_.limit[t];
+        for (const std::uint32_t i : {l.corner_a, l.corner_b, l.corner_c, l.corner_d}) corners.add(i);
+      }
+      run(corners.list, &crowd, in);
+      run(corners.list, &limit, in);
+      near.clear();
+      for (const std::uint32_t i : corners.list) {
+        if (model_.is_kinematic(i)) continue;
+        for (std::uint32_t e = model_.limit_offset[i]; e < model_.limit_offset[i + 1]; ++e)
+          near.add(model_.limit_entry[e] / 4);
+      }
+      run(near.list, &lack, in);
+      lacking.clear();
+      for (const std::uint32_t t : near.list)
+        if (fields_.lack[t] > 0.0f) lacking.push_back(t);
+    }
   }
 
   const Model& model_;

@@ -19,6 +19,10 @@ void size_fields(const model::Model& model, Fields& fields) {
     for (Floats* field : {&fields.positions_before, &fields.velocities_before, &fields.iterate_before,
                           &fields.predicted, &fields.goals})
       field->resize(vector_stride * n);
+  if (model.has_limits()) {
+    fields.lack.resize(model.limit.size());
+    fields.load.resize(model.vertex_count);
+  }
   fields.surface.resize(3 * std::size_t{model.surface_count()});
 }
 

@@ -75,7 +75,10 @@ struct Fields {
   // Of an implicit model, else empty.
   Floats positions_before{memory};   // 4, a substep before; from predict on where the substep began
   Floats velocities_before{memory};  // 4
-  Floats iterate_before{memory};     // 4: the last iteration but one
+  Floats iterate_before{memory};     // 4: the last iteration but one; in stage limit where a pass begins
+  // Of a model with limits, else empty.
+  std::vector<float> lack;  // 1 a Limit: the volume that it lacks
+  std::vector<float> load;  // 1: how many of the vertex's tetrahedra lack volume, times its mobility
 };
 
 // Gives all fields that the model's stages need without a probe their sizes, in whole slices.

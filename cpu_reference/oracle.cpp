@@ -10,6 +10,7 @@
 
 #include "cpu_reference/oracle_equations.h"
 #include "cpu_reference/oracle_implicit.h"
+#include "cpu_reference/oracle_limit.h"
 #include "cpu_reference/oracle_tie.h"
 #include "cpu_reference/oracle_weights.h"
 
@@ -69,6 +70,7 @@ struct Oracle::Impl {
         rest(points_of(of.rest)),
         weights(region_weights(of)),
         ties(of),
+        limits(of),
         regions(of.vertex_count) {
     if (model.is_implicit()) stiffness = vertex_stiffness(model, region_stiffness(model));
     for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
@@ -83,6 +85,7 @@ struct Oracle::Impl {
   const Points rest;
   const Weights weights;
   const Ties ties;
+  const Limits limits;
   std::vector<Matrix3d> rest_moment;  // A_r at rest
   std::vector<double> stiffness;      // K_i; empty with the explicit integrator
 
@@ -344,6 +347,7 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
     case Stage::goal:
       return floats_of(goals);
     case Stage::relax:
+    case Stage::limit:
       return floats_of(q);
     case Stage::integrate:
       for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -410,6 +414,10 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
         show(Stage::goal, k);
         s.relax(chebyshev.gain(k), chebyshev.omega(k), step);
         show(Stage::relax, k);
+      }
+      if (!s.limits.empty()) {
+        s.limits.apply(s.q);
+        show(Stage::limit);
       }
       s.finish_implicit(step);
       s.step_before = drive.h;

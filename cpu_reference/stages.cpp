@@ -1,8 +1,11 @@
 #include "cpu_reference/stages.h"
 
+#include <array>
+
 #include "shaders/kernel/embed.inc"
 #include "shaders/kernel/goal.inc"
 #include "shaders/kernel/integrate.inc"
+#include "shaders/kernel/limit.inc"
 #include "shaders/kernel/predict.inc"
 #include "shaders/kernel/region.inc"
 #include "shaders/kernel/relax.inc"
@@ -340,6 +343,60 @@ void integrate(const Model& model, const SubstepInput& in, Fields& fields, Range
 void relax(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   for (std::uint32_t i = range.first; i < range.last; ++i)
     if (!model.is_kinematic(i)) relax_free(in, fields, i, load_vector(fields.goals, i));
+}
+
+void lack(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+  for (std::uint32_t t = range.first; t < range.last; ++t) {
+    const shader::Limit& l = model.limit[t];
+    const auto place = [&](std::uint32_t i) { return load_position(fields, i); };
+    fields.lack[t] = kernel::limit_lack<float>(
+        kernel::limit_volume<float>(place(l.corner_a), place(l.corner_b), place(l.corner_c),
+                                    place(l.corner_d), l.inverse_size)
+            .volume,
+        l.least);
+  }
+}
+
+void crowd(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    float count = 0.0f;
+    for (std::uint32_t e = model.limit_offset[i]; e < model.limit_offset[i + 1]; ++e)
+      if (fields.lack[model.limit_entry[e] / 4] > 0.0f) count += 1.0f;
+    fields.load[i] = count * model.mobility[i];
+    store_vector(fields.iterate_before, i, load_position(fields, i));
+  }
+}
+
+void limit(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  const auto place = [&](std::uint32_t i) { return load_vector(fields.iterate_before, i); };
+  const auto entry_term = [&](std::uint32_t entry) {
+    const shader::Limit& l = model.limit[entry / 4];
+    const kernel::LimitVolume<float> v = kernel::limit_volume<float>(
+        place(l.corner_a), place(l.corner_b), place(l.corner_c), place(l.corner_d), l.inverse_size);
+    const float push =
+        kernel::limit_push<float>(v, fields.lack[entry / 4], fields.load[l.corner_a], fields.load[l.corner_b],
+                                  fields.load[l.corner_c], fields.load[l.corner_d], l.least_square, l.size);
+    const std::array<Vector, 4> gradients{kernel::limit_first_gradient<float>(v), v.by_b, v.by_c, v.by_d};
+    return kernel::limit_term<float>(push, gradients[entry % 4]);
+  };
+  for (std::uint32_t i = range.first; i < range.last; ++i) {
+    if (!(fields.load[i] > 0.0f)) continue;
+    Vector sum{};
+    bool is_first = true;
+    for (std::uint32_t e = model.limit_offset[i]; e < model.limit_offset[i + 1]; ++e) {
+      if (!(fields.lack[model.limit_entry[e] / 4] > 0.0f)) continue;
+      const Vector term = entry_term(model.limit_entry[e]);
+      sum = is_first ? term : kernel::limit_add<float>(sum, term);
+      is_first = false;
+    }
+    const Vector move = kernel::limit_move<float>(sum, model.mobility[i]);
+    store_position(fields, i, kernel::limit_moved<float>(load_position(fields, i), move));
+    for (Floats* field : {&fields.predicted, &fields.goals})
+      store_vector(*field, i, kernel::limit_moved<float>(load_vector(*field, i), move));
+    store_vector(
+        fields.velocities, i,
+        kernel::limit_velocity<float>(load_vector(fields.velocities, i), move, in.implicit.inverse_step));
+  }
 }
 
 void iterate(const Model& model, const SubstepInput& in, Fields& fields, Range range) {

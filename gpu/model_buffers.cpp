@@ -82,6 +82,12 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_tie_offset, "tie offset", words(model.tie_offset)},
       {shader::buffer_tie_index, "tie index", words(model.tie_index)},
       {shader::buffer_tie_coefficient, "tie coefficient", words(model.tie_coefficient)},
+      {shader::buffer_limit, "limit", sizeof(shader::Limit) * model.limit.size()},
+      {shader::buffer_limit_offset, "limit offset", words(model.limit_offset)},
+      {shader::buffer_limit_entry, "limit entry", words(model.limit_entry)},
+      {shader::buffer_mobility, "mobility", words(model.mobility)},
+      {shader::buffer_lack, "lack", 4 * model.limit.size()},
+      {shader::buffer_limit_load, "limit load", words(model.mobility)},
   };
 }
 
@@ -129,6 +135,10 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
   fill(shader::buffer_tie_offset, model.tie_offset);
   fill(shader::buffer_tie_index, model.tie_index);
   fill(shader::buffer_tie_coefficient, model.tie_coefficient);
+  fill(shader::buffer_limit, model.limit);
+  fill(shader::buffer_limit_offset, model.limit_offset);
+  fill(shader::buffer_limit_entry, model.limit_entry);
+  fill(shader::buffer_mobility, model.mobility);
   fill(shader::buffer_skin_offset, model.skin_offset);
   fill(shader::buffer_skin_joint, model.skin_joint);
   fill(shader::buffer_skin_weight, model.skin_weight);

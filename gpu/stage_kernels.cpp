@@ -27,6 +27,12 @@ spirv_exact::Module module_of(StageKernel kernel) {
       return shader::goal_module();
     case StageKernel::relax:
       return shader::relax_module();
+    case StageKernel::lack:
+      return shader::lack_module();
+    case StageKernel::crowd:
+      return shader::crowd_module();
+    case StageKernel::limit:
+      return shader::limit_module();
     case StageKernel::integrate:
       return shader::integrate_module();
     case StageKernel::update:
@@ -42,9 +48,9 @@ spirv_exact::Module module_of(StageKernel kernel) {
 }  // namespace
 
 const char* name_of(StageKernel kernel) {
-  constexpr std::array<const char*, stage_kernel_count> names{"rebase", "skin",    "tie",   "predict",
-                                                              "region", "goal",    "relax", "integrate",
-                                                              "update", "iterate", "embed"};
+  constexpr std::array<const char*, stage_kernel_count> names{
+      "rebase", "skin",  "tie",   "predict",   "region", "goal",    "relax",
+      "lack",   "crowd", "limit", "integrate", "update", "iterate", "embed"};
   return names[static_cast<std::uint32_t>(kernel)];
 }
 

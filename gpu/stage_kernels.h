@@ -18,12 +18,15 @@ enum class StageKernel : std::uint32_t {
   region,
   goal,
   relax,
+  lack,
+  crowd,
+  limit,
   integrate,
   update,
   iterate,
   embed
 };
-inline constexpr std::uint32_t stage_kernel_count = 11;
+inline constexpr std::uint32_t stage_kernel_count = 14;
 
 const char* name_of(StageKernel kernel);
 

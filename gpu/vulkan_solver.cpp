@@ -195,6 +195,8 @@ class VulkanSolver : public model::Solver {
     if (model_.is_implicit())
       used = {StageKernel::predict, StageKernel::region, StageKernel::iterate, StageKernel::integrate};
     if (model_.has_skeleton()) used.push_back(StageKernel::skin);
+    if (model_.has_limits())
+      used.insert(used.end(), {StageKernel::lack, StageKernel::crowd, StageKernel::limit});
     if (model_.has_ties()) used.push_back(StageKernel::tie);
     if (model_.surface_count() > 0) used.push_back(StageKernel::embed);
     for (const StageKernel kernel : used) {
@@ -246,6 +248,15 @@ class VulkanSolver : public model::Solver {
         show(Stage::relax);
       }
       where.iteration = 0;
+      if (model_.has_limits()) {
+        const auto limits = static_cast<std::uint32_t>(model_.limit.size());
+        for (std::uint32_t pass = 0; pass < shader::limit_passes; ++pass) {
+          recorder.dispatch(StageKernel::lack, swapped_, substep, limits, implicit);
+          run(StageKernel::crowd);
+          run(StageKernel::limit);
+        }
+        show(Stage::limit);
+      }
       run(StageKernel::integrate);
       show(Stage::integrate);
       step_before_ = h;
@@ -286,7 +297,7 @@ class VulkanSolver : public model::Solver {
     if (stage == Stage::skin)
       return model::side_by_side(read_triples(skinned_buffer()), 3, read_triples(shader::buffer_gravity), 3);
     if (stage == Stage::tie) return read_triples(shader::buffer_tied);
-    if (stage == Stage::relax) return read_triples(shader::buffer_position);
+    if (stage == Stage::relax || stage == Stage::limit) return read_triples(shader::buffer_position);
     if (stage == Stage::goal) return read_triples(shader::buffer_goal);
     return read_triples(model_.is_implicit() ? shader::buffer_predicted : shader::buffer_velocity);
   }

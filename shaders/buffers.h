@@ -76,7 +76,15 @@ BUFFERS_CONSTANT uint buffer_alpha = 46u;
 BUFFERS_CONSTANT uint buffer_carried =
     37u;  // share of the skeleton's acceleration that a vertex does not feel
 
-BUFFERS_CONSTANT uint buffer_count = 47u;
+// Of a model with limits.
+BUFFERS_CONSTANT uint buffer_limit = 47u;         // Limit
+BUFFERS_CONSTANT uint buffer_limit_offset = 48u;  // first entry of each vertex, and the count
+BUFFERS_CONSTANT uint buffer_limit_entry = 49u;   // 4 x Limit + corner
+BUFFERS_CONSTANT uint buffer_mobility = 50u;      // a float a vertex
+BUFFERS_CONSTANT uint buffer_lack = 51u;          // a float a Limit
+BUFFERS_CONSTANT uint buffer_limit_load = 52u;    // a float a vertex
+
+BUFFERS_CONSTANT uint buffer_count = 53u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;

@@ -60,6 +60,16 @@ struct Tie {
   float rest_height;  // working units
 };
 
+// A tetrahedron that is not crushed below a share of its rest volume (kernel/limit.inc). Its size is a power
+// of two near the mean of its edges at rest, in working units; volume and gradients are in parts of that.
+struct Limit {
+  uint corner_a, corner_b, corner_c, corner_d;
+  float inverse_size;
+  float size;
+  float least;         // six times the least volume
+  float least_square;  // a hundredth of the mean square of the volume's gradients at rest
+};
+
 // One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex
 // takes its share of it through Model::force_coefficient (1/kg, for wind m^2/kg).
 struct Force {
@@ -92,6 +102,7 @@ struct ImplicitStep {
   float omega;          // this iteration's over-relaxation
   float gain;           // what x_hat - x is multiplied by
   uint first_response;  // index of vertex 0's Response
+  uint limit_count;     // Limits of the model
 };
 
 // How a vertex answers in an implicit substep, with d its damping and K its stiffness.
@@ -101,6 +112,9 @@ struct Response {
   float kept;        // 1 / (1 + d H): what damping leaves of the velocity
   float dragged;     // d H / (1 + d H): the share of the skeleton's
 };
+
+// Passes of stage limit in a substep.
+SHARED_CONSTANT uint limit_passes = 8u;
 
 // Vertices per slice of the sliced one-ring lists on the GPU. No result depends on it.
 SHARED_CONSTANT uint slice_width = 32u;

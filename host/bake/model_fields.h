@@ -50,6 +50,10 @@ void visit_fields(ModelType& model, Visitor& visit) {
   visit.optional("tie_offset", model.tie_offset);
   visit.optional("tie_index", model.tie_index);
   visit.optional("tie_coefficient", model.tie_coefficient);
+  visit.optional("limit", model.limit);
+  visit.optional("limit_offset", model.limit_offset);
+  visit.optional("limit_entry", model.limit_entry);
+  visit.optional("mobility", model.mobility);
   visit("joint_count", model.joint_count);
   visit("skin_offset", model.skin_offset);
   visit("skin_joint", model.skin_joint);

@@ -118,6 +118,7 @@ Json json_of_layer(const scene::Layer& layer) {
               {"kinematic", layer.kinematic},
               {"inertia_scale", layer.inertia_scale},
               {"where", json_of(layer.where)}};
+  if (layer.least_volume > 0.0) object["least_volume"] = layer.least_volume;
   if (layer.volume > 0.0) object["volume"] = layer.volume;
   if (layer.sliding) object["sliding"] = true;
   return object;

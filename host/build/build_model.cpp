@@ -17,6 +17,7 @@
 #include "host/build/fibre.h"
 #include "host/build/forces.h"
 #include "host/build/layers.h"
+#include "host/build/limits.h"
 #include "host/build/mass.h"
 #include "host/build/measures.h"
 #include "host/build/message.h"
@@ -292,6 +293,9 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
   write_volume(volume_terms, model);
   write_ties(scene, model, report);
+  std::vector<double> least_volumes;
+  for (const scene::Layer& layer : scene.layers) least_volumes.push_back(layer.least_volume);
+  write_limits(least_volumes, model);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);
   write_render_mesh(body.render, model);

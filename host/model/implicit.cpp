@@ -57,6 +57,7 @@ shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tab
   step.omega = 1.0f;
   step.gain = 1.0f;
   step.first_response = with_history ? model.vertex_count : 0;
+  step.limit_count = static_cast<std::uint32_t>(model.limit.size());
   return step;
 }
 

@@ -1,6 +1,7 @@
 #include "host/model/model.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <sstream>
@@ -182,6 +183,41 @@ void check_ties(const Model& m) {
     }
 }
 
+void check_limits(const Model& m) {
+  if (!m.has_limits()) {
+    check_size("limit_offset", m.limit_offset, 0);
+    check_size("limit_entry", m.limit_entry, 0);
+    check_size("mobility", m.mobility, 0);
+    return;
+  }
+  if (!m.is_implicit()) broken("limit", 0, "is for the implicit integrator");
+  for (std::size_t k = 0; k < m.limit.size(); ++k) {
+    const shader::Limit& t = m.limit[k];
+    for (const std::uint32_t i : {t.corner_a, t.corner_b, t.corner_c, t.corner_d})
+      if (i >= m.vertex_count) broken("limit", k, "names no vertex");
+    if (!(t.size >= 0x1p-40f && t.size <= 2.0f && t.size * t.inverse_size == 1.0f))
+      broken("limit", k, "has no size");
+    for (const float number : {t.least, t.least_square})
+      if (!(number >= least_factor && number <= 0x1p40f)) broken("limit", k, "has no rest shape");
+  }
+  check_offsets("limit_offset", m.limit_offset, m.vertex_count, m.limit_entry.size());
+  check_size("limit_entry", m.limit_entry, 4 * m.limit.size());
+  check_indices("limit_entry", m.limit_entry, static_cast<std::uint32_t>(4 * m.limit.size()));
+  check_size("mobility", m.mobility, m.vertex_count);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    if (m.is_kinematic(i) ? m.mobility[i] != 0.0f
+                          : !(m.mobility[i] >= least_factor && m.mobility[i] <= 0x1p40f))
+      broken("mobility", i, "is out of its range");
+    for (std::uint32_t e = m.limit_offset[i]; e < m.limit_offset[i + 1]; ++e) {
+      const shader::Limit& t = m.limit[m.limit_entry[e] / 4];
+      const std::array<std::uint32_t, 4> corners{t.corner_a, t.corner_b, t.corner_c, t.corner_d};
+      if (corners[m.limit_entry[e] % 4] != i) broken("limit_entry", e, "is not a corner of this vertex");
+      if (e > m.limit_offset[i] && m.limit_entry[e - 1] >= m.limit_entry[e])
+        broken("limit_entry", e, "is not ascending");
+    }
+  }
+}
+
 void check_skin(const Model& m) {
   if (m.joint_count == 0) {
     check_size("skin_offset", m.skin_offset, 0);
@@ -256,6 +292,7 @@ void check_model(const Model& m) {
   check_muscles(m);
   check_volume(m);
   check_ties(m);
+  check_limits(m);
   check_skin(m);
   check_forces(m);
   check_size("surface_weight", m.surface_weight, m.surface_vertex.size());
@@ -278,13 +315,16 @@ std::uint64_t solver_bytes(const Model& m) {
       bytes(m.rest) + bytes(m.alpha) + bytes(m.tag) + bytes(m.ring_offset) + bytes(m.ring) + bytes(m.pull) +
       bytes(m.share_taken) + bytes(m.share_given) + bytes(m.region_rest) + bytes(m.muscle_offset) +
       bytes(m.region_muscle) + bytes(m.region_frame) + bytes(m.region_volume) + bytes(m.tie) +
-      bytes(m.tie_offset) + bytes(m.tie_index) + bytes(m.tie_coefficient) + bytes(m.skin_offset) +
+      bytes(m.tie_offset) + bytes(m.tie_index) + bytes(m.tie_coefficient) + bytes(m.limit) +
+      bytes(m.limit_offset) + bytes(m.limit_entry) + bytes(m.mobility) + bytes(m.skin_offset) +
       bytes(m.skin_joint) + bytes(m.skin_weight) + bytes(m.carried) + bytes(m.force_offset) +
       bytes(m.force_index) + bytes(m.force_coefficient) + bytes(m.surface_vertex) + bytes(m.surface_weight);
   const std::uint64_t floats_of_state = 3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) +
                                         (m.carried.empty() ? 0 : 3) + (m.has_ties() ? 3 : 0) +
                                         (m.is_implicit() ? 3 + 3 + 3 + 3 + 8 : 0);
-  return fixed + n * floats_of_state * sizeof(float) + std::uint64_t{m.surface_count()} * 3 * sizeof(float);
+  const std::uint64_t of_limits = (m.limit.size() + m.mobility.size()) * sizeof(float);
+  return fixed + of_limits + n * floats_of_state * sizeof(float) +
+         std::uint64_t{m.surface_count()} * 3 * sizeof(float);
 }
 
 double extent(const Model& model) {

@@ -111,6 +111,14 @@ struct Model {
   std::vector<std::uint32_t> tie_index;
   std::vector<float> tie_coefficient;
 
+  // Tetrahedra that are not crushed (shaders/kernel/limit.inc), of an implicit model; empty without. Of each
+  // vertex, kinematic ones too, those that it is a corner of: 4 x number + corner, CSR, ascending. w_i is the
+  // mean mass of the free vertices over m_i, at least least_factor, and 0 of kinematic ones.
+  std::vector<shader::Limit> limit;
+  std::vector<std::uint32_t> limit_offset;  // n + 1 or 0
+  std::vector<std::uint32_t> limit_entry;
+  std::vector<float> mobility;  // n or 0
+
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
   std::vector<std::uint32_t> skin_offset;  // n + 1 or 0
@@ -142,6 +150,7 @@ struct Model {
   std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface_vertex.size() / 4); }
   std::uint32_t tetrahedron_count() const { return static_cast<std::uint32_t>(tetrahedron.size() / 4); }
   bool has_skeleton() const { return joint_count > 0; }
+  bool has_limits() const { return !limit.empty(); }
   bool has_ties() const { return !tie.empty(); }
   bool is_implicit() const { return !stiffness.empty(); }
   bool is_kinematic(std::uint32_t i) const { return (tag[i] & shader::tag_kinematic) != 0; }

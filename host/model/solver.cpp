@@ -21,6 +21,8 @@ const char* name_of(Stage stage) {
       return "goal";
     case Stage::relax:
       return "relax";
+    case Stage::limit:
+      return "limit";
     case Stage::integrate:
       return "integrate";
     case Stage::embed:

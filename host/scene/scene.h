@@ -208,6 +208,7 @@ struct Layer {
   bool sliding = false;                  // skin: tied to the flesh of other layers across it only
   double inertia_scale = 1.0;  // [0, most_inertia]: share of the skeleton's acceleration that the flesh feels
   double volume = 0.0;         // [0, 1]: how strongly volume is drawn back to rest
+  double least_volume = 0.0;   // [0, 0.9]: share of its volume below which it is not crushed
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 

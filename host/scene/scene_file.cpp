@@ -19,6 +19,8 @@ namespace {
 
 constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency", "material",
                                                    "damping_ratio"};
+// Soft tissues bear the jump of a heavy man with it (docs/architecture.md).
+constexpr double least_volume_of_character = 0.3;
 constexpr std::array<const char*, 3> explicit_keys{"alpha", "alpha_outer", "alpha_attribute"};
 
 // The one that the layers speak to, where the scene names none.
@@ -72,6 +74,16 @@ void read_sliding(const toml::table& table, const std::string& path, Layer& laye
          "is for flesh that moves by itself, and a kinematic layer does not; leave one of them out");
 }
 
+void read_least_volume(const toml::table& table, const std::string& path, const Surroundings& surroundings,
+                       bool implicit, Layer& layer) {
+  if (implicit && surroundings.has_joints && !layer.kinematic) layer.least_volume = least_volume_of_character;
+  read(table, "least_volume", layer.least_volume);
+  if (!implicit && layer.least_volume > 0.0)
+    fail(table.get("least_volume")->source(), join_path(path, "least_volume"),
+         "takes solver.integrator = \"implicit\"; leave it out, or say how stiff the layer is by "
+         "youngs_modulus, frequency or material");
+}
+
 void read_layers(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
   std::string rest_of_body;
   for_each_named(root, "layers",
@@ -93,6 +105,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    read(table, "density", layer.density);
                    read(table, "inertia_scale", layer.inertia_scale);
                    read(table, "volume", layer.volume);
+                   read_least_volume(table, path, surroundings, scene.solver.integrator == "implicit", layer);
                    if (const toml::node* node = table.get("fibre")) {
                      const Vector3d fibre = vector_of(*node);
                      // Scaled first: a square of the smallest doubles is 0.

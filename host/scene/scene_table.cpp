@@ -182,6 +182,10 @@ struct Tables {
                 "How strongly volume is drawn back to rest; 1: as strongly as the stiffness leaves stable.",
             .range = between(0.0, 1.0),
             .fallback = Layer{}.volume},
+           {.name = "least_volume",
+            .doc = "Share of its volume at rest below which no tetrahedron is crushed, with the implicit "
+                   "integrator; 0: none. Where absent, 0.3 for a character, else 0.",
+            .range = between(0.0, 0.9)},
            where_key(shape, false,
                      "What belongs to the layer; where absent, all that no other layer claims.")},
       .alternatives = {{"alpha", "youngs_modulus", "frequency", "material"},

@@ -91,6 +91,19 @@ TEST_F(ModelFile, TiesAreInTheFileOfThoseThatHaveThem) {
   EXPECT_EQ(read.tie_coefficient, model_.tie_coefficient);
 }
 
+TEST_F(ModelFile, LimitsAreInTheFileOfThoseThatHaveThem) {
+  EXPECT_EQ(bytes_.find("mobility"), std::string::npos);
+  model_.limit = {{0, 1, 2, 3, 4.0f, 0.25f, 0.125f, 0.5f}};
+  model_.limit_offset.assign(std::size_t{model_.vertex_count} + 1, 4);
+  model_.limit_entry = {0, 1, 2, 3};
+  model_.mobility.assign(model_.vertex_count, 1.5f);
+  const model::Model read = written_and_read();
+  ASSERT_EQ(read.limit.size(), 1u);
+  EXPECT_EQ(read.limit[0].least_square, 0.5f);
+  EXPECT_EQ(read.limit_entry, model_.limit_entry);
+  EXPECT_EQ(read.mobility, model_.mobility);
+}
+
 TEST_F(ModelFile, WhatIsCutShortOrChangedIsRefused) {
   for (std::size_t length = 0; length < bytes_.size(); length += 1 + length / 7)
     EXPECT_NE(refusal(bytes_.substr(0, length)), "") << length;

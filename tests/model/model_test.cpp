@@ -8,6 +8,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/model/validate.h"
+#include "tests/support/limit_models.h"
 #include "tests/support/sliding_models.h"
 #include "tests/support/test_models.h"
 
@@ -44,6 +45,12 @@ TEST(Factor, BelowTheLeastIsZero) {
 // Its upper half slides.
 Model& tie_down(Model& model) {
   add_sliding(model, [](const Eigen::Vector3d& p) { return p.y() > 0.4; });
+  return model;
+}
+
+Model& limited(Model& model) {
+  model = make_implicit(model, 1e4);
+  add_limits(model, 0.3);
   return model;
 }
 
@@ -97,6 +104,15 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"tie_coefficient", [](Model& m) { tie_down(m).tie_coefficient[0] *= -1.0f; }},
       {"tie_coefficient", [](Model& m) { tie_down(m).tie_coefficient.back() = 1e-42f; }},
       {"tie_index", [](Model& m) { m.tie_index.push_back(0); }},
+      {"limit", [](Model& m) { add_limits(m, 0.3); }},  // of an explicit model
+      {"limit_offset", [](Model& m) { limited(m).limit_offset.pop_back(); }},
+      {"limit_entry", [](Model& m) { ++limited(m).limit_entry[0]; }},
+      {"limit_entry", [](Model& m) { m.limit_entry.push_back(0); }},
+      {"limit", [](Model& m) { limited(m).limit[0].corner_b = m.vertex_count; }},
+      {"limit", [](Model& m) { limited(m).limit[0].least = 0.0f; }},
+      {"limit", [](Model& m) { limited(m).limit[0].size = 0.75f; }},
+      {"mobility", [](Model& m) { limited(m).mobility[0] = 0.0f; }},
+      {"mobility", [](Model& m) { m.mobility.push_back(1.0f); }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
       {"force_index", [](Model& m) { m.force_index.push_back(0); }},
       {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},

@@ -431,6 +431,10 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(std::pair(scene.layers[0].beta, scene.layers[1].beta), std::pair(0.0, 1.0));
   EXPECT_TRUE(scene.layers[2].kinematic);
   EXPECT_TRUE(scene.layers[1].fibre_field);
+  EXPECT_EQ(scene.layers[0].least_volume, 0.3);
+  EXPECT_EQ(scene.layers[1].least_volume, 0.3);
+  EXPECT_EQ(scene.layers[2].least_volume, 0.0);
+  EXPECT_EQ(load_scene(path.string(), {.set = {"solver.integrator=explicit"}}).layers[0].least_volume, 0.0);
   const double muscle = std::get<Depth>(scene.layers[1].where.at(0)).maximum;
   const double bone = std::get<Depth>(scene.layers[2].where.at(0)).maximum;
   EXPECT_GT(bone, 0.0);

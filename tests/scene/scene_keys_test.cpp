@@ -521,12 +521,14 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
             std::string::npos);
   EXPECT_EQ(refusal(with("kinematic = true\n" + where)), "no error");
   EXPECT_EQ(refusal(with("frequency = 2.0\nsliding = true\n" + where)), "no error");
+  EXPECT_EQ(refusal(with("frequency = 2.0\nleast_volume = 0.3\n" + where)), "no error");
   const std::string slides = refusal(with("kinematic = true\nsliding = true\n" + where));
   EXPECT_NE(slides.find("sliding: is for flesh that moves by itself"), std::string::npos) << slides;
   EXPECT_NE(refusal(with("kinematic = true\nfrequency = 2.0\n" + where)).find("a kinematic layer has none"),
             std::string::npos);
   const std::vector<std::pair<std::string, std::string>> refused{
       {"layers.fat.youngs_modulus=1e4", "layers.fat.youngs_modulus: takes solver.integrator = \"implicit\""},
+      {"layers.fat.least_volume=0.3", "layers.fat.least_volume: takes solver.integrator = \"implicit\""},
       {"layers.fat.damping_ratio=0.5", "layers.fat.damping_ratio: takes solver.integrator = \"implicit\""},
       {"solver.substeps=many", "is not one of auto"},
       {"solver.iterations=5", "solver.iterations: takes"}};

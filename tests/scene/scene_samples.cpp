@@ -231,6 +231,7 @@ size = [0.5, 0.25, 0.25]
 [layers.fat]
 youngs_modulus = 3000.0
 damping_ratio = 0.25
+least_volume = 0.5
 
 [layers.deep]
 frequency = 3.5
@@ -343,7 +344,7 @@ std::string describe(const Scene& scene) {
   }
   for (const Layer& l : scene.layers) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
-           l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.sliding, l.where);
+           l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.sliding, l.least_volume, l.where);
     d.line("stiffness", l.youngs_modulus, l.frequency, l.material, l.damping_ratio);
   }
   for (const Muscle& m : scene.muscles) {

@@ -107,6 +107,15 @@ TEST(SharedLayout, Tie) {
   EXPECT_EQ(layout.stride, sizeof(shader::Tie));
 }
 
+TEST(SharedLayout, Limit) {
+  const Layout layout = layout_in(shader::limit_module(), "Limit");
+  EXPECT_EQ(layout.members,
+            (Members{MEMBER(Limit, corner_a), MEMBER(Limit, corner_b), MEMBER(Limit, corner_c),
+                     MEMBER(Limit, corner_d), MEMBER(Limit, inverse_size), MEMBER(Limit, size),
+                     MEMBER(Limit, least), MEMBER(Limit, least_square)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::Limit));
+}
+
 TEST(SharedLayout, SubstepAndPush) {
   const Layout substep = layout_in(shader::update_module(), "Substep");
   EXPECT_EQ(

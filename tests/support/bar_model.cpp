@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <utility>
+
+#include "tests/support/limit_models.h"
 
 namespace fascicle::tests {
 namespace {
@@ -125,6 +128,27 @@ void add_ties(const BarOptions& o, Model& m) {
   }
 }
 
+// Kuhn's six tetrahedra of each cube, those that the noise did not turn round.
+void add_limited_tetrahedra(const BarOptions& o, Model& m) {
+  const std::array<std::array<std::size_t, 3>, 6> orders{
+      {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
+  for (std::uint32_t x = 0; x + 1 < o.x; ++x)
+    for (std::uint32_t y = 0; y + 1 < o.y; ++y)
+      for (std::uint32_t z = 0; z + 1 < o.z; ++z)
+        for (std::size_t order = 0; order < 6; ++order) {
+          std::array<std::uint32_t, 3> at{x, y, z};
+          std::array<std::uint32_t, 4> corner{};
+          corner[0] = (at[0] * o.y + at[1]) * o.z + at[2];
+          for (std::size_t k = 0; k < 3; ++k) {
+            ++at[orders[order][k]];
+            corner[k + 1] = (at[0] * o.y + at[1]) * o.z + at[2];
+          }
+          if (order >= 3) std::swap(corner[0], corner[1]);
+          m.tetrahedron.insert(m.tetrahedron.end(), corner.begin(), corner.end());
+        }
+  add_limits(m, 0.9);
+}
+
 }  // namespace
 
 Model make_bar(const BarOptions& o) {
@@ -201,6 +225,7 @@ Model make_bar(const BarOptions& o) {
     }
     if (o.skeleton && m.carried.empty()) m.carried.assign(m.vertex_count, 0.0f);
   }
+  if (o.limits) add_limited_tetrahedra(o, m);
   return m;
 }
 

@@ -21,6 +21,7 @@ struct BarOptions {
   bool ties = false;    // of the uppermost vertices to triangles below them, some of which are held
   bool surface = true;
   bool implicit = false;      // for the implicit integrator, from soft to stiff
+  bool limits = false;        // of an implicit one: no tetrahedron loses a tenth of its volume
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
 };
 

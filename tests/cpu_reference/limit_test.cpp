@@ -1,0 +1,252 @@
+// Flesh that was crushed pushes back. The solvers are the Oracle's formulas, and its gradients those of the
+// volume; a free body pushes and turns itself by nothing; a load that crushes flesh without limits does not
+// with them; where nothing is crushed, no bit changes.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle_limit.h"
+#include "tests/support/bar_model.h"
+#include "tests/support/limit_models.h"
+#include "tests/support/test_models.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+using cpu_reference::make_cpu_solver;
+using cpu_reference::Oracle;
+using cpu_reference::Simd;
+using Eigen::Vector3d;
+using model::Model;
+using model::State;
+
+constexpr model::SolverOptions implicit{.integrator = model::Integrator::implicit_step};
+constexpr double kept = 0.3;
+
+Vector3d triple(const std::vector<float>& values, std::uint32_t i) {
+  return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+}
+
+// 0.19 m high, E in Pa, its lowest vertices held where asked.
+Model column(double E, bool held, double share = kept) {
+  BodyOptions options;
+  options.damping = 12.0;
+  if (held) options.kinematic = [](const Vector3d& p) { return p.y() < 1e-3; };
+  Model model =
+      make_implicit(make_model(jittered(kuhn_bar(2, 6, 2, 1.0 / 32), 1.0 / 4096, 8, 3), options), E);
+  if (share > 0.0) add_limits(model, share);
+  return model;
+}
+
+// The least volume of a tetrahedron over its volume at rest.
+double least_volume(const Model& model, const std::vector<float>& positions) {
+  double least = 1.0;
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const auto six = [&](const std::vector<float>& at) {
+      const Vector3d o = triple(at, model.tetrahedron[t]);
+      return (triple(at, model.tetrahedron[t + 1]) - o)
+          .cross(triple(at, model.tetrahedron[t + 2]) - o)
+          .dot(triple(at, model.tetrahedron[t + 3]) - o);
+    };
+    least = std::min(least, six(positions) / six(model.rest));
+  }
+  return least;
+}
+
+State after_load(const Model& model, model::Solver& solver, double load, int frames) {
+  TestDrive drive = quiet_drive(model, 1.0 / 240.0, 4, {0.0, -load, 0.0});
+  for (int k = 0; k < frames; ++k) solver.submit(drive.get(), {});
+  return solver.save();
+}
+
+// A body pressed to a third of its height, a little bent, and moving.
+State crushed(const Model& model, State state) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    state.positions[3 * i + 1] *= 0.3f;
+    state.positions[3 * i] += 0.2f * state.positions[3 * i + 1];
+    for (std::size_t k = 0; k < 3; ++k) {
+      state.positions[3 * i + k] += float(1e-3 * normal(random));
+      state.velocities[3 * i + k] += float(0.1 * normal(random));
+    }
+  }
+  return state;
+}
+
+TEST(Limit, TheModelKeepsItsPromises) {
+  EXPECT_NO_THROW(check_model(column(3e3, true)));
+  EXPECT_NO_THROW(check_model(column(3e3, false)));
+}
+
+// Central differences of a cubic, which is linear in each coordinate: exact but for rounding.
+TEST(Limit, TheOraclesGradientsAreThoseOfTheVolume) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  const std::array<std::uint32_t, 4> corner{2, 0, 3, 1};
+  for (int trial = 0; trial < 20; ++trial) {
+    cpu_reference::Points q(4);
+    for (Vector3d& p : q) p = Vector3d(normal(random), normal(random), normal(random));
+    const auto found = cpu_reference::volume_gradients(q, corner);
+    const Vector3d o = q[2];
+    EXPECT_NEAR(found.volume, (q[0] - o).cross(q[3] - o).dot(q[1] - o) / 6.0, 1e-12);
+    for (std::size_t k = 0; k < 4; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto volume_at = [&](double step) {
+          cpu_reference::Points moved = q;
+          moved[corner[k]][axis] += step;
+          return cpu_reference::volume_gradients(moved, corner).volume;
+        };
+        EXPECT_NEAR(found.by[k][axis], (volume_at(0.5) - volume_at(-0.5)), 1e-12);
+      }
+  }
+}
+
+// By hand: one free corner over a held triangle, pressed flat. The gradient is the triangle's area over 3,
+// along the normal, so it goes by 3/2 of what lacks, less a hundredth that bounds the step; then nothing
+// lacks.
+TEST(Limit, ACornerOverAHeldTriangleIsLiftedToItsLeastHeight) {
+  Model model = make_model(regular_tetrahedron());
+  for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(model, i);
+  model = make_implicit(model, 1.0);
+  add_limits(model, 0.5);
+  const auto solver = make_cpu_solver(model, implicit, 1);
+  State state = solver->save();
+  const Vector3d centre =
+      (triple(state.positions, 1) + triple(state.positions, 2) + triple(state.positions, 3)) / 3.0;
+  const Vector3d top = triple(state.positions, 0);
+  for (std::size_t k = 0; k < 3; ++k) state.positions[k] = float(centre[int(k)]);
+  solver->load(state);
+  TestDrive drive = quiet_drive(model, 1e-3);
+  solver->submit(drive.get(), {});
+  const double height = (triple(solver->save().positions, 0) - centre).norm() / (top - centre).norm();
+  // One pass: 3/2 of 1/2 over 1 + a hundredth of all four gradients' mean square, which is its own.
+  EXPECT_NEAR(height, 0.75 / 1.01, 1e-3);
+}
+
+// Metres, of a column of 0.19 that is crushed to a third: rounding, amplified by which tetrahedra lack
+// volume, a choice that a bit may turn. Three frames of four substeps; what the load itself moves is a
+// hundred times as much.
+TEST(Limit, FollowsTheOracle) {
+  const Model model = column(3e3, true);
+  const auto solver = make_cpu_solver(model, implicit, 2);
+  Oracle oracle(model, implicit);
+  const State a = after_load(model, *solver, 100.0, 3), b = after_load(model, oracle, 100.0, 3);
+  double largest = 0.0, moved = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    largest = std::max(largest, (triple(a.positions, i) - triple(b.positions, i)).norm());
+    moved = std::max(moved, (triple(a.positions, i) - triple(model.rest, i)).norm());
+  }
+  EXPECT_GT(moved, 0.05);
+  EXPECT_LT(largest, 5e-4);
+}
+
+// Tissue under ten times its weight: without limits it is crushed to less than nothing.
+TEST(Limit, TissueUnderALoadKeepsItsVolume) {
+  for (const double load : {40.0, 100.0}) {
+    const Model model = column(3e3, true), without = column(3e3, true, 0.0);
+    const State state = after_load(model, *make_cpu_solver(model, implicit, 2), load, 60);
+    const State control = after_load(without, *make_cpu_solver(without, implicit, 2), load, 60);
+    EXPECT_GT(least_volume(model, state.positions), 0.0) << load;
+    if (load > 50.0) {
+      EXPECT_LT(least_volume(without, control.positions), 0.0);
+    }
+  }
+}
+
+// A body that was turned inside out opens.
+TEST(Limit, FlatTetrahedraOpen) {
+  const Model model = column(3e3, true);
+  const auto solver = make_cpu_solver(model, implicit, 1);
+  State state = solver->save();
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (!model.is_kinematic(i)) state.positions[3 * i + 1] *= -0.1f;
+  EXPECT_LT(least_volume(model, state.positions), -0.05);
+  solver->load(state);
+  EXPECT_GT(least_volume(model, after_load(model, *solver, 0.0, 30).positions), 0.0);
+}
+
+struct Momentum {
+  Vector3d linear = Vector3d::Zero(), angular = Vector3d::Zero();
+  double size = 0.0;  // sum of m |v|
+};
+
+Momentum momentum_of(const Model& model, const State& state) {
+  Momentum sum;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d p = model.mass[i] * triple(state.velocities, i);
+    sum.linear += p;
+    sum.angular += triple(state.positions, i).cross(p);
+    sum.size += p.norm();
+  }
+  return sum;
+}
+
+// What a crushed free body's momenta change by in a frame, over how much motion its opening makes.
+double change_of_momentum(const Model& model, model::Solver& solver) {
+  const State start = crushed(model, solver.save());
+  solver.load(start);
+  const State end = after_load(model, solver, 0.0, 1);
+  const Momentum before = momentum_of(model, start), after = momentum_of(model, end);
+  return std::max((after.linear - before.linear).norm(), (after.angular - before.angular).norm()) /
+         after.size;
+}
+
+// Undamped. To the iterations' tolerance, beyond which the limits add nothing: the same as without them. The
+// control: some vertices take limits as if they were lighter.
+TEST(Limit, AFreeBodyKeepsItsMomenta) {
+  Model model = column(3e3, false);
+  model.layers[0].damping = 0.0;
+  EXPECT_LT(change_of_momentum(model, *make_cpu_solver(model, implicit, 1)), 2e-3);
+  for (std::uint32_t i = 0; i < model.vertex_count; i += 3) model.mobility[i] *= 2.0f;
+  EXPECT_GT(change_of_momentum(model, *make_cpu_solver(model, implicit, 1)), 2e-2);
+}
+
+TEST(Limit, WhereNothingIsCrushedNoBitChanges) {
+  const Model model = column(2e4, true), without = column(2e4, true, 0.0);
+  EXPECT_EQ(after_load(model, *make_cpu_solver(model, implicit, 2), 9.81, 10),
+            after_load(without, *make_cpu_solver(without, implicit, 2), 9.81, 10));
+  // The control: under a load that crushes they differ.
+  EXPECT_NE(after_load(model, *make_cpu_solver(model, implicit, 2), 500.0, 10),
+            after_load(without, *make_cpu_solver(without, implicit, 2), 500.0, 10));
+}
+
+TEST(Limit, LanesThreadsAndSavingHaveTheScalarBits) {
+  const Model model = column(3e3, true);
+  const State scalar = after_load(model, *make_cpu_solver(model, implicit, 1, Simd::scalar), 100.0, 4);
+  for (const Simd simd : cpu_reference::available_simd())
+    for (const unsigned threads : {1u, 3u}) {
+      const auto solver = make_cpu_solver(model, implicit, threads, simd);
+      const State half = after_load(model, *solver, 100.0, 2);
+      const auto resumed = make_cpu_solver(model, implicit, threads, simd);
+      resumed->load(half);
+      EXPECT_EQ(after_load(model, *resumed, 100.0, 2), scalar) << name_of(simd);
+    }
+}
+
+// What the GPU's tests compare is crushed: without limits it moves otherwise.
+TEST(Limit, TheBarThatOtherTestsBendIsCrushed) {
+  const Model model = make_bar({.skeleton = true, .implicit = true, .limits = true}),
+              without = make_bar({.skeleton = true, .implicit = true});
+  const auto bent = [](const Model& m) {
+    const auto solver = make_cpu_solver(m, implicit, 1);
+    BarMotion motion(m, 3);
+    for (std::uint64_t k = 1; k <= 3; ++k) solver->submit(motion.drive(k), {});
+    return solver->save();
+  };
+  check_model(model);
+  EXPECT_NE(bent(model).positions, bent(without).positions);
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
