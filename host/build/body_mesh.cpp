@@ -16,7 +16,6 @@
 #include "host/build/hold.h"
 #include "host/build/message.h"
 #include "host/build/partings.h"
-#include "host/build/refine.h"
 #include "host/build/smooth.h"
 #include "host/build/spacing.h"
 #include "host/build/tetrahedralize.h"
@@ -39,8 +38,6 @@ constexpr double separate_shares = 0.2;
 // And where it is no farther apart than this in the bind pose, and in a clip farther by that.
 constexpr double touching_edges = 1.5;
 constexpr double parting_edges = 1.0;
-// Sides of the pieces in which the skin is looked at for that.
-constexpr double longest_in_edges = 1.5;
 // How far the cage's vertices may be moved to hold the skin, in edges.
 constexpr double farthest_in_edges = 2.0;
 
@@ -190,16 +187,10 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   start = std::chrono::steady_clock::now();
   const auto poses = skin.character != nullptr ? poses_of_clips(*skin.character, scene.scale)
                                                : std::vector<std::vector<Eigen::Matrix4d>>();
-  // Piece by piece: a triangle that reaches from the lips into the throat would join the jaws.
-  const RefinedSkin refined = refine_skin(surface, skin.weights, longest_in_edges * edge);
-  const Partings partings(refined.surface, refined.weights, poses, touching_edges * edge,
-                          parting_edges * edge);
-  const Limbs limbs(refined.surface, refined.weights, skin.skeleton, {separate_edges * edge, separate_shares},
+  const Partings partings(surface, skin.weights, poses, touching_edges * edge, parting_edges * edge);
+  const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares},
                     &partings);
-  CutMesh cut = cut_limbs(filled, refined.surface, limbs);
-  for (SkinPoint& anchor : cut.anchor) anchor = refined.on_skin(anchor);
-  cut.holder_offset.resize(surface.vertices.size() + 1);
-  cut.holder.resize(cut.holder_offset.back());
+  CutMesh cut = cut_limbs(filled, surface, limbs);
   Hold hold = hold_skin(cut, surface, farthest_in_edges * edge, vertices_at(on_bones, cut.mesh));
   report.fill.cage.cut_tetrahedra = cut.cut_tetrahedra;
   report.fill.cage.cut_seconds = seconds_since(start);
