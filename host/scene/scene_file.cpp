@@ -382,7 +382,9 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())
-    solver->insert("substeps", defaults["solver"]["substeps"]);
+    for (const char* key : {"integrator", "substeps"})
+      if (const toml::node* value = defaults["solver"].as_table()->get(key))
+        value->visit([&](const auto& node) { solver->insert(key, node); });
   return true;
 }
 

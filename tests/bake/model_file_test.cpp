@@ -93,6 +93,10 @@ TEST_F(ModelFile, TiesAreInTheFileOfThoseThatHaveThem) {
 
 TEST_F(ModelFile, LimitsAreInTheFileOfThoseThatHaveThem) {
   EXPECT_EQ(bytes_.find("mobility"), std::string::npos);
+  // Limits are for the implicit integrator.
+  model_.youngs_modulus.assign(model_.vertex_count, 1e4);
+  model_.stiffness.assign(model_.vertex_count, 1.0);
+  model_.carried.assign(model_.has_skeleton() ? model_.vertex_count : 0, 0.0f);
   model_.limit = {{0, 1, 2, 3, 4.0f, 0.25f, 0.125f, 0.5f}};
   model_.limit_offset.assign(std::size_t{model_.vertex_count} + 1, 4);
   model_.limit_entry = {0, 1, 2, 3};

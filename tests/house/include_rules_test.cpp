@@ -24,15 +24,18 @@ struct Room {
 const std::vector<std::string> every_room{"shaders/",       "host/scene/", "host/build/",
                                           "host/model/",    "host/bake/",  "host/render/",
                                           "cpu_reference/", "gpu/",        "host/cli/"};
-const std::vector<std::string> every_library{"Eigen",      "JSON",  "xxHash", "Vulkan", "GoogleTest",
-                                             "RapidCheck", "CLI11", "SIMD",   "PNG",    "JPEG"};
+const std::vector<std::string> every_library{"Eigen",      "JSON",       "xxHash", "Vulkan",
+                                             "GoogleTest", "RapidCheck", "CLI11",  "SIMD",
+                                             "PNG",        "JPEG",       "Draco",  "meshoptimizer"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
 const std::vector<Room>& rooms() {
   static const std::vector<Room> table{
       {"shaders/", {}, {}},
-      {"host/scene/", {}, {"Eigen", "toml++", "tinygltf", "JSON", "xxHash", "pugixml"}},
+      {"host/scene/",
+       {},
+       {"Eigen", "toml++", "tinygltf", "JSON", "xxHash", "pugixml", "Draco", "meshoptimizer"}},
       {"host/mesher/", {}, {"TetGen", "CGAL"}},
       {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
       {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
@@ -69,7 +72,9 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"btBullet", "Bullet"},
                                                                       {"benchmark/", "Google Benchmark"},
                                                                       {"png.h", "PNG"},
-                                                                      {"jpeglib.h", "JPEG"}};
+                                                                      {"jpeglib.h", "JPEG"},
+                                                                      {"draco/", "Draco"},
+                                                                      {"meshoptimizer.h", "meshoptimizer"}};
   return table;
 }
 

@@ -364,7 +364,7 @@ TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
                                          "solver.substeps=1001",
                                          "scene.fps=0",
                                          "layers.fat.fibre=[0, 0, 0]",
-                                         "layers.fat.inertia_scale=1.01",
+                                         "layers.fat.inertia_scale=4.01",
                                          "layers.fat.volume=1.01",
                                          "layers.fat.volume=-0.01",
                                          "motion.loop=0",
@@ -455,13 +455,16 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
        {parse(plain + "[solver]\nintegrator = \"explicit\"\n"),
         parse(plain, {.set = {"solver.integrator=implicit", "solver.integrator=explicit"}}),
         parse(plain, {.set = {"solver.weights=kaneda2017"}}),
-        parse(plain + "[solver]\nweights = \"kaneda2017\"\n"),
-        parse(plain, {.set = {"layers.fat.alpha=0.125"}})}) {
+        parse(plain + "[solver]\nweights = \"kaneda2017\"\n")}) {
     EXPECT_EQ(scene.solver.integrator, "explicit");
     EXPECT_TRUE(scene.solver.auto_substeps);
     EXPECT_EQ(scene.layers[1].alpha, 1.0);
   }
-  EXPECT_EQ(parse(plain, {.set = {"layers.fat.alpha=0.125"}}).layers[0].alpha, 0.125);
+  const std::string set = "layers.fat.alpha=0.125";
+  EXPECT_EQ(parse(plain, {.set = {"solver.integrator=explicit", set}}).layers[0].alpha, 0.125);
+  EXPECT_EQ(
+      refusal(plain, {.set = {set}}).find("--set " + set + ": layers.fat.alpha: takes solver.integrator"),
+      0u);
 }
 
 // A bear is larger than an arm, and its clips take as long: waves must cross it in the same time.

@@ -100,6 +100,8 @@ TEST(Wishes, TheDocumentedTextReadsAsTheSceneAlsoWithItsDefaultsSpelledOut) {
     const Scene scene = parse(text);
     const std::string documented = scene::documented_text(scene);
     EXPECT_EQ(describe(parse(documented)), describe(scene)) << documented;
+    // The explicit integrator takes no `iterations`, which stand there for whoever changes to the other.
+    if (scene.solver.integrator == "explicit") continue;
     const std::string spelled_out = uncommented(documented);
     EXPECT_NE(spelled_out, documented);
     EXPECT_EQ(describe(parse(spelled_out)), describe(scene)) << spelled_out;
