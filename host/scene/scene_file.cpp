@@ -445,7 +445,11 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
 }
 
 std::string documented_text(const Scene& scene) {
-  return write_documented_scene(toml::parse(scene.text, scene.source));
+  constexpr std::array<const char*, 1> iterations{"iterations"};
+  const toml::table root = toml::parse(scene.text, scene.source);
+  // What goes with the other integrator would be refused.
+  if (scene.solver.integrator == "implicit") return write_documented_scene(root, explicit_keys);
+  return write_documented_scene(root, iterations);
 }
 
 }  // namespace fascicle::scene

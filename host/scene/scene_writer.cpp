@@ -113,9 +113,10 @@ const std::string* taken_by(const Table& keys, const toml::table& table, const K
 }
 
 // The keys of one table that are no tables: those that are set, and the others as comments.
-void write_documented_values(std::ostream& out, const toml::table& table, const Table& keys) {
+void write_documented_values(std::ostream& out, const toml::table& table, const Table& keys,
+                             std::span<const char* const> left_out) {
   for (const Key& key : keys.keys) {
-    if (is_header(key)) continue;
+    if (is_header(key) || std::find(left_out.begin(), left_out.end(), key.name) != left_out.end()) continue;
     if (const toml::node* node = table.get(key.name)) {
       write_comment(out, key.doc);
       out << key.name << " = ";
@@ -133,7 +134,8 @@ void write_documented_values(std::ostream& out, const toml::table& table, const 
 }
 
 // A headline and what stands below it. Tables of tables the scene lacks are named, with their keys.
-void write_documented_key(std::ostream& out, const toml::table& root, const Table& keys, const Key& key) {
+void write_documented_key(std::ostream& out, const toml::table& root, const Table& keys, const Key& key,
+                          std::span<const char* const> left_out) {
   const toml::node* node = root.get(key.name);
   if (node == nullptr && taken_by(keys, root, key) != nullptr) return;
   out << '\n';
@@ -141,7 +143,7 @@ void write_documented_key(std::ostream& out, const toml::table& root, const Tabl
     write_comment(out, key.table->doc);
     for (const auto& [name, inner] : in_order(*node->as_table())) {
       out << "[" << join_path(key.name, name->str()) << "]\n";
-      write_documented_values(out, *inner->as_table(), *key.table);
+      write_documented_values(out, *inner->as_table(), *key.table, left_out);
       out << '\n';
     }
   } else if (key.type == KeyType::named_tables) {
@@ -152,7 +154,7 @@ void write_documented_key(std::ostream& out, const toml::table& root, const Tabl
     write_comment(out, key.table->doc);
     out << "[" << key.name << "]\n";
     static const toml::table empty;
-    write_documented_values(out, node != nullptr ? *node->as_table() : empty, *key.table);
+    write_documented_values(out, node != nullptr ? *node->as_table() : empty, *key.table, left_out);
   }
 }
 
@@ -165,10 +167,10 @@ std::string write_scene(const toml::table& root) {
   return text.starts_with('\n') ? text.substr(1) : text;
 }
 
-std::string write_documented_scene(const toml::table& root) {
+std::string write_documented_scene(const toml::table& root, std::span<const char* const> left_out) {
   std::ostringstream out;
   const Table& keys = scene_table();
-  for (const Key& key : keys.keys) write_documented_key(out, root, keys, key);
+  for (const Key& key : keys.keys) write_documented_key(out, root, keys, key, left_out);
   return out.str();
 }
 

@@ -1,6 +1,7 @@
 // A parsed scene as the text of a scene file.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "host/scene/toml.h"
@@ -11,7 +12,7 @@ namespace fascicle::scene {
 std::string write_scene(const toml::table& root);
 
 // The same with all keys that the scene leaves at their defaults, as comments to be uncommented, and what
-// each key means: from the table of keys.
-std::string write_documented_scene(const toml::table& root);
+// each key means: from the table of keys, but for keys of the names left out.
+std::string write_documented_scene(const toml::table& root, std::span<const char* const> left_out);
 
 }  // namespace fascicle::scene

@@ -1,6 +1,7 @@
 // The model beside the frames: what comes back is what went in, and nothing else is taken for it.
 #include "host/bake/model_file.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -98,9 +99,10 @@ TEST_F(ModelFile, LimitsAreInTheFileOfThoseThatHaveThem) {
   model_.stiffness.assign(model_.vertex_count, 1.0);
   model_.carried.assign(model_.has_skeleton() ? model_.vertex_count : 0, 0.0f);
   model_.limit = {{0, 1, 2, 3, 4.0f, 0.25f, 0.125f, 0.5f}};
-  model_.limit_offset.assign(std::size_t{model_.vertex_count} + 1, 4);
+  for (std::uint32_t i = 0; i <= model_.vertex_count; ++i) model_.limit_offset.push_back(std::min(i, 4u));
   model_.limit_entry = {0, 1, 2, 3};
-  model_.mobility.assign(model_.vertex_count, 1.5f);
+  for (std::uint32_t i = 0; i < model_.vertex_count; ++i)
+    model_.mobility.push_back(model_.is_kinematic(i) ? 0.0f : 1.5f);
   const model::Model read = written_and_read();
   ASSERT_EQ(read.limit.size(), 1u);
   EXPECT_EQ(read.limit[0].least_square, 0.5f);
