@@ -7,9 +7,13 @@
 //   compound   a group for each property, then their headers
 //   array      for each sample: data (16-byte digest, values), dimensions (empty: follow from the size)
 //   scalar     for each sample: data (16-byte digest, value)
-// The object is an AbcGeom_PolyMesh_v1: .geom with .selfBnds, P, .faceIndices, .faceCounts and N.
+// Each object of the surface is an AbcGeom_PolyMesh_v1: .geom with .selfBnds, P, .velocities, .faceIndices,
+// .faceCounts, N and, where it has them, uv. Each material it shows is an AbcGeom_FaceSet_v1 below it. The
+// velocities of a frame are known one frame later.
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -19,6 +23,9 @@
 #include "host/bake/murmur3.h"
 #include "host/bake/ogawa_writer.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
+#include "host/bake/surface_objects.h"
+#include "host/bake/surface_velocities.h"
 #include "host/bake/text.h"
 #include "host/bake/version.h"
 
@@ -35,7 +42,7 @@ constexpr std::uint64_t digest_bytes = 16;
 constexpr std::uint32_t frame_sampling = 1;  // of the time samplings; 0 is the one of what has no time
 
 enum class PropertyKind : std::uint32_t { compound = 0, scalar = 1, array = 2 };
-enum class Pod : std::uint32_t { int32 = 6, float32 = 10, float64 = 11 };
+enum class Pod : std::uint32_t { uint32 = 5, int32 = 6, float32 = 10, float64 = 11 };
 
 struct Property {
   std::string name, metadata;
@@ -125,9 +132,37 @@ std::string digest(std::string_view bytes) {
 }
 
 template <class T>
-std::string_view bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+std::string_view bytes_of(std::span<const T> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
+template <class T>
+std::string_view bytes_of(const std::vector<T>& values) {
+  return bytes_of(std::span<const T>(values));
+}
+
+constexpr const char* mesh_schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
+constexpr const char* face_set_schema = "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1";
+constexpr const char* own_bounds = ".selfBnds";
+constexpr const char* child_bounds = ".childBnds";
+
+std::vector<double> box_of(std::span<const float> points) {
+  const std::array<float, 6> box = bounds(points);
+  return {box.begin(), box.end()};
+}
+
+// A material's triangles: their samples so far.
+struct FaceSetSamples {
+  std::string name;
+  std::vector<std::uint32_t> vertices;  // of the object that its triangles touch, each once
+  std::vector<Child> faces, bounds;
+  bool one_face = false;
+};
+
+struct MeshSamples {
+  std::vector<Child> points, velocities, normals, bounds, indices, counts, uvs;
+  bool one_triangle = false, one_vertex = false;
+  std::vector<FaceSetSamples> face_sets;
+};
 
 class AbcSink final : public FrameSink {
  public:
@@ -141,19 +176,37 @@ class AbcSink final : public FrameSink {
   void finish() override;
 
  private:
+  // A group and the headers of what it holds, for the group above.
+  struct Written {
+    Child group = OgawaWriter::empty_group;
+    std::string headers;
+  };
   Child sample(std::string_view bytes) { return file_->data({digest(bytes), bytes}); }
+  void append_sample(std::vector<Child>& to, std::string_view bytes) {
+    to.push_back(sample(bytes));
+    to.push_back(OgawaWriter::empty_data);
+  }
   Child group(const std::vector<Child>& children) { return file_->group(children); }
-  Child compound(std::vector<Child> children, const std::vector<Property>& properties, MetadataTable& table,
-                 std::string& headers);
+  void append_velocities(const std::vector<float>& velocities);
+  Written compound(std::vector<Child> children, const std::vector<Property>& properties);
   Child object(std::vector<Child> children, const std::string& child_headers,
                const std::string& property_headers);
+  Written face_set(const FaceSetSamples& set);
+  Written mesh(const SurfaceObject& object, const MeshSamples& samples);
+  Property frames(const char* name, const char* metadata, std::uint32_t extent, bool one_point) const;
+  Property box(const char* name) const;
+  Property constants(const char* name, const char* metadata, Pod pod, std::uint32_t extent,
+                     bool one_point) const;
 
   double unit_ = 1.0, fps_ = 60.0, start_ = 0.0;
+  std::uint64_t first_number_ = 0;
+  std::shared_ptr<const SurfaceObjects> surface_;
   std::optional<SurfaceNormals> normals_;
+  std::optional<SurfaceVelocities> velocities_;
   std::optional<OgawaWriter> file_;
-  std::vector<Child> points_samples_, normal_samples_, bounds_samples_;  // offsets: 40 bytes a frame
-  std::vector<Child> index_samples_, count_samples_;
-  bool one_triangle_ = false, one_corner_ = false, one_vertex_ = false;
+  MetadataTable table_;
+  std::vector<MeshSamples> meshes_;  // offsets: some 56 bytes a frame and object
+  std::vector<Child> bounds_;        // of all objects together
 };
 
 void AbcSink::begin(const BakeInfo& info) {
@@ -165,37 +218,70 @@ void AbcSink::begin(const BakeInfo& info) {
   unit_ = model.unit;
   fps_ = info.fps;
   start_ = info.start;
-  normals_.emplace(model);
+  first_number_ = info.first_number;
+  surface_ = objects_of(info);
+  normals_.emplace(model, surface_->normals);
+  velocities_.emplace(info.fps);
   file_.emplace(info.folder / "surface.abc");
-  // Alembic's faces run clockwise as seen from outside; ours the other way.
-  std::vector<std::int32_t> indices, counts(model.surface_triangle.size() / 3, 3);
-  for (std::size_t i = 0; i < model.surface_triangle.size(); i += 3)
-    for (const std::size_t k : {2u, 1u, 0u})
-      indices.push_back(static_cast<std::int32_t>(model.surface_triangle[i + k]));
-  index_samples_ = {sample(bytes_of(indices)), OgawaWriter::empty_data};
-  count_samples_ = {sample(bytes_of(counts)), OgawaWriter::empty_data};
-  one_triangle_ = counts.size() == 1;
-  one_corner_ = indices.size() == 1;
-  one_vertex_ = model.surface_count() == 1;
+  for (const SurfaceObject& object : surface_->objects) {
+    MeshSamples& mesh = meshes_.emplace_back();
+    // Alembic's faces run clockwise as seen from outside; ours the other way.
+    std::vector<std::int32_t> indices, counts(object.triangle.size() / 3, 3);
+    for (std::size_t i = 0; i < object.triangle.size(); i += 3)
+      for (const std::size_t k : {2u, 1u, 0u})
+        indices.push_back(static_cast<std::int32_t>(object.triangle[i + k]));
+    append_sample(mesh.indices, bytes_of(indices));
+    append_sample(mesh.counts, bytes_of(counts));
+    mesh.one_triangle = counts.size() == 1;
+    mesh.one_vertex = object.vertex_count == 1;
+    if (!object.uvs.empty()) append_sample(mesh.uvs, bytes_of(object.uvs));
+    for (const FaceSet& set : object.face_sets) {
+      FaceSetSamples& samples = mesh.face_sets.emplace_back();
+      samples.name = surface_->materials[set.material].name;
+      samples.one_face = set.triangles.size() == 1;
+      append_sample(samples.faces, bytes_of(set.triangles));  // below 2^31, so the same bits as int32
+      for (const std::uint32_t t : set.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+          samples.vertices.push_back(object.triangle[std::size_t{3} * t + k]);
+      std::sort(samples.vertices.begin(), samples.vertices.end());
+      samples.vertices.erase(std::unique(samples.vertices.begin(), samples.vertices.end()),
+                             samples.vertices.end());
+    }
+  }
 }
 
 void AbcSink::write(const model::Frame& frame) {
-  const std::vector<float> points = world_positions(frame.surface, unit_, frame.origin);
-  std::vector<double> box;
-  for (const float value : bounds(points)) box.push_back(double{value});
-  points_samples_.push_back(sample(bytes_of(points)));
-  points_samples_.push_back(OgawaWriter::empty_data);
-  normal_samples_.push_back(sample(bytes_of(normals_->of(frame.surface))));
-  normal_samples_.push_back(OgawaWriter::empty_data);
-  bounds_samples_.push_back(sample(bytes_of(box)));
+  std::vector<float> points = world_positions(frame.surface, unit_, frame.origin);
+  const std::vector<float> normals = normals_->of(frame.surface);
+  bounds_.push_back(sample(bytes_of(box_of(points))));
+  for (std::size_t k = 0; k < meshes_.size(); ++k) {
+    MeshSamples& mesh = meshes_[k];
+    const std::span<const float> own = values_of(surface_->objects[k], points);
+    append_sample(mesh.points, bytes_of(own));
+    append_sample(mesh.normals, bytes_of(values_of(surface_->objects[k], normals)));
+    mesh.bounds.push_back(sample(bytes_of(box_of(own))));
+    for (FaceSetSamples& set : mesh.face_sets) {
+      std::vector<float> touched;
+      for (const std::uint32_t v : set.vertices)
+        for (std::size_t axis = 0; axis < 3; ++axis) touched.push_back(own[std::size_t{3} * v + axis]);
+      set.bounds.push_back(sample(bytes_of(box_of(touched))));
+    }
+  }
+  append_velocities(velocities_->next(std::move(points)));
 }
 
-Child AbcSink::compound(std::vector<Child> children, const std::vector<Property>& properties,
-                        MetadataTable& table, std::string& headers) {
-  headers.clear();
-  for (const Property& property : properties) headers += packed(property, table);
-  children.push_back(file_->data({headers}));
-  return group(children);
+void AbcSink::append_velocities(const std::vector<float>& velocities) {
+  if (velocities.empty()) return;
+  for (std::size_t k = 0; k < meshes_.size(); ++k)
+    append_sample(meshes_[k].velocities, bytes_of(values_of(surface_->objects[k], velocities)));
+}
+
+AbcSink::Written AbcSink::compound(std::vector<Child> children, const std::vector<Property>& properties) {
+  Written written;
+  for (const Property& property : properties) written.headers += packed(property, table_);
+  children.push_back(file_->data({written.headers}));
+  written.group = group(children);
+  return written;
 }
 
 // The two digests at the end of an object's headers stand for its properties and its children; readers
@@ -206,63 +292,101 @@ Child AbcSink::object(std::vector<Child> children, const std::string& child_head
   return group(children);
 }
 
-void AbcSink::finish() {
-  const auto samples = static_cast<std::uint32_t>(bounds_samples_.size());
-  const bool still = samples == 1;
-  const std::string schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
-  MetadataTable table;
-  std::string headers;
-  const Child geometry =
-      compound({group(bounds_samples_), group(points_samples_), group(index_samples_), group(count_samples_),
-                group(normal_samples_)},
-               {{.name = ".selfBnds",
-                 .metadata = "interpretation=box",
-                 .kind = PropertyKind::scalar,
-                 .pod = Pod::float64,
-                 .extent = 6,
-                 .samples = samples,
-                 .constant = still,
-                 .one_point = true},
-                {.name = "P",
-                 .metadata = "geoScope=vtx;interpretation=point",
-                 .kind = PropertyKind::array,
-                 .extent = 3,
-                 .samples = samples,
-                 .constant = still,
-                 .one_point = one_vertex_},
-                {.name = ".faceIndices",
-                 .metadata = {},
-                 .kind = PropertyKind::array,
-                 .pod = Pod::int32,
-                 .samples = samples,
-                 .constant = true,
-                 .one_point = one_corner_},
-                {.name = ".faceCounts",
-                 .metadata = {},
-                 .kind = PropertyKind::array,
-                 .pod = Pod::int32,
-                 .samples = samples,
-                 .constant = true,
-                 .one_point = one_triangle_},
-                {.name = "N",
-                 .metadata = "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;"
+// Values that change from frame to frame.
+Property AbcSink::frames(const char* name, const char* metadata, std::uint32_t extent, bool one_point) const {
+  return {.name = name,
+          .metadata = metadata,
+          .kind = PropertyKind::array,
+          .extent = extent,
+          .samples = static_cast<std::uint32_t>(bounds_.size()),
+          .constant = bounds_.size() == 1,
+          .one_point = one_point};
+}
+
+Property AbcSink::box(const char* name) const {
+  Property property = frames(name, "interpretation=box", 6, true);
+  property.kind = PropertyKind::scalar;
+  property.pod = Pod::float64;
+  return property;
+}
+
+Property AbcSink::constants(const char* name, const char* metadata, Pod pod, std::uint32_t extent,
+                            bool one_point) const {
+  Property property = frames(name, metadata, extent, one_point);
+  property.pod = pod;
+  property.constant = true;
+  return property;
+}
+
+// The header of an object with its name for the one above.
+AbcSink::Written AbcSink::face_set(const FaceSetSamples& set) {
+  const std::uint32_t exclusive = 1;  // no face is in two of them
+  std::string value;
+  append_bytes(value, exclusive);
+  Property exclusivity = constants(".facesExclusive", "", Pod::uint32, 1, true);
+  exclusivity.kind = PropertyKind::scalar;
+  const Written faces =
+      compound({group(set.bounds), group(set.faces), group({sample(value)})},
+               {box(own_bounds), constants(".faces", "", Pod::int32, 1, set.one_face), exclusivity});
+  const Written properties = compound(
+      {faces.group}, {{.name = ".faceset", .metadata = face_set_schema, .kind = PropertyKind::compound}});
+  return {
+      object({properties.group}, "", faces.headers + properties.headers),
+      packed_object(set.name, std::string(face_set_schema) + ";schemaObjTitle=AbcGeom_FaceSet_v1:.faceset",
+                    table_)};
+}
+
+AbcSink::Written AbcSink::mesh(const SurfaceObject& of, const MeshSamples& samples) {
+  std::vector<Child> groups{group(samples.bounds),  group(samples.points), group(samples.velocities),
+                            group(samples.indices), group(samples.counts), group(samples.normals)};
+  std::vector<Property> list{
+      box(own_bounds),
+      frames("P", "geoScope=vtx;interpretation=point", 3, samples.one_vertex),
+      frames(".velocities", "interpretation=vector", 3, samples.one_vertex),
+      constants(".faceIndices", "", Pod::int32, 1, of.triangle.size() == 1),
+      constants(".faceCounts", "", Pod::int32, 1, samples.one_triangle),
+      frames("N",
+             "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;"
+             "podName=float32_t",
+             3, samples.one_vertex)};
+  if (!samples.uvs.empty()) {
+    groups.push_back(group(samples.uvs));
+    list.push_back(constants("uv",
+                             "arrayExtent=1;geoScope=vtx;interpretation=vector;isGeomParam=true;podExtent=2;"
                              "podName=float32_t",
-                 .kind = PropertyKind::array,
-                 .extent = 3,
-                 .samples = samples,
-                 .constant = still,
-                 .one_point = one_vertex_}},
-               table, headers);
-  std::string surface_headers = headers;
-  const Child properties = compound(
-      {geometry}, {{.name = ".geom", .metadata = schema, .kind = PropertyKind::compound}}, table, headers);
-  const Child surface = object({properties}, "", surface_headers + headers);
-  const Child top =
-      object({OgawaWriter::empty_group, surface},
-             packed_object("surface", schema + ";schemaObjTitle=AbcGeom_PolyMesh_v1:.geom", table), "");
-  const std::string archive =
-      std::string("_ai_Application=fascicle ") + fascicle_version + ";_ai_DCC_FPS=" + number_text(fps_) +
-      ";_ai_Description=metres, Y up, first frame 0, clip time of frame 0 (s): " + number_text(start_);
+                             Pod::float32, 2, samples.one_vertex));
+  }
+  const Written geometry = compound(groups, list);
+  const Written properties = compound(
+      {geometry.group}, {{.name = ".geom", .metadata = mesh_schema, .kind = PropertyKind::compound}});
+  std::vector<Child> children{properties.group};
+  std::string headers;
+  for (const FaceSetSamples& set : samples.face_sets) {
+    const Written child = face_set(set);
+    children.push_back(child.group);
+    headers += child.headers;
+  }
+  return {
+      object(children, headers, geometry.headers + properties.headers),
+      packed_object(of.name, std::string(mesh_schema) + ";schemaObjTitle=AbcGeom_PolyMesh_v1:.geom", table_)};
+}
+
+void AbcSink::finish() {
+  append_velocities(velocities_->last());
+  const auto samples = static_cast<std::uint32_t>(bounds_.size());
+  const Written bounds = compound({group(bounds_)}, {box(child_bounds)});
+  std::vector<Child> children{bounds.group};
+  std::string headers;
+  for (std::size_t k = 0; k < meshes_.size(); ++k) {
+    const Written child = mesh(surface_->objects[k], meshes_[k]);
+    children.push_back(child.group);
+    headers += child.headers;
+  }
+  const Child top = object(children, headers, bounds.headers);
+  const std::string archive = std::string("_ai_Application=fascicle ") + fascicle_version +
+                              ";_ai_DCC_FPS=" + number_text(fps_) +
+                              ";_ai_Description=metres, Y up, first frame " + number_text(first_number_) +
+                              ", clip time of the first frame (s): " + number_text(start_);
   std::string form, version;
   append_bytes(form, form_version);
   append_bytes(version, alembic_version);
@@ -271,8 +395,9 @@ void AbcSink::finish() {
       file_->data({version}),
       top,
       file_->data({archive}),
-      file_->data({packed_sampling(0, 1.0, 0.0), packed_sampling(samples, 1.0 / fps_, 0.0)}),
-      file_->data({table.packed()})};
+      file_->data({packed_sampling(0, 1.0, 0.0),
+                   packed_sampling(samples, 1.0 / fps_, static_cast<double>(first_number_) / fps_)}),
+      file_->data({table_.packed()})};
   file_->finish(file_->group(root));
 }
 
@@ -284,9 +409,10 @@ std::unique_ptr<FrameSink> make_abc_sink() {
 
 std::uint64_t abc_bytes(const model::Model& model, std::uint64_t frames) {
   const std::uint64_t triangles = model.surface_triangle.size() / 3;
-  // Positions, normals and bounds, each with its length, digest and places in the groups; headers about 1 kB.
-  const std::uint64_t frame = std::uint64_t{24} * model.surface_count() + 48 + 3 * (8 + digest_bytes) + 5 * 8;
-  return 1200 + 16 * triangles + frames * frame;
+  // Positions, velocities, normals and bounds, each with its length, digest and places in the groups; headers
+  // about 1 kB. Texture coordinates and face sets: 8 bytes a vertex and 4 a triangle.
+  const std::uint64_t frame = std::uint64_t{36} * model.surface_count() + 96 + 5 * (8 + digest_bytes) + 8 * 8;
+  return 1150 + std::uint64_t{8} * model.surface_count() + 20 * triangles + frames * frame;
 }
 
 }  // namespace fascicle::bake

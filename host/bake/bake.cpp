@@ -13,6 +13,7 @@
 #include <array>
 #include <bit>
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "host/bake/blend_shapes.h"
@@ -32,7 +33,9 @@
 #include "host/bake/model_file.h"
 #include "host/bake/muscle_drive.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/rest_mesh.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_objects.h"
 #include "host/bake/text.h"
 #include "host/model/validate.h"
 
@@ -70,11 +73,11 @@ bool all_finite(const model::Frame& frame) {
 }
 
 // The options with each format once, in the order of format_names().
-BakeOptions checked(BakeOptions options) {
+BakeOptions checked(BakeOptions options, const model::Model& model) {
   if (options.overwrite && options.resume)
     throw BakeError("--overwrite and --resume exclude each other; give one");
   if (options.checkpoint_frames == 0) throw BakeError("checkpoint_frames is 0; it must be at least 1");
-  std::vector<std::string> formats, left = options.formats;
+  std::vector<std::string> formats, left = with_companions(options.formats, model);
   std::string names;
   for (const std::string& name : format_names()) {
     names += (names.empty() ? "" : ", ") + name;
@@ -92,7 +95,7 @@ class Run {
       : scene_(scene),
         model_(model),
         solver_(solver),
-        options_(checked(options)),
+        options_(checked(options, model)),
         frames_(scene::frame_count(scene)),
         model_hash_(model_hash(model)),
         identity_(identity_of(scene, model_hash_, options_)),
@@ -135,6 +138,7 @@ class Run {
   Timings before_;  // of earlier runs
   double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
   bool interrupted_ = false;
+  SinkReport report_;
   std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_checkpoint_ = Clock::now();
@@ -213,6 +217,7 @@ BakeResult Run::go() {
     for (const auto& sink : sinks_) {
       const Stopwatch time(seconds_writing_);
       sink->finish();
+      append(report_, sink->report());
     }
   if (!interrupted_) take_look();
   save_manifest(interrupted_ ? Status::interrupted : Status::complete);
@@ -223,6 +228,7 @@ BakeResult Run::go() {
   result.loop_jump = progress_.loop_jump;
   result.look = progress_.look;
   result.clamped = progress_.clamped;
+  result.report = report_;
   result.interrupted = interrupted_;
   result.missing_images = missing_images_;
   for (const std::string& name : files)
@@ -278,6 +284,10 @@ void Run::begin_sinks(std::uint64_t first) {
                     scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); },
                     [this](std::uint64_t frame) { return drives_.clip_time(frame); }, missing_images_));
   shapes_.emplace(is_character ? path_of(character_name) : fs::path(), model_, scene_.fps);
+  std::shared_ptr<const SurfaceObjects> surface;
+  if (model_.surface_count() > 0)
+    surface = std::make_shared<const SurfaceObjects>(
+        read_surface_objects(model_, is_character ? path_of(character_name) : fs::path()));
   const BakeInfo info{.model = &model_,
                       .folder = options_.folder,
                       .scene_name = scene_.name,
@@ -289,7 +299,9 @@ void Run::begin_sinks(std::uint64_t first) {
                       .character = is_character ? path_of(character_name) : fs::path(),
                       .rig = is_character ? character : nullptr,
                       .before = before,
-                      .glb = options_.glb};
+                      .glb = options_.glb,
+                      .objects = surface,
+                      .first_number = options_.first_number};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
@@ -303,8 +315,10 @@ void Run::begin_sinks(std::uint64_t first) {
   }
   write_whole(path_of(model_file_name), encode_model(model_));
   if (model_.surface_count() > 0) {
-    write_whole(path_of(rest_name), rest_obj(model_));
-    write_whole(path_of(blender_script_name), blender_script({.fps = scene_.fps, .frames = frames_}));
+    write_rest_mesh(options_.folder, model_, *surface);
+    write_whole(
+        path_of(blender_script_name),
+        blender_script({.fps = scene_.fps, .frames = frames_, .first_number = options_.first_number}));
   }
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
@@ -450,8 +464,9 @@ std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
                            const std::vector<std::string>& formats, const GlbOptions& glb) {
   const std::uint64_t samples = scene::frame_count(scene) + 1;
   std::uint64_t bytes = checkpoint_bytes(model) + encoded_bytes(model);
+  const std::vector<std::string> written = with_companions(formats, model);
   for (const Format& format : all_formats())
-    if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
+    if (format.name.empty() || std::find(written.begin(), written.end(), format.name) != written.end())
       bytes += format.bytes(model, format.name == "glb" ? glb_target_count(samples - 1, glb) : samples);
   // The manifest's line for each frame and its text; rest.obj with about 36 and 20 characters a vertex and a
   // triangle.

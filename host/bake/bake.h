@@ -54,8 +54,9 @@ struct BakeOptions {
   std::filesystem::path folder;
   std::vector<std::string> formats;  // of format_names()
   GlbOptions glb = {};
-  bool overwrite = false;  // removes what a bake made in the folder, and nothing else
-  bool resume = false;     // goes on from the last checkpoint; starts afresh where there is none
+  std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
+  bool overwrite = false;          // removes what a bake made in the folder, and nothing else
+  bool resume = false;             // goes on from the last checkpoint; starts afresh where there is none
   std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
   double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
   DeviceDescription device;
@@ -87,6 +88,7 @@ struct BakeResult {
       loop_jump;  // m: of a seamless loop, the furthest that a vertex ends from its beginning
   ClampedMuscles clamped;
   std::optional<LookSummary> look;  // of a finished bake of a character
+  SinkReport report;                // of all formats
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 

@@ -19,13 +19,13 @@ FOLDER = os.path.dirname(os.path.abspath(__file__))
 
 
 def set_timeline():
-    """Frame k of the bake is Blender's frame k."""
+    """Frame 0 of the bake is Blender's frame FIRST."""
     scene = bpy.context.scene
     scene.render.fps = max(1, math.ceil(FPS - 1e-9))
     scene.render.fps_base = scene.render.fps / FPS
-    scene.frame_start = 0
-    scene.frame_end = FRAMES
-    scene.frame_set(0)
+    scene.frame_start = FIRST
+    scene.frame_end = FIRST + FRAMES
+    scene.frame_set(FIRST)
     scene.unit_settings.system = 'METRIC'
 
 
@@ -55,7 +55,7 @@ def add_mesh_cache(surface, name, kind):
     cache.interpolation = 'LINEAR'
     cache.time_mode = 'FRAME'
     cache.play_mode = 'SCENE'
-    cache.frame_start = 0
+    cache.frame_start = FIRST
     # Importing an OBJ turns the object, not its mesh: the mesh is in the file's axes, and so is the cache.
     cache.forward_axis = 'POS_Y'
     cache.up_axis = 'POS_Z'
@@ -78,11 +78,11 @@ def load_glb():
 
 
 def stretch(curve, base):
-    """Frames as the importer counts them into frames of the bake, where its rate is not whole."""
-    if abs(base - 1.0) < 1e-9:
+    """Frames as the importer counts them, from 0 on and in whole frames a second, into those of the scene."""
+    if abs(base - 1.0) < 1e-9 and FIRST == 0:
         return
     for point in curve.keyframe_points:
-        point.co.x = round(point.co.x / base)
+        point.co.x = FIRST + round(point.co.x / base)
     curve.update()
 
 
@@ -141,9 +141,10 @@ if __name__ == '__main__':
 
 std::string blender_script(const BlenderScene& scene) {
   return "# Loads this bake into Blender: blender --python import_blender.py [-- glb|pc2|mdd|abc|usda]\n"
-         "# Metres; frame k of the bake is frame k of Blender, and the first is 0.\n\n"
+         "# Metres; frame 0 of the bake is frame FIRST of Blender.\n\n"
          "FPS = " +
-         number_text(scene.fps) + "\nFRAMES = " + number_text(scene.frames) + "\n" + body;
+         number_text(scene.fps) + "\nFRAMES = " + number_text(scene.frames) +
+         "\nFIRST = " + number_text(scene.first_number) + "\n" + body;
 }
 
 }  // namespace fascicle::bake

@@ -10,7 +10,8 @@ inline constexpr const char* blender_script_name = "import_blender.py";
 
 struct BlenderScene {
   double fps = 60.0;
-  std::uint64_t frames = 0;  // after frame 0
+  std::uint64_t frames = 0;        // after frame 0
+  std::uint64_t first_number = 0;  // of frame 0
 };
 
 // `blender --python import_blender.py`, or --background --python import_blender.py -- FORMAT.

@@ -6,6 +6,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/gltf_writer.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
 #include "host/bake/version.h"
 #include "host/scene/blend_shapes.h"
 #include "host/scene/pose.h"

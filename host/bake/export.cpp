@@ -15,7 +15,9 @@
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/rest_mesh.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_objects.h"
 #include "host/bake/text.h"
 
 namespace fascicle::bake {
@@ -110,6 +112,10 @@ std::vector<std::string> Export::names() const {
   if (!own_) {
     names.push_back(rest_name);
     names.push_back(blender_script_name);
+    if (model_.has_skeleton()) {
+      names.push_back(rest_materials_name);
+      names.push_back(std::string(textures_folder) + '/');
+    }
   }
   return names;
 }
@@ -126,6 +132,10 @@ ExportResult Export::go() {
   open_folder();
   const model::Frame initial = frame(0);
   const CacheHeader& header = cache_.header();
+  const std::optional<ManifestSummary> manifest = read_manifest(options_.bake);
+  const std::uint64_t first = options_.first_number.value_or(manifest ? manifest->first_number : 0);
+  const fs::path character = model_.has_skeleton() ? options_.bake / character_name : fs::path();
+  const auto surface = std::make_shared<const SurfaceObjects>(read_surface_objects(model_, character));
   const BakeInfo info{.model = &model_,
                       .folder = folder_,
                       .scene_name = {},
@@ -134,9 +144,11 @@ ExportResult Export::go() {
                       .frames = header.frames,
                       .first = 0,
                       .initial = &initial,
-                      .character = model_.has_skeleton() ? options_.bake / character_name : fs::path(),
-                      .glb = options_.glb};
-  ExportResult result{.frames = header.frames, .files = {}};
+                      .character = character,
+                      .glb = options_.glb,
+                      .objects = surface,
+                      .first_number = first};
+  ExportResult result{.frames = header.frames, .files = {}, .report = {}};
   // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
   if (own_) add_to_manifest(folder_, names());
   std::vector<std::unique_ptr<FrameSink>> sinks;
@@ -154,11 +166,14 @@ ExportResult Export::go() {
     sinks.clear();
     remove_files(folder_, names());
   } else {
-    for (const auto& sink : sinks) sink->finish();
+    for (const auto& sink : sinks) {
+      sink->finish();
+      append(result.report, sink->report());
+    }
     if (!own_) {
-      write_whole(folder_ / rest_name, rest_obj(model_));
+      write_rest_mesh(folder_, model_, *surface);
       write_whole(folder_ / blender_script_name,
-                  blender_script({.fps = header.fps, .frames = header.frames}));
+                  blender_script({.fps = header.fps, .frames = header.frames, .first_number = first}));
     }
     for (const std::string& name : names())
       if (fs::exists(folder_ / name)) result.files.push_back(folder_ / name);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct ExportOptions {
       {};  // where to; empty: into the bake's own, whose manifest then lists the files
   std::vector<std::string> formats;  // at least one
   GlbOptions glb = {};
+  std::optional<std::uint64_t> first_number = {};  // of frame 0; without it the bake's own
   bool overwrite = false;                          // replaces files of these names
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};
@@ -27,6 +29,7 @@ struct ExportResult {
   std::uint64_t frames = 0;  // after frame 0
   bool interrupted = false;  // then nothing was left
   std::vector<std::filesystem::path> files;
+  SinkReport report;  // of all formats
   double seconds = 0.0;
 };
 

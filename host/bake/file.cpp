@@ -82,17 +82,24 @@ SpoolFile SpoolFile::start(const fs::path& path) {
   return SpoolFile(File(with_suffix(path, part_suffix), FileMode::replace));
 }
 
-void SpoolFile::move_to(PartFile& to) {
-  const std::uint64_t size = file_.size();
-  std::vector<char> block(std::size_t{1} << 20);
-  for (std::uint64_t at = 0; at < size;) {
+void SpoolFile::copy_to(PartFile& to, std::uint64_t offset, std::uint64_t bytes) const {
+  std::vector<char> block(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, std::uint64_t{1} << 20)));
+  for (const std::uint64_t end = offset + bytes; offset < end;) {
     const std::span<char> piece =
-        std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), size - at)));
-    if (!file_.read_at(at, piece))
+        std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), end - offset)));
+    if (!file_.read_at(offset, piece))
       throw std::system_error(EIO, std::generic_category(), "cannot read " + file_.path().string());
     to.write({piece.data(), piece.size()});
-    at += piece.size();
+    offset += piece.size();
   }
+}
+
+void SpoolFile::move_to(PartFile& to) {
+  copy_to(to, 0, size_);
+  remove();
+}
+
+void SpoolFile::remove() {
   fs::remove(file_.path());
 }
 

@@ -50,13 +50,21 @@ class PartFile {
 class SpoolFile {
  public:
   static SpoolFile start(const std::filesystem::path& path);
-  void write(std::string_view bytes) { file_.write(bytes); }
+  void write(std::string_view bytes) {
+    file_.write(bytes);
+    size_ += bytes.size();
+  }
+  std::uint64_t size() const { return size_; }
+  // Appends `bytes` bytes from `offset` on to `to`.
+  void copy_to(PartFile& to, std::uint64_t offset, std::uint64_t bytes) const;
   // Appends all of it to `to` and removes it.
   void move_to(PartFile& to);
+  void remove();
 
  private:
   explicit SpoolFile(File file) : file_(std::move(file)) {}
   File file_;
+  std::uint64_t size_ = 0;
 };
 
 }  // namespace fascicle::bake

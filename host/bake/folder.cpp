@@ -15,6 +15,7 @@
 #include "host/bake/frame_files.h"
 #include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/surface_objects.h"
 
 namespace fascicle::bake {
 
@@ -44,11 +45,14 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
   const std::string extension = entry.substr(0, entry.size() - 1);
   const fs::path inner = folder / entry;
   if (!fs::is_directory(inner)) return found;
-  if (extension == vtu_extension) add(inner / vtu_series);
+  if (extension == vtu_extension || extension == vtp_extension) add(inner / vtk_series);
+  if (extension == obj_extension) add(inner / obj_materials);
   for (const auto& item : fs::directory_iterator(inner)) {
     std::string name = item.path().filename().string();
     if (name.ends_with(temporary_suffix)) name.resize(name.size() - std::string(temporary_suffix).size());
-    if (is_frame_file_name(name, extension)) found.push_back(item.path());
+    const bool is_ours =
+        extension == textures_folder ? is_texture_name(name) : is_frame_file_name(name, extension);
+    if (is_ours) found.push_back(item.path());
   }
   return found;
 }

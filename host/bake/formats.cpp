@@ -1,5 +1,7 @@
 #include "host/bake/formats.h"
 
+#include <algorithm>
+
 #include "host/bake/bake.h"
 #include "host/bake/read_frame_cache.h"
 
@@ -26,7 +28,8 @@ const std::vector<Format>& all_formats() {
        .file = "surface.usda",
        .make = make_usda_sink,
        .bytes = usda_bytes,
-       .spools = {usda_normals_spool, usda_extents_spool}},
+       .spools = {usda_spool}},
+      {.name = "vtp", .file = "vtp/", .make = make_vtp_sink, .bytes = vtp_bytes},
       // Its velocities are not in the frame cache.
       {.name = "vtu", .file = "vtu/", .make = make_vtu_sink, .bytes = vtu_bytes, .from_cache = false},
   };
@@ -41,6 +44,14 @@ const std::vector<std::string>& format_names() {
     return list;
   }();
   return names;
+}
+
+std::vector<std::string> with_companions(std::vector<std::string> formats, const model::Model& model) {
+  const auto has = [&](const char* name) {
+    return std::find(formats.begin(), formats.end(), name) != formats.end();
+  };
+  if (has("vtu") && !has("vtp") && model.surface_count() > 0) formats.push_back("vtp");
+  return formats;
 }
 
 }  // namespace fascicle::bake

@@ -18,8 +18,8 @@ constexpr std::size_t least_digits = 6;
 
 }  // namespace
 
-std::string frame_file_name(std::uint64_t frame, const std::string& extension) {
-  std::string digits = number_text(frame);
+std::string frame_file_name(std::uint64_t number, const std::string& extension) {
+  std::string digits = number_text(number);
   if (digits.size() < least_digits) digits.insert(0, least_digits - digits.size(), '0');
   return prefix + digits + '.' + extension;
 }
@@ -34,8 +34,9 @@ bool is_frame_file_name(const std::string& name, const std::string& extension) {
                      [](char c) { return c >= '0' && c <= '9'; });
 }
 
-FrameFiles::FrameFiles(const fs::path& folder, const std::string& extension, std::uint64_t first)
-    : folder_(folder / extension), extension_(extension) {
+FrameFiles::FrameFiles(const fs::path& folder, const std::string& extension, std::uint64_t first,
+                       std::uint64_t first_number)
+    : folder_(folder / extension), extension_(extension), first_number_(first_number) {
   fs::create_directories(folder_);
   for (std::uint64_t k = 0; k < first; ++k)
     if (!fs::exists(path_of(k)))
@@ -46,7 +47,7 @@ FrameFiles::FrameFiles(const fs::path& folder, const std::string& extension, std
 }
 
 fs::path FrameFiles::path_of(std::uint64_t frame) const {
-  return folder_ / frame_file_name(frame, extension_);
+  return folder_ / frame_file_name(number_of(frame), extension_);
 }
 
 void FrameFiles::write(std::uint64_t frame, std::string_view bytes) {

@@ -4,8 +4,8 @@
 // vertex's blended joint transform: viewers add the morph first and skin after, so at a target's frame they
 // show the baked surface, and between frames the skeleton turns as it should while only the small rest is
 // mixed linearly. What skinning does right is not stored at all: targets are sparse. A body without skeleton
-// has its whole motion in the targets. Normals are the file's own, turned by as much as the smooth normal of
-// the baked surface is turned from that of the skinned one: creases stay.
+// has its whole motion in the targets. Normals are the file's own, turned along (SurfaceNormals): creases
+// stay. Where the surface is turned as skinning alone turns it they are not stored either.
 //
 // The numbers of a target go into a stream beside the file; the JSON that must stand before them is known
 // last.
@@ -19,8 +19,11 @@
 #include "host/bake/character_file.h"
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
+#include "host/bake/glb_targets.h"
 #include "host/bake/gltf_writer.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
+#include "host/bake/surface_objects.h"
 #include "host/bake/text.h"
 #include "host/scene/gltf_file.h"
 #include "host/scene/pose.h"
@@ -38,6 +41,9 @@ using nlohmann::json;
 // A normal turned by less (radians) is left as it is.
 constexpr double least_turn = 0.004;
 constexpr double default_tolerance = 1e-6;  // of the body's diagonal
+constexpr std::size_t most_targets = 65535;
+// Viewers in browsers keep targets in the layers of a texture, and WebGL 2 promises no more.
+constexpr std::size_t most_in_browsers = 256;
 
 // A part's piece of a target: where its numbers lie in the stream.
 struct Piece {
@@ -50,13 +56,6 @@ Vector3d point_at(const std::vector<float>& values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
-std::vector<std::uint64_t> target_frames(std::uint64_t frames, std::uint64_t stride) {
-  std::vector<std::uint64_t> result;
-  for (std::uint64_t k = 0; k < frames; k += stride) result.push_back(k);
-  result.push_back(frames);
-  return result;
-}
-
 class GlbSink final : public FrameSink {
  public:
   std::string name() const override { return "glb"; }
@@ -67,12 +66,13 @@ class GlbSink final : public FrameSink {
   // Nothing counts on it: a resumed bake begins the file anew.
   void sync() override {}
   void finish() override;
+  SinkReport report() const override;
 
  private:
   void read_character(const BakeInfo& info);
-  Piece write_part(const scene::RigPart& part, std::size_t first, const std::vector<Vector3d>& points,
-                   const std::vector<Vector3d>& skinned, const std::vector<Matrix4d>& blends,
-                   const std::vector<float>& normals, const std::vector<float>& skinned_normals);
+  GlbFrame frame_of(const model::Frame& frame) const;
+  void write_target(const GlbFrame& frame);
+  Piece write_part(const scene::RigPart& part, std::size_t first, const GlbFrame& frame);
   void add_targets(json& document);
   std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
 
@@ -81,9 +81,9 @@ class GlbSink final : public FrameSink {
   scene::GltfDocument document_;
   scene::Rig rig_;
   std::optional<SurfaceNormals> normals_;
-  std::vector<float> file_normals_;  // smooth ones of the file's surface as it lies there, 3 a vertex
-  std::vector<std::uint64_t> targets_;
-  std::vector<Piece> pieces_;  // of all parts, target by target
+  std::optional<GlbTargetChoice> choice_;
+  std::vector<std::uint64_t> targets_;  // their frames
+  std::vector<Piece> pieces_;           // of all parts, target by target
   std::optional<SpoolFile> stream_;
   std::uint64_t stream_bytes_ = 0;
 };
@@ -121,16 +121,8 @@ void GlbSink::begin(const BakeInfo& info) {
     throw BakeError("glb: the scene has no surface to write; leave out --format glb");
   if (info.glb.stride == 0) throw BakeError("glb: the stride is 0; it must be at least 1");
   read_character(info);
-  normals_.emplace(model);
-  std::vector<float> positions;
-  for (const scene::RigPart& part : rig_.parts)
-    for (const Vector3d& p : part.positions)
-      for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(p[axis]));
-  file_normals_ = normals_->of(positions);
-  targets_ = target_frames(info.frames, info.glb.stride);
-  if (targets_.size() > 65535)
-    throw BakeError("glb: " + number_text(std::uint64_t{targets_.size()}) +
-                    " morph targets are too many; give a larger --glb-stride");
+  normals_.emplace(model, objects_of(info)->normals);
+  choice_.emplace(rig_.parts, info.frames, info.glb.stride, info.glb.error);
   const std::array<float, 6> box = bounds(world_positions(embed(model, model.rest), model.unit, {0, 0, 0}));
   const Vector3d diagonal(double{box[3]} - double{box[0]}, double{box[4]} - double{box[1]},
                           double{box[5]} - double{box[2]});
@@ -139,7 +131,11 @@ void GlbSink::begin(const BakeInfo& info) {
 }
 
 void GlbSink::write(const model::Frame& frame) {
-  if (frame.index != targets_.at(pieces_.size() / rig_.parts.size())) return;
+  // Nothing is asked of frames between targets where no error is bounded, but the error itself.
+  for (const GlbFrame& target : choice_->next(frame_of(frame))) write_target(target);
+}
+
+GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
   const model::Model& model = *info_.model;
   const std::size_t count = model.surface_count();
   std::vector<Matrix4d> joints;
@@ -149,69 +145,79 @@ void GlbSink::write(const model::Frame& frame) {
     const auto time = static_cast<float>(static_cast<double>(frame.index) / info_.fps);
     joints = scene::joint_transforms_at(rig_.character, clip, double{time});
   }
-  std::vector<Vector3d> points(count), skinned(count);
-  std::vector<Matrix4d> blends(count, Matrix4d::Identity());
+  GlbFrame result;
+  result.index = frame.index;
+  std::vector<Vector3d> away(count);
+  std::vector<Matrix3d> blends(count);
   std::vector<float> skinned_values;
   std::size_t vertex = 0;
   for (const scene::RigPart& part : rig_.parts) {
-    std::vector<Matrix4d> slots;
+    std::vector<Matrix4d>& slots = result.slots.emplace_back();
     for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
       slots.push_back(joints[part.skin_joint[k]] * part.inverse_bind[k]);
     for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
-      if (!part.influence_offset.empty()) {
-        blends[vertex].setZero();
-        for (std::size_t k = part.influence_offset[i]; k < part.influence_offset[i + 1]; ++k)
-          blends[vertex] += part.weight[k] * slots[part.slot[k]];
-      }
-      skinned[vertex] =
-          blends[vertex].topLeftCorner<3, 3>() * part.positions[i] + blends[vertex].topRightCorner<3, 1>();
+      const Matrix4d blend = blend_of(part, slots, i);
+      blends[vertex] = blend.topLeftCorner<3, 3>();
+      const Vector3d skinned = blends[vertex] * part.positions[i] + blend.topRightCorner<3, 1>();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<Eigen::Index>(axis);
-        points[vertex][a] = frame.origin[axis] + model.unit * double{frame.surface[3 * vertex + axis]};
+        away[vertex][a] =
+            frame.origin[axis] + model.unit * double{frame.surface[3 * vertex + axis]} - skinned[a];
         // Relative to the frame's origin: far from the world's, floats would lose the normals.
-        skinned_values.push_back(static_cast<float>((skinned[vertex][a] - frame.origin[axis]) / model.unit));
+        skinned_values.push_back(static_cast<float>((skinned[a] - frame.origin[axis]) / model.unit));
       }
     }
   }
   const std::vector<float> normals = normals_->of(frame.surface);
-  const std::vector<float> skinned_normals = normals_->of(skinned_values);
+  const std::vector<float> smooth = normals_->smooth_of(frame.surface);
+  const std::vector<float> smooth_skinned = normals_->smooth_of(skinned_values);
+  vertex = 0;
+  for (const scene::RigPart& part : rig_.parts)
+    for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
+      const Matrix3d& linear = blends[vertex];
+      const Vector3d move = scene::solve(linear, away[vertex]);
+      result.moved.push_back(away[vertex].norm() > tolerance_ ? 1 : 0);
+      // What a viewer's skinning turns into the normal wanted. Small differences are the angle.
+      Vector3d turn = Vector3d::Zero();
+      if (!part.normals.empty() &&
+          (point_at(smooth, vertex) - point_at(smooth_skinned, vertex)).norm() > least_turn)
+        turn = scene::solve(linear, point_at(normals, vertex)).normalized() - part.normals[i];
+      for (int axis = 0; axis < 3; ++axis) {
+        result.moves.push_back(static_cast<float>(move[axis]));
+        result.turns.push_back(static_cast<float>(turn[axis]));
+      }
+    }
+  return result;
+}
+
+void GlbSink::write_target(const GlbFrame& frame) {
+  if (targets_.size() == most_targets)
+    throw BakeError("glb: more than " + number_text(std::uint64_t{most_targets}) +
+                    " morph targets; give a larger --glb-stride or --glb-error");
+  targets_.push_back(frame.index);
   std::size_t first = 0;
   for (const scene::RigPart& part : rig_.parts) {
-    pieces_.push_back(write_part(part, first, points, skinned, blends, normals, skinned_normals));
+    pieces_.push_back(write_part(part, first, frame));
     first += part.positions.size();
   }
 }
 
-Piece GlbSink::write_part(const scene::RigPart& part, std::size_t first, const std::vector<Vector3d>& points,
-                          const std::vector<Vector3d>& skinned, const std::vector<Matrix4d>& blends,
-                          const std::vector<float>& normals, const std::vector<float>& skinned_normals) {
+Piece GlbSink::write_part(const scene::RigPart& part, std::size_t first, const GlbFrame& frame) {
   std::vector<std::uint32_t> indices;
   std::vector<float> moves, turns;
   const std::size_t count = part.positions.size();
   const bool has_normals = !part.normals.empty();
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t v = first + i;
-    const Vector3d away = points[v] - skinned[v];
-    const Vector3d now = point_at(normals, v), before = point_at(skinned_normals, v);
-    const bool moved = away.norm() > tolerance_;
-    const bool turns_away = has_normals && (now - before).norm() > least_turn;
+    const std::size_t v = 3 * (first + i);
+    const bool moved = frame.moved[first + i] != 0;
+    const bool is_turned = frame.turns[v] != 0.0f || frame.turns[v + 1] != 0.0f || frame.turns[v + 2] != 0.0f;
     // A sparse accessor must replace at least one element.
     const bool last_chance = i + 1 == count && indices.empty();
-    if (!moved && !turns_away && !last_chance) continue;
+    if (!moved && !is_turned && !last_chance) continue;
     indices.push_back(static_cast<std::uint32_t>(i));
-    const Matrix3d linear = blends[v].topLeftCorner<3, 3>();
-    const Vector3d move = moved ? scene::solve(linear, away) : Vector3d::Zero();
-    Vector3d turn = Vector3d::Zero();
-    if (turns_away) {
-      // From what a viewer's skinning makes of the smooth normal, not from the skinned surface's own: where
-      // bones blend the two differ.
-      const Vector3d smooth = (linear * point_at(file_normals_, v)).normalized();
-      turn = scene::solve(linear, scene::turn(linear * part.normals[i], smooth, now)).normalized() -
-             part.normals[i];
-    }
-    for (int axis = 0; axis < 3; ++axis) {
-      moves.push_back(static_cast<float>(move[axis]));
-      turns.push_back(static_cast<float>(turn[axis]));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      moves.push_back(moved ? frame.moves[v + axis] : 0.0f);
+      turns.push_back(frame.turns[v + axis]);
     }
   }
   Piece piece{.count = static_cast<std::uint32_t>(indices.size())};
@@ -288,7 +294,8 @@ void GlbSink::add_targets(json& document) {
   animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
 
   json names = json::array();
-  for (const std::uint64_t frame : targets_) names.push_back("frame " + number_text(frame));
+  for (const std::uint64_t frame : targets_)
+    names.push_back("frame " + number_text(info_.first_number + frame));
   std::size_t accessor = accessors.size();
   std::size_t step = 0;
   for (const scene::RigPart& part : rig_.parts) step += part.normals.empty() ? 1 : 2;
@@ -357,6 +364,9 @@ std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t fra
 void GlbSink::finish() {
   json& document = document_.json;
   add_targets(document);
+  json& extras = document["extras"]["fascicle"];
+  extras["first_frame"] = info_.first_number;
+  extras["interpolation_error"] = choice_->error();
   std::string& binary = document_.binary;
   binary.resize((binary.size() + 3) / 4 * 4, '\0');
   const std::uint64_t total = binary.size() + stream_bytes_;
@@ -373,6 +383,23 @@ void GlbSink::finish() {
   file.write(binary);
   stream_->move_to(file);
   file.finish();
+}
+
+SinkReport GlbSink::report() const {
+  SinkReport report;
+  const std::uint64_t count = targets_.size(), frames = info_.frames + 1;
+  if (count < frames)
+    report.notes.push_back("surface.glb: " + number_text(count) + " morph targets for " +
+                           number_text(frames) + " frames; between them a viewer is off by at most " +
+                           number_text(std::round(choice_->error() * 1e5) / 1e2) + " mm");
+  if (count > most_in_browsers)
+    report.warnings.push_back("surface.glb has " + number_text(count) +
+                              " morph targets; viewers in browsers (WebGL 2) load at most " +
+                              number_text(std::uint64_t{most_in_browsers}) +
+                              ": --glb-error 0.002 takes as few as keep within 2 mm, --glb-stride " +
+                              number_text((frames + most_in_browsers - 2) / (most_in_browsers - 1)) +
+                              " takes every so many frames");
+  return report;
 }
 
 }  // namespace

@@ -107,9 +107,11 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   identity.emplace_back("--format", list);
   if (std::find(formats.begin(), formats.end(), "glb") != formats.end()) {
     identity.emplace_back("--glb-stride", number_text(options.glb.stride));
+    if (options.glb.error) identity.emplace_back("--glb-error", number_text(*options.glb.error));
     identity.emplace_back("--glb-tolerance",
                           options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
   }
+  if (options.first_number != 0) identity.emplace_back("--first-frame", number_text(options.first_number));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;

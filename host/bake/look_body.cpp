@@ -9,6 +9,7 @@
 
 #include "host/bake/points.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
 
 namespace fascicle::bake {
 

@@ -11,7 +11,9 @@
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
 #include "host/bake/model_file.h"
+#include "host/bake/rest_mesh.h"
 #include "host/bake/scene_json.h"
+#include "host/bake/surface_objects.h"
 #include "host/bake/text.h"
 #include "host/bake/version.h"
 
@@ -144,6 +146,11 @@ std::vector<std::string> file_names(const model::Model& model, const std::vector
   if (model.surface_count() > 0) {
     names.push_back(rest_name);
     names.push_back(blender_script_name);
+    // Where the file has materials.
+    if (model.has_skeleton()) {
+      names.push_back(rest_materials_name);
+      names.push_back(std::string(textures_folder) + '/');
+    }
   }
   for (const Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
@@ -152,8 +159,9 @@ std::vector<std::string> file_names(const model::Model& model, const std::vector
 }
 
 std::vector<std::string> all_file_names() {
-  std::vector<std::string> names{manifest_name,  checkpoint_name, model_file_name,
-                                 character_name, rest_name,       blender_script_name};
+  std::vector<std::string> names{
+      manifest_name, checkpoint_name,     model_file_name,     character_name,
+      rest_name,     rest_materials_name, blender_script_name, std::string(textures_folder) + '/'};
   for (const Format& format : all_formats()) names.push_back(format.file);
   return names;
 }
@@ -182,12 +190,13 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"formats", options.formats},
       {"output",
        {{"fps", scene.fps},
-        {"first_frame", 0},
+        {"first_frame", options.first_number},
         {"first_frame_seconds", scene.start},
         {"meters_per_unit", 1},
         {"up_axis", "Y"},
         {"handedness", "right"},
         {"glb_stride", options.glb.stride},
+        {"glb_error", options.glb.error ? Json(*options.glb.error) : Json(nullptr)},
         {"glb_tolerance", options.glb.tolerance ? Json(*options.glb.tolerance) : Json(nullptr)}}},
       {"device", json_of(options.device)},
       {"scene", json_of(scene)},
@@ -241,6 +250,8 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
                      .writing = seconds("writing_seconds"),
                      .total = seconds("total_seconds"),
                      .runs = static_cast<std::uint64_t>(std::clamp(seconds("runs"), 1.0, 1e9))};
+  if (const auto output = manifest.find("output"); output != manifest.end())
+    read_count(*output, "first_frame", summary.first_number);
   if (const auto led = manifest.find("lead_in"); led != manifest.end()) summary.lead_in = lead_in_of(*led);
   if (const auto clamped = manifest.find("clamped_muscles"); clamped != manifest.end()) {
     read_count(*clamped, "regions", summary.clamped.regions);

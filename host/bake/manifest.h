@@ -16,7 +16,6 @@
 namespace fascicle::bake {
 
 inline constexpr const char* manifest_name = "manifest.json";
-inline constexpr const char* rest_name = "rest.obj";
 
 enum class Status { running, interrupted, not_finite, complete };
 const char* name_of(Status status);
@@ -52,6 +51,7 @@ struct ManifestSummary {
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;
   std::string last_position_hash;  // empty before frame 0
+  std::uint64_t first_number = 0;  // of frame 0, in what other programs read
   Timings timings;
   LeadInSummary lead_in;
   ClampedMuscles clamped;

@@ -35,7 +35,7 @@ class Pc2Sink final : public FrameSink {
     std::string header("POINTCACHE2", 12);
     append_bytes(header, std::int32_t{1});
     append_bytes(header, static_cast<std::int32_t>(points));
-    append_bytes(header, 0.0f);
+    append_bytes(header, static_cast<float>(info.first_number));
     append_bytes(header, 1.0f);
     append_bytes(header, static_cast<std::int32_t>(samples));
     file_.emplace(PartFile::start(path));

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "host/model/model.h"
 #include "host/model/solver.h"
@@ -16,10 +17,23 @@ namespace fascicle::bake {
 
 // How the motion goes into a .glb.
 struct GlbOptions {
-  std::uint64_t stride = 1;           // a morph target every so many frames, and one at the last; at least 1
+  std::uint64_t stride = 1;       // a morph target every so many frames, and one at the last; at least 1
+  std::optional<double> error{};  // m: instead of the stride, as few targets as keep a viewer, which mixes
+                                  // them linearly, this near to every baked frame
   std::optional<double> tolerance{};  // m: vertices nearer than this to plain skinning are left out of a
                                       // target; none: 1e-6 of the body's diagonal
 };
+
+struct SurfaceObjects;
+
+// What is to be said of finished files.
+struct SinkReport {
+  std::vector<std::string> notes, warnings;
+};
+inline void append(SinkReport& to, const SinkReport& more) {
+  to.notes.insert(to.notes.end(), more.notes.begin(), more.notes.end());
+  to.warnings.insert(to.warnings.end(), more.warnings.begin(), more.warnings.end());
+}
 
 struct BakeInfo {
   const model::Model* model = nullptr;
@@ -35,6 +49,8 @@ struct BakeInfo {
   // The two frames before `first`, with positions and skinned, the earlier one first; fewer near frame 0.
   std::span<const model::Frame> before = {};
   GlbOptions glb = {};
+  std::shared_ptr<const SurfaceObjects> objects = {};  // of the surface; none: read from `character`
+  std::uint64_t first_number = 0;  // of frame 0, in names of files, time codes and times of formats
 };
 
 // Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside
@@ -52,6 +68,7 @@ struct FrameSink {
   // On return all frames written so far survive a power cut; a checkpoint that counts on them follows.
   virtual void sync() = 0;
   virtual void finish() = 0;
+  virtual SinkReport report() const { return {}; }
 };
 
 }  // namespace fascicle::bake

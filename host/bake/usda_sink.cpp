@@ -1,129 +1,185 @@
-// surface.usda: a UsdGeomMesh in USD's text form.
+// surface.usda: the surface's objects as UsdGeomMeshes in USD's text form.
 //
-// A file of USD holds all samples of an attribute side by side, and frames come one by one. So points go
-// straight into the file, normals and extents into streams beside it, and finish() puts these behind the
-// points.
+// A file of USD holds all samples of an attribute side by side, and frames come one by one. So samples go
+// into a stream beside the file, and finish() puts them in their places. The velocities of a frame are known
+// one frame later.
+#include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "host/bake/bake.h"
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
+#include "host/bake/surface_objects.h"
+#include "host/bake/surface_velocities.h"
 #include "host/bake/text.h"
+#include "host/bake/usd_text.h"
 #include "host/bake/version.h"
 
 namespace fascicle::bake {
 
 namespace {
 
-constexpr const char* indent = "        ";
+// Where samples lie in the stream.
+struct Piece {
+  std::uint64_t offset = 0, bytes = 0;
+};
+using Pieces = std::vector<Piece>;
 
-// [(x, y, z), ...]
-void append_vectors(std::string& text, std::span<const float> values) {
-  text += '[';
-  for (std::size_t i = 0; i < values.size(); i += 3) {
-    text += i == 0 ? "(" : ", (";
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (axis > 0) text += ", ";
-      text += number_text(values[i + axis]);
-    }
-    text += ')';
-  }
-  text += ']';
-}
-
-std::string sample(std::uint64_t frame, std::span<const float> values) {
-  std::string text = indent;
-  text += "    " + number_text(frame) + ": ";
-  append_vectors(text, values);
-  return text + ",\n";
-}
-
-std::string opened(const std::string& attribute) {
-  return indent + attribute + ".timeSamples = {\n";
-}
-
-std::string closed() {
-  return std::string(indent) + "}\n";
-}
-
-std::string header(const BakeInfo& info) {
-  const model::Model& model = *info.model;
-  std::string text =
-      "#usda 1.0\n(\n"
-      "    customLayerData = {\n"
-      "        string generator = \"fascicle ";
-  text += fascicle_version;
-  text += "\"\n        double clipStartSeconds = " + number_text(info.start) +
-          "\n    }\n"
-          "    defaultPrim = \"body\"\n"
-          "    endTimeCode = " +
-          number_text(info.frames) + "\n    framesPerSecond = " + number_text(info.fps) +
-          "\n    metersPerUnit = 1\n"
-          "    startTimeCode = 0\n"
-          "    timeCodesPerSecond = " +
-          number_text(info.fps) +
-          "\n    upAxis = \"Y\"\n)\n\n"
-          "def Xform \"body\" (\n    kind = \"component\"\n)\n{\n"
-          "    def Mesh \"surface\"\n    {\n";
-  text += indent;
-  text += "int[] faceVertexCounts = [";
-  for (std::size_t i = 0; i < model.surface_triangle.size(); i += 3) text += i == 0 ? "3" : ", 3";
-  text += "]\n";
-  text += indent;
-  text += "int[] faceVertexIndices = [";
-  for (std::size_t i = 0; i < model.surface_triangle.size(); ++i)
-    text += (i == 0 ? "" : ", ") + number_text(model.surface_triangle[i]);
-  text += "]\n";
-  for (const char* line :
-       {"uniform token orientation = \"rightHanded\"", "uniform token subdivisionScheme = \"none\"",
-        "normal3f[] normals (", "    interpolation = \"vertex\"", ")"}) {
-    text += indent;
-    text += line;
-    text += '\n';
-  }
-  return text + opened("point3f[] points");
-}
+// Of one object.
+struct MeshPieces {
+  Pieces points, normals, velocities, extents;
+};
 
 class UsdaSink final : public FrameSink {
  public:
   std::string name() const override { return "usda"; }
   model::Read needs() const override { return {.surface = true}; }
   bool resumes() const override { return false; }
-  void begin(const BakeInfo& info) override {
-    if (info.model->surface_count() == 0)
-      throw BakeError("usda: the scene has no surface to write; leave out --format usda");
-    unit_ = info.model->unit;
-    normals_.emplace(*info.model);
-    points_file_.emplace(PartFile::start(info.folder / "surface.usda"));
-    normals_file_.emplace(SpoolFile::start(info.folder / usda_normals_spool));
-    extents_file_.emplace(SpoolFile::start(info.folder / usda_extents_spool));
-    points_file_->write(header(info));
-  }
-  void write(const model::Frame& frame) override {
-    const std::vector<float> points = world_positions(frame.surface, unit_, frame.origin);
-    points_file_->write(sample(frame.index, points));
-    normals_file_->write(sample(frame.index, normals_->of(frame.surface)));
-    extents_file_->write(sample(frame.index, bounds(points)));
-  }
+  void begin(const BakeInfo& info) override;
+  void write(const model::Frame& frame) override;
   // Nothing counts on it: a resumed bake begins the file anew.
   void sync() override {}
-  void finish() override {
-    points_file_->write(closed() + opened("normal3f[] normals"));
-    normals_file_->move_to(*points_file_);
-    points_file_->write(closed() + opened("float3[] extent"));
-    extents_file_->move_to(*points_file_);
-    points_file_->write(closed() + "    }\n}\n");
-    points_file_->finish();
-  }
+  void finish() override;
 
  private:
+  void add_sample(Pieces& to, std::uint64_t frame, std::span<const float> values);
+  void add_velocities(std::uint64_t frame, const std::vector<float>& velocities);
+  std::string header() const;
+  void write_samples(int level, const std::string& attribute, const Pieces& pieces);
+  void write_mesh(std::size_t k);
+
+  BakeInfo info_;
   double unit_ = 1.0;
+  std::shared_ptr<const SurfaceObjects> surface_;
+  std::string materials_path_;
   std::optional<SurfaceNormals> normals_;
-  std::optional<PartFile> points_file_;
-  std::optional<SpoolFile> normals_file_, extents_file_;
+  std::optional<SurfaceVelocities> velocities_;
+  std::vector<float> first_points_, first_normals_;
+  std::vector<MeshPieces> meshes_;
+  Pieces extents_;  // of all objects together
+  std::uint64_t frames_ = 0;
+  std::optional<PartFile> file_;
+  std::optional<SpoolFile> samples_;
 };
+
+void UsdaSink::begin(const BakeInfo& info) {
+  const model::Model& model = *info.model;
+  if (model.surface_count() == 0)
+    throw BakeError("usda: the scene has no surface to write; leave out --format usda");
+  info_ = info;
+  unit_ = model.unit;
+  surface_ = objects_of(info);
+  normals_.emplace(model, surface_->normals);
+  velocities_.emplace(info.fps);
+  meshes_.resize(surface_->objects.size());
+  std::string scope = "Materials";
+  while (std::any_of(surface_->objects.begin(), surface_->objects.end(),
+                     [&](const SurfaceObject& object) { return object.identifier == scope; }))
+    scope += '_';
+  materials_path_ = "/body/" + scope;
+  file_.emplace(PartFile::start(info.folder / "surface.usda"));
+  samples_.emplace(SpoolFile::start(info.folder / usda_spool));
+  write_textures(info.folder, *surface_);
+}
+
+void UsdaSink::add_sample(Pieces& to, std::uint64_t frame, std::span<const float> values) {
+  const std::uint64_t offset = samples_->size();
+  samples_->write(number_text(info_.first_number + frame) + ": " + usd_tuples(values, 3) + ",\n");
+  to.push_back({offset, samples_->size() - offset});
+}
+
+void UsdaSink::write(const model::Frame& frame) {
+  std::vector<float> points = world_positions(frame.surface, unit_, frame.origin);
+  const std::vector<float> normals = normals_->of(frame.surface);
+  add_sample(extents_, frame.index, bounds(points));
+  for (std::size_t k = 0; k < meshes_.size(); ++k) {
+    const std::span<const float> own = values_of(surface_->objects[k], points);
+    add_sample(meshes_[k].points, frame.index, own);
+    add_sample(meshes_[k].normals, frame.index, values_of(surface_->objects[k], normals));
+    add_sample(meshes_[k].extents, frame.index, bounds(own));
+  }
+  if (frames_ == 0) {
+    first_points_ = points;
+    first_normals_ = normals;
+  }
+  add_velocities(frame.index - 1, velocities_->next(std::move(points)));
+  ++frames_;
+}
+
+void UsdaSink::add_velocities(std::uint64_t frame, const std::vector<float>& velocities) {
+  if (velocities.empty()) return;
+  for (std::size_t k = 0; k < meshes_.size(); ++k)
+    add_sample(meshes_[k].velocities, frame, values_of(surface_->objects[k], velocities));
+}
+
+std::string UsdaSink::header() const {
+  const std::string fps = number_text(info_.fps);
+  return "#usda 1.0\n(\n" + usd_line(1, "customLayerData = {") +
+         usd_line(2, std::string("string generator = \"fascicle ") + fascicle_version + '"') +
+         usd_line(2, "double clipStartSeconds = " + number_text(info_.start)) + usd_line(1, "}") +
+         usd_line(1, "defaultPrim = \"body\"") +
+         usd_line(1, "endTimeCode = " + number_text(info_.first_number + info_.frames)) +
+         usd_line(1, "framesPerSecond = " + fps) + usd_line(1, "metersPerUnit = 1") +
+         usd_line(1, "startTimeCode = " + number_text(info_.first_number)) +
+         usd_line(1, "timeCodesPerSecond = " + fps) + usd_line(1, "upAxis = \"Y\"") + ")\n\n" +
+         "def Xform \"body\" (\n" + usd_line(1, "prepend apiSchemas = [\"GeomModelAPI\"]") +
+         usd_line(1, "kind = \"component\"") + ")\n{\n";
+}
+
+void UsdaSink::write_samples(int level, const std::string& attribute, const Pieces& pieces) {
+  const std::string before = usd_line(level + 1, "");
+  file_->write(usd_line(level, attribute + ".timeSamples = {"));
+  for (const Piece& piece : pieces) {
+    file_->write(std::string_view(before).substr(0, before.size() - 1));
+    samples_->copy_to(*file_, piece.offset, piece.bytes);
+  }
+  file_->write(usd_line(level, "}"));
+}
+
+void UsdaSink::write_mesh(std::size_t k) {
+  const SurfaceObject& object = surface_->objects[k];
+  const MeshPieces& pieces = meshes_[k];
+  const UsdBinding binding = usd_binding(*surface_, object, materials_path_, 2);
+  const std::span<const float> points = values_of(object, first_points_);
+  std::string text = usd_line(1, "def Mesh \"" + object.identifier + "\" (") +
+                     usd_line(2, "displayName = " + usd_string(object.name));
+  if (!object.face_sets.empty()) text += usd_line(2, "prepend apiSchemas = [\"MaterialBindingAPI\"]");
+  text += usd_line(1, ")") + usd_line(1, "{") +
+          usd_line(2, "int[] faceVertexCounts = " +
+                          usd_numbers(std::vector<std::uint32_t>(object.triangle.size() / 3, 3))) +
+          usd_line(2, "int[] faceVertexIndices = " + usd_numbers(object.triangle)) +
+          usd_line(2, "uniform token orientation = \"rightHanded\"") +
+          usd_line(2, "uniform token subdivisionScheme = \"none\"") + binding.properties;
+  if (!object.uvs.empty())
+    text += usd_line(2, "texCoord2f[] primvars:st = " + usd_tuples(object.uvs, 2) + " (") +
+            usd_line(3, "interpolation = \"vertex\"") + usd_line(2, ")");
+  // Readers that ask for no time see the first frame.
+  text += usd_line(2, "point3f[] points = " + usd_tuples(points, 3)) +
+          usd_line(2, "normal3f[] normals = " + usd_tuples(values_of(object, first_normals_), 3) + " (") +
+          usd_line(3, "interpolation = \"vertex\"") + usd_line(2, ")") +
+          usd_line(2, "float3[] extent = " + usd_tuples(bounds(points), 3));
+  file_->write(text);
+  write_samples(2, "point3f[] points", pieces.points);
+  write_samples(2, "normal3f[] normals", pieces.normals);
+  write_samples(2, "vector3f[] velocities", pieces.velocities);
+  write_samples(2, "float3[] extent", pieces.extents);
+  file_->write(binding.subsets + usd_line(1, "}"));
+}
+
+void UsdaSink::finish() {
+  add_velocities(frames_ - 1, velocities_->last());
+  file_->write(header() + usd_line(1, "float3[] extentsHint = " + usd_tuples(bounds(first_points_), 3)));
+  write_samples(1, "float3[] extentsHint", extents_);
+  for (std::size_t k = 0; k < meshes_.size(); ++k) write_mesh(k);
+  file_->write(usd_materials(*surface_, materials_path_, 1) + "}\n");
+  file_->finish();
+  samples_->remove();
+}
 
 }  // namespace
 
@@ -132,9 +188,9 @@ std::unique_ptr<FrameSink> make_usda_sink() {
 }
 
 std::uint64_t usda_bytes(const model::Model& model, std::uint64_t frames) {
-  // About 36 characters a position and a normal, 25 a triangle.
-  return 1000 + model.surface_triangle.size() / 3 * 25 +
-         frames * (200 + std::uint64_t{72} * model.surface_count());
+  // About 36 characters a position, a normal and a velocity; 25 a triangle and 24 a texture coordinate.
+  return 2000 + model.surface_triangle.size() / 3 * 35 + std::uint64_t{96} * model.surface_count() +
+         frames * (400 + std::uint64_t{108} * model.surface_count());
 }
 
 }  // namespace fascicle::bake

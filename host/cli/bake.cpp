@@ -31,6 +31,7 @@ struct BakeArguments {
   std::string folder;
   std::vector<std::string> formats;
   bake::GlbOptions glb;
+  std::uint64_t first_number = 0;
   std::string device = "auto";
   unsigned threads = 0;
   bool overwrite = false, resume = false, dry_run = false;
@@ -110,8 +111,10 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
-  const fs::path series = fs::path(arguments.folder) / bake::vtu_extension / bake::vtu_series;
+  const fs::path series = fs::path(arguments.folder) / bake::vtu_extension / bake::vtk_series;
   if (fs::exists(series)) std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
+  const fs::path skin = fs::path(arguments.folder) / bake::vtp_extension / bake::vtk_series;
+  if (fs::exists(skin)) std::cout << "    the render surface: " << skin.string() << "\n";
   const bool has_motion = with_extension(".glb") != nullptr || with_extension(".pc2") != nullptr ||
                           with_extension(".mdd") != nullptr;
   if (has_motion)
@@ -246,6 +249,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.folder = arguments.folder;
   options.formats = arguments.formats;
   options.glb = arguments.glb;
+  options.first_number = arguments.first_number;
   options.overwrite = arguments.overwrite;
   options.resume = arguments.resume;
   options.device = simulation.device.description();
@@ -272,6 +276,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   }
   if (result.look)
     for (const std::string& warning : result.look->warnings) log.warning(warning);
+  log_report(result.report, log);
   print_result(arguments, scene, built.model, options.device, result);
   return ExitCode::done;
 }
@@ -312,6 +317,11 @@ void add_bake(CLI::App& app, Command& command) {
   overwrite->excludes(resume);
   subcommand->add_flag("--dry-run", arguments->dry_run,
                        "Print sizes, memory and an estimate of the time; write nothing");
+  subcommand
+      ->add_option("--first-frame", arguments->first_number,
+                   "Number of the first frame in what other programs read, as 1001; 0 without it")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
+      ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);
   add_log_options(*subcommand, command.log);
   subcommand->callback(

@@ -46,9 +46,16 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
 }
 
 void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
-  subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; 1 without it")
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""))
-      ->option_text("N");
+  auto* stride =
+      subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; 1 without it");
+  stride->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""))->option_text("N");
+  subcommand
+      .add_option("--glb-error", glb.error,
+                  "glb: as few morph targets as keep a viewer within M metres of every baked frame; 0.002 is "
+                  "a good start")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->excludes(stride)
+      ->option_text("M");
   subcommand
       .add_option(
           "--glb-tolerance", glb.tolerance,
@@ -56,6 +63,11 @@ void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
           "diagonal without it")
       ->check(CLI::NonNegativeNumber.description(""))
       ->option_text("M");
+}
+
+void log_report(const bake::SinkReport& report, Log& log) {
+  for (const std::string& note : report.notes) log.info(note);
+  for (const std::string& warning : report.warnings) log.warning(warning);
 }
 
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,

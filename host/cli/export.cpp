@@ -3,6 +3,7 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "host/bake/bake.h"
 #include "host/bake/read_frame_cache.h"
@@ -20,6 +21,7 @@ struct ExportArguments {
   std::string bake, folder;
   std::vector<std::string> formats;
   bake::GlbOptions glb;
+  std::optional<std::uint64_t> first_number;
   bool overwrite = false;
 };
 
@@ -39,6 +41,7 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
   options.folder = arguments.folder;
   options.formats = arguments.formats;
   options.glb = arguments.glb;
+  options.first_number = arguments.first_number;
   options.overwrite = arguments.overwrite;
   options.interrupted = &catch_interrupts();
   options.on_frame = [&](std::uint64_t frame, std::uint64_t frames) {
@@ -51,6 +54,7 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
     log.warning("interrupted; nothing was left behind");
     return ExitCode::interrupted;
   }
+  log_report(result.report, log);
   std::cout << "exported frames 0 to " << count_text(result.frames) << " of " << arguments.bake << " in "
             << duration_text(result.seconds) << "\n";
   std::vector<std::pair<std::string, std::string>> rows;
@@ -77,6 +81,11 @@ void add_export(CLI::App& app, Command& command) {
   subcommand->add_option("-o,--output", arguments->folder, "Folder to write; without it the bake's own")
       ->option_text("DIR");
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace files of the same names");
+  subcommand
+      ->add_option("--first-frame", arguments->first_number,
+                   "Number of the first frame in what other programs read; the bake's own without it")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
+      ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {

@@ -30,6 +30,9 @@ BendingBar bending_bar(double seconds) {
     joint.skins = true;
     character.skeleton.push_back(joint);
   }
+  // For files alone: the model has its own.
+  character.joints.assign(bar.model.surface_count(), {});
+  character.weights.assign(bar.model.surface_count(), {1.0});
   bar.scene.geometry = character;
   bar.scene.fps = 60.0;
   bar.scene.end = seconds;

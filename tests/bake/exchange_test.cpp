@@ -17,6 +17,7 @@
 #include "host/bake/formats.h"
 #include "host/bake/murmur3.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
 #include "tests/bake/fake_solver.h"
 #include "tests/bake/ogawa_reader.h"
 #include "tests/bake/sink_frames.h"
@@ -260,23 +261,30 @@ TEST(Usd, IsReadByOtherPrograms) {
   EXPECT_NE(layer.find("endTimeCode = 2\n"), std::string::npos) << layer;
   EXPECT_NE(layer.find("double clipStartSeconds = 1.5\n"), std::string::npos) << layer;
   EXPECT_EQ(usd["meshes"], 1);
-  EXPECT_EQ(usd["types"]["points"], "point3f[]");
-  EXPECT_EQ(usd["types"]["normals"], "normal3f[]");
-  EXPECT_EQ(usd["types"]["extent"], "float3[]");
-  EXPECT_EQ(usd["counts"], (std::vector<int>{3, 3}));
-  EXPECT_EQ(usd["indices"], (std::vector<int>{0, 1, 2, 3, 5, 4}));
+  const auto surface = [&](const std::string& attribute) {
+    return usd["specs"]["/body/surface." + attribute];
+  };
+  EXPECT_EQ(surface("points")["typeName"], "point3f[]");
+  EXPECT_EQ(surface("normals")["typeName"], "normal3f[]");
+  EXPECT_EQ(surface("extent")["typeName"], "float3[]");
+  EXPECT_EQ(surface("faceVertexCounts")["default"], (std::vector<int>{3, 3}));
+  EXPECT_EQ(surface("faceVertexIndices")["default"], (std::vector<int>{0, 1, 2, 3, 5, 4}));
   EXPECT_EQ(usd["first_points"].get<std::vector<float>>(), sheet_points(0));
   for (const char* attribute : {"points", "normals", "extent"})
-    EXPECT_EQ(usd[attribute]["times"], (std::vector<int>{0, 1, 2})) << attribute;
+    EXPECT_EQ(surface(attribute)["timeSamples"]["times"], (std::vector<int>{0, 1, 2})) << attribute;
   for (std::size_t k = 0; k < 3; ++k) {
+    const auto at = [&](const char* attribute) {
+      return surface(attribute)["timeSamples"]["values"][k].get<std::vector<float>>();
+    };
     const std::vector<float> expected = sheet_points(k);
-    EXPECT_EQ(usd["points"]["values"][k].get<std::vector<float>>(), expected);
-    const auto normals = usd["normals"]["values"][k].get<std::vector<float>>();
+    EXPECT_EQ(at("points"), expected);
+    const std::vector<float> normals = at("normals");
     ASSERT_EQ(normals.size(), 18u);
     for (std::size_t i = 0; i < 18; ++i) EXPECT_FLOAT_EQ(normals[i], sheet_normals()[i]);
-    EXPECT_EQ(
-        usd["extent"]["values"][k].get<std::vector<float>>(),
-        (std::vector<float>{expected[0], expected[1], expected[2], expected[3], expected[7], expected[17]}));
+    const std::vector<float> box{expected[0], expected[1], expected[2],
+                                 expected[3], expected[7], expected[17]};
+    EXPECT_EQ(at("extent"), box);
+    EXPECT_EQ(usd["specs"]["/body.extentsHint"]["timeSamples"]["values"][k].get<std::vector<float>>(), box);
   }
 }
 

@@ -55,8 +55,30 @@ TEST(Export, GivesTheBytesOfTheBake) {
     EXPECT_EQ(bytes, read_text(folder / ("all/" + name))) << name;
     ++compared;
   }
-  // One file a format, seven of the OBJ sequence, the mesh at rest, and the script for Blender.
-  EXPECT_EQ(compared, formats.size() - 1 + 7 + 2);
+  // One file a format, seven of the OBJ sequence and of the surface for ParaView with its collection, the
+  // mesh at rest, and the script for Blender.
+  EXPECT_EQ(compared, formats.size() - 2 + 7 + 8 + 2);
+}
+
+TEST(Export, CountsFramesAsTheBakeDoes) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> formats = bake::export_format_names();
+  bake::BakeOptions options = options_for(folder / "out");
+  options.formats = formats;
+  options.first_number = 1001;
+  const model::Model model = two_tetrahedra();
+  FakeSolver solver(model);
+  bake::bake(short_scene(3), model, solver, options);
+  bake::export_bake({.bake = folder / "out", .folder = folder / "same", .formats = formats});
+  for (const auto& [name, bytes] : content_of(folder / "same"))
+    EXPECT_EQ(bytes, read_text(folder / ("out/" + name))) << name;
+  EXPECT_TRUE(fs::exists(folder / "same/obj/frame_001004.obj"));
+  EXPECT_NE(read_text(folder / "same/import_blender.py").find("\nFIRST = 1001\n"), std::string::npos);
+  bake::export_bake(
+      {.bake = folder / "out", .folder = folder / "other", .formats = {"obj"}, .first_number = 7});
+  EXPECT_TRUE(fs::exists(folder / "other/obj/frame_000007.obj"));
+  // Our own files count from 0 whatever the others do.
+  EXPECT_NE(read_text(folder / "out/metrics.csv").find("\n0,"), std::string::npos);
 }
 
 TEST(Export, IntoTheBakesFolderBelongsToTheBake) {

@@ -24,10 +24,13 @@
 #include "host/bake/bake.h"
 #include "host/bake/frame_files.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/rest_mesh.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_objects.h"
 #include "shaders/kernel/embed.inc"
 #include "tests/bake/fake_solver.h"
 #include "tests/bake/sink_frames.h"
+#include "tests/bake/vtk_reader.h"
 
 namespace fascicle::tests {
 namespace {
@@ -67,7 +70,8 @@ TEST(Surface, EmbedHasTheBitsOfTheKernel) {
 }
 
 TEST(Surface, RestObjHasTheRenderMeshInMetres) {
-  std::istringstream in(bake::rest_obj(two_tetrahedra()));
+  const model::Model model = two_tetrahedra();
+  std::istringstream in(bake::rest_obj(model, bake::read_surface_objects(model, {})));
   std::vector<std::array<double, 3>> vertices;
   std::vector<std::array<int, 3>> triangles;
   for (std::string line; std::getline(in, line);) {
@@ -271,50 +275,16 @@ TEST(Metrics, AreTheSameInEveryLocale) {
   const model::Model model = two_tetrahedra();
   write_frames(bake::make_metrics_sink(), model, folder / "");
   const std::string plain = read_text(folder / "metrics.csv");
-  const std::string plain_obj = bake::rest_obj(model);
+  const std::string plain_obj = bake::rest_obj(model, bake::read_surface_objects(model, {}));
   const std::locale old = std::locale::global(std::locale(std::locale::classic(), new GermanNumbers));
   std::ostringstream control;
   control << 1234.5;
   write_frames(bake::make_metrics_sink(), model, folder / "");
-  const std::string german_obj = bake::rest_obj(model);
+  const std::string german_obj = bake::rest_obj(model, bake::read_surface_objects(model, {}));
   std::locale::global(old);
   EXPECT_EQ(control.str(), "1.234,5");
   EXPECT_EQ(read_text(folder / "metrics.csv"), plain);
   EXPECT_EQ(german_obj, plain_obj);
-}
-
-// The arrays of a .vtu with raw appended data, by name.
-struct Vtu {
-  std::map<std::string, std::string> arrays;
-  std::string xml;
-};
-
-std::string attribute(const std::string& tag, const std::string& name) {
-  const std::size_t at = tag.find(" " + name + "=\"");
-  if (at == std::string::npos) return "";
-  const std::size_t from = at + name.size() + 3;
-  return tag.substr(from, tag.find('"', from) - from);
-}
-
-Vtu read_vtu(const fs::path& path) {
-  Vtu vtu;
-  const std::string text = read_text(path);
-  const std::string open = "<AppendedData encoding=\"raw\">\n_";
-  const std::size_t at = text.find(open);
-  EXPECT_NE(at, std::string::npos);
-  vtu.xml = text.substr(0, at);
-  const std::size_t data = at + open.size();
-  std::size_t end = data;
-  for (std::size_t from = 0; (from = vtu.xml.find("<DataArray", from)) != std::string::npos; ++from) {
-    const std::string tag = vtu.xml.substr(from, vtu.xml.find('>', from) - from);
-    if (attribute(tag, "format") != "appended") continue;
-    const std::size_t start = data + std::stoull(attribute(tag, "offset"));
-    const auto length = read_value<std::uint64_t>(text, start);
-    vtu.arrays[attribute(tag, "Name")] = text.substr(start + 8, length);
-    end = start + 8 + length;
-  }
-  EXPECT_EQ(text.substr(end), "\n  </AppendedData>\n</VTKFile>\n");
-  return vtu;
 }
 
 TEST(VtuSeries, HoldsTheMeshAndItsMotion) {
@@ -322,7 +292,7 @@ TEST(VtuSeries, HoldsTheMeshAndItsMotion) {
   const model::Model model = two_tetrahedra();
   write_frames(bake::make_vtu_sink(), model, folder / "");
   for (std::uint64_t k = 0; k < 3; ++k) {
-    Vtu vtu = read_vtu(folder / ("vtu/frame_00000" + std::to_string(k) + ".vtu"));
+    VtkFile vtu = read_vtk(folder / ("vtu/frame_00000" + std::to_string(k) + ".vtu"));
     EXPECT_NE(vtu.xml.find("NumberOfPoints=\"5\" NumberOfCells=\"2\""), std::string::npos);
     const double s = 1.0 + 0.25 * static_cast<double>(k);
     ASSERT_EQ(vtu.arrays["position"].size(), 60u);
@@ -335,6 +305,7 @@ TEST(VtuSeries, HoldsTheMeshAndItsMotion) {
       EXPECT_EQ(read_value<float>(vtu.arrays["velocity"], 4 * i),
                 static_cast<float>(0.5 * static_cast<double>(k) * rest));
     }
+    EXPECT_EQ(vtu.names["layers"], (std::vector<std::string>{"fat", "bone"}));
     EXPECT_EQ(vtu.arrays["layer"], std::string("\0\0\0\0\1", 5));
     EXPECT_EQ(vtu.arrays["kinematic"], std::string("\0\0\0\0\1", 5));
     EXPECT_EQ(vtu.arrays["types"], std::string("\x0a\x0a"));
@@ -474,7 +445,7 @@ TEST(FrameCache, RefusesWhatIsDamagedOrForeign) {
 
 TEST(Formats, Names) {
   EXPECT_EQ(bake::format_names(),
-            (std::vector<std::string>{"abc", "glb", "mdd", "obj", "pc2", "usda", "vtu"}));
+            (std::vector<std::string>{"abc", "glb", "mdd", "obj", "pc2", "usda", "vtp", "vtu"}));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // surface.glb of a character made in code: the skeleton that is in the file, its skin and its morph targets
 // together show the baked surface.
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +16,7 @@
 #include "host/bake/formats.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/bake/surface.h"
+#include "host/bake/surface_normals.h"
 #include "host/scene/gltf_rig.h"
 #include "host/scene/pose.h"
 #include "tests/bake/fake_solver.h"
@@ -183,6 +185,95 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
   expect_baked_surface(folder / "out", 1, 4);
   expect_baked_surface(folder / "out", 2, 6);
   EXPECT_LT(fs::file_size(folder / "out/surface.glb"), bake::glb_bytes(jointed_model(), 3));
+}
+
+// How far a viewer is from the bake in every frame, m: from the file alone and the frame cache.
+double error_of_viewer(const fs::path& folder, std::uint64_t frames) {
+  const model::Model model = jointed_model();
+  const Glb glb = read_glb(folder / "surface.glb");
+  const json& primitive = glb.document["meshes"][0]["primitives"][0];
+  std::vector<std::uint64_t> keys;
+  std::vector<std::vector<float>> moves;
+  for (const std::string name : glb.document["meshes"][0]["extras"]["targetNames"]) {
+    moves.push_back(sparse(glb, primitive["targets"][keys.size()]["POSITION"], 3));
+    keys.push_back(std::stoull(name.substr(6)));
+  }
+  const scene::Rig rig = scene::read_rig(folder / "surface.glb");
+  const scene::RigPart& part = rig.parts.at(0);
+  double largest = 0.0;
+  std::size_t key = 0;
+  for (std::uint64_t k = 0; k <= frames; ++k) {
+    while (key + 2 < keys.size() && keys[key + 1] <= k) ++key;
+    const double share = static_cast<double>(k - keys[key]) / static_cast<double>(keys[key + 1] - keys[key]);
+    const std::vector<Eigen::Matrix4d> joints =
+        scene::joint_transforms_at(rig.character, &rig.character.clips.at(0), static_cast<double>(k) / 24.0);
+    const model::Frame baked = bake::FrameCacheReader(folder / "frames.fascicle").read(k);
+    const std::vector<float> points =
+        bake::world_positions(bake::embed(model, baked.positions), model.unit, baked.origin);
+    for (std::size_t i = 0; i < 3; ++i) {
+      Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
+      for (std::size_t s = part.influence_offset[i]; s < part.influence_offset[i + 1]; ++s)
+        blend += part.weight[s] * joints[part.skin_joint[part.slot[s]]] * part.inverse_bind[part.slot[s]];
+      const Vector3d morphed =
+          part.positions[i] + (1.0 - share) * vector_at(moves[key], i) + share * vector_at(moves[key + 1], i);
+      const Vector3d shown = blend.topLeftCorner<3, 3>() * morphed + blend.topRightCorner<3, 1>();
+      largest = std::max(largest, (shown - vector_at(points, i)).norm());
+    }
+  }
+  return largest;
+}
+
+// Floats of about 10 m in the frame cache's points and in the file.
+constexpr double rounding = 1e-5;
+
+TEST(Glb, StrideSaysHowFarAViewerIsOff) {
+  const TemporaryFolder folder;
+  bake::BakeOptions options = options_for(folder / "out");
+  options.glb.stride = 5;
+  const model::Model model = jointed_model();
+  FakeSolver solver(model);
+  const bake::BakeResult result = bake::bake(jointed_scene(12), model, solver, options);
+  ASSERT_EQ(result.report.notes.size(), 1u);
+  EXPECT_NE(result.report.notes[0].find("4 morph targets for 13 frames"), std::string::npos)
+      << result.report.notes[0];
+  EXPECT_TRUE(result.report.warnings.empty());
+  const double said =
+      read_glb(folder / "out/surface.glb").document["extras"]["fascicle"]["interpolation_error"];
+  EXPECT_GT(said, 10 * rounding);
+  EXPECT_NEAR(error_of_viewer(folder / "out", 12), said, rounding);
+}
+
+TEST(Glb, ErrorChoosesTheFrames) {
+  std::size_t targets_before = 14;
+  for (const double bound : {1e-4, 0.01, 1000.0}) {
+    const TemporaryFolder folder;
+    bake::BakeOptions options = options_for(folder / "out");
+    options.glb.error = bound;
+    bake_into(options, 12);
+    const Glb glb = read_glb(folder / "out/surface.glb");
+    const std::size_t targets = glb.document["meshes"][0]["extras"]["targetNames"].size();
+    EXPECT_LT(targets, targets_before) << bound;
+    targets_before = targets;
+    EXPECT_LE(error_of_viewer(folder / "out", 12), bound + rounding);
+    EXPECT_LE(glb.document["extras"]["fascicle"]["interpolation_error"], bound);
+  }
+  EXPECT_EQ(targets_before, 2u);
+}
+
+TEST(Glb, TooManyTargetsForBrowsersAreSaid) {
+  for (const std::uint64_t stride : {1u, 2u}) {
+    const TemporaryFolder folder;
+    bake::BakeOptions options = options_for(folder / "out");
+    options.formats = {"glb"};
+    options.glb.stride = stride;
+    const model::Model model = jointed_model();
+    FakeSolver solver(model);
+    const bake::BakeResult result = bake::bake(jointed_scene(300), model, solver, options);
+    ASSERT_EQ(result.report.warnings.size(), stride == 1 ? 1u : 0u);
+    if (stride == 2) continue;
+    EXPECT_NE(result.report.warnings[0].find("301 morph targets"), std::string::npos)
+        << result.report.warnings[0];
+  }
 }
 
 TEST(Glb, ToleranceLeavesVerticesToSkinning) {

@@ -153,7 +153,7 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   BakeOptions changed = options;
   changed.formats = {"pc2"};
   EXPECT_TRUE(
-      contains(refusal(short_scene(6), changed), "--format was abc,glb,mdd,obj,pc2,usda,vtu and is pc2"));
+      contains(refusal(short_scene(6), changed), "--format was abc,glb,mdd,obj,pc2,usda,vtp,vtu and is pc2"));
   changed = options;
   changed.glb.stride = 2;
   EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--glb-stride was 1 and is 2"));

@@ -24,9 +24,9 @@ struct Room {
 const std::vector<std::string> every_room{"shaders/",       "host/scene/", "host/build/",
                                           "host/model/",    "host/bake/",  "host/render/",
                                           "cpu_reference/", "gpu/",        "host/cli/"};
-const std::vector<std::string> every_library{"Eigen",      "JSON",       "xxHash", "Vulkan",
-                                             "GoogleTest", "RapidCheck", "CLI11",  "SIMD",
-                                             "PNG",        "JPEG",       "Draco",  "meshoptimizer"};
+const std::vector<std::string> every_library{"Eigen",      "JSON",          "xxHash", "Vulkan", "GoogleTest",
+                                             "RapidCheck", "CLI11",         "SIMD",   "PNG",    "JPEG",
+                                             "Draco",      "meshoptimizer", "zlib"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
@@ -39,7 +39,7 @@ const std::vector<Room>& rooms() {
       {"host/mesher/", {}, {"TetGen", "CGAL"}},
       {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
       {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
-      {"host/bake/", {"host/scene/", "host/model/"}, {"JSON", "xxHash"}},
+      {"host/bake/", {"host/scene/", "host/model/"}, {"Eigen", "JSON", "xxHash", "zlib"}},
       {"host/render/", {"host/model/"}, {"Eigen", "PNG", "JPEG"}},
       {"host/cli/", every_room, {"CLI11", "JSON", "Eigen"}},
       {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
@@ -74,6 +74,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"png.h", "PNG"},
                                                                       {"jpeglib.h", "JPEG"},
                                                                       {"draco/", "Draco"},
+                                                                      {"zlib.h", "zlib"},
                                                                       {"meshoptimizer.h", "meshoptimizer"}};
   return table;
 }

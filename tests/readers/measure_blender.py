@@ -44,6 +44,9 @@ def measure(folder, kind):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     script = runpy.run_path(os.path.join(folder, 'import_blender.py'))
     body = sorted(filter(is_body, script['load'](kind)), key=lambda found: found.name)
+    materials = {slot.material for found in body for slot in found.material_slots if slot.material}
+    images = [node.image for material in materials if material.node_tree
+              for node in material.node_tree.nodes if node.type == 'TEX_IMAGE' and node.image]
     smooth = all(polygon.use_smooth for found in body for polygon in found.data.polygons)
     largest, height, frames = 0.0, 0.0, 0
     for frame, wanted in enumerate(samples_of(os.path.join(folder, 'surface.pc2'))):
@@ -55,7 +58,10 @@ def measure(folder, kind):
         largest = max(largest, max(max(abs(a - b) for a, b in zip(p, q)) for p, q in zip(found, wanted)))
         frames += 1
     scene = bpy.context.scene
-    return {'error': largest / height, 'frames': frames, 'smooth': smooth, 'first': scene.frame_start,
+    return {'error': largest / height, 'frames': frames, 'smooth': smooth,
+            'materials': sorted(material.name for material in materials),
+            'images': sum(image.size[0] > 0 for image in images),
+            'uvs': all(bool(found.data.uv_layers) for found in body), 'first': scene.frame_start,
             'last': scene.frame_end, 'fps': scene.render.fps / scene.render.fps_base}
 
 

@@ -27,22 +27,20 @@ if (!stage.loadFromBinary(new Uint8Array(file), 'surface.usda')) throw new Error
 const layer = new tinyusdz.TinyUSDZLoaderNative();
 if (!layer.loadAsLayerFromBinary(new Uint8Array(file), 'surface.usda')) throw new Error(layer.error());
 
-const specs = new USDAParser().parseData(file.toString()).specsByPath;
-const fields = (path) => specs[path].fields;
-const plain = (sampled) => ({ times: sampled.times, values: sampled.values.map((value) => Array.from(value)) });
+// Of every prim and attribute what the file says, arrays as plain ones.
+const plain = (value) => {
+  if (ArrayBuffer.isView(value)) return Array.from(value);
+  if (value && value.times) return { times: Array.from(value.times), values: value.values.map(plain) };
+  return value;
+};
+const parsed = new USDAParser().parseData(file.toString()).specsByPath;
+const specs = Object.fromEntries(Object.entries(parsed).map(([path, spec]) => [
+  path, Object.fromEntries(Object.entries(spec.fields).map(([name, value]) => [name, plain(value)])),
+]));
 process.stdout.write(JSON.stringify({
-  layer: layer.layerToString().slice(0, 600),
+  layer: layer.layerToString(),
   meshes: stage.numMeshes(),
   first_points: Array.from(stage.getMesh(0).points),
-  stage: fields('/'),
-  types: {
-    points: fields('/body/surface.points').typeName,
-    normals: fields('/body/surface.normals').typeName,
-    extent: fields('/body/surface.extent').typeName,
-  },
-  counts: Array.from(fields('/body/surface.faceVertexCounts').default),
-  indices: Array.from(fields('/body/surface.faceVertexIndices').default),
-  points: plain(fields('/body/surface.points').timeSamples),
-  normals: plain(fields('/body/surface.normals').timeSamples),
-  extent: plain(fields('/body/surface.extent').timeSamples),
+  stage: specs['/'],
+  specs,
 }));
