@@ -6,7 +6,7 @@ namespace fascicle::bake {
 
 namespace {
 
-std::vector<float> difference(std::span<const float> to, std::span<const float> from, double factor) {
+std::vector<float> velocity_between(std::span<const float> to, std::span<const float> from, double factor) {
   std::vector<float> result(to.size());
   for (std::size_t i = 0; i < result.size(); ++i)
     result[i] = static_cast<float>((double{to[i]} - double{from[i]}) * factor);
@@ -18,16 +18,16 @@ std::vector<float> difference(std::span<const float> to, std::span<const float> 
 std::vector<float> SurfaceVelocities::next(std::vector<float> positions) {
   std::vector<float> velocities;
   if (!before_.empty())
-    velocities = difference(positions, before_, 0.5 * fps_);
+    velocities = velocity_between(positions, before_, 0.5 * fps_);
   else if (!now_.empty())
-    velocities = difference(positions, now_, fps_);
+    velocities = velocity_between(positions, now_, fps_);
   before_ = std::move(now_);
   now_ = std::move(positions);
   return velocities;
 }
 
 std::vector<float> SurfaceVelocities::last() const {
-  return before_.empty() ? std::vector<float>(now_.size(), 0.0f) : difference(now_, before_, fps_);
+  return before_.empty() ? std::vector<float>(now_.size(), 0.0f) : velocity_between(now_, before_, fps_);
 }
 
 }  // namespace fascicle::bake

@@ -49,4 +49,10 @@ struct VtkStep {
 };
 std::string vtk_collection(std::span<const VtkStep> steps);
 
+// The bytes of a list of numbers, likewise.
+template <class T>
+std::string vtk_compressed_values(const std::vector<T>& values) {
+  return vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
+
 }  // namespace fascicle::bake

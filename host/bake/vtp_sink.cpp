@@ -37,11 +37,6 @@ class VtpSink final : public FrameSink {
   std::string uvs_, connectivity_, offsets_, objects_, materials_;
 };
 
-template <class T>
-std::string compressed(const std::vector<T>& values) {
-  return vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
-}
-
 void VtpSink::begin(const BakeInfo& info) {
   info_ = info;
   const model::Model& model = *info.model;
@@ -68,11 +63,11 @@ void VtpSink::begin(const BakeInfo& info) {
   }
   for (std::size_t t = 1; t <= objects.size(); ++t) offsets.push_back(static_cast<std::int32_t>(3 * t));
   names_ = {object_names, material_names};
-  if (has_uvs) uvs_ = compressed(uvs);
-  connectivity_ = compressed(model.surface_triangle);  // below 2^31, so the same bits as Int32
-  offsets_ = compressed(offsets);
-  objects_ = compressed(objects);
-  materials_ = compressed(materials);
+  if (has_uvs) uvs_ = vtk_compressed_values(uvs);
+  connectivity_ = vtk_compressed_values(model.surface_triangle);  // below 2^31, so the same bits as Int32
+  offsets_ = vtk_compressed_values(offsets);
+  objects_ = vtk_compressed_values(objects);
+  materials_ = vtk_compressed_values(materials);
 }
 
 void VtpSink::write(const model::Frame& frame) {

@@ -37,11 +37,6 @@ class VtuSink final : public FrameSink {
   std::string layer_, kinematic_, source_vertex_, connectivity_, offsets_, types_;
 };
 
-template <class T>
-std::string compressed(const std::vector<T>& values) {
-  return vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
-}
-
 void VtuSink::begin(const BakeInfo& info) {
   info_ = info;
   const model::Model& model = *info.model;
@@ -56,12 +51,12 @@ void VtuSink::begin(const BakeInfo& info) {
   std::vector<std::int32_t> offsets;
   for (std::uint32_t t = 1; t <= model.tetrahedron_count(); ++t)
     offsets.push_back(static_cast<std::int32_t>(4 * t));
-  layer_ = compressed(layer);
-  kinematic_ = compressed(kinematic);
-  source_vertex_ = compressed(model.source_vertex);
-  connectivity_ = compressed(model.tetrahedron);  // below 2^31, so the same bits as Int32
-  offsets_ = compressed(offsets);
-  types_ = compressed(std::vector<std::uint8_t>(model.tetrahedron_count(), vtk_tetra));
+  layer_ = vtk_compressed_values(layer);
+  kinematic_ = vtk_compressed_values(kinematic);
+  source_vertex_ = vtk_compressed_values(model.source_vertex);
+  connectivity_ = vtk_compressed_values(model.tetrahedron);  // below 2^31, so the same bits as Int32
+  offsets_ = vtk_compressed_values(offsets);
+  types_ = vtk_compressed_values(std::vector<std::uint8_t>(model.tetrahedron_count(), vtk_tetra));
   VtkNames layers{.name = "layers", .values = {}};
   for (const model::Layer& each : model.layers) layers.values.push_back(each.name);
   names_ = {layers};
