@@ -15,8 +15,8 @@ namespace fascicle::bake {
 
 class FrameWriter {
  public:
-  // `write` is called on the writer's thread, one frame at a time, which it may change; where the system refuses
-  // to make a thread, by put().
+  // `write` is called on the writer's thread, one frame at a time, which it may change; where the system
+  // refuses to make a thread, by put().
   explicit FrameWriter(std::function<void(model::Frame&)> write);
   // Frames whose writing has not begun are dropped.
   ~FrameWriter();

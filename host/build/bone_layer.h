@@ -8,8 +8,8 @@
 
 namespace fascicle::build {
 
-// Marks further vertices in `is_bone`. Along every bone, whatever its length, a way from the vertex at its one
-// end to that at the other, near the axis and through vertices whose nearest bone it is. Then the marked
+// Marks further vertices in `is_bone`. Along every bone, whatever its length, a way from the vertex at its
+// one end to that at the other, near the axis and through vertices whose nearest bone it is. Then the marked
 // vertices of each connected part of the mesh are connected by edges of it: along the shortest ways between
 // the islands, where an edge counts more the farther it lies from the bone; ways longer than a tenth of the
 // bounding box's diagonal are not taken. A vertex in `closed` is not marked and not passed.

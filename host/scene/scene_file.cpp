@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <vector>
 
 #include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
@@ -445,11 +446,14 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
 }
 
 std::string documented_text(const Scene& scene) {
-  constexpr std::array<const char*, 1> iterations{"iterations"};
   const toml::table root = toml::parse(scene.text, scene.source);
-  // What goes with the other integrator would be refused.
-  if (scene.solver.integrator == "implicit") return write_documented_scene(root, explicit_keys);
-  return write_documented_scene(root, iterations);
+  // What goes with the other integrator, or with another body, would be refused.
+  std::vector<const char*> left_out{"iterations"};
+  if (scene.solver.integrator == "implicit") left_out.assign(explicit_keys.begin(), explicit_keys.end());
+  if (!std::holds_alternative<Character>(scene.geometry)) left_out.push_back("skeleton");
+  if (std::holds_alternative<Bar>(scene.geometry) || std::holds_alternative<TetMesh>(scene.geometry))
+    left_out.push_back("body");
+  return write_documented_scene(root, left_out);
 }
 
 }  // namespace fascicle::scene

@@ -137,6 +137,7 @@ void write_documented_values(std::ostream& out, const toml::table& table, const 
 void write_documented_key(std::ostream& out, const toml::table& root, const Table& keys, const Key& key,
                           std::span<const char* const> left_out) {
   const toml::node* node = root.get(key.name);
+  if (std::find(left_out.begin(), left_out.end(), key.name) != left_out.end()) return;
   if (node == nullptr && taken_by(keys, root, key) != nullptr) return;
   out << '\n';
   if (key.type == KeyType::named_tables && node != nullptr) {

@@ -12,7 +12,7 @@ namespace fascicle::scene {
 std::string write_scene(const toml::table& root);
 
 // The same with all keys that the scene leaves at their defaults, as comments to be uncommented, and what
-// each key means: from the table of keys, but for keys of the names left out.
+// each key means: from the table of keys, but for keys and tables of the names left out.
 std::string write_documented_scene(const toml::table& root, std::span<const char* const> left_out);
 
 }  // namespace fascicle::scene

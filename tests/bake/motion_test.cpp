@@ -118,7 +118,8 @@ TEST(Preroll, GoesFromTheBindPoseInThePlaceOfTheFirstPose) {
   for (std::size_t i = 0; i < bar.model.vertex_count; ++i) {
     const Vector3d expected = R * (rest(i) - pivot) + place;
     const Vector3d frame_origin(first.origin[0], first.origin[1], first.origin[2]);
-    ASSERT_LT((point(first, i) + frame_origin - expected).norm(), 2e-6) << "rounding of positions of a few metres";
+    ASSERT_LT((point(first, i) + frame_origin - expected).norm(), 2e-6)
+        << "rounding of positions of a few metres";
   }
   // The preroll's last pose is that of frame 0.
   const model::Drive last = drives.preroll_drive(30);
