@@ -88,7 +88,7 @@ TEST(InsideOut, AHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
 TEST(InsideOut, TissuesBearAHeavyMansJump) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
   std::vector<std::string> tissues{"layers.fat.material=fat", "layers.muscle.material=relaxed-muscle"};
-  // In one frame a single tetrahedron is inside out where skinning turns none.
+  // A bar that is missed: in one frame a single tetrahedron is inside out where skinning turns none.
   EXPECT_LE(count("mh_fat.glb", "jump", tissues).frames, 1u);
   tissues.insert(tissues.end(), {"layers.fat.least_volume=0", "layers.muscle.least_volume=0"});
   EXPECT_GT(count("mh_fat.glb", "jump", tissues).frames, 20u);
@@ -97,7 +97,7 @@ TEST(InsideOut, TissuesBearAHeavyMansJump) {
 // Nearly the same for the explicit integrator.
 TEST(InsideOut, AnExplicitHeavyMansJumpTurnsHardlyMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
-  // Of 181 frames; none before skin was cut apart where clips part it, which leaves thinner flesh in folds.
+  // A bar that is missed: 3 of 181 frames are over, and none should be. The cause is not known.
   EXPECT_LE(count("mh_fat.glb", "jump", {"solver.integrator=explicit"}).frames, 3u);
   // The control: flesh that may lose its volume and swings for longer does.
   EXPECT_GT(count("mh_fat.glb", "jump",
