@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "host/build/boundary.h"
+#include "host/build/local_radius.h"
 #include "host/build/mass.h"
 #include "host/build/message.h"
 #include "host/build/surface_search.h"
@@ -19,6 +20,9 @@ constexpr double least_own_share = 0.02;
 constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
 // A vertex with this much of its weight on kinematic joints is part of a head, a hand or a foot.
 constexpr double following_share = 0.5;
+// Flesh lies within one local radius of a bone in the middle of a limb, and within two of one at its other side, as a
+// belly does of a spine. What is further off (a jaw, a hand beyond its last joint) has no bone in it.
+constexpr double furthest_in_radii = 2.0;
 
 // The share of a vertex's weights on joints whose bone is that of `joint`.
 double share_of(const Body& body, std::size_t vertex, std::int32_t joint) {
@@ -120,7 +124,26 @@ const std::vector<char>& Measures::follows_joints() {
   const std::vector<double> share = shares_of(kinematic);
   for (std::size_t i = 0; i < share.size(); ++i)
     if (share[i] >= following_share) follows_[i] = 1;
+  if (body_.bones.empty()) return follows_;
+  const std::vector<NearestBone>& nearest = nearest_bones();
+  const std::vector<double> radius = local_radii(body_.mesh, skin_distances());
+  for (std::size_t i = 0; i < share.size(); ++i)
+    if (nearest[i].distance > furthest_in_radii * radius[i]) follows_[i] = 1;
   return follows_;
+}
+
+const std::vector<double>& Measures::skin_distances() {
+  if (!skin_distances_.empty()) return skin_distances_;
+  scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
+  // A carrier inside the flesh is none of its skin.
+  std::erase_if(skin.triangles, [&](const auto& t) { return holding_of(body_, t[0]) == Holding::carrier; });
+  std::vector<char> on_skin(skin.vertices.size(), 0);
+  for (const auto& t : skin.triangles)
+    for (const std::uint32_t corner : t) on_skin[corner] = 1;
+  const SurfaceSearch search(skin);
+  for (std::size_t i = 0; i < on_skin.size(); ++i)
+    skin_distances_.push_back(on_skin[i] ? 0.0 : search.nearest(skin.vertices[i]).distance);
+  return skin_distances_;
 }
 
 const std::vector<NearestBone>& Measures::nearest_bones() {
@@ -142,17 +165,10 @@ const std::vector<double>& Measures::bone_distances() {
 const std::vector<double>& Measures::depths() {
   if (!depths_.empty()) return depths_;
   const std::vector<double>& from_bone = bone_distances();
-  scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
-  // A carrier inside the flesh is none of its skin.
-  std::erase_if(skin.triangles, [&](const auto& t) { return holding_of(body_, t[0]) == Holding::carrier; });
-  std::vector<char> on_skin(from_bone.size(), 0);
-  for (const auto& t : skin.triangles)
-    for (const std::uint32_t corner : t) on_skin[corner] = 1;
-  const SurfaceSearch search(skin);
+  const std::vector<double>& from_skin = skin_distances();
   for (std::size_t i = 0; i < from_bone.size(); ++i) {
     const double b = from_bone[i];
-    const double s = on_skin[i] || b == 0.0 ? 0.0 : search.nearest(skin.vertices[i]).distance;
-    depths_.push_back(b > 0.0 ? b / (b + s) : 0.0);
+    depths_.push_back(b > 0.0 ? b / (b + from_skin[i]) : 0.0);
   }
   return depths_;
 }

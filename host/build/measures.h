@@ -23,13 +23,17 @@ class Measures {
 
   const Body& body() const { return body_; }
 
-  // Whether kinematic joints move the vertex for the most part, or a rigid part holds it: heads, hands and
-  // feet have no bone inside that a distance could be measured from, and follow the skeleton.
+  // Whether kinematic joints move the vertex for the most part, a rigid part holds it, or it lies further from
+  // every bone of its own than the body is thick there: heads, hands, feet and jaws have no bone inside that
+  // a distance could be measured from, and follow the skeleton.
   const std::vector<char>& follows_joints();
 
   // The nearest of each vertex's own bones: those that an owner with at least 2 % of the vertex's weights
   // moves, those the scene draws, or all where there is none. Needs a bone.
   const std::vector<NearestBone>& nearest_bones();
+
+  // The distance from the boundary of the tetrahedra, m.
+  const std::vector<double>& skin_distances();
 
   // The distance of that bone, m; 0 for a vertex that follows joints.
   const std::vector<double>& bone_distances();
@@ -58,7 +62,7 @@ class Measures {
   const Body& body_;
   std::vector<char> follows_;
   std::vector<NearestBone> nearest_;
-  std::vector<double> bone_distances_, depths_;
+  std::vector<double> bone_distances_, skin_distances_, depths_;
   std::map<bool, std::vector<double>> inner_shares_;
   std::map<std::string, std::vector<double>> painted_;
   std::vector<std::uint32_t> parts_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <numeric>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -22,7 +23,7 @@ namespace fascicle::build {
 namespace {
 
 constexpr double hard_weight = 0.99, even_weights = 0.05;
-constexpr double largest_rigid_share = 0.25;
+constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
 // A carrier's edges over the extent of what rides on it: small beside it, but within 8 of its own lengths.
 constexpr double carrier_of_extent = 0.25;
@@ -42,8 +43,9 @@ Row row_of(const SkinWeights& weights, std::uint32_t vertex) {
   return row;
 }
 
-// A connected part of the welded skin.
+// A connected part of a surface; its vertices are those of the welded skin.
 struct Part {
+  std::uint32_t first = 0;  // its first vertex in the surface
   std::vector<std::uint32_t> vertices;
   double area = 0.0;
   std::map<std::uint32_t, double> mean;  // weights, by joint
@@ -56,38 +58,75 @@ struct Part {
   }
 };
 
-std::vector<Part> parts_of(const scene::SurfaceMesh& surface, const SkinWeights& weights) {
+void weigh(const SkinWeights& weights, Part& part) {
+  for (const std::uint32_t v : part.vertices)
+    for (const auto& [joint, w] : row_of(weights, v))
+      part.mean[joint] += w / static_cast<double>(part.vertices.size());
+  const std::uint32_t main = part.main_joint();
+  part.is_hard = part.is_even = true;
+  for (const std::uint32_t v : part.vertices) {
+    double of_main = 0.0, in_common = 0.0;
+    for (const auto& [joint, w] : row_of(weights, v)) {
+      if (joint == main) of_main = w;
+      in_common += std::min(w, part.mean[joint]);
+    }
+    part.is_hard = part.is_hard && of_main >= hard_weight;
+    part.is_even = part.is_even && in_common >= 1.0 - even_weights;
+  }
+}
+
+// `welded_vertex` has the vertex of the welded skin of each of the surface's.
+std::vector<Part> parts_of(const scene::SurfaceMesh& surface, const std::vector<std::uint32_t>& welded_vertex,
+                           const SkinWeights& weights) {
   Unions unions(surface.vertices.size());
   for (const auto& t : surface.triangles) unions.join(t[0], t[1]), unions.join(t[0], t[2]);
   std::vector<Part> parts;
   std::map<std::uint32_t, std::size_t> part_of;  // root, part
   for (std::uint32_t v = 0; v < surface.vertices.size(); ++v) {
     const auto [entry, is_new] = part_of.try_emplace(unions.find(v), parts.size());
-    if (is_new) parts.emplace_back();
-    parts[entry->second].vertices.push_back(v);
+    if (is_new) parts.emplace_back().first = v;
+    parts[entry->second].vertices.push_back(welded_vertex[v]);
   }
   for (const auto& t : surface.triangles) {
     const Vector3d& a = surface.vertices[t[0]];
     parts[part_of[unions.find(t[0])]].area +=
         (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm() / 2.0;
   }
-  for (Part& part : parts) {
-    for (const std::uint32_t v : part.vertices)
-      for (const auto& [joint, w] : row_of(weights, v))
-        part.mean[joint] += w / static_cast<double>(part.vertices.size());
-    const std::uint32_t main = part.main_joint();
-    part.is_hard = part.is_even = true;
-    for (const std::uint32_t v : part.vertices) {
-      double of_main = 0.0, in_common = 0.0;
-      for (const auto& [joint, w] : row_of(weights, v)) {
-        if (joint == main) of_main = w;
-        in_common += std::min(w, part.mean[joint]);
+  for (Part& part : parts) weigh(weights, part);
+  return parts;
+}
+
+std::vector<Part> connected_parts_of(const scene::SurfaceMesh& surface, const SkinWeights& weights) {
+  std::vector<std::uint32_t> itself(surface.vertices.size());
+  std::iota(itself.begin(), itself.end(), std::uint32_t{0});
+  return parts_of(surface, itself, weights);
+}
+
+// Parts of the welded skin that are connected within one object and material; their first vertices are the file's.
+std::vector<Part> inlays_of(const scene::Character& character, const WeldedSurface& welded,
+                            const SkinWeights& weights) {
+  scene::SurfaceMesh split;
+  std::vector<std::uint32_t> welded_vertex, file_vertex;
+  for (const scene::SurfacePart& part : character.parts) {
+    std::map<std::uint32_t, std::uint32_t> number;  // welded, split
+    for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
+      std::array<std::uint32_t, 3> corners{};
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint32_t of_file = character.surface.triangles[t][c], v = welded.of_vertex[of_file];
+        const auto [entry, is_new] = number.try_emplace(v, static_cast<std::uint32_t>(split.vertices.size()));
+        if (is_new) {
+          split.vertices.push_back(welded.surface.vertices[v]);
+          welded_vertex.push_back(v);
+          file_vertex.push_back(of_file);
+        }
+        corners[c] = entry->second;
       }
-      part.is_hard = part.is_hard && of_main >= hard_weight;
-      part.is_even = part.is_even && in_common >= 1.0 - even_weights;
+      split.triangles.push_back(corners);
     }
   }
-  return parts;
+  std::vector<Part> inlays = parts_of(split, welded_vertex, weights);
+  for (Part& inlay : inlays) inlay.first = file_vertex[inlay.first];
+  return inlays;
 }
 
 std::string percent(double share) {
@@ -172,7 +211,7 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
   for (std::size_t v = welded.of_vertex.size(); v-- > 0;)
     first_of[welded.of_vertex[v]] = static_cast<std::uint32_t>(v);
   const std::vector<char> simulated = with_all_below(character, scene.skeleton.simulated);
-  const std::vector<Part> parts = parts_of(welded.surface, weights);
+  const std::vector<Part> parts = connected_parts_of(welded.surface, weights);
   const bool all_hard = is_robot(parts);
   double whole = 0.0;
   for (const Part& part : parts) whole += part.area;
@@ -200,6 +239,19 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
     rigid.report.push_back(std::move(report));
     if (!is_whole) continue;
     for (const std::uint32_t v : part.vertices) rigid.is_rigid[v] = rigid.is_apart[v] = 1;
+  }
+  for (const Part& inlay : inlays_of(character, welded, weights)) {
+    const std::uint32_t joint = inlay.main_joint();
+    const auto is_rigid = [&](std::uint32_t v) { return rigid.is_rigid[v] != 0; };
+    if (!inlay.is_hard || inlay.area > largest_inlay_share * whole || simulated[joint] ||
+        std::all_of(inlay.vertices.begin(), inlay.vertices.end(), is_rigid))
+      continue;
+    rigid.report.push_back({name_of_vertex(character, inlay.first),
+                            character.skeleton[joint].name,
+                            "a patch of its own material that one joint moves, " +
+                                percent(inlay.area / whole) + " of the skin",
+                            static_cast<std::uint32_t>(inlay.vertices.size())});
+    for (const std::uint32_t v : inlay.vertices) rigid.is_rigid[v] = 1;
   }
   return rigid;
 }

@@ -1,0 +1,48 @@
+#include "host/build/local_radius.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <queue>
+#include <tuple>
+
+#include "host/build/one_ring.h"
+
+namespace fascicle::build {
+
+namespace {
+
+constexpr double reach_in_radii = 1.5;
+
+// Half the mean length of the edges at each vertex.
+std::vector<double> half_edges(const scene::TetMesh& mesh, const OneRings& rings) {
+  std::vector<double> half(mesh.vertices.size(), 0.0);
+  for (std::size_t i = 0; i < half.size(); ++i) {
+    for (const std::uint32_t j : rings[i]) half[i] += (mesh.vertices[i] - mesh.vertices[j]).norm();
+    if (rings.degree(i) > 0) half[i] /= 2.0 * rings.degree(i);
+  }
+  return half;
+}
+
+}  // namespace
+
+std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<double>& from_skin) {
+  const OneRings rings = one_rings(mesh.vertices.size(), mesh.tetrahedra);
+  const std::vector<double> half = half_edges(mesh, rings);
+  // Balls spread from their centres, the largest first: the first to come to a vertex is its own.
+  using Reach = std::tuple<double, std::uint32_t, std::uint32_t>;  // radius, centre, vertex
+  std::priority_queue<Reach> open;
+  for (std::uint32_t i = 0; i < half.size(); ++i) open.emplace(std::max(from_skin[i], half[i]), i, i);
+  std::vector<double> radius(half.size(), -1.0);
+  while (!open.empty()) {
+    const auto [r, centre, vertex] = open.top();
+    open.pop();
+    if (radius[vertex] >= 0.0) continue;
+    radius[vertex] = r;
+    for (const std::uint32_t next : rings[vertex])
+      if (radius[next] < 0.0 && (mesh.vertices[next] - mesh.vertices[centre]).norm() <= reach_in_radii * r)
+        open.emplace(r, centre, next);
+  }
+  return radius;
+}
+
+}  // namespace fascicle::build
