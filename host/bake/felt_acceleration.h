@@ -18,7 +18,7 @@ namespace fascicle::bake {
 
 // 1/s^2, times the body's extent: the bound where the scene has none. Clips take the same time whatever the
 // size, so accelerations grow with it. See docs/architecture.md for what clips have.
-inline constexpr double default_acceleration_limit = 1000.0;
+inline constexpr double default_acceleration_limit = 200.0;
 
 class FeltAcceleration {
  public:
