@@ -28,19 +28,23 @@ std::vector<double> half_edges(const scene::TetMesh& mesh, const OneRings& rings
 std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<double>& from_skin) {
   const OneRings rings = one_rings(mesh.vertices.size(), mesh.tetrahedra);
   const std::vector<double> half = half_edges(mesh, rings);
-  // Balls spread from their centres, the largest first: the first to come to a vertex is its own.
+  // Balls spread from their centres, the largest first: the first to come to a vertex is its own. A smaller one goes on
+  // through it only where it reaches further beyond than those before.
   using Reach = std::tuple<double, std::uint32_t, std::uint32_t>;  // radius, centre, vertex
   std::priority_queue<Reach> open;
   for (std::uint32_t i = 0; i < half.size(); ++i) open.emplace(std::max(from_skin[i], half[i]), i, i);
-  std::vector<double> radius(half.size(), -1.0);
+  std::vector<double> radius(half.size(), 0.0), beyond(half.size(), -1.0);
   while (!open.empty()) {
     const auto [r, centre, vertex] = open.top();
     open.pop();
-    if (radius[vertex] >= 0.0) continue;
-    radius[vertex] = r;
+    const auto left = [&, r = r, centre = centre](std::uint32_t i) {
+      return reach_in_radii * r - (mesh.vertices[i] - mesh.vertices[centre]).norm();
+    };
+    if (left(vertex) <= beyond[vertex]) continue;
+    beyond[vertex] = left(vertex);
+    radius[vertex] = std::max(radius[vertex], r);
     for (const std::uint32_t next : rings[vertex])
-      if (radius[next] < 0.0 && (mesh.vertices[next] - mesh.vertices[centre]).norm() <= reach_in_radii * r)
-        open.emplace(r, centre, next);
+      if (left(next) > std::max(beyond[next], 0.0)) open.emplace(r, centre, next);
   }
   return radius;
 }

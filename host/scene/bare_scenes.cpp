@@ -100,7 +100,13 @@ Stiffness stiffness_for(const Character& character, const std::optional<std::str
   return is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
 }
 
-std::string layers_for_character(const Character& character, Stiffness by) {
+// A rate that is no number or out of range is refused when the scene is read.
+int implicit_substeps(double fps) {
+  constexpr double steps_per_second = 240.0;
+  return fps > 2.4 ? std::max(1, static_cast<int>(std::lround(steps_per_second / fps))) : 100;
+}
+
+std::string layers_for_character(const Character& character, Stiffness by, double fps) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
@@ -136,17 +142,18 @@ std::string layers_for_character(const Character& character, Stiffness by) {
          where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
          "[solver]\n" +
-         (by_alpha ? "substeps = \"auto\"\n" : "integrator = \"implicit\"\nsubsteps = 4\n");
+         (by_alpha ? "substeps = \"auto\"\n"
+                   : "integrator = \"implicit\"\nsubsteps = " + std::to_string(implicit_substeps(fps)) + "\n");
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const Character& character,
-                                Stiffness stiffness) {
+                                Stiffness stiffness, double fps) {
   return "[scene]\n"
          "fps = 60\n"
          "\n"
          "[character]\n"
          "file = " +
-         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness);
+         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, fps);
 }
 
 }  // namespace fascicle::scene

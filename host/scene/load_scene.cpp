@@ -71,7 +71,8 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
                           scene_for_character(path, std::get<Character>(sized.geometry),
                                               stiffness_for(std::get<Character>(sized.geometry),
                                                             overridden(overrides, "solver.integrator"),
-                                                            overridden(overrides, "solver.weights"))),
+                                                            overridden(overrides, "solver.weights")),
+                                              fps_of(overrides, std::nullopt)),
                           {}},
                          overrides);
     }

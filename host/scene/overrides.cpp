@@ -147,6 +147,16 @@ std::optional<std::string> overridden(const SceneOverrides& overrides, std::stri
   return value;
 }
 
+double fps_of(const SceneOverrides& overrides, const std::optional<double>& in_file) {
+  if (overrides.fps) return *overrides.fps;
+  const double otherwise = in_file.value_or(Scene{}.fps);
+  const std::optional<std::string> set = overridden(overrides, "scene.fps");
+  if (!set) return otherwise;
+  double value = otherwise;
+  std::from_chars(set->data(), set->data() + set->size(), value);
+  return value;
+}
+
 void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   std::uint32_t ordinal = 0;
   const auto set = [&](std::string option, std::string_view path, std::string value) {
