@@ -28,8 +28,8 @@ std::vector<double> half_edges(const scene::TetMesh& mesh, const OneRings& rings
 std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<double>& from_skin) {
   const OneRings rings = one_rings(mesh.vertices.size(), mesh.tetrahedra);
   const std::vector<double> half = half_edges(mesh, rings);
-  // Balls spread from their centres, the largest first: the first to come to a vertex is its own. A smaller one goes on
-  // through it only where it reaches further beyond than those before.
+  // Balls spread from their centres, the largest first: the first to come to a vertex is its own. A smaller
+  // one goes on through it only where it reaches further beyond than those before.
   using Reach = std::tuple<double, std::uint32_t, std::uint32_t>;  // radius, centre, vertex
   std::priority_queue<Reach> open;
   for (std::uint32_t i = 0; i < half.size(); ++i) open.emplace(std::max(from_skin[i], half[i]), i, i);

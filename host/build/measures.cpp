@@ -20,8 +20,9 @@ constexpr double least_own_share = 0.02;
 constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
 // A vertex with this much of its weight on kinematic joints is part of a head, a hand or a foot.
 constexpr double following_share = 0.5;
-// Flesh lies within one local radius of a bone in the middle of a limb, and within two of one at its other side, as a
-// belly does of a spine. What is further off (a jaw, a hand beyond its last joint) has no bone in it.
+// Flesh lies within one local radius of a bone in the middle of a limb, and within two of one at its other
+// side, as a belly does of a spine. What is further off (a jaw, a hand beyond its last joint) has no bone in
+// it.
 constexpr double furthest_in_radii = 2.0;
 
 // The share of a vertex's weights on joints whose bone is that of `joint`.

@@ -23,9 +23,9 @@ class Measures {
 
   const Body& body() const { return body_; }
 
-  // Whether kinematic joints move the vertex for the most part, a rigid part holds it, or it lies further from
-  // every bone of its own than the body is thick there: heads, hands, feet and jaws have no bone inside that
-  // a distance could be measured from, and follow the skeleton.
+  // Whether kinematic joints move the vertex for the most part, a rigid part holds it, or it lies further
+  // from every bone of its own than the body is thick there: heads, hands, feet and jaws have no bone inside
+  // that a distance could be measured from, and follow the skeleton.
   const std::vector<char>& follows_joints();
 
   // The nearest of each vertex's own bones: those that an owner with at least 2 % of the vertex's weights

@@ -102,7 +102,8 @@ std::vector<Part> connected_parts_of(const scene::SurfaceMesh& surface, const Sk
   return parts_of(surface, itself, weights);
 }
 
-// Parts of the welded skin that are connected within one object and material; their first vertices are the file's.
+// Parts of the welded skin that are connected within one object and material; their first vertices are the
+// file's.
 std::vector<Part> inlays_of(const scene::Character& character, const WeldedSurface& welded,
                             const SkinWeights& weights) {
   scene::SurfaceMesh split;
@@ -246,11 +247,10 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
     if (!inlay.is_hard || inlay.area > largest_inlay_share * whole || simulated[joint] ||
         std::all_of(inlay.vertices.begin(), inlay.vertices.end(), is_rigid))
       continue;
-    rigid.report.push_back({name_of_vertex(character, inlay.first),
-                            character.skeleton[joint].name,
-                            "a patch of its own material that one joint moves, " +
-                                percent(inlay.area / whole) + " of the skin",
-                            static_cast<std::uint32_t>(inlay.vertices.size())});
+    rigid.report.push_back(
+        {name_of_vertex(character, inlay.first), character.skeleton[joint].name,
+         "a patch of its own material that one joint moves, " + percent(inlay.area / whole) + " of the skin",
+         static_cast<std::uint32_t>(inlay.vertices.size())});
     for (const std::uint32_t v : inlay.vertices) rigid.is_rigid[v] = 1;
   }
   return rigid;

@@ -5,9 +5,10 @@
 // vertex by 0.99 of its weights or more), or a blend that is the same all over (no vertex off the mean by
 // more than 0.05), with at most a quarter of the skin's area each: a man of separate blocks has flesh in the
 // large ones. If all parts of the skin are such, two or more and of two joints or more, the character is a
-// robot, and all of it is rigid. So are inlays, teeth, claws and eyes that are modelled into the skin: patches of one
-// object and material that one joint moves, of at most a hundredth of the skin's area each. A skin in one piece and
-// material has none, however hard its weights: figures of few polygons have hard weights everywhere. A joint in skeleton.simulated, and those below it, have none.
+// robot, and all of it is rigid. So are inlays, teeth, claws and eyes that are modelled into the skin:
+// patches of one object and material that one joint moves, of at most a hundredth of the skin's area each. A
+// skin in one piece and material has none, however hard its weights: figures of few polygons have hard
+// weights everywhere. A joint in skeleton.simulated, and those below it, have none.
 //
 // Asked for are, by skeleton.rigid, the skin of joints (half of the weights or more), of objects and of
 // materials, and where the attribute _RIGID is painted with 0.5 or more.

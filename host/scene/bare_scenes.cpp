@@ -142,8 +142,9 @@ std::string layers_for_character(const Character& character, Stiffness by, doubl
          where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
          "[solver]\n" +
-         (by_alpha ? "substeps = \"auto\"\n"
-                   : "integrator = \"implicit\"\nsubsteps = " + std::to_string(implicit_substeps(fps)) + "\n");
+         (by_alpha
+              ? "substeps = \"auto\"\n"
+              : "integrator = \"implicit\"\nsubsteps = " + std::to_string(implicit_substeps(fps)) + "\n");
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const Character& character,

@@ -378,10 +378,9 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   };
   const auto& character = std::get<Character>(loaded.geometry);
   const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
-  toml::table defaults =
-      toml::parse(layers_for_character(character, stiffness,
-                                       fps_of(overrides, root["scene"]["fps"].value<double>())),
-                  std::string_view("default layers"));
+  toml::table defaults = toml::parse(
+      layers_for_character(character, stiffness, fps_of(overrides, root["scene"]["fps"].value<double>())),
+      std::string_view("default layers"));
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())

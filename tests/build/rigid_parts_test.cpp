@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -216,6 +217,62 @@ TEST(RigidParts, AnEvenBlendIsRigidAndAnUnevenOneIsNot) {
 
 TEST(RigidParts, OnePieceOfHardWeightsIsFlesh) {
   EXPECT_EQ(count_rigid(scene_of(trunk_with({}, true))), 0u);
+}
+
+// The trunk with what lies on its front from `low` to `high` taken out and put back in a material of its own.
+scene::Scene inlaid_trunk(double low, double high, const std::string& material,
+                          double weight_of_chest = 1.0) {
+  scene::Character c = trunk_with({});
+  Piece inlay{
+      {}, Vector3d::Zero(), {{chest, weight_of_chest}, {pelvis, 1.0 - weight_of_chest}}, "Body", material};
+  std::map<std::uint32_t, std::uint32_t> number;
+  std::vector<std::array<std::uint32_t, 3>> left;
+  for (const auto& t : c.surface.triangles) {
+    const bool is_inlaid = std::all_of(t.begin(), t.end(), [&](std::uint32_t v) {
+      const Vector3d& p = c.surface.vertices[v];
+      return p[1] > low && p[1] < high && p[2] > 0.9 * trunk_radius;
+    });
+    if (!is_inlaid) {
+      left.push_back(t);
+      continue;
+    }
+    std::array<std::uint32_t, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [entry, is_new] =
+          number.try_emplace(t[k], static_cast<std::uint32_t>(inlay.surface.vertices.size()));
+      if (is_new) inlay.surface.vertices.push_back(c.surface.vertices[t[k]]);
+      corners[k] = entry->second;
+    }
+    inlay.surface.triangles.push_back(corners);
+  }
+  c.surface.triangles = left;
+  c.parts[0].triangle_count = static_cast<std::uint32_t>(left.size());
+  add(c, inlay);
+  return scene_of(c);
+}
+
+TEST(RigidParts, AToothThatIsModelledIntoTheSkinIsRigid) {
+  const scene::Scene scene = inlaid_trunk(1.08, 1.22, "Tooth");
+  const auto& character = std::get<scene::Character>(scene.geometry);
+  const Found found = find_in(scene);
+  ASSERT_EQ(found.rigid.report.size(), 1u);
+  EXPECT_EQ(found.rigid.report[0].name, "Body / Tooth");
+  EXPECT_EQ(found.rigid.report[0].joint, "Chest");
+  EXPECT_EQ(count_rigid(scene), character.parts[1].vertex_count);
+  // It is in the skin, not apart from it.
+  EXPECT_EQ(std::count(found.rigid.is_apart.begin(), found.rigid.is_apart.end(), char{1}), 0);
+  const model::Model m = build_with(scene, with_mesher());
+  for (std::uint32_t v = character.parts[1].first_vertex; v < character.surface.vertices.size(); ++v)
+    EXPECT_LT(ride_of(m, character, v).error, ride_tolerance) << v;
+}
+
+// The controls: without a material of its own, with blended weights, or large, it is flesh.
+TEST(RigidParts, OtherPatchesOfTheSkinAreFlesh) {
+  EXPECT_EQ(count_rigid(inlaid_trunk(1.08, 1.22, "Tooth", 0.8)), 0u);
+  EXPECT_EQ(count_rigid(inlaid_trunk(0.95, 1.35, "Bib")), 0u);
+  scene::Scene same = inlaid_trunk(1.08, 1.22, "Skin");
+  std::get<scene::Character>(same.geometry).parts.pop_back();
+  EXPECT_EQ(count_rigid(same), 0u);
 }
 
 TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
