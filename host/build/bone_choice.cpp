@@ -372,7 +372,8 @@ class Chooser {
       const bool is_left_out = !settings_.only.empty() && !only[j];
       joint.is_kinematic =
           !simulated[j] && (is_left_out || kinematic[j] || (!only_itself[j] && follows(j, bone)));
-      choice_.joints.push_back({joint.name, joint.parent, bone, joint.is_kinematic});
+      choice_.joints.push_back(
+          {joint.name, joint.parent, bone, joint.is_kinematic, simulated[j] || !joint.is_bone});
     }
   }
 

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double least_own_share = 0.02;
 constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
-// A vertex with this much of its weight on kinematic joints is part of a head, a hand or a foot.
+// A vertex with this much of its weight on joints that are kinematic, or whose bones are far, is part of a
+// head, a hand, a foot or a jaw.
 constexpr double following_share = 0.5;
 // Flesh lies within one local radius of a bone in the middle of a limb, and within two of one at its other
 // side, as a belly does of a spine. What is further off (a jaw, a hand beyond its last joint) has no bone in
@@ -55,6 +56,16 @@ NearestBone nearest_bone(const Body& body, std::size_t vertex) {
     if (distance < own.distance && is_own_bone(body, vertex, bone)) own = {b, distance};
   }
   return own.distance < far ? own : any;
+}
+
+// Of a vertex from the nearest bone that begins or ends at a joint, m; 0 where it has none.
+double distance_of_joint(const Body& body, std::size_t vertex, std::int32_t joint) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  double least = far;
+  for (const Bone& bone : body.bones)
+    if (bone.owners[0] == joint || bone.owners[2] == joint)
+      least = std::min(least, segment_distance(body.mesh.vertices[vertex], bone.from, bone.to));
+  return least < far ? least : 0.0;
 }
 
 const scene::PaintedAttribute* find_painted(const Body& body, const std::string& name, std::size_t& channel) {
@@ -120,16 +131,20 @@ const std::vector<char>& Measures::follows_joints() {
   for (std::size_t i = 0; i < follows_.size(); ++i)
     if (holding_of(body_, i) != Holding::none) follows_[i] = 1;
   if (body_.joints.empty()) return follows_;
-  std::vector<char> kinematic;
-  for (const JointUse& joint : body_.joints) kinematic.push_back(joint.is_kinematic ? 1 : 0);
-  const std::vector<double> share = shares_of(kinematic);
-  for (std::size_t i = 0; i < share.size(); ++i)
-    if (share[i] >= following_share) follows_[i] = 1;
-  if (body_.bones.empty()) return follows_;
-  const std::vector<NearestBone>& nearest = nearest_bones();
-  const std::vector<double> radius = local_radii(body_.mesh, skin_distances());
-  for (std::size_t i = 0; i < share.size(); ++i)
-    if (nearest[i].distance > furthest_in_radii * radius[i]) follows_[i] = 1;
+  std::vector<double> radius;
+  if (!body_.bones.empty()) radius = local_radii(body_.mesh, skin_distances());
+  for (std::size_t i = 0; i < follows_.size(); ++i) {
+    double share = 0.0;
+    for (std::uint32_t k = body_.skin.offset[i]; k < body_.skin.offset[i + 1]; ++k) {
+      const JointUse& joint = body_.joints[body_.skin.joint[k]];
+      const auto is_far = [&] {
+        return distance_of_joint(body_, i, joint.bone) > furthest_in_radii * radius[i];
+      };
+      if (joint.is_kinematic || (!joint.is_free && !radius.empty() && is_far()))
+        share += body_.skin.weight[k];
+    }
+    if (share >= following_share) follows_[i] = 1;
+  }
   return follows_;
 }
 

@@ -23,8 +23,8 @@ class Measures {
 
   const Body& body() const { return body_; }
 
-  // Whether kinematic joints move the vertex for the most part, a rigid part holds it, or it lies further
-  // from every bone of its own than the body is thick there: heads, hands, feet and jaws have no bone inside
+  // Whether a rigid part holds the vertex, or most of its weights are of joints that are kinematic or whose
+  // bones lie further from it than the body is thick there: heads, hands, feet and jaws have no bone inside
   // that a distance could be measured from, and follow the skeleton.
   const std::vector<char>& follows_joints();
 
