@@ -460,6 +460,13 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
   return Run(scene, model, solver, options).go();
 }
 
+std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
+  if (first_of_range < handles)
+    throw BakeError("--first-frame " + number_text(first_of_range) + ": " + number_text(handles) +
+                    " handles before it would have numbers below 0; give at least " + number_text(handles));
+  return first_of_range - handles;
+}
+
 std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
                            const std::vector<std::string>& formats, const GlbOptions& glb) {
   const std::uint64_t samples = scene::frame_count(scene) + 1;

@@ -92,6 +92,10 @@ struct BakeResult {
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 
+// The number of frame 0 where the range's first frame has this one. Throws BakeError where handles would get
+// numbers below 0.
+std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles);
+
 // Names accepted in BakeOptions::formats.
 const std::vector<std::string>& format_names();
 

@@ -133,6 +133,11 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
                       "Play the clip before frame 0 until it ends as it began, then write one cycle");
   subcommand.add_option("--hold", overrides.hold, "Seconds in which the clip's last pose is held");
   subcommand
+      .add_option("--handles", overrides.handles,
+                  "Frames more before the start and after the end, simulated and written; their numbers lie "
+                  "around --first-frame and the last")
+      ->option_text("N");
+  subcommand
       .add_option("--cage", overrides.cage,
                   "Surfaces and characters: fill the skin itself or a cage around it (auto, off, wrap)")
       ->option_text("MODE");

@@ -83,7 +83,8 @@ void add_export(CLI::App& app, Command& command) {
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace files of the same names");
   subcommand
       ->add_option("--first-frame", arguments->first_number,
-                   "Number of the first frame in what other programs read; the bake's own without it")
+                   "Number of the first frame after the handles in what other programs read; the bake's "
+                   "own without it")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);
