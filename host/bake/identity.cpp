@@ -108,6 +108,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   if (std::find(formats.begin(), formats.end(), "glb") != formats.end()) {
     identity.emplace_back("--glb-stride", number_text(options.glb.stride));
     if (options.glb.error) identity.emplace_back("--glb-error", number_text(*options.glb.error));
+    if (options.glb.compress) identity.emplace_back("--glb-compress", number_text(*options.glb.compress));
     identity.emplace_back("--glb-tolerance",
                           options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
   }

@@ -22,6 +22,7 @@ struct GlbOptions {
                                   // them linearly, this near to every baked frame
   std::optional<double> tolerance{};  // m: vertices nearer than this to plain skinning are left out of a
                                       // target; none: 1e-6 of the body's diagonal
+  std::optional<double> compress{};   // m: quantised and compressed, no vertex moved further; none: floats
 };
 
 struct SurfaceObjects;

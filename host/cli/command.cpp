@@ -63,6 +63,12 @@ void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
           "diagonal without it")
       ->check(CLI::NonNegativeNumber.description(""))
       ->option_text("M");
+  subcommand
+      .add_option("--glb-compress", glb.compress,
+                  "glb: for viewers on the web, quantise so that no vertex moves by more than M metres, and "
+                  "compress (EXT_meshopt_compression, which Blender does not read); 0.0001 is a good start")
+      ->check(CLI::PositiveNumber.description(""))
+      ->option_text("M");
 }
 
 void log_report(const bake::SinkReport& report, Log& log) {
