@@ -301,7 +301,8 @@ void Run::begin_sinks(std::uint64_t first) {
                       .before = before,
                       .glb = options_.glb,
                       .objects = surface,
-                      .first_number = options_.first_number};
+                      .first_number = options_.first_number,
+                      .usd_skel = options_.usd_skel};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),

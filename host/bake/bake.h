@@ -55,6 +55,7 @@ struct BakeOptions {
   std::vector<std::string> formats;  // of format_names()
   GlbOptions glb = {};
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
+  bool usd_skel = false;           // usda: skinning alone beside the points
   bool overwrite = false;          // removes what a bake made in the folder, and nothing else
   bool resume = false;             // goes on from the last checkpoint; starts afresh where there is none
   std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,

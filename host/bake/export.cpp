@@ -150,7 +150,8 @@ ExportResult Export::go() {
                       .character = character,
                       .glb = options_.glb,
                       .objects = surface,
-                      .first_number = first};
+                      .first_number = first,
+                      .usd_skel = options_.usd_skel};
   ExportResult result{.frames = header.frames, .files = {}, .report = {}};
   // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
   if (own_) add_to_manifest(folder_, names());

@@ -20,6 +20,7 @@ struct ExportOptions {
   std::vector<std::string> formats;  // at least one
   GlbOptions glb = {};
   std::optional<std::uint64_t> first_number = {};  // of the range's first frame; without it the bake's own
+  bool usd_skel = false;                           // usda: skinning alone beside the points
   bool overwrite = false;                          // replaces files of these names
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};

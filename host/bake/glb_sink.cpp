@@ -69,7 +69,6 @@ class GlbSink final : public FrameSink {
 
  private:
   void read_character(const BakeInfo& info);
-  std::vector<Matrix4d> joints_at(std::uint64_t frame) const;
   std::vector<double> stretch() const;
   GlbFrame frame_of(const model::Frame& frame) const;
   void write_target(const GlbFrame& frame);
@@ -135,20 +134,13 @@ void GlbSink::begin(const BakeInfo& info) {
   stream_.emplace(SpoolFile::start(info.folder / glb_spool));
 }
 
-std::vector<Matrix4d> GlbSink::joints_at(std::uint64_t frame) const {
-  if (rig_.character.skeleton.empty()) return {};
-  const scene::Clip* clip = has_baked_clip(document_.json) ? scene::find_clip(rig_.character, "") : nullptr;
-  // The time as the file has it.
-  const auto time = static_cast<float>(static_cast<double>(frame) / info_.fps);
-  return scene::joint_transforms_at(rig_.character, clip, double{time});
-}
-
 // Of each part: how much longer its joints make a way in any frame. A blend stretches no more than the joint
 // that stretches most.
 std::vector<double> GlbSink::stretch() const {
   std::vector<double> most(rig_.parts.size(), 0.0);
+  const bool has_clip = has_baked_clip(document_.json);
   for (std::uint64_t k = 0; k <= info_.frames; ++k) {
-    const std::vector<Matrix4d> joints = joints_at(k);
+    const std::vector<Matrix4d> joints = baked_joints(rig_, has_clip, k, info_.fps);
     for (std::size_t p = 0; p < most.size(); ++p) {
       const scene::RigPart& part = rig_.parts[p];
       if (part.influence_offset.empty()) most[p] = 1.0;
@@ -170,7 +162,8 @@ void GlbSink::write(const model::Frame& frame) {
 GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
   const model::Model& model = *info_.model;
   const std::size_t count = model.surface_count();
-  const std::vector<Matrix4d> joints = joints_at(frame.index);
+  const std::vector<Matrix4d> joints =
+      baked_joints(rig_, has_baked_clip(document_.json), frame.index, info_.fps);
   GlbFrame result;
   result.index = frame.index;
   std::vector<Vector3d> away(count);

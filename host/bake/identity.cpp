@@ -112,6 +112,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
     identity.emplace_back("--glb-tolerance",
                           options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
   }
+  if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
   if (options.first_number != 0) identity.emplace_back("--first-frame", number_text(options.first_number));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);

@@ -35,7 +35,7 @@ struct BakeArguments {
   std::optional<std::uint64_t> first_number;
   std::string device = "auto";
   unsigned threads = 0;
-  bool overwrite = false, resume = false, dry_run = false;
+  bool usd_skel = false, overwrite = false, resume = false, dry_run = false;
 };
 
 // The first `substeps` of a frame.
@@ -253,6 +253,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.formats = arguments.formats;
   options.glb = arguments.glb;
   options.first_number = first_number;
+  options.usd_skel = arguments.usd_skel;
   options.overwrite = arguments.overwrite;
   options.resume = arguments.resume;
   options.device = simulation.device.description();
@@ -327,6 +328,7 @@ void add_bake(CLI::App& app, Command& command) {
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);
+  add_usd_options(*subcommand, arguments->usd_skel);
   add_log_options(*subcommand, command.log);
   subcommand->callback(
       [arguments, &command] { command.run = [arguments](Log& log) { return bake_scene(*arguments, log); }; });

@@ -71,6 +71,12 @@ void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
       ->option_text("M");
 }
 
+void add_usd_options(CLI::App& subcommand, bool& skel) {
+  subcommand.add_flag("--usd-skel", skel,
+                      "usda: beside the baked points the character by skinning alone, as UsdSkel, with the "
+                      "purpose guide");
+}
+
 void log_report(const bake::SinkReport& report, Log& log) {
   for (const std::string& note : report.notes) log.info(note);
   for (const std::string& warning : report.warnings) log.warning(warning);

@@ -80,7 +80,7 @@ TEST(GlbCompress, ShowsThePlainFileWithinItsBound) {
 TEST(GlbCompress, SaysWhatAReaderMustKnow) {
   const TemporaryFolder folder;
   const fs::path out = baked_jointed(folder, "out", 1e-4);
-  const Glb glb = read_glb(out / "surface.glb");
+  const GlbChunks glb = read_glb(out / "surface.glb");
   for (const char* list : {"extensionsUsed", "extensionsRequired"})
     EXPECT_EQ(glb.document[list],
               (std::vector<std::string>{"EXT_meshopt_compression", "KHR_mesh_quantization"}));

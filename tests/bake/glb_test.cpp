@@ -32,7 +32,7 @@ using nlohmann::json;
 using scene::Vector3d;
 
 // A float accessor without a view of its own: zeros, and what its sparse part puts in their place.
-std::vector<float> sparse(const Glb& glb, std::size_t number, std::size_t width) {
+std::vector<float> sparse(const GlbChunks& glb, std::size_t number, std::size_t width) {
   const json& accessor = glb.document["accessors"][number];
   EXPECT_FALSE(accessor.contains("bufferView"));
   std::vector<float> values(accessor["count"].get<std::size_t>() * width, 0.0f);
@@ -57,7 +57,7 @@ Vector3d vector_at(const std::vector<float>& values, std::size_t i) {
 // What a viewer shows when weight `target` is 1, at the time of the skeleton's key.
 void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint64_t frame) {
   const model::Model model = jointed_model();
-  const Glb glb = read_glb(folder / "surface.glb");
+  const GlbChunks glb = read_glb(folder / "surface.glb");
   const json& primitive = glb.document["meshes"][0]["primitives"][0];
   const std::vector<float> moves = sparse(glb, primitive["targets"][target]["POSITION"], 3);
   const std::vector<float> turns = sparse(glb, primitive["targets"][target]["NORMAL"], 3);
@@ -91,7 +91,7 @@ void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint6
 TEST(Glb, SkeletonAndTargetsTogetherAreTheBake) {
   const TemporaryFolder folder;
   bake_jointed(options_for(folder / "out"), 6);
-  const Glb glb = read_glb(folder / "out/surface.glb");
+  const GlbChunks glb = read_glb(folder / "out/surface.glb");
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"].size(), 7u);
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"][3], "frame 3");
   EXPECT_EQ(glb.document["extras"]["fascicle"]["fps"], 24.0);
@@ -111,7 +111,7 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
   bake::BakeOptions options = options_for(folder / "out");
   options.glb.stride = 4;
   bake_jointed(options, 6);
-  const Glb glb = read_glb(folder / "out/surface.glb");
+  const GlbChunks glb = read_glb(folder / "out/surface.glb");
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"],
             (std::vector<std::string>{"frame 0", "frame 4", "frame 6"}));
   expect_baked_surface(folder / "out", 1, 4);
@@ -122,7 +122,7 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
 // How far a viewer is from the bake in every frame, m: from the file alone and the frame cache.
 double error_of_viewer(const fs::path& folder, std::uint64_t frames) {
   const model::Model model = jointed_model();
-  const Glb glb = read_glb(folder / "surface.glb");
+  const GlbChunks glb = read_glb(folder / "surface.glb");
   const json& primitive = glb.document["meshes"][0]["primitives"][0];
   std::vector<std::uint64_t> keys;
   std::vector<std::vector<float>> moves;
@@ -182,7 +182,7 @@ TEST(Glb, ErrorChoosesTheFrames) {
     bake::BakeOptions options = options_for(folder / "out");
     options.glb.error = bound;
     bake_jointed(options, 12);
-    const Glb glb = read_glb(folder / "out/surface.glb");
+    const GlbChunks glb = read_glb(folder / "out/surface.glb");
     const std::size_t targets = glb.document["meshes"][0]["extras"]["targetNames"].size();
     EXPECT_LT(targets, targets_before) << bound;
     targets_before = targets;
@@ -213,7 +213,7 @@ TEST(Glb, ToleranceLeavesVerticesToSkinning) {
   bake::BakeOptions options = options_for(folder / "out");
   options.glb.tolerance = 1000.0;
   bake_jointed(options, 6);
-  const Glb glb = read_glb(folder / "out/surface.glb");
+  const GlbChunks glb = read_glb(folder / "out/surface.glb");
   const json& targets = glb.document["meshes"][0]["primitives"][0]["targets"];
   for (const json& target : targets)
     for (const float value : sparse(glb, target["POSITION"], 3)) EXPECT_EQ(value, 0.0f);

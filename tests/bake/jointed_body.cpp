@@ -70,14 +70,14 @@ bake::BakeResult bake_jointed(const bake::BakeOptions& options, std::uint64_t fr
   return bake::bake(jointed_scene(frames), model, solver, options);
 }
 
-Glb read_glb(const std::filesystem::path& path) {
+GlbChunks read_glb(const std::filesystem::path& path) {
   const std::string bytes = read_text(path);
   EXPECT_EQ(bytes.substr(0, 4), "glTF");
   EXPECT_EQ(read_value<std::uint32_t>(bytes, 4), 2u);
   EXPECT_EQ(read_value<std::uint32_t>(bytes, 8), bytes.size());
   const auto length = read_value<std::uint32_t>(bytes, 12);
   EXPECT_EQ(bytes.substr(16, 4), "JSON");
-  Glb glb{.document = json::parse(bytes.substr(20, length)), .binary = bytes.substr(28 + length)};
+  GlbChunks glb{.document = json::parse(bytes.substr(20, length)), .binary = bytes.substr(28 + length)};
   EXPECT_EQ(read_value<std::uint32_t>(bytes, 20 + length), glb.binary.size());
   return glb;
 }

@@ -17,10 +17,10 @@ model::Model jointed_model();
 scene::Scene jointed_scene(std::uint64_t frames);
 bake::BakeResult bake_jointed(const bake::BakeOptions& options, std::uint64_t frames);
 
-struct Glb {
+struct GlbChunks {
   nlohmann::json document;
   std::string binary;
 };
-Glb read_glb(const std::filesystem::path& path);
+GlbChunks read_glb(const std::filesystem::path& path);
 
 }  // namespace fascicle::tests

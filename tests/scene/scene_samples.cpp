@@ -161,6 +161,7 @@ seamless = false
 seamless_tolerance = 0.01
 seamless_cycles = 5
 hold = 0.125
+handles = 3
 cuts = [0.5, 0.25]
 acceleration_limit = 500.0
 cut_distance = 4.0
