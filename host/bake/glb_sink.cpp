@@ -8,7 +8,7 @@
 // stay. Where the surface is turned as skinning alone turns it they are not stored either.
 //
 // The numbers of a target go into a stream beside the file; the JSON that must stand before them is known
-// last.
+// last. Where they are to be few, glb_compress.h makes them.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -191,24 +191,9 @@ TEST(GlbCompress, ABodyWithoutSkeletonIsPlacedByItsNode) {
 
 TEST(GlbCompress, SeveralObjectsOfOneSkinShareAGrid) {
   const TemporaryFolder folder;
-  const model::Model model = dressed_model();
   const auto write = [&](const char* name, std::optional<double> compress) {
     fs::create_directories(folder / name);
-    write_dressed(folder / name / "character.glb");
-    const model::Frame initial = turned(model, 0);
-    const auto sink = bake::make_glb_sink();
-    sink->begin({.model = &model,
-                 .folder = folder / name,
-                 .scene_name = "s",
-                 .fps = 8.0,
-                 .start = 0.0,
-                 .frames = 3,
-                 .first = 0,
-                 .initial = &initial,
-                 .character = folder / name / "character.glb",
-                 .glb = {.compress = compress}});
-    for (std::uint64_t k = 0; k < 4; ++k) sink->write(turned(model, k));
-    sink->finish();
+    write_dressed_frames(bake::make_glb_sink(), folder / name, {.glb = {.compress = compress}});
     return folder / name / "surface.glb";
   };
   const GltfViewer plain(write("plain", {})), small = unpacked(write("small", 1e-3));

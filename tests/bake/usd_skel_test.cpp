@@ -153,22 +153,7 @@ TEST(UsdSkel, IsSkinningByTheFilesSkeleton) {
 TEST(UsdSkel, ObjectsAreBoundWhereTheFileHasThemInItsOwnAxes) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
-  const model::Model model = dressed_model();
-  const model::Frame initial = turned(model, 0);
-  write_dressed(folder / "character.glb");
-  const auto sink = bake::make_usda_sink();
-  sink->begin({.model = &model,
-               .folder = folder / "",
-               .scene_name = "s",
-               .fps = 8.0,
-               .start = 0.0,
-               .frames = 1,
-               .first = 0,
-               .initial = &initial,
-               .character = folder / "character.glb",
-               .usd_skel = true});
-  for (std::uint64_t k = 0; k < 2; ++k) sink->write(turned(model, k));
-  sink->finish();
+  write_dressed_frames(bake::make_usda_sink(), folder / "", {.usd_skel = true});
   const json usd = read_usd(folder / "surface.usda");
   std::vector<Vector3d> shown;
   for (const char* mesh : {"Body_001", "Body_001_2"})
