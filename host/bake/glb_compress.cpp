@@ -178,7 +178,21 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
                     number_text(std::ceil(least_bound * 1e7) / 1e7));
 }
 
-// Whole numbers.
+std::size_t GlbCompression::view_of(Kind kind) {
+  return kind == Kind::bytes ? 0 : kind == Kind::shorts ? 1 : 2;
+}
+
+int GlbCompression::type_of(Kind kind) {
+  return kind == Kind::bytes ? byte_type : kind == Kind::shorts ? short_type : float_type;
+}
+
+double GlbCompression::largest(const std::vector<Steps>& values) {
+  double most = 0.0;
+  for (const Steps& value : values)
+    for (const double x : value) most = std::max(most, std::abs(x));
+  return most;
+}
+
 GlbCompression::Steps GlbCompression::steps_at(std::size_t part, const Vector3d& place) const {
   const Grid& grid = grids_[part];
   Steps steps{};
@@ -194,70 +208,68 @@ void GlbCompression::note_error(const GlbFrame& frame, std::size_t part, std::si
   error_ = std::max(error_, (blend.topLeftCorner<3, 3>() * off).norm());
 }
 
+GlbCompression::PartSteps GlbCompression::steps_of(const GlbFrame& frame, std::size_t part,
+                                                   std::size_t first) {
+  const Grid& grid = grids_[part];
+  const std::vector<Vector3d>&positions = rig_.parts[part].positions, &normals = rig_.parts[part].normals;
+  PartSteps steps{.moves = std::vector<Steps>(positions.size()), .turns = std::vector<Steps>(normals.size())};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vector3d move = frame.moved[first + i] != 0 ? vector_at(frame.moves, first + i) : Vector3d::Zero();
+    const Vector3d from = grid.has_steps ? positions[i] : Vector3d::Zero();
+    const Steps start = grid.has_steps ? steps_at(part, from) : Steps{}, end = steps_at(part, from + move);
+    Vector3d shown;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      steps.moves[i][axis] = end[axis] - start[axis];
+      const auto a = static_cast<Eigen::Index>(axis);
+      shown[a] = grid.origin[a] + grid.step * end[axis];
+    }
+    note_error(frame, part, i, shown - (from + move));
+    const Vector3d turn = vector_at(frame.turns, first + i);
+    if (normals.empty() || turn.isZero(0.0)) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      steps.turns[i][axis] = normal_step(normals[i][a] + turn[a]) - normal_step(normals[i][a]);
+    }
+  }
+  return steps;
+}
+
 std::string GlbCompression::target(const GlbFrame& frame) {
   std::array<std::string, 3> plain;
   const auto put = [&](Kind kind, const std::vector<Steps>& values) {
-    std::string& to = plain[kind == Kind::bytes ? 0 : kind == Kind::shorts ? 1 : 2];
+    if (kind == Kind::none) return std::uint32_t{0};
+    std::string& to = plain[view_of(kind)];
     const auto at = static_cast<std::uint32_t>(to.size());
-    const int type = kind == Kind::bytes ? byte_type : kind == Kind::shorts ? short_type : float_type;
-    for (const Steps& value : values) append_triple(to, type, value);
+    for (const Steps& value : values) append_triple(to, type_of(kind), value);
     return at;
-  };
-  const auto largest = [](const std::vector<Steps>& values) {
-    double most = 0.0;
-    for (const Steps& value : values)
-      for (const double x : value) most = std::max(most, std::abs(x));
-    return most;
   };
   std::size_t first = 0;
   for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
-    const scene::RigPart& part = rig_.parts[p];
     const Grid& grid = grids_[p];
-    const std::size_t count = part.positions.size();
-    std::vector<Steps> moves(count), turns(part.normals.empty() ? 0 : count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vector3d move =
-          frame.moved[first + i] != 0 ? vector_at(frame.moves, first + i) : Vector3d::Zero();
-      // Where nothing moves the steps stay: both roundings are one.
-      const Vector3d from = grid.has_steps ? part.positions[i] : Vector3d::Zero();
-      const Steps start = grid.has_steps ? steps_at(p, from) : Steps{};
-      const Steps end = grid.has_steps ? steps_at(p, from + move) : steps_at(p, move);
-      Vector3d shown;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        moves[i][axis] = end[axis] - start[axis];
-        const auto a = static_cast<Eigen::Index>(axis);
-        shown[a] = grid.origin[a] + grid.step * end[axis];
-      }
-      note_error(frame, p, i, shown - (from + move));
-      const Vector3d turn = vector_at(frame.turns, first + i);
-      if (turns.empty() || turn.isZero(0.0)) continue;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<Eigen::Index>(axis);
-        turns[i][axis] = normal_step(part.normals[i][a] + turn[a]) - normal_step(part.normals[i][a]);
-      }
-    }
+    auto [moves, turns] = steps_of(frame, p, first);
     Piece piece;
     const double far = largest(moves), round = largest(turns);
     piece.moves = far == 0.0                            ? Kind::none
                   : !grid.has_steps || far > most_steps ? Kind::floats
                   : far > 127.0                         ? Kind::shorts
                                                         : Kind::bytes;
+    piece.turns = round == 0.0 ? Kind::none : round > normal_steps ? Kind::floats : Kind::bytes;
     if (!grid.has_steps)
       for (Steps& move : moves)
         for (double& x : move) x *= grid.step;
-    for (std::size_t axis = 0; axis < 3 && count > 0; ++axis) {
-      const auto by = [axis](const Steps& a, const Steps& b) { return a[axis] < b[axis]; };
-      piece.least[axis] = (*std::min_element(moves.begin(), moves.end(), by))[axis];
-      piece.greatest[axis] = (*std::max_element(moves.begin(), moves.end(), by))[axis];
-    }
-    piece.turns = round == 0.0 ? Kind::none : round > normal_steps ? Kind::floats : Kind::bytes;
     if (piece.turns == Kind::floats)
       for (Steps& turn : turns)
         for (double& x : turn) x = turn_grain * std::round(x / normal_steps / turn_grain);
-    if (piece.moves != Kind::none) piece.moves_at = put(piece.moves, moves);
-    if (piece.turns != Kind::none) piece.turns_at = put(piece.turns, turns);
+    for (std::size_t axis = 0; axis < 3 && !moves.empty(); ++axis) {
+      const auto by = [axis](const Steps& a, const Steps& b) { return a[axis] < b[axis]; };
+      const auto [least, greatest] = std::minmax_element(moves.begin(), moves.end(), by);
+      piece.least[axis] = (*least)[axis];
+      piece.greatest[axis] = (*greatest)[axis];
+    }
+    piece.moves_at = put(piece.moves, moves);
+    piece.turns_at = put(piece.turns, turns);
     pieces_.push_back(piece);
-    first += count;
+    first += moves.size();
   }
   std::string bytes;
   Target& target = targets_.emplace_back();
@@ -379,10 +391,8 @@ std::string GlbCompression::accessors(std::size_t first_view) const {
       const Piece& piece = pieces_[t * rig_.parts.size() + p];
       const auto add = [&](Kind kind, std::uint32_t at, const std::string& more) {
         if (kind == Kind::none) return;
-        const std::size_t s = kind == Kind::bytes ? 0 : kind == Kind::shorts ? 1 : 2;
-        const int type = kind == Kind::bytes ? byte_type : kind == Kind::shorts ? short_type : float_type;
-        text += ",{\"bufferView\":" + number_text(number[s]) + ",\"byteOffset\":" + number_text(at) +
-                ",\"componentType\":" + number_text(type) +
+        text += ",{\"bufferView\":" + number_text(number[view_of(kind)]) +
+                ",\"byteOffset\":" + number_text(at) + ",\"componentType\":" + number_text(type_of(kind)) +
                 ",\"count\":" + number_text(rig_.parts[p].positions.size()) + ",\"type\":\"VEC3\"" + more +
                 '}';
       };

@@ -65,9 +65,16 @@ class GlbCompression {
     std::array<PackedView, 3> views{};  // offsets in the stream; count 0: none
   };
 
-  using Steps = std::array<double, 3>;
+  using Steps = std::array<double, 3>;  // whole numbers
+  struct PartSteps {
+    std::vector<Steps> moves, turns;  // of a target; of normals in 1/127
+  };
+  static std::size_t view_of(Kind kind);  // among those of a target
+  static int type_of(Kind kind);          // glTF's
+  static double largest(const std::vector<Steps>& values);
   void choose_grids(const nlohmann::json& document, const std::vector<double>& stretch, double bound);
   Steps steps_at(std::size_t part, const Eigen::Vector3d& place) const;
+  PartSteps steps_of(const GlbFrame& frame, std::size_t part, std::size_t first);
   void note_error(const GlbFrame& frame, std::size_t part, std::size_t vertex, const Eigen::Vector3d& off);
   std::size_t add_positions(scene::GltfDocument& document, std::size_t part) const;
 
