@@ -301,7 +301,8 @@ void Run::begin_sinks(std::uint64_t first) {
                       .before = before,
                       .glb = options_.glb,
                       .objects = surface,
-                      .first_number = options_.first_number};
+                      .first_number = options_.first_number,
+                      .usd_skel = options_.usd_skel};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
@@ -458,6 +459,13 @@ void Run::save_manifest(Status status) {
 BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
                 const BakeOptions& options) {
   return Run(scene, model, solver, options).go();
+}
+
+std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
+  if (first_of_range < handles)
+    throw BakeError("--first-frame " + number_text(first_of_range) + ": " + number_text(handles) +
+                    " handles before it would have numbers below 0; give at least " + number_text(handles));
+  return first_of_range - handles;
 }
 
 std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,

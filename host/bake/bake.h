@@ -55,6 +55,7 @@ struct BakeOptions {
   std::vector<std::string> formats;  // of format_names()
   GlbOptions glb = {};
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
+  bool usd_skel = false;           // usda: skinning alone beside the points
   bool overwrite = false;          // removes what a bake made in the folder, and nothing else
   bool resume = false;             // goes on from the last checkpoint; starts afresh where there is none
   std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
@@ -91,6 +92,10 @@ struct BakeResult {
   SinkReport report;                // of all formats
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
+
+// The number of frame 0 where the range's first frame has this one. Throws BakeError where handles would get
+// numbers below 0.
+std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles);
 
 // Names accepted in BakeOptions::formats.
 const std::vector<std::string>& format_names();

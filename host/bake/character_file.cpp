@@ -232,6 +232,14 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
   return glb_text(std::move(document));
 }
 
+std::vector<Eigen::Matrix4d> baked_joints(const scene::Rig& rig, bool has_clip, std::uint64_t frame,
+                                          double fps) {
+  if (rig.character.skeleton.empty()) return {};
+  const scene::Clip* clip = has_clip ? scene::find_clip(rig.character, "") : nullptr;
+  const auto time = static_cast<float>(static_cast<double>(frame) / fps);
+  return scene::joint_transforms_at(rig.character, clip, double{time});
+}
+
 scene::GltfDocument plain_document(const model::Model& model) {
   scene::GltfDocument document = empty_document();
   json primitive = primitive_of(model, document);

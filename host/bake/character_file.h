@@ -30,6 +30,11 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
 // Whether the first animation of a document is the clip that a bake was made with.
 bool has_baked_clip(const nlohmann::json& document);
 
+// Each joint's map from its own space to the world in a frame, at the time that the file has for it.
+// `has_clip`: has_baked_clip of the rig's document; without it the skeleton rests.
+std::vector<Eigen::Matrix4d> baked_joints(const scene::Rig& rig, bool has_clip, std::uint64_t frame,
+                                          double fps);
+
 // A document with the render mesh at rest and nothing else, for bodies that are no characters.
 scene::GltfDocument plain_document(const model::Model& model);
 

@@ -133,7 +133,10 @@ ExportResult Export::go() {
   const model::Frame initial = frame(0);
   const CacheHeader& header = cache_.header();
   const std::optional<ManifestSummary> manifest = read_manifest(options_.bake);
-  const std::uint64_t first = options_.first_number.value_or(manifest ? manifest->first_number : 0);
+  const std::uint64_t first = options_.first_number
+                                  ? first_written(*options_.first_number, manifest ? manifest->handles : 0)
+                              : manifest ? manifest->first_number
+                                         : 0;
   const fs::path character = model_.has_skeleton() ? options_.bake / character_name : fs::path();
   const auto surface = std::make_shared<const SurfaceObjects>(read_surface_objects(model_, character));
   const BakeInfo info{.model = &model_,
@@ -147,7 +150,8 @@ ExportResult Export::go() {
                       .character = character,
                       .glb = options_.glb,
                       .objects = surface,
-                      .first_number = first};
+                      .first_number = first,
+                      .usd_skel = options_.usd_skel};
   ExportResult result{.frames = header.frames, .files = {}, .report = {}};
   // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
   if (own_) add_to_manifest(folder_, names());

@@ -19,7 +19,8 @@ struct ExportOptions {
       {};  // where to; empty: into the bake's own, whose manifest then lists the files
   std::vector<std::string> formats;  // at least one
   GlbOptions glb = {};
-  std::optional<std::uint64_t> first_number = {};  // of frame 0; without it the bake's own
+  std::optional<std::uint64_t> first_number = {};  // of the range's first frame; without it the bake's own
+  bool usd_skel = false;                           // usda: skinning alone beside the points
   bool overwrite = false;                          // replaces files of these names
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};

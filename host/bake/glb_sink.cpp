@@ -8,17 +8,20 @@
 // stay. Where the surface is turned as skinning alone turns it they are not stored either.
 //
 // The numbers of a target go into a stream beside the file; the JSON that must stand before them is known
-// last.
+// last. Where they are to be few, glb_compress.h makes them.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include <Eigen/Eigenvalues>
+
 #include "host/bake/bake.h"
 #include "host/bake/character_file.h"
 #include "host/bake/file.h"
 #include "host/bake/formats.h"
+#include "host/bake/glb_compress.h"
 #include "host/bake/glb_targets.h"
 #include "host/bake/gltf_writer.h"
 #include "host/bake/surface.h"
@@ -52,10 +55,6 @@ struct Piece {
   std::array<float, 3> least{}, greatest{};
 };
 
-Vector3d point_at(const std::vector<float>& values, std::size_t i) {
-  return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
-}
-
 class GlbSink final : public FrameSink {
  public:
   std::string name() const override { return "glb"; }
@@ -70,10 +69,13 @@ class GlbSink final : public FrameSink {
 
  private:
   void read_character(const BakeInfo& info);
+  std::vector<double> stretch() const;
   GlbFrame frame_of(const model::Frame& frame) const;
   void write_target(const GlbFrame& frame);
   Piece write_part(const scene::RigPart& part, std::size_t first, const GlbFrame& frame);
-  void add_targets(json& document);
+  std::vector<std::size_t> own_meshes(json& document) const;
+  void add_targets(json& document, const std::vector<std::size_t>& meshes);
+  json targets_of(std::size_t part, std::size_t first_accessor) const;
   std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
 
   BakeInfo info_;
@@ -82,6 +84,7 @@ class GlbSink final : public FrameSink {
   scene::Rig rig_;
   std::optional<SurfaceNormals> normals_;
   std::optional<GlbTargetChoice> choice_;
+  std::optional<GlbCompression> compression_;
   std::vector<std::uint64_t> targets_;  // their frames
   std::vector<Piece> pieces_;           // of all parts, target by target
   std::optional<SpoolFile> stream_;
@@ -97,8 +100,8 @@ void GlbSink::read_character(const BakeInfo& info) {
     const std::vector<float> points = world_positions(rest, model.unit, model.rest_origin);
     const std::vector<float> normals = SurfaceNormals(model).of(rest);
     for (std::size_t i = 0; i < model.surface_count(); ++i) {
-      part.positions.push_back(point_at(points, i));
-      part.normals.push_back(point_at(normals, i));
+      part.positions.push_back(vector_at(points, i));
+      part.normals.push_back(vector_at(normals, i));
     }
     return;
   }
@@ -127,7 +130,28 @@ void GlbSink::begin(const BakeInfo& info) {
   const Vector3d diagonal(double{box[3]} - double{box[0]}, double{box[4]} - double{box[1]},
                           double{box[5]} - double{box[2]});
   tolerance_ = info.glb.tolerance.value_or(default_tolerance * diagonal.norm());
+  if (info.glb.compress) compression_.emplace(rig_, document_.json, stretch(), *info.glb.compress);
   stream_.emplace(SpoolFile::start(info.folder / glb_spool));
+}
+
+// Of each part: how much longer its joints make a way in any frame. A blend stretches no more than the joint
+// that stretches most.
+std::vector<double> GlbSink::stretch() const {
+  std::vector<double> most(rig_.parts.size(), 0.0);
+  const bool has_clip = has_baked_clip(document_.json);
+  for (std::uint64_t k = 0; k <= info_.frames; ++k) {
+    const std::vector<Matrix4d> joints = baked_joints(rig_, has_clip, k, info_.fps);
+    for (std::size_t p = 0; p < most.size(); ++p) {
+      const scene::RigPart& part = rig_.parts[p];
+      if (part.influence_offset.empty()) most[p] = 1.0;
+      for (std::size_t slot = 0; slot < part.skin_joint.size(); ++slot) {
+        const Matrix3d map = (joints[part.skin_joint[slot]] * part.inverse_bind[slot]).topLeftCorner<3, 3>();
+        const Eigen::SelfAdjointEigenSolver<Matrix3d> squares(map.transpose() * map, Eigen::EigenvaluesOnly);
+        most[p] = std::max(most[p], std::sqrt(std::max(squares.eigenvalues()[2], 0.0)));
+      }
+    }
+  }
+  return most;
 }
 
 void GlbSink::write(const model::Frame& frame) {
@@ -138,13 +162,8 @@ void GlbSink::write(const model::Frame& frame) {
 GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
   const model::Model& model = *info_.model;
   const std::size_t count = model.surface_count();
-  std::vector<Matrix4d> joints;
-  if (!rig_.character.skeleton.empty()) {
-    const scene::Clip* clip = has_baked_clip(document_.json) ? scene::find_clip(rig_.character, "") : nullptr;
-    // The time as the file has it.
-    const auto time = static_cast<float>(static_cast<double>(frame.index) / info_.fps);
-    joints = scene::joint_transforms_at(rig_.character, clip, double{time});
-  }
+  const std::vector<Matrix4d> joints =
+      baked_joints(rig_, has_baked_clip(document_.json), frame.index, info_.fps);
   GlbFrame result;
   result.index = frame.index;
   std::vector<Vector3d> away(count);
@@ -180,8 +199,8 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
       // What a viewer's skinning turns into the normal wanted. Small differences are the angle.
       Vector3d turn = Vector3d::Zero();
       if (!part.normals.empty() &&
-          (point_at(smooth, vertex) - point_at(smooth_skinned, vertex)).norm() > least_turn)
-        turn = scene::solve(linear, point_at(normals, vertex)).normalized() - part.normals[i];
+          (vector_at(smooth, vertex) - vector_at(smooth_skinned, vertex)).norm() > least_turn)
+        turn = scene::solve(linear, vector_at(normals, vertex)).normalized() - part.normals[i];
       for (int axis = 0; axis < 3; ++axis) {
         result.moves.push_back(static_cast<float>(move[axis]));
         result.turns.push_back(static_cast<float>(turn[axis]));
@@ -195,6 +214,12 @@ void GlbSink::write_target(const GlbFrame& frame) {
     throw BakeError("glb: more than " + number_text(std::uint64_t{most_targets}) +
                     " morph targets; give a larger --glb-stride or --glb-error");
   targets_.push_back(frame.index);
+  if (compression_) {
+    const std::string bytes = compression_->target(frame);
+    stream_->write(bytes);
+    stream_bytes_ += bytes.size();
+    return;
+  }
   std::size_t first = 0;
   for (const scene::RigPart& part : rig_.parts) {
     pieces_.push_back(write_part(part, first, frame));
@@ -257,9 +282,49 @@ void drop_weight_channels(json& animations, std::size_t kept) {
       list.end());
 }
 
-// Targets into the primitives, their weights into the animation. Numbers of the targets' accessors begin
-// where the document's end: POSITION and NORMAL (where there is one) of each part, target by target.
-void GlbSink::add_targets(json& document) {
+// Each part's mesh: of nodes that show one mesh all but the first get their own.
+std::vector<std::size_t> GlbSink::own_meshes(json& document) const {
+  std::vector<std::size_t> meshes;
+  std::vector<std::uint32_t> taken;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    const scene::RigPart& part = rig_.parts[p];
+    if (p > 0 && part.node == rig_.parts[p - 1].node) {
+      meshes.push_back(meshes.back());
+      continue;
+    }
+    std::size_t mesh = part.mesh;
+    if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
+      document["meshes"].push_back(json(document["meshes"][part.mesh]));
+      mesh = document["meshes"].size() - 1;
+      document["nodes"][part.node]["mesh"] = mesh;
+    }
+    taken.push_back(part.mesh);
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+// Numbers of the targets' accessors begin where the document's end: POSITION and NORMAL (where there is one)
+// of each part, target by target.
+json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
+  if (compression_) return compression_->targets_of(part, first_accessor);
+  std::size_t step = 0, before = 0;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    if (p == part) before = step;
+    step += rig_.parts[p].normals.empty() ? 1 : 2;
+  }
+  json list = json::array();
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
+    const std::size_t number = first_accessor + k * step + before;
+    json target{{"POSITION", number}};
+    if (!rig_.parts[part].normals.empty()) target["NORMAL"] = number + 1;
+    list.push_back(std::move(target));
+  }
+  return list;
+}
+
+// Targets into the primitives, their weights into the animation.
+void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes) {
   const std::size_t count = targets_.size();
   const std::uint64_t keys = count;
   std::vector<float> times;
@@ -296,23 +361,12 @@ void GlbSink::add_targets(json& document) {
   json names = json::array();
   for (const std::uint64_t frame : targets_)
     names.push_back("frame " + number_text(info_.first_number + frame));
-  std::size_t accessor = accessors.size();
-  std::size_t step = 0;
-  for (const scene::RigPart& part : rig_.parts) step += part.normals.empty() ? 1 : 2;
-  std::vector<std::uint32_t> taken;  // meshes whose targets are set: another node that shows one gets its own
   std::optional<std::uint32_t> node;
-  std::size_t mesh = 0;
-  for (const scene::RigPart& part : rig_.parts) {
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    const scene::RigPart& part = rig_.parts[p];
+    json& shown = document["meshes"][meshes[p]];
     if (node != part.node) {
       node = part.node;
-      mesh = part.mesh;
-      if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
-        document["meshes"].push_back(json(document["meshes"][part.mesh]));
-        mesh = document["meshes"].size() - 1;
-        document["nodes"][part.node]["mesh"] = mesh;
-      }
-      taken.push_back(part.mesh);
-      json& shown = document["meshes"][mesh];
       if (!shown["extras"].is_object()) shown["extras"] = json::object();
       shown["extras"]["targetNames"] = names;
       shown.erase("weights");
@@ -320,15 +374,7 @@ void GlbSink::add_targets(json& document) {
       animation["channels"].push_back(
           {{"sampler", sampler}, {"target", {{"node", part.node}, {"path", "weights"}}}});
     }
-    json list = json::array();
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t number = accessor + k * step;
-      json target{{"POSITION", number}};
-      if (!part.normals.empty()) target["NORMAL"] = number + 1;
-      list.push_back(std::move(target));
-    }
-    document["meshes"][mesh]["primitives"][part.primitive]["targets"] = std::move(list);
-    accessor += part.normals.empty() ? 1 : 2;
+    shown["primitives"][part.primitive]["targets"] = targets_of(p, accessors.size());
   }
 }
 
@@ -363,15 +409,24 @@ std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t fra
 
 void GlbSink::finish() {
   json& document = document_.json;
-  add_targets(document);
+  const std::vector<std::size_t> meshes = own_meshes(document);
+  if (compression_) compression_->quantise(document_, meshes);
+  add_targets(document, meshes);
   json& extras = document["extras"]["fascicle"];
   extras["first_frame"] = info_.first_number;
   extras["interpolation_error"] = choice_->error();
+  if (compression_) extras["quantisation_error"] = compression_->error();
+  std::string targets;
   std::string& binary = document_.binary;
   binary.resize((binary.size() + 3) / 4 * 4, '\0');
+  if (compression_) {
+    targets = compression_->accessors(document["bufferViews"].size());
+    compression_->pack(document_, stream_bytes_);
+  } else {
+    targets = target_accessors(binary.size(), stream_bytes_, document);
+    document["buffers"] = json::array({{{"byteLength", binary.size() + stream_bytes_}}});
+  }
   const std::uint64_t total = binary.size() + stream_bytes_;
-  const std::string targets = target_accessors(binary.size(), stream_bytes_, document);
-  document["buffers"] = json::array({{{"byteLength", total}}});
   std::string accessors = document["accessors"].dump();
   document.erase("accessors");
   accessors.pop_back();
@@ -392,6 +447,10 @@ SinkReport GlbSink::report() const {
     report.notes.push_back("surface.glb: " + number_text(count) + " morph targets for " +
                            number_text(frames) + " frames; between them a viewer is off by at most " +
                            number_text(std::round(choice_->error() * 1e5) / 1e2) + " mm");
+  if (compression_)
+    report.notes.push_back("surface.glb: quantised, which moves a vertex by at most " +
+                           number_text(std::round(compression_->error() * 1e6) / 1e3) +
+                           " mm, and compressed");
   if (count > most_in_browsers)
     report.warnings.push_back("surface.glb has " + number_text(count) +
                               " morph targets; viewers in browsers (WebGL 2) load at most " +

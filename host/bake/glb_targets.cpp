@@ -9,14 +9,14 @@ namespace fascicle::bake {
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-namespace {
-
-Vector3d at(const std::vector<float>& values, std::size_t i) {
+Vector3d vector_at(const std::vector<float>& values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
+namespace {
+
 Vector3d written(const GlbFrame& frame, std::size_t i) {
-  return frame.moved[i] != 0 ? at(frame.moves, i) : Vector3d::Zero();
+  return frame.moved[i] != 0 ? vector_at(frame.moves, i) : Vector3d::Zero();
 }
 
 }  // namespace
@@ -45,7 +45,8 @@ double interpolation_error(const std::vector<scene::RigPart>& parts, const std::
       for (const Matrix4d& slot : frame.slots[p])
         stretch = std::max(stretch, slot.topLeftCorner<3, 3>().norm());
       for (std::size_t i = 0; i < parts[p].positions.size(); ++i, ++v) {
-        const Vector3d off = (1.0 - share) * written(from, v) + share * written(to, v) - at(frame.moves, v);
+        const Vector3d off =
+            (1.0 - share) * written(from, v) + share * written(to, v) - vector_at(frame.moves, v);
         if (stretch * off.norm() <= largest) continue;
         const Matrix4d blend = blend_of(parts[p], frame.slots[p], i);
         largest = std::max(largest, (blend.topLeftCorner<3, 3>() * off).norm());

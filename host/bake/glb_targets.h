@@ -20,6 +20,9 @@ struct GlbFrame {
   std::vector<std::vector<Eigen::Matrix4d>> slots;  // of each part: joint transforms after inverse binds
 };
 
+// The i-th of values that stand 3 a vertex.
+Eigen::Vector3d vector_at(const std::vector<float>& values, std::size_t i);
+
 // The blend of a vertex's joint transforms; 1 where nothing skins it.
 Eigen::Matrix4d blend_of(const scene::RigPart& part, const std::vector<Eigen::Matrix4d>& slots,
                          std::size_t vertex);

@@ -108,9 +108,11 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   if (std::find(formats.begin(), formats.end(), "glb") != formats.end()) {
     identity.emplace_back("--glb-stride", number_text(options.glb.stride));
     if (options.glb.error) identity.emplace_back("--glb-error", number_text(*options.glb.error));
+    if (options.glb.compress) identity.emplace_back("--glb-compress", number_text(*options.glb.compress));
     identity.emplace_back("--glb-tolerance",
                           options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
   }
+  if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
   if (options.first_number != 0) identity.emplace_back("--first-frame", number_text(options.first_number));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);

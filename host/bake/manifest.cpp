@@ -191,13 +191,19 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"output",
        {{"fps", scene.fps},
         {"first_frame", options.first_number},
+        {"handles", scene.motion.handles},
+        {"range",
+         {options.first_number + scene.motion.handles,
+          options.first_number + scene::frame_count(scene) - scene.motion.handles}},
         {"first_frame_seconds", scene.start},
         {"meters_per_unit", 1},
         {"up_axis", "Y"},
         {"handedness", "right"},
+        {"usd_skel", options.usd_skel},
         {"glb_stride", options.glb.stride},
         {"glb_error", options.glb.error ? Json(*options.glb.error) : Json(nullptr)},
-        {"glb_tolerance", options.glb.tolerance ? Json(*options.glb.tolerance) : Json(nullptr)}}},
+        {"glb_tolerance", options.glb.tolerance ? Json(*options.glb.tolerance) : Json(nullptr)},
+        {"glb_compress", options.glb.compress ? Json(*options.glb.compress) : Json(nullptr)}}},
       {"device", json_of(options.device)},
       {"scene", json_of(scene)},
       {"lead_in", json_of(progress.lead_in)},
@@ -250,8 +256,10 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
                      .writing = seconds("writing_seconds"),
                      .total = seconds("total_seconds"),
                      .runs = static_cast<std::uint64_t>(std::clamp(seconds("runs"), 1.0, 1e9))};
-  if (const auto output = manifest.find("output"); output != manifest.end())
+  if (const auto output = manifest.find("output"); output != manifest.end()) {
     read_count(*output, "first_frame", summary.first_number);
+    read_count(*output, "handles", summary.handles);
+  }
   if (const auto led = manifest.find("lead_in"); led != manifest.end()) summary.lead_in = lead_in_of(*led);
   if (const auto clamped = manifest.find("clamped_muscles"); clamped != manifest.end()) {
     read_count(*clamped, "regions", summary.clamped.regions);

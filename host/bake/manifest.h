@@ -52,6 +52,7 @@ struct ManifestSummary {
   std::vector<std::pair<std::string, std::string>> input_hashes;
   std::string last_position_hash;  // empty before frame 0
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read
+  std::uint64_t handles = 0;       // of these frames, so many lie before the range, and as many after it
   Timings timings;
   LeadInSummary lead_in;
   ClampedMuscles clamped;

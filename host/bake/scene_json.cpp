@@ -186,6 +186,7 @@ Json json_of(const scene::Motion& motion) {
       {"seamless_tolerance", motion.seamless_tolerance},
       {"seamless_cycles", motion.seamless_cycles},
       {"hold", motion.hold},
+      {"handles", motion.handles},
       {"acceleration_limit", motion.acceleration_limit ? Json(*motion.acceleration_limit) : Json(nullptr)},
       {"cuts", motion.cuts},
       {"cut_distance", motion.cut_distance ? Json(*motion.cut_distance) : Json(nullptr)}};

@@ -22,6 +22,7 @@ struct GlbOptions {
                                   // them linearly, this near to every baked frame
   std::optional<double> tolerance{};  // m: vertices nearer than this to plain skinning are left out of a
                                       // target; none: 1e-6 of the body's diagonal
+  std::optional<double> compress{};   // m: quantised and compressed, no vertex moved further; none: floats
 };
 
 struct SurfaceObjects;
@@ -51,6 +52,7 @@ struct BakeInfo {
   GlbOptions glb = {};
   std::shared_ptr<const SurfaceObjects> objects = {};  // of the surface; none: read from `character`
   std::uint64_t first_number = 0;  // of frame 0, in names of files, time codes and times of formats
+  bool usd_skel = false;           // usda: skinning alone beside the points
 };
 
 // Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside

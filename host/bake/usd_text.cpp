@@ -1,5 +1,8 @@
 #include "host/bake/usd_text.h"
 
+#include <utility>
+#include <vector>
+
 #include "host/bake/text.h"
 
 namespace fascicle::bake {
@@ -130,6 +133,26 @@ UsdBinding usd_binding(const SurfaceObjects& surface, const SurfaceObject& objec
                        usd_line(level + 1, bound_to(material, path)) + usd_line(level, "}");
   }
   return binding;
+}
+
+UsdMesh usd_mesh(const SurfaceObjects& surface, const SurfaceObject& object, const std::string& materials,
+                 const std::string& schemas, int level) {
+  const UsdBinding binding = usd_binding(surface, object, materials, level + 1);
+  std::string list = schemas.empty() ? "" : usd_string(schemas);
+  if (!object.face_sets.empty()) list += (list.empty() ? "" : ", ") + usd_string("MaterialBindingAPI");
+  std::string head = usd_line(level, "def Mesh \"" + object.identifier + "\" (") +
+                     usd_line(level + 1, "displayName = " + usd_string(object.name));
+  if (!list.empty()) head += usd_line(level + 1, "prepend apiSchemas = [" + list + ']');
+  head += usd_line(level, ")") + usd_line(level, "{") +
+          usd_line(level + 1, "int[] faceVertexCounts = " +
+                                  usd_numbers(std::vector<std::uint32_t>(object.triangle.size() / 3, 3))) +
+          usd_line(level + 1, "int[] faceVertexIndices = " + usd_numbers(object.triangle)) +
+          usd_line(level + 1, "uniform token orientation = \"rightHanded\"") +
+          usd_line(level + 1, "uniform token subdivisionScheme = \"none\"") + binding.properties;
+  if (!object.uvs.empty())
+    head += usd_line(level + 1, "texCoord2f[] primvars:st = " + usd_tuples(object.uvs, 2) + " (") +
+            usd_line(level + 2, "interpolation = \"vertex\"") + usd_line(level + 1, ")");
+  return {.head = std::move(head), .tail = binding.subsets + usd_line(level, "}")};
 }
 
 }  // namespace fascicle::bake

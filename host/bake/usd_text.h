@@ -29,4 +29,12 @@ struct UsdBinding {
 UsdBinding usd_binding(const SurfaceObjects& surface, const SurfaceObject& object, const std::string& path,
                        int level);
 
+// A mesh up to its points, and from there on: name, topology, materials, texture coordinates. `schemas`: more
+// of them, as in "SkelBindingAPI"; empty: none.
+struct UsdMesh {
+  std::string head, tail;
+};
+UsdMesh usd_mesh(const SurfaceObjects& surface, const SurfaceObject& object, const std::string& materials,
+                 const std::string& schemas, int level);
+
 }  // namespace fascicle::bake

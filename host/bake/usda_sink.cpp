@@ -17,6 +17,7 @@
 #include "host/bake/surface_objects.h"
 #include "host/bake/surface_velocities.h"
 #include "host/bake/text.h"
+#include "host/bake/usd_skel.h"
 #include "host/bake/usd_text.h"
 #include "host/bake/version.h"
 
@@ -57,6 +58,7 @@ class UsdaSink final : public FrameSink {
   double unit_ = 1.0;
   std::shared_ptr<const SurfaceObjects> surface_;
   std::string materials_path_;
+  std::optional<UsdSkel> skel_;
   std::optional<SurfaceNormals> normals_;
   std::optional<SurfaceVelocities> velocities_;
   std::vector<float> first_points_, first_normals_;
@@ -77,11 +79,17 @@ void UsdaSink::begin(const BakeInfo& info) {
   normals_.emplace(model, surface_->normals);
   velocities_.emplace(info.fps);
   meshes_.resize(surface_->objects.size());
-  std::string scope = "Materials";
-  while (std::any_of(surface_->objects.begin(), surface_->objects.end(),
-                     [&](const SurfaceObject& object) { return object.identifier == scope; }))
-    scope += '_';
-  materials_path_ = "/body/" + scope;
+  const auto free_path = [&](std::string name) {
+    while (std::any_of(surface_->objects.begin(), surface_->objects.end(),
+                       [&](const SurfaceObject& object) { return object.identifier == name; }))
+      name += '_';
+    return "/body/" + name;
+  };
+  materials_path_ = free_path("Materials");
+  if (info.usd_skel) {
+    if (info.character.empty()) throw BakeError("--usd-skel: takes a character; leave the option out");
+    skel_.emplace(info.character, *surface_, free_path("Skinning"), materials_path_);
+  }
   file_.emplace(PartFile::start(info.folder / "surface.usda"));
   samples_.emplace(SpoolFile::start(info.folder / usda_spool));
   write_textures(info.folder, *surface_);
@@ -144,31 +152,19 @@ void UsdaSink::write_samples(int level, const std::string& attribute, const Piec
 void UsdaSink::write_mesh(std::size_t k) {
   const SurfaceObject& object = surface_->objects[k];
   const MeshPieces& pieces = meshes_[k];
-  const UsdBinding binding = usd_binding(*surface_, object, materials_path_, 2);
+  const UsdMesh mesh = usd_mesh(*surface_, object, materials_path_, "", 1);
   const std::span<const float> points = values_of(object, first_points_);
-  std::string text = usd_line(1, "def Mesh \"" + object.identifier + "\" (") +
-                     usd_line(2, "displayName = " + usd_string(object.name));
-  if (!object.face_sets.empty()) text += usd_line(2, "prepend apiSchemas = [\"MaterialBindingAPI\"]");
-  text += usd_line(1, ")") + usd_line(1, "{") +
-          usd_line(2, "int[] faceVertexCounts = " +
-                          usd_numbers(std::vector<std::uint32_t>(object.triangle.size() / 3, 3))) +
-          usd_line(2, "int[] faceVertexIndices = " + usd_numbers(object.triangle)) +
-          usd_line(2, "uniform token orientation = \"rightHanded\"") +
-          usd_line(2, "uniform token subdivisionScheme = \"none\"") + binding.properties;
-  if (!object.uvs.empty())
-    text += usd_line(2, "texCoord2f[] primvars:st = " + usd_tuples(object.uvs, 2) + " (") +
-            usd_line(3, "interpolation = \"vertex\"") + usd_line(2, ")");
   // Readers that ask for no time see the first frame.
-  text += usd_line(2, "point3f[] points = " + usd_tuples(points, 3)) +
-          usd_line(2, "normal3f[] normals = " + usd_tuples(values_of(object, first_normals_), 3) + " (") +
-          usd_line(3, "interpolation = \"vertex\"") + usd_line(2, ")") +
-          usd_line(2, "float3[] extent = " + usd_tuples(bounds(points), 3));
-  file_->write(text);
+  file_->write(
+      mesh.head + usd_line(2, "point3f[] points = " + usd_tuples(points, 3)) +
+      usd_line(2, "normal3f[] normals = " + usd_tuples(values_of(object, first_normals_), 3) + " (") +
+      usd_line(3, "interpolation = \"vertex\"") + usd_line(2, ")") +
+      usd_line(2, "float3[] extent = " + usd_tuples(bounds(points), 3)));
   write_samples(2, "point3f[] points", pieces.points);
   write_samples(2, "normal3f[] normals", pieces.normals);
   write_samples(2, "vector3f[] velocities", pieces.velocities);
   write_samples(2, "float3[] extent", pieces.extents);
-  file_->write(binding.subsets + usd_line(1, "}"));
+  file_->write(mesh.tail);
 }
 
 void UsdaSink::finish() {
@@ -176,6 +172,8 @@ void UsdaSink::finish() {
   file_->write(header() + usd_line(1, "float3[] extentsHint = " + usd_tuples(bounds(first_points_), 3)));
   write_samples(1, "float3[] extentsHint", extents_);
   for (std::size_t k = 0; k < meshes_.size(); ++k) write_mesh(k);
+  if (skel_)
+    skel_->write(*file_, {.frames = info_.frames, .first_number = info_.first_number, .fps = info_.fps}, 1);
   file_->write(usd_materials(*surface_, materials_path_, 1) + "}\n");
   file_->finish();
   samples_->remove();

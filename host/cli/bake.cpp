@@ -5,6 +5,7 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "host/bake/blender_script.h"
 #include "host/bake/drive_source.h"
@@ -31,10 +32,10 @@ struct BakeArguments {
   std::string folder;
   std::vector<std::string> formats;
   bake::GlbOptions glb;
-  std::uint64_t first_number = 0;
+  std::optional<std::uint64_t> first_number;
   std::string device = "auto";
   unsigned threads = 0;
-  bool overwrite = false, resume = false, dry_run = false;
+  bool usd_skel = false, overwrite = false, resume = false, dry_run = false;
 };
 
 // The first `substeps` of a frame.
@@ -222,6 +223,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
     log.info("clip: " + scene::clip_name(scene) + ", the first of " +
              std::to_string(character->clips.size()) + " (fascicle inspect lists them, --clip chooses)");
+  const std::uint64_t handles = scene.motion.handles;
+  const std::uint64_t first_number = bake::first_written(arguments.first_number.value_or(handles), handles);
   const std::string of_clip = warning_of_clip(scene);
   if (!of_clip.empty()) log.warning(of_clip);
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
@@ -249,7 +252,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.folder = arguments.folder;
   options.formats = arguments.formats;
   options.glb = arguments.glb;
-  options.first_number = arguments.first_number;
+  options.first_number = first_number;
+  options.usd_skel = arguments.usd_skel;
   options.overwrite = arguments.overwrite;
   options.resume = arguments.resume;
   options.device = simulation.device.description();
@@ -319,10 +323,12 @@ void add_bake(CLI::App& app, Command& command) {
                        "Print sizes, memory and an estimate of the time; write nothing");
   subcommand
       ->add_option("--first-frame", arguments->first_number,
-                   "Number of the first frame in what other programs read, as 1001; 0 without it")
+                   "Number of the first frame in what other programs read, as 1001; without it the first "
+                   "that is written is 0. Handles before it have the numbers below")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);
+  add_usd_options(*subcommand, arguments->usd_skel);
   add_log_options(*subcommand, command.log);
   subcommand->callback(
       [arguments, &command] { command.run = [arguments](Log& log) { return bake_scene(*arguments, log); }; });

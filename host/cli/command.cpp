@@ -63,6 +63,18 @@ void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
           "diagonal without it")
       ->check(CLI::NonNegativeNumber.description(""))
       ->option_text("M");
+  subcommand
+      .add_option("--glb-compress", glb.compress,
+                  "glb: for viewers on the web, quantise so that no vertex moves by more than M metres, and "
+                  "compress (EXT_meshopt_compression, which Blender does not read); 0.0001 is a good start")
+      ->check(CLI::PositiveNumber.description(""))
+      ->option_text("M");
+}
+
+void add_usd_options(CLI::App& subcommand, bool& skel) {
+  subcommand.add_flag("--usd-skel", skel,
+                      "usda: beside the baked points the character by skinning alone, as UsdSkel, with the "
+                      "purpose guide");
 }
 
 void log_report(const bake::SinkReport& report, Log& log) {
@@ -132,6 +144,11 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
   subcommand.add_flag("--seamless", overrides.seamless,
                       "Play the clip before frame 0 until it ends as it began, then write one cycle");
   subcommand.add_option("--hold", overrides.hold, "Seconds in which the clip's last pose is held");
+  subcommand
+      .add_option("--handles", overrides.handles,
+                  "Frames more before the start and after the end, simulated and written; their numbers lie "
+                  "around --first-frame and the last")
+      ->option_text("N");
   subcommand
       .add_option("--cage", overrides.cage,
                   "Surfaces and characters: fill the skin itself or a cage around it (auto, off, wrap)")

@@ -38,8 +38,10 @@ void add_render(CLI::App& app, Command& command);
 // -q, -v, --log-format
 void add_log_options(CLI::App& subcommand, LogOptions& log);
 
-// --glb-stride, --glb-error, --glb-tolerance
+// --glb-stride, --glb-error, --glb-tolerance, --glb-compress
 void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb);
+// --usd-skel
+void add_usd_options(CLI::App& subcommand, bool& skel);
 // What finished files have to say.
 void log_report(const bake::SinkReport& report, Log& log);
 

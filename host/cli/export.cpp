@@ -22,7 +22,7 @@ struct ExportArguments {
   std::vector<std::string> formats;
   bake::GlbOptions glb;
   std::optional<std::uint64_t> first_number;
-  bool overwrite = false;
+  bool usd_skel = false, overwrite = false;
 };
 
 // Of a file, or of the files in a folder.
@@ -42,6 +42,7 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
   options.formats = arguments.formats;
   options.glb = arguments.glb;
   options.first_number = arguments.first_number;
+  options.usd_skel = arguments.usd_skel;
   options.overwrite = arguments.overwrite;
   options.interrupted = &catch_interrupts();
   options.on_frame = [&](std::uint64_t frame, std::uint64_t frames) {
@@ -83,10 +84,12 @@ void add_export(CLI::App& app, Command& command) {
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace files of the same names");
   subcommand
       ->add_option("--first-frame", arguments->first_number,
-                   "Number of the first frame in what other programs read; the bake's own without it")
+                   "Number of the first frame after the handles in what other programs read; the bake's "
+                   "own without it")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);
+  add_usd_options(*subcommand, arguments->usd_skel);
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
     command.run = [arguments](Log& log) { return export_bake(*arguments, log); };

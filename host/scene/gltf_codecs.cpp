@@ -1,5 +1,6 @@
 #include "host/scene/gltf_codecs.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
@@ -127,6 +128,25 @@ std::vector<unsigned char> decode_meshopt(std::span<const unsigned char> stream,
                      std::to_string(size));
   }
   return bytes;
+}
+
+std::vector<unsigned char> encode_meshopt(std::span<const unsigned char> bytes, std::size_t stride) {
+  const std::size_t count = bytes.size() / stride;
+  std::vector<unsigned char> stream(meshopt_encodeVertexBufferBound(count, stride));
+  stream.resize(meshopt_encodeVertexBuffer(stream.data(), stream.size(), bytes.data(), count, stride));
+  return stream;
+}
+
+std::vector<unsigned char> encode_meshopt_indices(const std::vector<std::uint32_t>& indices, bool triangles) {
+  const std::size_t count = indices.size();
+  const std::size_t vertices =
+      indices.empty() ? 0 : std::size_t{*std::max_element(indices.begin(), indices.end())} + 1;
+  meshopt_encodeIndexVersion(1);  // the only one that the extension allows
+  std::vector<unsigned char> stream(triangles ? meshopt_encodeIndexBufferBound(count, vertices)
+                                              : meshopt_encodeIndexSequenceBound(count, vertices));
+  stream.resize(triangles ? meshopt_encodeIndexBuffer(stream.data(), stream.size(), indices.data(), count)
+                          : meshopt_encodeIndexSequence(stream.data(), stream.size(), indices.data(), count));
+  return stream;
 }
 
 DracoMesh decode_draco(std::span<const unsigned char> stream, std::uint64_t vertices,

@@ -1,5 +1,5 @@
-// Compressed geometry of glTF files, to plain bytes. Streams are hostile: every size is bounded by what the
-// file says and by the stream's own length before memory is taken.
+// Compressed geometry of glTF files, to plain bytes and, for meshopt, back. Streams are hostile: every size
+// is bounded by what the file says and by the stream's own length before memory is taken.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +21,12 @@ struct CodecError : std::runtime_error {
 std::vector<unsigned char> decode_meshopt(std::span<const unsigned char> stream, std::uint64_t count,
                                           std::uint64_t stride, const std::string& mode,
                                           const std::string& filter);
+
+// The stream of mode ATTRIBUTES that decode_meshopt reads: whole elements of `stride` bytes, a multiple of 4
+// of at most 256.
+std::vector<unsigned char> encode_meshopt(std::span<const unsigned char> bytes, std::size_t stride);
+// That of mode TRIANGLES, which may begin a triangle at another corner, for a multiple of 3, or of INDICES.
+std::vector<unsigned char> encode_meshopt_indices(const std::vector<std::uint32_t>& indices, bool triangles);
 
 // One attribute wanted of a Draco stream: its unique id, and the accessor it fills.
 struct DracoAttribute {

@@ -130,7 +130,7 @@ std::string preroll_seconds(const std::string& text, const toml::table& root) {
 
 bool has_overrides(const SceneOverrides& o) {
   return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.interpolation || o.preroll ||
-         o.settle || o.loop || o.seamless || o.hold || o.cage || o.cage_detail || o.resolution ||
+         o.settle || o.loop || o.seamless || o.hold || o.handles || o.cage || o.cage_detail || o.resolution ||
          !o.rigid.empty() || o.softness || o.exaggerate || !o.only.empty();
 }
 
@@ -194,6 +194,10 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     set(option, "skeleton.only", value + "]");
   }
   assign_number("--hold", "motion.hold", overrides.hold);
+  if (overrides.handles) {
+    const std::string count = std::to_string(*overrides.handles);
+    set("--handles " + count, "motion.handles", count);
+  }
   if (overrides.loop) {
     const std::string count = std::to_string(*overrides.loop);
     set("--loop " + count, "motion.loop", count);

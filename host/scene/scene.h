@@ -321,6 +321,7 @@ struct Motion {
   double seamless_tolerance = 1e-3;    // of the body's extent: how near is "as it began"
   std::uint32_t seamless_cycles = 10;  // before frame 0, at most
   double hold = 0.0;                   // s
+  std::uint64_t handles = 0;           // frames before and after the range; start, end and hold have them
   std::optional<double>
       acceleration_limit;              // m/s^2: the flesh feels no more of the skeleton's; absent: by size
   std::vector<double> cuts;            // s of the clip: the motion jumps in the substep that holds it
@@ -374,6 +375,7 @@ struct SceneOverrides {
   std::optional<std::string> interpolation = {};
   std::optional<std::string> preroll = {};  // frames, or seconds as in "0.5s"
   std::optional<double> settle = {}, hold = {};
+  std::optional<std::uint64_t> handles = {};
   std::optional<std::uint32_t> loop = {};
   bool seamless = false;
   std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};

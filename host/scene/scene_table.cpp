@@ -280,6 +280,12 @@ struct Tables {
            .doc = "Time after the clip's end in which its last pose is held, s.",
            .range = between(0.0, 1e5),
            .fallback = Motion{}.hold},
+          {.name = "handles",
+           .type = KeyType::integer,
+           .doc = "Frames that are simulated and written before scene.start and after the end; beyond the "
+                  "clip its first and last pose are held.",
+           .range = between(0, 100000),
+           .fallback = Motion{}.handles},
           {.name = "acceleration_limit",
            .doc = "Most of a joint's acceleration that its flesh feels, m/s^2; with the rest it is carried "
                   "along. Where absent, and keys are smooth, a thousand times the body's extent.",

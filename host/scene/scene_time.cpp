@@ -65,6 +65,13 @@ namespace {
 // A character's flesh is not crushed by the first frame if it gets this long to follow, s.
 constexpr double default_preroll = 0.5;
 
+// A held pose is held longer.
+void add_handles(Scene& scene) {
+  const double seconds = static_cast<double>(scene.motion.handles) / scene.fps;
+  scene.start -= seconds;
+  (scene.motion.hold > 0.0 ? scene.motion.hold : scene.end) += seconds;
+}
+
 }  // namespace
 
 void read_motion(const toml::table& root, Scene& scene) {
@@ -93,6 +100,7 @@ void read_motion(const toml::table& root, Scene& scene) {
   read(table, "seamless_tolerance", motion.seamless_tolerance);
   read(table, "seamless_cycles", motion.seamless_cycles);
   read(table, "hold", motion.hold);
+  read(table, "handles", motion.handles);
   read(table, "acceleration_limit", motion.acceleration_limit);
   read(table, "cut_distance", motion.cut_distance);
   if (const toml::node* node = table.get("cuts"))
@@ -117,7 +125,10 @@ void read_motion(const toml::table& root, Scene& scene) {
     refuse("loop", "stands beside seamless, which writes one cycle; leave one of them out");
   if (motion.seamless && motion.hold > 0.0)
     refuse("hold", "stands beside seamless, whose end is its beginning; leave one of them out");
+  if (motion.handles > 0 && (motion.seamless || motion.loop > 1))
+    refuse("handles", "stands beside seamless or loop, whose clip goes on by itself; leave one of them out");
   if (motion.interpolation == KeyInterpolation::smooth) smooth_played_clip(scene);
+  add_handles(scene);
   const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
   if (frames > most_frames)
     fail(table.source(), "motion",

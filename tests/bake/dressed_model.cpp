@@ -126,7 +126,7 @@ model::Frame turned(const model::Model& model, std::uint64_t k) {
 }
 
 void write_dressed_frames(std::unique_ptr<bake::FrameSink> sink, const std::filesystem::path& folder,
-                          std::uint64_t first_number) {
+                          const DressedOptions& options) {
   const model::Model model = dressed_model();
   const model::Frame initial = turned(model, 0);
   write_dressed(folder / "character.glb");
@@ -139,7 +139,9 @@ void write_dressed_frames(std::unique_ptr<bake::FrameSink> sink, const std::file
                .first = 0,
                .initial = &initial,
                .character = folder / "character.glb",
-               .first_number = first_number});
+               .glb = options.glb,
+               .first_number = options.first_number,
+               .usd_skel = options.usd_skel});
   for (std::uint64_t k = 0; k < 4; ++k) sink->write(turned(model, k));
   sink->finish();
 }

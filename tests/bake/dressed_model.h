@@ -31,9 +31,14 @@ void write_dressed(const std::filesystem::path& path);
 // (-y, x, z).
 model::Frame turned(const model::Model& model, std::uint64_t k);
 
+struct DressedOptions {
+  std::uint64_t first_number = 0;
+  bake::GlbOptions glb = {};
+  bool usd_skel = false;
+};
 // Frames 0 to 3 at 8 a second through one sink, in FOLDER with its character.glb.
 void write_dressed_frames(std::unique_ptr<bake::FrameSink> sink, const std::filesystem::path& folder,
-                          std::uint64_t first_number = 0);
+                          const DressedOptions& options = {});
 
 // Where a render vertex stands in frame k, m.
 std::array<double, 3> dressed_point(std::uint64_t k, std::size_t vertex);

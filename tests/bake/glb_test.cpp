@@ -20,6 +20,7 @@
 #include "host/scene/gltf_rig.h"
 #include "host/scene/pose.h"
 #include "tests/bake/fake_solver.h"
+#include "tests/bake/jointed_body.h"
 #include "tests/bake/sink_frames.h"
 #include "tests/support/readers.h"
 
@@ -30,77 +31,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using scene::Vector3d;
 
-// The fake body with two joints: the first moves along x, the second turns about z by 90 degrees in a second.
-model::Model jointed_model() {
-  model::Model model = two_tetrahedra();
-  model.joint_count = 2;
-  model.skin_offset = {0, 1, 2, 3, 4, 5};
-  model.skin_joint = {0, 0, 1, 1, 1};
-  model.skin_weight.assign(5, 1.0f);
-  return model;
-}
-
-scene::Character jointed_character(const model::Model& model) {
-  scene::Character character;
-  const std::vector<float> rest =
-      bake::world_positions(bake::embed(model, model.rest), model.unit, model.rest_origin);
-  for (std::size_t i = 0; i < rest.size(); i += 3)
-    character.surface.vertices.emplace_back(rest[i], rest[i + 1], rest[i + 2]);
-  character.surface.triangles = {{0, 1, 2}};
-  character.joints = {{0}, {0, 1}, {1}};
-  character.weights = {{1.0}, {0.625, 0.375}, {1.0}};
-  for (const int parent : {-1, 0}) {
-    scene::Joint joint;
-    joint.name = parent < 0 ? "root" : "tip";
-    joint.parent = parent;
-    joint.rest_translation = parent < 0 ? Vector3d(10, 0, -3) : Vector3d(0, 0.25, 0);
-    joint.rest_local.topRightCorner<3, 1>() = joint.rest_translation;
-    joint.inverse_bind.topRightCorner<3, 1>() = parent < 0 ? Vector3d(-10, 0, 3) : Vector3d(-10, -0.25, 3);
-    joint.skins = true;
-    character.skeleton.push_back(joint);
-  }
-  const double half = std::sqrt(0.5);
-  character.clips = {{.name = "wave",
-                      .duration = 1.0,
-                      .channels = {{.joint = 0, .times = {0, 1}, .values = {10, 0, -3, 11, 0, -3}},
-                                   {.joint = 1,
-                                    .path = scene::ChannelPath::rotation,
-                                    .times = {0, 1},
-                                    .values = {0, 0, 0, 1, 0, 0, half, half}}}}};
-  return character;
-}
-
-scene::Scene jointed_scene(std::uint64_t frames) {
-  scene::Scene scene = short_scene(frames);
-  scene.geometry = jointed_character(jointed_model());
-  return scene;
-}
-
-void bake_into(const bake::BakeOptions& options, std::uint64_t frames) {
-  const model::Model model = jointed_model();
-  FakeSolver solver(model);
-  bake::bake(jointed_scene(frames), model, solver, options);
-}
-
-struct Glb {
-  json document;
-  std::string binary;
-};
-
-Glb read_glb(const fs::path& path) {
-  const std::string bytes = read_text(path);
-  EXPECT_EQ(bytes.substr(0, 4), "glTF");
-  EXPECT_EQ(read_value<std::uint32_t>(bytes, 4), 2u);
-  EXPECT_EQ(read_value<std::uint32_t>(bytes, 8), bytes.size());
-  const auto length = read_value<std::uint32_t>(bytes, 12);
-  EXPECT_EQ(bytes.substr(16, 4), "JSON");
-  Glb glb{.document = json::parse(bytes.substr(20, length)), .binary = bytes.substr(28 + length)};
-  EXPECT_EQ(read_value<std::uint32_t>(bytes, 20 + length), glb.binary.size());
-  return glb;
-}
-
 // A float accessor without a view of its own: zeros, and what its sparse part puts in their place.
-std::vector<float> sparse(const Glb& glb, std::size_t number, std::size_t width) {
+std::vector<float> sparse(const GlbChunks& glb, std::size_t number, std::size_t width) {
   const json& accessor = glb.document["accessors"][number];
   EXPECT_FALSE(accessor.contains("bufferView"));
   std::vector<float> values(accessor["count"].get<std::size_t>() * width, 0.0f);
@@ -125,7 +57,7 @@ Vector3d vector_at(const std::vector<float>& values, std::size_t i) {
 // What a viewer shows when weight `target` is 1, at the time of the skeleton's key.
 void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint64_t frame) {
   const model::Model model = jointed_model();
-  const Glb glb = read_glb(folder / "surface.glb");
+  const GlbChunks glb = read_glb(folder / "surface.glb");
   const json& primitive = glb.document["meshes"][0]["primitives"][0];
   const std::vector<float> moves = sparse(glb, primitive["targets"][target]["POSITION"], 3);
   const std::vector<float> turns = sparse(glb, primitive["targets"][target]["NORMAL"], 3);
@@ -158,8 +90,8 @@ void expect_baked_surface(const fs::path& folder, std::size_t target, std::uint6
 
 TEST(Glb, SkeletonAndTargetsTogetherAreTheBake) {
   const TemporaryFolder folder;
-  bake_into(options_for(folder / "out"), 6);
-  const Glb glb = read_glb(folder / "out/surface.glb");
+  bake_jointed(options_for(folder / "out"), 6);
+  const GlbChunks glb = read_glb(folder / "out/surface.glb");
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"].size(), 7u);
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"][3], "frame 3");
   EXPECT_EQ(glb.document["extras"]["fascicle"]["fps"], 24.0);
@@ -178,8 +110,8 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
   const TemporaryFolder folder;
   bake::BakeOptions options = options_for(folder / "out");
   options.glb.stride = 4;
-  bake_into(options, 6);
-  const Glb glb = read_glb(folder / "out/surface.glb");
+  bake_jointed(options, 6);
+  const GlbChunks glb = read_glb(folder / "out/surface.glb");
   EXPECT_EQ(glb.document["meshes"][0]["extras"]["targetNames"],
             (std::vector<std::string>{"frame 0", "frame 4", "frame 6"}));
   expect_baked_surface(folder / "out", 1, 4);
@@ -190,7 +122,7 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
 // How far a viewer is from the bake in every frame, m: from the file alone and the frame cache.
 double error_of_viewer(const fs::path& folder, std::uint64_t frames) {
   const model::Model model = jointed_model();
-  const Glb glb = read_glb(folder / "surface.glb");
+  const GlbChunks glb = read_glb(folder / "surface.glb");
   const json& primitive = glb.document["meshes"][0]["primitives"][0];
   std::vector<std::uint64_t> keys;
   std::vector<std::vector<float>> moves;
@@ -249,8 +181,8 @@ TEST(Glb, ErrorChoosesTheFrames) {
     const TemporaryFolder folder;
     bake::BakeOptions options = options_for(folder / "out");
     options.glb.error = bound;
-    bake_into(options, 12);
-    const Glb glb = read_glb(folder / "out/surface.glb");
+    bake_jointed(options, 12);
+    const GlbChunks glb = read_glb(folder / "out/surface.glb");
     const std::size_t targets = glb.document["meshes"][0]["extras"]["targetNames"].size();
     EXPECT_LT(targets, targets_before) << bound;
     targets_before = targets;
@@ -280,8 +212,8 @@ TEST(Glb, ToleranceLeavesVerticesToSkinning) {
   const TemporaryFolder folder;
   bake::BakeOptions options = options_for(folder / "out");
   options.glb.tolerance = 1000.0;
-  bake_into(options, 6);
-  const Glb glb = read_glb(folder / "out/surface.glb");
+  bake_jointed(options, 6);
+  const GlbChunks glb = read_glb(folder / "out/surface.glb");
   const json& targets = glb.document["meshes"][0]["primitives"][0]["targets"];
   for (const json& target : targets)
     for (const float value : sparse(glb, target["POSITION"], 3)) EXPECT_EQ(value, 0.0f);
@@ -289,7 +221,7 @@ TEST(Glb, ToleranceLeavesVerticesToSkinning) {
 
 TEST(Glb, OfACharacterResumesAndExportsToTheSameBytes) {
   const TemporaryFolder folder;
-  bake_into(options_for(folder / "whole"), 6);
+  bake_jointed(options_for(folder / "whole"), 6);
   std::atomic<bool> interrupted = false;
   bake::BakeOptions options = options_for(folder / "cut");
   options.interrupted = &interrupted;
@@ -303,7 +235,7 @@ TEST(Glb, OfACharacterResumesAndExportsToTheSameBytes) {
   EXPECT_FALSE(fs::exists(folder / "cut/surface.glb"));
   options.interrupted = nullptr;
   options.resume = true;
-  bake_into(options, 6);
+  bake_jointed(options, 6);
   EXPECT_EQ(content_of(folder / "cut"), content_of(folder / "whole"));
   bake::export_bake({.bake = folder / "whole", .folder = folder / "exported", .formats = {"glb"}});
   EXPECT_EQ(read_text(folder / "exported/surface.glb"), read_text(folder / "whole/surface.glb"));
@@ -312,7 +244,7 @@ TEST(Glb, OfACharacterResumesAndExportsToTheSameBytes) {
 TEST(Glb, OfACharacterMadeInCodeIsValid) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
-  bake_into(options_for(folder / "out"), 6);
+  bake_jointed(options_for(folder / "out"), 6);
   for (const char* name : {"out/surface.glb", "out/character.glb"}) {
     const std::string command = "node '" + (node_readers() / "validate_gltf.mjs").string() + "' '" +
                                 (folder / name).string() + "' > '" + (folder / "report.json").string() + "'";

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -18,7 +19,13 @@ namespace {
 double number_at(const unsigned char* at, int type) {
   float f = 0.0f;
   std::uint32_t u = 0;
+  std::int16_t s = 0;
   switch (type) {
+    case 5120:
+      return static_cast<signed char>(*at);
+    case 5122:
+      std::memcpy(&s, at, 2);
+      return s;
     case 5126:
       std::memcpy(&f, at, 4);
       return static_cast<double>(f);
@@ -34,7 +41,7 @@ double number_at(const unsigned char* at, int type) {
 }
 
 std::size_t bytes_of(int type) {
-  return type == 5126 || type == 5125 ? 4 : type == 5123 ? 2 : 1;
+  return type == 5126 || type == 5125 ? 4 : type == 5123 || type == 5122 ? 2 : 1;
 }
 
 }  // namespace
@@ -49,7 +56,8 @@ GltfViewer::GltfViewer(const std::filesystem::path& glb) {
   find_parents();
 }
 
-GltfViewer::GltfViewer(const GltfBuilder& builder) : document(builder.document), binary_(builder.bytes) {
+GltfViewer::GltfViewer(json of, std::vector<unsigned char> binary)
+    : document(std::move(of)), binary_(std::move(binary)) {
   find_parents();
 }
 

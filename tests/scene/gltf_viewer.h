@@ -9,16 +9,18 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "tests/scene/gltf_builder.h"
-
 namespace fascicle::tests {
 
-// Of documents with one buffer: float accessors or unsigned integers, sparse ones too; clips of steps and of
-// linear keys.
+// Of documents with one buffer: accessors of floats or of integers that are not normalised, sparse ones too;
+// clips of steps and of linear keys.
 class GltfViewer {
  public:
   explicit GltfViewer(const std::filesystem::path& glb);
-  explicit GltfViewer(const GltfBuilder& builder);
+  GltfViewer(nlohmann::json document, std::vector<unsigned char> binary);
+  // Of a GltfBuilder.
+  template <class Builder>
+  requires requires(const Builder& b) { b.document, b.bytes; }
+  explicit GltfViewer(const Builder& builder) : GltfViewer(builder.document, builder.bytes) {}
 
   // The vertices of every primitive of every node that shows a mesh, in the order of the nodes, at `time` of
   // the clip with this number; a negative one: as the nodes rest.

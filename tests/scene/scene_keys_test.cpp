@@ -371,6 +371,7 @@ TEST_F(SceneKeys, RangesThatTheMethodNeeds) {
                                          "motion.preroll=-0.1",
                                          "motion.settle=-1",
                                          "motion.hold=-1",
+                                         "motion.handles=-1",
                                          "motion.cut_distance=0"};
   for (const std::string& set : refused) {
     const std::string start = "--set " + set + ": ";

@@ -161,6 +161,7 @@ seamless = false
 seamless_tolerance = 0.01
 seamless_cycles = 5
 hold = 0.125
+handles = 3
 cuts = [0.5, 0.25]
 acceleration_limit = 500.0
 cut_distance = 4.0
@@ -364,7 +365,8 @@ std::string describe(const Scene& scene) {
   d.line("time", scene.fps, scene.start, scene.end, scene.clip);
   const Motion& m = scene.motion;
   d.line("motion", static_cast<int>(m.rest), static_cast<int>(m.interpolation), m.preroll, m.settle, m.loop,
-         m.seamless, m.seamless_tolerance, m.seamless_cycles, m.hold, m.acceleration_limit, m.cut_distance);
+         m.seamless, m.seamless_tolerance, m.seamless_cycles, m.hold, m.handles, m.acceleration_limit,
+         m.cut_distance);
   for (const double cut : m.cuts) d.line("cut", cut);
   return d.text();
 }
