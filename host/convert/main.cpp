@@ -48,6 +48,7 @@ std::string bytes_of(const fs::path& path) {
   if (!in) throw Failure(unreadable, "cannot be opened; check its permissions");
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   if (in.bad()) throw Failure(unreadable, "cannot be read to its end");
+  if (bytes.empty()) throw Failure(unreadable, "it is empty");
   return bytes;
 }
 
