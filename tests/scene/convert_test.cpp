@@ -1,12 +1,12 @@
 // Characters of other formats: against Blender, which writes one character as glTF, FBX and Collada, against
 // the formula of FBX's transforms, and with files that mean no good.
-#include "host/scene/convert.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <random>
 #include <sstream>
 #include <string>
@@ -14,6 +14,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include "host/scene/gltf.h"
 #include "host/scene/pose.h"
@@ -286,6 +287,21 @@ TEST(Fbx, files_that_mean_no_good_get_one_message) {
   EXPECT_NE(
       refused("other.fbx", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").find("cannot be"),
       std::string::npos);
+}
+
+// A copy of the program where no helper lies beside it.
+TEST(Fbx, without_the_converter_the_message_names_others) {
+  const TemporaryFolder folder;
+  folder.write("hero.fbx", fbx_of({}));
+  fs::copy_file(fs::path(FASCICLE_BINARY_DIR) / "fascicle", folder.path() / "fascicle");
+  const std::string in_folder = "cd '" + folder.path().string() + "' && ";
+  const int status =
+      std::system((in_folder + "PATH=/nowhere ./fascicle inspect hero.fbx > out 2> err").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  const std::string said = text_of(folder.path() / "err");
+  for (const char* part : {"hero.fbx: ", "fascicle-convert", "FBX2glTF", "export `hero.glb`"})
+    EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
 }
 
 }  // namespace
