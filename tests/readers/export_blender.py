@@ -1,7 +1,7 @@
 """blender --background --factory-startup --python export_blender.py -- FOLDER
 
 Makes a post of 1.8 m on two bones, which bend in a clip of 25 frames and stand and are turned as artists leave them, and
-writes it as FOLDER/post.glb, .fbx and .dae. Frames are keys in all three, so that none is between two."""
+swells by a blend shape, and writes it as FOLDER/post.glb, .fbx and, without the shape, .dae. Frames are keys in all three, so that none is between two."""
 import math
 import sys
 
@@ -42,6 +42,14 @@ for index, point in enumerate(points):
     for group, weight in zip(groups, (1 - share, share)):
         if weight > 0:
             group.add([index], weight, 'REPLACE')
+post.shape_key_add(name='Basis')
+bulge = post.shape_key_add(name='bulge')
+for index, point in enumerate(points):
+    bulge.data[index].co.x = 1.5 * point[0]
+mesh.shape_keys.animation_data_create().action = bpy.data.actions.new('swell')
+for frame in range(25):
+    bulge.value = frame / 24
+    bulge.keyframe_insert('value', frame=frame)
 post.parent = rig
 post.modifiers.new('Armature', 'ARMATURE').object = rig
 
@@ -58,4 +66,5 @@ scene.frame_set(12)  # saved in the midst of the clip, as files are
 
 bpy.ops.export_scene.gltf(filepath=folder + '/post.glb')
 bpy.ops.export_scene.fbx(filepath=folder + '/post.fbx', add_leaf_bones=False, bake_anim_simplify_factor=0)
+post.shape_key_clear()  # which this Blender would bake into the mesh
 bpy.ops.wm.collada_export(filepath=folder + '/post.dae')

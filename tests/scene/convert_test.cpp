@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 
 #include "host/scene/gltf.h"
+#include "host/scene/gltf_rig.h"
 #include "host/scene/pose.h"
 #include "host/scene/scene_file.h"
 #include "tests/scene/gltf_builder.h"
@@ -98,7 +99,7 @@ class FromBlender : public testing::Test {
 
 TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
   const Character glb = read("post.glb");
-  ASSERT_EQ(glb.clips.size(), 1u);
+  const scene::Clip* const bend = scene::find_clip(glb, "bend");
   for (const std::string name : {"post.fbx", "post.dae"}) {
     const Character other = read(name);
     EXPECT_TRUE(other.notes.empty()) << name << ": " << other.notes.front();
@@ -106,12 +107,12 @@ TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
     EXPECT_EQ(other.surface.triangles.size(), glb.surface.triangles.size()) << name;
     for (const char* joint : {"lower", "upper"}) EXPECT_TRUE(has_joint(other, joint)) << name << ' ' << joint;
     ASSERT_EQ(other.clips.size(), 1u) << name;
-    EXPECT_NEAR(other.clips[0].duration, glb.clips[0].duration, file_rounding) << name;
+    EXPECT_NEAR(other.clips[0].duration, bend->duration, file_rounding) << name;
     EXPECT_LT(both_ways(skinned(other, nullptr, 0.0), skinned(glb, nullptr, 0.0)), file_rounding)
         << name << ": the file was saved in the midst of the clip, and rests there";
     double largest = 0.0, moved = 0.0;
     for (int frame = 0; frame <= 24; ++frame) {
-      const std::vector<Vector3d> wanted = skinned(glb, &glb.clips[0], frame / 24.0);
+      const std::vector<Vector3d> wanted = skinned(glb, bend, frame / 24.0);
       largest = std::max(largest, both_ways(skinned(other, &other.clips[0], frame / 24.0), wanted));
       moved = std::max(moved, both_ways(skinned(other, nullptr, 0.0), wanted));
     }
@@ -119,6 +120,30 @@ TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
     EXPECT_GT(moved, 0.3) << name << ": the clip moves nothing, and the comparison says nothing";
   }
   EXPECT_EQ(read("post.fbx").clips[0].name, "Rig|bend");
+}
+
+// m, of the largest move that shapes make at a time.
+double most_shaped(const scene::Rig& rig, const std::string& clip, double time) {
+  double largest = 0.0;
+  for (const scene::RigPart& part : rig.parts) {
+    const std::vector<Vector3d> shaped =
+        scene::shaped_positions(part, scene::find_clip(rig.character, clip), time);
+    for (std::size_t v = 0; v < shaped.size(); ++v)
+      largest = std::max(largest, (shaped[v] - part.positions[v]).norm());
+  }
+  return largest;
+}
+
+TEST_F(FromBlender, blend_shapes_come_with_their_clips) {
+  const scene::Rig glb = scene::read_rig(folder_.path() / "post.glb"),
+                   fbx = scene::read_rig(folder_.path() / "post.fbx");
+  ASSERT_EQ(fbx.parts.size(), 1u);
+  EXPECT_EQ(fbx.parts[0].shapes.size(), 1u);
+  for (int frame = 0; frame <= 24; frame += 6) {
+    const double wanted = most_shaped(glb, "swell", frame / 24.0);
+    EXPECT_NEAR(most_shaped(fbx, "Rig|bend", frame / 24.0), wanted, file_rounding) << frame;
+    EXPECT_NEAR(wanted, 0.075 * frame / 24.0, file_rounding) << frame;
+  }
 }
 
 TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
