@@ -1,12 +1,11 @@
-// What all calls of fascicle-mesher have in common: finding it, its exit status, its last words, a folder for
-// the files.
+// What all calls of fascicle-mesher have in common: finding it, its exit status, its last words.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 #include "host/build/build.h"
-#include "host/build/process.h"
+#include "host/scene/helper_program.h"
 
 namespace fascicle::build {
 
@@ -23,18 +22,10 @@ enum MesherStatus : int {
 
 inline constexpr const char* mesher_name = "fascicle-mesher";
 
-// A folder of our own that goes when this does.
-class TemporaryFolder {
- public:
-  TemporaryFolder();  // throws std::system_error
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using scene::ProcessEnd;
+using scene::ProcessLimits;
+using scene::ProcessResult;
+using scene::TemporaryFolder;
 
 // The options' mesher, or the one beside this executable, or the first on PATH. Throws scene::SceneError.
 std::filesystem::path mesher_path(const BuildOptions& options);

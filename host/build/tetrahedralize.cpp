@@ -72,7 +72,7 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
   }
   if (crashed || result.code == mesher_self_intersecting || result.code == mesher_failed) {
     // TetGen also crashes on surfaces that cross themselves: look for the place.
-    const ProcessResult search = run_process(mesher, {"intersections", surface.string()}, limits);
+    const ProcessResult search = scene::run_process(mesher, {"intersections", surface.string()}, limits);
     if (search.end == ProcessEnd::exited && search.code == mesher_self_intersecting) fail_crossing(search);
     if (!crashed && result.code == mesher_self_intersecting) fail_crossing(result);
   }
@@ -183,7 +183,7 @@ TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Ve
     write_points(points_file, inside);
     arguments.insert(arguments.end(), {"--points", points_file.string()});
   }
-  const ProcessResult result = run_process(mesher, arguments, limits);
+  const ProcessResult result = scene::run_process(mesher, arguments, limits);
   if (result.end != ProcessEnd::exited || result.code != mesher_done) {
     fail_run(result, mesher, surface_file, limits);
   }

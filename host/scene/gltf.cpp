@@ -456,9 +456,12 @@ class Reader {
 }  // namespace
 
 Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
-  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  GltfFile file = read_gltf_file(path);
+  const std::vector<std::string> notes = file.notes;
+  const CheckedGltf checked = check_gltf(std::move(file));
   const auto model = decode_gltf(checked);
   Character character = Reader(path, checked.plain, *model).run();
+  character.notes.insert(character.notes.end(), notes.begin(), notes.end());
   if (files_read != nullptr) {
     files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());
   }

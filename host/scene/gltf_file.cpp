@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/scene/convert.h"
+#include "host/scene/helper_program.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -104,17 +106,10 @@ bool is_inside(const std::filesystem::path& folder, const std::filesystem::path&
   return f != file.end();
 }
 
-}  // namespace
-
-void gltf_error(const std::filesystem::path& path, const std::string& pointer, const std::string& what) {
-  throw SceneError(path.string() + ": " + pointer + ": " + what);
-}
-
-GltfFile read_gltf_file(const std::filesystem::path& path) {
+// `path` is what messages call it.
+GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
   GltfFile file;
   file.path = path;
-  const std::vector<unsigned char> bytes = read_regular_file(
-      path, 0, [&](const std::string& what) { throw SceneError(path.string() + ": " + what); });
   if (bytes.size() < 4 || little_endian(bytes, 0) != magic_glb) {
     file.document = parse(path, bytes.data(), bytes.size());
     return file;
@@ -152,6 +147,34 @@ GltfFile read_gltf_file(const std::filesystem::path& path) {
     ++chunk;
   }
   return file;
+}
+
+// The document stays in memory: what reads it again converts it again, which is a fraction of a second.
+GltfFile read_converted(const std::filesystem::path& path) {
+  const TemporaryFolder folder;
+  const std::filesystem::path glb = folder.path() / "character.glb";
+  convert_character(path, glb);
+  GltfFile file = parse_gltf(path, read_regular_file(glb, 0, [&](const std::string& what) {
+                               throw SceneError(path.string() + ": as converted, " + what);
+                             }));
+  const nlohmann::json notes =
+      file.document.value(nlohmann::json::json_pointer("/asset/extras/notes"), nlohmann::json::array());
+  for (const nlohmann::json& note : notes)
+    if (note.is_string()) file.notes.push_back(note.get<std::string>());
+  return file;
+}
+
+}  // namespace
+
+void gltf_error(const std::filesystem::path& path, const std::string& pointer, const std::string& what) {
+  throw SceneError(path.string() + ": " + pointer + ": " + what);
+}
+
+GltfFile read_gltf_file(const std::filesystem::path& path) {
+  if (is_convertible_file(path)) return read_converted(path);
+  return parse_gltf(path, read_regular_file(path, 0, [&](const std::string& what) {
+                      throw SceneError(path.string() + ": " + what);
+                    }));
 }
 
 std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, const std::string& pointer,

@@ -19,14 +19,15 @@ struct GltfFile {
   nlohmann::json document;
   bool has_binary = false;            // a GLB with a BIN chunk
   std::vector<unsigned char> binary;  // that chunk
+  std::vector<std::string> notes;     // what a conversion lost
 };
 
 // Throws SceneError "FILE: POINTER: what"; `pointer` is a JSON pointer, or a byte for the container.
 [[noreturn]] void gltf_error(const std::filesystem::path& path, const std::string& pointer,
                              const std::string& what);
 
-// Reads a .glb (told by its first bytes) or .gltf. Bounded: file size, nesting and number of the JSON's
-// values.
+// Reads a .glb (told by its first bytes) or .gltf, or what fascicle-convert makes of other formats. Bounded:
+// file size, nesting and number of the JSON's values.
 GltfFile read_gltf_file(const std::filesystem::path& path);
 
 // The bytes of an external buffer. `uri` must lead to a regular file inside the folder of `gltf`: no scheme,

@@ -220,7 +220,7 @@ std::vector<Eigen::Vector3d> shaped_positions(const RigPart& part, const Clip* c
 fs::path character_file(const Scene& scene) {
   if (std::holds_alternative<Character>(scene.geometry))
     for (const auto& [file, hash] : scene.input_hashes)
-      if (is_gltf_file(file)) return file;
+      if (reads_as_character(file)) return file;
   return {};
 }
 

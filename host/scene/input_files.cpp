@@ -11,6 +11,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "host/scene/convert.h"
 #include "host/scene/gltf.h"
 #include "host/scene/mesh_file.h"
 
@@ -59,9 +60,10 @@ std::string hash_of(std::string_view bytes) {
   return hex(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
-bool is_gltf_file(const std::filesystem::path& path) {
+bool reads_as_character(const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
-  return extension == ".glb" || extension == ".gltf" || extension == ".vrm";
+  return extension == ".glb" || extension == ".gltf" || extension == ".vrm" ||
+         (is_convertible_file(path) && can_convert());
 }
 
 std::string conversion_advice(const std::filesystem::path& path) {
@@ -69,12 +71,13 @@ std::string conversion_advice(const std::filesystem::path& path) {
                                                      ".usd", ".usda", ".usdc",  ".usdz", ".ma",     ".mb",
                                                      ".max", ".c4d",  ".pmx",   ".b3d",  ".md5mesh"};
   const std::string extension = lower_extension(path);
-  if (std::find(known.begin(), known.end(), extension) == known.end()) return {};
-  const std::string glb = std::filesystem::path(path).replace_extension(".glb").filename().string();
-  return path.string() + ": " + extension + " is not read; characters are glTF (.glb .gltf .vrm). " +
-         (extension == ".fbx" ? "Convert it with FBX2glTF, or import it in Blender and export `"
-                              : "Import it in Blender and export `") +
-         glb + "`, with its armature and animations (File > Export > glTF 2.0)";
+  const bool is_known = std::find(known.begin(), known.end(), extension) != known.end();
+  if (!is_known || reads_as_character(path)) return {};
+  return path.string() + ": " + extension +
+         (is_convertible_file(path)
+              ? " is not read without fascicle-convert, which is not beside this program; "
+              : " is not read; ") +
+         "characters are glTF (.glb .gltf .vrm). " + conversion_by_hand(path);
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes) {
@@ -90,7 +93,8 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t mos
 }
 
 void load_mesh(const std::filesystem::path& path, Scene& scene) {
-  if (is_gltf_file(path)) throw InputFileError(path.string() + " is a character; name it under [character]");
+  if (reads_as_character(path))
+    throw InputFileError(path.string() + " is a character; name it under [character]");
   if (is_tet_mesh_file(path)) {
     check_regular(path);
     scene.geometry = read_tet_mesh(path);
@@ -115,8 +119,8 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
 
 void load_character(const std::filesystem::path& path, Scene& scene) {
   if (const std::string advice = conversion_advice(path); !advice.empty()) throw InputFileError(advice);
-  if (!is_gltf_file(path))
-    throw InputFileError(path.string() + " is no character; it may be .glb, .gltf or .vrm");
+  if (!reads_as_character(path))
+    throw InputFileError(path.string() + " is no character; it may be .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
   scene.geometry = read_gltf(path, &files);

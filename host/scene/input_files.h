@@ -18,8 +18,10 @@ struct InputFileError : std::runtime_error {
 // XXH3-64, 16 hex digits.
 std::string hash_of(std::string_view bytes);
 
-bool is_gltf_file(const std::filesystem::path& path);
-// What to do with a character in a format that is not read (.fbx, .blend, ...); empty for all other files.
+// By its name: glTF, and what is converted where there is a converter.
+bool reads_as_character(const std::filesystem::path& path);
+// What to do with a character in a format that is not read (.blend, ..., without a converter .fbx too); empty
+// for all other files.
 std::string conversion_advice(const std::filesystem::path& path);
 
 // Whole regular file. Throws InputFileError; `most_bytes` keeps a wrong name from filling the memory.

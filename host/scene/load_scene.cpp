@@ -28,7 +28,7 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
   throw SceneError(name +
                    ": no such scene; give a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj "
                    ".ply .stl), a "
-                   "character (.glb .gltf .vrm) or a built-in scene" +
+                   "character (.glb .gltf .vrm .fbx .dae) or a built-in scene" +
                    nearest_name_hint(name, names));
 }
 
@@ -61,7 +61,7 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
           is_tet_mesh_file(path) ? Geometry(read_tet_mesh(path)) : Geometry(read_surface_mesh(path));
       return parse_scene({stem, name, scene_for_mesh(path, mesh), {}}, overrides);
     }
-    if (is_gltf_file(path)) {
+    if (reads_as_character(path)) {
       // Read twice, because the layers' default extents follow from the size; the text must be complete
       // before it is parsed.
       Scene sized;

@@ -73,7 +73,7 @@ struct Tables {
 
   Table character{
       .name = "character",
-      .doc = "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), or one of fascicle's own.",
+      .doc = "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), an .fbx or .dae, or one of fascicle's own.",
       .keys = {{.name = "file",
                 .type = KeyType::text,
                 .doc = "The file, relative to the scene file's folder."},

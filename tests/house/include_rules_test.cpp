@@ -29,7 +29,7 @@ const std::vector<std::string> every_library{"Eigen",      "JSON",          "xxH
                                              "Draco",      "meshoptimizer", "zlib"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
-// it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL.
+// it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL. host/convert is one too.
 const std::vector<Room>& rooms() {
   static const std::vector<Room> table{
       {"shaders/", {}, {}},
@@ -37,6 +37,7 @@ const std::vector<Room>& rooms() {
        {},
        {"Eigen", "toml++", "tinygltf", "JSON", "xxHash", "pugixml", "Draco", "meshoptimizer"}},
       {"host/mesher/", {}, {"TetGen", "CGAL"}},
+      {"host/convert/", {}, {"assimp", "Eigen", "JSON"}},
       {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
       {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
       {"host/bake/", {"host/scene/", "host/model/"}, {"Eigen", "JSON", "xxHash", "zlib"}},
@@ -55,6 +56,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
   static const std::vector<std::pair<std::string, std::string>> table{{"Eigen/", "Eigen"},
                                                                       {"tetgen.h", "TetGen"},
                                                                       {"CGAL/", "CGAL"},
+                                                                      {"assimp/", "assimp"},
                                                                       {"volk.h", "Vulkan"},
                                                                       {"vulkan/", "Vulkan"},
                                                                       {"CLI/", "CLI11"},

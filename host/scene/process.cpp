@@ -1,4 +1,4 @@
-#include "host/build/process.h"
+#include "host/scene/process.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace fascicle::build {
+namespace fascicle::scene {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -196,4 +196,4 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
   return result;
 }
 
-}  // namespace fascicle::build
+}  // namespace fascicle::scene

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace fascicle::build {
+namespace fascicle::scene {
 
 struct ProcessLimits {
   // Of processor time, so that a busy machine is nobody's fault; and of wall clock while none of it is used.
@@ -28,4 +28,4 @@ struct ProcessResult {
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits);
 
-}  // namespace fascicle::build
+}  // namespace fascicle::scene

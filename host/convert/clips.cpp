@@ -1,0 +1,245 @@
+// Clips: keys of assimp's channels as tracks of whole nodes.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "host/convert/character.h"
+
+namespace fascicle::convert {
+namespace {
+
+Eigen::Vector3d vector_of(const aiVector3D& v) {
+  return {double{v.x}, double{v.y}, double{v.z}};
+}
+
+Eigen::Quaterniond value_of(const aiQuatKey& key) {
+  const Eigen::Quaterniond q(double{key.mValue.w}, double{key.mValue.x}, double{key.mValue.y},
+                             double{key.mValue.z});
+  return q.norm() > 0.0 ? q.normalized() : Eigen::Quaterniond::Identity();
+}
+Eigen::Vector3d value_of(const aiVectorKey& key) {
+  return vector_of(key.mValue);
+}
+
+Eigen::Quaterniond between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double share) {
+  return a.slerp(share, b);
+}
+Eigen::Vector3d between(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double share) {
+  return a + share * (b - a);
+}
+
+// At a time in ticks; `otherwise` where there are no keys.
+template <typename Key, typename Value>
+Value sample(const Key* keys, unsigned count, double time, const Value& otherwise) {
+  if (count == 0 || keys == nullptr) return otherwise;
+  const Key* const end = keys + count;
+  const Key* const after =
+      std::upper_bound(keys, end, time, [](double t, const Key& key) { return t < key.mTime; });
+  if (after == keys) return value_of(keys[0]);
+  if (after == end) return value_of(end[-1]);
+  const double span = after->mTime - after[-1].mTime;
+  return between(value_of(after[-1]), value_of(*after), span > 0.0 ? (time - after[-1].mTime) / span : 0.0);
+}
+
+Parts sample(const aiNodeAnim& channel, double time, const Parts& rest) {
+  return {.translation = sample(channel.mPositionKeys, channel.mNumPositionKeys, time, rest.translation),
+          .rotation = sample(channel.mRotationKeys, channel.mNumRotationKeys, time, rest.rotation),
+          .scale = sample(channel.mScalingKeys, channel.mNumScalingKeys, time, rest.scale)};
+}
+
+void add_times(const aiNodeAnim& channel, std::set<double>& times) {
+  const auto add = [&](const auto* keys, unsigned count) {
+    for (unsigned k = 0; k < count; ++k)
+      if (std::isfinite(keys[k].mTime)) times.insert(keys[k].mTime);
+  };
+  add(channel.mPositionKeys, channel.mNumPositionKeys);
+  add(channel.mRotationKeys, channel.mNumRotationKeys);
+  add(channel.mScalingKeys, channel.mNumScalingKeys);
+}
+
+constexpr double most_samples = 1e6;
+
+// A chain turns around pivots: between two keys a node then moves on an arc, which its own keys must follow.
+void fill_gaps(std::set<double>& times) {
+  if (times.empty() || *times.rbegin() - *times.begin() > most_samples) return;
+  std::set<double> between_keys;
+  for (auto after = std::next(times.begin()); after != times.end(); ++after) {
+    const double from = *std::prev(after), span = *after - from;
+    const double steps = std::ceil(span - 1e-3);  // one a frame
+    for (double k = 1.0; k < steps; k += 1.0) between_keys.insert(from + span * k / steps);
+  }
+  times.merge(between_keys);
+}
+
+// The channels of a node's chain, by their names, or of the node itself.
+using Channels = std::unordered_map<std::string, const aiNodeAnim*>;
+
+// Assimp 5 turns a whole channel by the rotation after the node's own, where the file means its inverse, and
+// where it makes links of the node it does so already.
+Eigen::Quaterniond twice_undone(const Node& node) {
+  for (const Link& link : node.chain)
+    if (link.component == "PostRotation") {
+      const Eigen::Quaterniond undone = parts_of(link.matrix).rotation;
+      return undone * undone;
+    }
+  return Eigen::Quaterniond::Identity();
+}
+
+Track whole_track(const Node& node, const aiNodeAnim& channel, double seconds) {
+  Track track;
+  std::set<double> times;
+  add_times(channel, times);
+  const Parts rest = parts_of(node.local);
+  const Eigen::Quaterniond undone = twice_undone(node);
+  for (const double time : times) {
+    track.times.push_back(time * seconds);
+    track.values.push_back(sample(channel, time, rest));
+    track.values.back().rotation = (track.values.back().rotation * undone).normalized();
+  }
+  return track;
+}
+
+// Of a link, a channel has only what the link is about.
+Matrix link_at(const Link& link, const aiNodeAnim& channel, double time) {
+  Parts parts = parts_of(link.matrix);
+  const Parts sampled = sample(channel, time, parts);
+  if (link.component.find("Rotation") != std::string::npos &&
+      link.component.find("Pivot") == std::string::npos &&
+      link.component.find("Offset") == std::string::npos) {
+    parts.rotation = sampled.rotation;
+  } else if (link.component == "Scaling") {
+    parts.scale = sampled.scale;
+  } else {
+    parts.translation = sampled.translation;
+  }
+  return matrix_of(parts);
+}
+
+Track chained_track(const Node& node, const Channels& channels, double seconds) {
+  Track track;
+  std::set<double> times;
+  std::vector<const aiNodeAnim*> of_link;
+  for (const Link& link : node.chain) {
+    const auto found = channels.find(link.name);
+    of_link.push_back(found == channels.end() ? nullptr : found->second);
+    if (of_link.back() != nullptr) add_times(*of_link.back(), times);
+  }
+  fill_gaps(times);
+  for (const double time : times) {
+    Matrix local = Matrix::Identity();
+    for (std::size_t i = 0; i < node.chain.size(); ++i)
+      local =
+          (local * (of_link[i] == nullptr ? node.chain[i].matrix : link_at(node.chain[i], *of_link[i], time)))
+              .eval();
+    track.times.push_back(time * seconds);
+    track.values.push_back(parts_of(local));
+  }
+  return track;
+}
+
+// "Mesh*0", as FBX has it, or the node's name.
+std::size_t node_of(const Character& character, const aiMeshMorphAnim& channel) {
+  std::string name = channel.mName.C_Str();
+  name.resize(std::min(name.find('*'), name.size()));
+  const auto found = character.by_name.find(name);
+  if (found != character.by_name.end())
+    for (const std::size_t n : found->second)
+      for (const aiMesh* mesh : character.nodes[n].meshes)
+        if (mesh->mNumAnimMeshes > 0) return n;
+  return character.nodes.size();
+}
+
+// A key names only the shapes that have one there; the others are between theirs.
+ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, double seconds) {
+  std::vector<std::map<double, double>> keys(shapes);
+  std::set<double> times;
+  for (unsigned k = 0; k < channel.mNumKeys; ++k) {
+    const aiMeshMorphKey& key = channel.mKeys[k];
+    if (!std::isfinite(key.mTime)) continue;
+    for (unsigned i = 0; i < key.mNumValuesAndWeights; ++i)
+      if (key.mValues[i] < shapes && std::isfinite(key.mWeights[i])) {
+        keys[key.mValues[i]][key.mTime] = key.mWeights[i];
+        times.insert(key.mTime);
+      }
+  }
+  ShapeTrack track;
+  for (const double time : times) {
+    track.times.push_back(time * seconds);
+    track.weights.emplace_back();
+    for (const std::map<double, double>& of_shape : keys) {
+      const auto after = of_shape.lower_bound(time);
+      double weight = 0.0;
+      if (after != of_shape.end() && (after->first == time || after == of_shape.begin())) {
+        weight = after->second;
+      } else if (after == of_shape.end()) {
+        weight = of_shape.empty() ? 0.0 : of_shape.rbegin()->second;
+      } else {
+        const auto before = std::prev(after);
+        const double share = (time - before->first) / (after->first - before->first);
+        weight = before->second + share * (after->second - before->second);
+      }
+      track.weights.back().push_back(weight);
+    }
+  }
+  return track;
+}
+
+void add_shape_tracks(const aiAnimation& animation, double seconds, Character& character, Clip& clip) {
+  for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c) {
+    const std::size_t node = node_of(character, *animation.mMorphMeshChannels[c]);
+    if (node == character.nodes.size()) {
+      character.notes.push_back(std::string("no mesh has the blend shapes that a clip moves as `") +
+                                animation.mMorphMeshChannels[c]->mName.C_Str() + "`");
+      continue;
+    }
+    std::size_t shapes = 0;
+    for (const aiMesh* mesh : character.nodes[node].meshes)
+      shapes = std::max(shapes, std::size_t{mesh->mNumAnimMeshes});
+    ShapeTrack track = shape_track(*animation.mMorphMeshChannels[c], shapes, seconds);
+    track.node = node;
+    if (!track.times.empty()) clip.shapes.push_back(std::move(track));
+  }
+}
+
+// Collada has one timeline; a clip begins with its first key.
+void begin_at_zero(Clip& clip) {
+  double first = std::numeric_limits<double>::infinity();
+  for (const Track& track : clip.tracks) first = std::min(first, track.times.front());
+  for (const ShapeTrack& track : clip.shapes) first = std::min(first, track.times.front());
+  for (Track& track : clip.tracks)
+    for (double& time : track.times) time -= first;
+  for (ShapeTrack& track : clip.shapes)
+    for (double& time : track.times) time -= first;
+}
+
+}  // namespace
+
+void add_clips(Character& character, bool is_fbx) {
+  for (unsigned a = 0; a < character.scene->mNumAnimations; ++a) {
+    const aiAnimation& animation = *character.scene->mAnimations[a];
+    constexpr double usual_rate = 25.0;  // where the file does not say; assimp's word
+    const double seconds = 1.0 / (animation.mTicksPerSecond > 0.0 ? animation.mTicksPerSecond : usual_rate);
+    Channels channels;
+    for (unsigned c = 0; c < animation.mNumChannels; ++c)
+      channels.emplace(animation.mChannels[c]->mNodeName.C_Str(), animation.mChannels[c]);
+    Clip clip;
+    clip.name = animation.mName.C_Str();
+    for (std::size_t n = 0; n < character.nodes.size(); ++n) {
+      const Node& node = character.nodes[n];
+      if (find_node(character, node.name) != n) continue;
+      const auto whole = channels.find(node.name);
+      Track track = whole != channels.end() ? whole_track(node, *whole->second, seconds)
+                                            : chained_track(node, channels, seconds);
+      track.node = n;
+      if (!track.times.empty()) clip.tracks.push_back(std::move(track));
+    }
+    add_shape_tracks(animation, seconds, character, clip);
+    if (!is_fbx) begin_at_zero(clip);
+    character.clips.push_back(std::move(clip));
+  }
+}
+
+}  // namespace fascicle::convert

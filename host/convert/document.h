@@ -1,0 +1,30 @@
+// glTF's JSON and its one buffer, as they grow.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace fascicle::convert {
+
+struct Document {
+  nlohmann::json json;
+  std::string binary;
+};
+
+std::size_t add_view(Document& document, const void* data, std::size_t bytes);
+// Rows of `width` (1, 2, 3, 4 or 16) numbers. `with_bounds`: minimum and maximum, as positions and times
+// need.
+std::size_t add_accessor(Document& document, std::span<const float> values, int width,
+                         bool with_bounds = false);
+std::size_t add_accessor(Document& document, std::span<const std::uint16_t> values, int width);
+std::size_t add_indices(Document& document, std::span<const std::uint32_t> values);
+
+// As a GLB. Takes what is there: the buffer is large.
+std::string glb_text(Document document);
+
+}  // namespace fascicle::convert

@@ -1,0 +1,18 @@
+// Characters that fascicle-convert turns into glTF: .fbx and .dae.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace fascicle::scene {
+
+bool is_convertible_file(const std::filesystem::path& path);
+bool can_convert();  // whether there is a fascicle-convert, beside this program or on PATH
+
+// How else a character in a format that is not read, or could not be, becomes glTF: a sentence.
+std::string conversion_by_hand(const std::filesystem::path& path);
+
+// Writes `input` as a GLB. Throws SceneError; nothing that the file holds ends this process.
+void convert_character(const std::filesystem::path& input, const std::filesystem::path& output);
+
+}  // namespace fascicle::scene

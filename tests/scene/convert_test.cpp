@@ -1,0 +1,333 @@
+// Characters of other formats: against Blender, which writes one character as glTF, FBX and Collada, against
+// the formula of FBX's transforms, and with files that mean no good.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "host/scene/gltf.h"
+#include "host/scene/gltf_rig.h"
+#include "host/scene/pose.h"
+#include "host/scene/scene_file.h"
+#include "tests/scene/gltf_builder.h"
+#include "tests/support/readers.h"
+
+namespace fascicle::tests {
+namespace {
+
+using scene::Character;
+using scene::Vector3d;
+namespace fs = std::filesystem;
+
+std::vector<Vector3d> skinned(const Character& character, const scene::Clip* clip, double time) {
+  const std::vector<Eigen::Matrix4d> joints = scene::pose_at(character, clip, time);
+  std::vector<Vector3d> result;
+  for (std::size_t v = 0; v < character.surface.vertices.size(); ++v) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t k = 0; k < 8; ++k)
+      sum += character.weights[v][k] *
+             (joints[character.joints[v][k]] * character.surface.vertices[v].homogeneous()).head<3>();
+    result.push_back(sum);
+  }
+  return result;
+}
+
+// Of any point of the one to the nearest of the other: their vertices have orders and seams of their own.
+double distance(const std::vector<Vector3d>& one, const std::vector<Vector3d>& other) {
+  double largest = 0.0;
+  for (const Vector3d& p : one) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vector3d& q : other) nearest = std::min(nearest, (p - q).norm());
+    largest = std::max(largest, nearest);
+  }
+  return largest;
+}
+
+double both_ways(const std::vector<Vector3d>& one, const std::vector<Vector3d>& other) {
+  return std::max(distance(one, other), distance(other, one));
+}
+
+double height(const std::vector<Vector3d>& points) {
+  double low = points.front().y(), high = low;
+  for (const Vector3d& p : points) {
+    low = std::min(low, p.y());
+    high = std::max(high, p.y());
+  }
+  return high - low;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+bool has_joint(const Character& character, const std::string& name) {
+  return std::any_of(character.skeleton.begin(), character.skeleton.end(),
+                     [&](const scene::Joint& joint) { return joint.name == name; });
+}
+
+// Single precision through three changes of unit: 1e-6 of 1.8 m, a few times over.
+constexpr double file_rounding = 1e-5;
+
+class FromBlender : public testing::Test {
+ protected:
+  void SetUp() override {
+    FASCICLE_NEEDS_BLENDER;
+    const std::string command = std::string(
+                                    "blender --background --factory-startup --python-exit-code 1 "
+                                    "--python '") +
+                                FASCICLE_SOURCE_DIR + "/tests/readers/export_blender.py' -- '" +
+                                folder_.path().string() + "' > '" + (folder_.path() / "log").string() +
+                                "' 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << text_of(folder_.path() / "log");
+  }
+  Character read(const std::string& name) const { return scene::read_gltf(folder_.path() / name); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
+  const Character glb = read("post.glb");
+  const scene::Clip* const bend = scene::find_clip(glb, "bend");
+  for (const std::string name : {"post.fbx", "post.dae"}) {
+    const Character other = read(name);
+    EXPECT_TRUE(other.notes.empty()) << name << ": " << other.notes.front();
+    EXPECT_NEAR(height(other.surface.vertices), 1.8, file_rounding) << name << ": not in metres";
+    EXPECT_EQ(other.surface.triangles.size(), glb.surface.triangles.size()) << name;
+    for (const char* joint : {"lower", "upper"}) EXPECT_TRUE(has_joint(other, joint)) << name << ' ' << joint;
+    ASSERT_EQ(other.clips.size(), 1u) << name;
+    EXPECT_NEAR(other.clips[0].duration, bend->duration, file_rounding) << name;
+    EXPECT_LT(both_ways(skinned(other, nullptr, 0.0), skinned(glb, nullptr, 0.0)), file_rounding)
+        << name << ": the file was saved in the midst of the clip, and rests there";
+    double largest = 0.0, moved = 0.0;
+    for (int frame = 0; frame <= 24; ++frame) {
+      const std::vector<Vector3d> wanted = skinned(glb, bend, frame / 24.0);
+      largest = std::max(largest, both_ways(skinned(other, &other.clips[0], frame / 24.0), wanted));
+      moved = std::max(moved, both_ways(skinned(other, nullptr, 0.0), wanted));
+    }
+    EXPECT_LT(largest, file_rounding) << name;
+    EXPECT_GT(moved, 0.3) << name << ": the clip moves nothing, and the comparison says nothing";
+  }
+  EXPECT_EQ(read("post.fbx").clips[0].name, "Rig|bend");
+}
+
+// m, of the largest move that shapes make at a time.
+double most_shaped(const scene::Rig& rig, const std::string& clip, double time) {
+  double largest = 0.0;
+  for (const scene::RigPart& part : rig.parts) {
+    const std::vector<Vector3d> shaped =
+        scene::shaped_positions(part, scene::find_clip(rig.character, clip), time);
+    for (std::size_t v = 0; v < shaped.size(); ++v)
+      largest = std::max(largest, (shaped[v] - part.positions[v]).norm());
+  }
+  return largest;
+}
+
+TEST_F(FromBlender, blend_shapes_come_with_their_clips) {
+  const scene::Rig glb = scene::read_rig(folder_.path() / "post.glb"),
+                   fbx = scene::read_rig(folder_.path() / "post.fbx");
+  ASSERT_EQ(fbx.parts.size(), 1u);
+  EXPECT_EQ(fbx.parts[0].shapes.size(), 1u);
+  for (int frame = 0; frame <= 24; frame += 6) {
+    const double wanted = most_shaped(glb, "swell", frame / 24.0);
+    EXPECT_NEAR(most_shaped(fbx, "Rig|bend", frame / 24.0), wanted, file_rounding) << frame;
+    EXPECT_NEAR(wanted, 0.075 * frame / 24.0, file_rounding) << frame;
+  }
+}
+
+TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
+  std::mt19937 random(7);
+  for (const std::string name : {"post.fbx", "post.dae"}) {
+    const std::string whole = text_of(folder_.path() / name);
+    for (const std::size_t part : {1u, 2u, 3u}) {
+      const fs::path cut = folder_.write("cut-" + name, whole.substr(0, whole.size() * part / 4));
+      try {
+        scene::read_gltf(cut);
+        FAIL() << name << " was read with " << part << " quarters of it";
+      } catch (const scene::SceneError& error) {
+        const std::string what = error.what();
+        EXPECT_EQ(what.find(cut.string() + ": "), 0u) << what;
+        EXPECT_NE(what.find("export `cut-post.glb`"), std::string::npos) << what;
+        EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      }
+    }
+    // Any end but a message or a character ends this test too.
+    for (int i = 0; i < 12; ++i) {
+      std::string damaged = whole;
+      for (int k = 0; k < 20; ++k) damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
+      try {
+        scene::read_gltf(folder_.write("damaged-" + name, damaged));
+      } catch (const scene::SceneError&) {
+      }
+    }
+  }
+}
+
+// A plate on a turning node, in text: 40 lines are an FBX file.
+struct Post {
+  std::string properties = {};
+  int up = 1, up_sign = 1, right = 0, right_sign = 1;
+  double unit = 1.0;  // cm
+};
+
+std::string property(const std::string& name, double x, double y, double z) {
+  std::ostringstream out;
+  out << "P: \"" << name << "\", \"Vector3D\", \"Vector\", \"\"," << x << ',' << y << ',' << z << "\n";
+  return out.str();
+}
+
+constexpr double ticks_a_second = 46186158000.0, degree = 3.14159265358979323846 / 180.0;
+
+// Turns by 0 to 90 degrees about Z within a second, 30 frames.
+std::string fbx_of(const Post& post) {
+  std::ostringstream out;
+  out << "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n"
+         "GlobalSettings: {\nVersion: 1000\nProperties70: {\n"
+      << "P: \"UpAxis\", \"int\", \"Integer\", \"\"," << post.up << "\nP: \"UpAxisSign\", \"int\", "
+      << "\"Integer\", \"\"," << post.up_sign << "\nP: \"FrontAxis\", \"int\", \"Integer\", \"\",2\n"
+      << "P: \"FrontAxisSign\", \"int\", \"Integer\", \"\",1\nP: \"CoordAxis\", \"int\", \"Integer\", \"\","
+      << post.right << "\nP: \"CoordAxisSign\", \"int\", \"Integer\", \"\"," << post.right_sign
+      << "\nP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," << post.unit
+      << "\nP: \"TimeMode\", \"enum\", \"\", \"\",6\n}\n}\n"
+         "Objects: {\n"
+         "Model: 10, \"Model::Arm\", \"Null\" {\nVersion: 232\nProperties70: {\n"
+      << post.properties
+      << "}\n}\nModel: 11, \"Model::Plate\", \"Mesh\" {\nVersion: 232\nProperties70: {\n}\n}\n"
+         "Geometry: 12, \"Geometry::Plate\", \"Mesh\" {\nVertices: *12 {\na: 0,0,0,10,0,0,0,20,0,0,0,30\n}\n"
+         "PolygonVertexIndex: *12 {\na: 0,2,-2,0,1,-4,1,2,-4,2,0,-4\n}\nGeometryVersion: 124\n}\n"
+         "AnimationStack: 20, \"AnimStack::turn\", \"\" {\n}\nAnimationLayer: 21, \"AnimLayer::base\", \"\" "
+         "{\n}\n"
+         "AnimationCurveNode: 22, \"AnimCurveNode::R\", \"\" {\n}\n";
+  for (int axis = 0; axis < 3; ++axis) {
+    out << "AnimationCurve: " << 23 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
+        << "KeyTime: *31 {\na: ";
+    for (int k = 0; k <= 30; ++k)
+      out << (k ? "," : "") << static_cast<long long>(std::llround(ticks_a_second * k / 30.0));
+    out << "\n}\nKeyValueFloat: *31 {\na: ";
+    for (int k = 0; k <= 30; ++k) out << (k ? "," : "") << (axis == 2 ? 3.0 * k : 0.0);
+    out << "\n}\n}\n";
+  }
+  out << "}\nConnections: {\nC: \"OO\",10,0\nC: \"OO\",11,10\nC: \"OO\",12,11\nC: \"OO\",21,20\n"
+         "C: \"OO\",22,21\nC: \"OP\",22,10, \"Lcl Rotation\"\nC: \"OP\",23,22, \"d|X\"\n"
+         "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n}\n";
+  return out.str();
+}
+
+Eigen::Affine3d turned(double x, double y, double z) {
+  return Eigen::Affine3d(Eigen::AngleAxisd(z * degree, Vector3d::UnitZ()) *
+                         Eigen::AngleAxisd(y * degree, Vector3d::UnitY()) *
+                         Eigen::AngleAxisd(x * degree, Vector3d::UnitX()));
+}
+Eigen::Affine3d moved(double x, double y, double z) {
+  return Eigen::Affine3d(Eigen::Translation3d(x, y, z));
+}
+
+const std::vector<Vector3d> plate{{0, 0, 0}, {10, 0, 0}, {0, 20, 0}, {0, 0, 30}};
+
+// `local` at an angle of the turn, in the file's axes and unit; `world` takes those to metres.
+template <typename Local>
+void expect_motion(const std::string& text, const Eigen::Matrix3d& world, const Local& local) {
+  const TemporaryFolder folder;
+  const Character character = scene::read_gltf(folder.write("plate.fbx", text));
+  ASSERT_EQ(character.clips.size(), 1u);
+  EXPECT_EQ(character.clips[0].name, "turn");
+  EXPECT_NEAR(character.clips[0].duration, 1.0, 1e-6);
+  for (const double time : {0.0, 0.5, 1.0}) {
+    std::vector<Vector3d> wanted;
+    for (const Vector3d& p : plate) wanted.push_back(world * (local(90.0 * time) * p));
+    EXPECT_LT(both_ways(skinned(character, &character.clips[0], time), wanted),
+              file_rounding * world.norm() * 30.0)
+        << "at " << time << " s";
+  }
+}
+
+TEST(Fbx, axes_and_unit_become_metres_with_y_up) {
+  // 3ds Max: Z up, inches.
+  Post post{.properties = property("Lcl Translation", 1, 2, 3), .up = 2, .unit = 2.54};
+  Eigen::Matrix3d world;
+  world << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  expect_motion(fbx_of(post), 0.0254 * world,
+                [](double angle) { return moved(1, 2, 3) * turned(0, 0, angle); });
+  // Control: as if the unit were the centimetre that most files have.
+  EXPECT_NE(fbx_of(post).find("2.54"), std::string::npos);
+}
+
+TEST(Fbx, rotations_before_and_after_the_nodes_own_are_kept) {
+  const Post post{.properties = property("Lcl Translation", 1, 2, 3) + property("PreRotation", 90, 20, 0) +
+                                property("PostRotation", 0, 30, 10)};
+  expect_motion(fbx_of(post), 0.01 * Eigen::Matrix3d::Identity(), [](double angle) {
+    return moved(1, 2, 3) * turned(90, 20, 0) * turned(0, 0, angle) * turned(0, 30, 10).inverse();
+  });
+}
+
+TEST(Fbx, nodes_turn_about_their_pivots) {
+  const Post post{.properties = property("Lcl Translation", 1, 2, 3) + property("RotationOffset", 4, 0, 0) +
+                                property("RotationPivot", 0, 50, 0) + property("PreRotation", 0, 0, 40) +
+                                property("ScalingOffset", 0, 0, 7) + property("ScalingPivot", 5, 5, 5) +
+                                property("Lcl Scaling", 2, 2, 2)};
+  expect_motion(fbx_of(post), 0.01 * Eigen::Matrix3d::Identity(), [](double angle) {
+    return moved(1, 2, 3) * moved(4, 0, 0) * moved(0, 50, 0) * turned(0, 0, 40) * turned(0, 0, angle) *
+           moved(0, -50, 0) * moved(0, 0, 7) * moved(5, 5, 5) * Eigen::Scaling(2.0) * moved(-5, -5, -5);
+  });
+}
+
+TEST(Fbx, files_that_mean_no_good_get_one_message) {
+  const TemporaryFolder folder;
+  const std::string good = fbx_of({});
+  const auto refused = [&](const std::string& name, const std::string& text) {
+    try {
+      scene::read_gltf(folder.write(name, text));
+    } catch (const scene::SceneError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      return what;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused("good.fbx", good), "");
+  EXPECT_NE(refused("empty.fbx", "").find("it is empty"), std::string::npos);
+  EXPECT_NE(refused("noise.fbx", "\x01\x02 noise").find("cannot be read"), std::string::npos);
+  // A header alone that promises blocks of 4 GiB.
+  std::string binary = "Kaydara FBX Binary  ";
+  binary += std::string("\0\x1a\0\xe8\x1c\0\0", 7) + std::string(64, '\xff');
+  EXPECT_NE(refused("huge.fbx", binary).find("cannot be read"), std::string::npos);
+  std::string counts = good;
+  counts.replace(counts.find("*12 {"), 5, "*4000000000 {");
+  EXPECT_NE(refused("counts.fbx", counts).find("cannot be read"), std::string::npos);
+  std::string nothing = good;
+  nothing.replace(nothing.find("C: \"OO\",12,11"), 13, "");
+  EXPECT_NE(refused("nothing.fbx", nothing).find("holds no mesh"), std::string::npos);
+  // By its name an FBX file, by its content one that would open others.
+  EXPECT_NE(
+      refused("other.fbx", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").find("cannot be"),
+      std::string::npos);
+}
+
+// A copy of the program where no helper lies beside it.
+TEST(Fbx, without_the_converter_the_message_names_others) {
+  const TemporaryFolder folder;
+  folder.write("hero.fbx", fbx_of({}));
+  fs::copy_file(fs::path(FASCICLE_BINARY_DIR) / "fascicle", folder.path() / "fascicle");
+  const std::string in_folder = "cd '" + folder.path().string() + "' && ";
+  const int status =
+      std::system((in_folder + "PATH=/nowhere ./fascicle inspect hero.fbx > out 2> err").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  const std::string said = text_of(folder.path() / "err");
+  for (const char* part : {"hero.fbx: ", "fascicle-convert", "FBX2glTF", "export `hero.glb`"})
+    EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+}
+
+}  // namespace
+}  // namespace fascicle::tests
