@@ -355,23 +355,49 @@ class CpuSolver : public model::Solver {
     });
   }
 
+  // The limits that lack volume: of those listed, or of all without a list.
+  std::vector<std::uint32_t> lacking(const std::vector<std::uint32_t>* listed, const SubstepInput& in) {
+    const auto count = static_cast<std::uint32_t>(listed ? listed->size() : model_.limit.size());
+    if (lanes_ != nullptr) {
+      LaneInput input = lane_input(model_, slices_, in, fields_);
+      input.limit_count = count;
+      input.listed_limit = listed ? listed->data() : nullptr;
+      pool_->run(slice_count(count), [&](std::uint32_t first, std::uint32_t last) {
+        lanes_->lack(input, {first, last});
+      });
+    } else if (listed) {
+      run(*listed, &lack, in);
+    } else {
+      run(count, &lack, in);
+    }
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t slice = 0; slice < slice_count(count); ++slice) {
+      if (lanes_ != nullptr && fields_.some_lack[slice] == 0) continue;
+      for (std::uint32_t k = slice * slice_size; k < std::min(count, (slice + 1) * slice_size); ++k) {
+        const std::uint32_t t = listed ? (*listed)[k] : k;
+        if (fields_.lack[t] > 0.0f) found.push_back(t);
+      }
+    }
+    return found;
+  }
+
   // All passes of stage limit. After the first only what can have changed is looked at: the tetrahedra at the
   // corners that moved. Where nothing lacks volume, no further pass would change anything.
   void limit_volumes(const SubstepInput& in) {
-    const auto count = static_cast<std::uint32_t>(model_.limit.size());
-    run(count, &lack, in);
-    std::vector<std::uint32_t> lacking;
-    for (std::uint32_t t = 0; t < count; ++t)
-      if (fields_.lack[t] > 0.0f) lacking.push_back(t);
-    if (lacking.empty()) return;
-    Numbers corners(model_.vertex_count), near(count);
-    for (std::uint32_t pass = 0; pass < shader::limit_passes && !lacking.empty(); ++pass) {
+    std::vector<std::uint32_t> crushed = lacking(nullptr, in);
+    if (crushed.empty()) return;
+    Numbers corners(model_.vertex_count), near(static_cast<std::uint32_t>(model_.limit.size()));
+    for (std::uint32_t pass = 0; pass < shader::limit_passes && !crushed.empty(); ++pass) {
       corners.clear();
-      for (const std::uint32_t t : lacking) {
+      fields_.terms.resize(12 * crushed.size());
+      std::uint32_t place = 0;
+      for (const std::uint32_t t : crushed) {
+        fields_.term_place[t] = place++;
         const shader::Limit& l = model_.limit[t];
         for (const std::uint32_t i : {l.corner_a, l.corner_b, l.corner_c, l.corner_d}) corners.add(i);
       }
       run(corners.list, &crowd, in);
+      run(crushed, &push, in);
       run(corners.list, &limit, in);
       near.clear();
       for (const std::uint32_t i : corners.list) {
@@ -379,10 +405,7 @@ class CpuSolver : public model::Solver {
         for (std::uint32_t e = model_.limit_offset[i]; e < model_.limit_offset[i + 1]; ++e)
           near.add(model_.limit_entry[e] / 4);
       }
-      run(near.list, &lack, in);
-      lacking.clear();
-      for (const std::uint32_t t : near.list)
-        if (fields_.lack[t] > 0.0f) lacking.push_back(t);
+      crushed = lacking(&near.list, in);
     }
   }
 

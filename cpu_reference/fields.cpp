@@ -21,6 +21,8 @@ void size_fields(const model::Model& model, Fields& fields) {
       field->resize(vector_stride * n);
   if (model.has_limits()) {
     fields.lack.resize(model.limit.size());
+    fields.some_lack.resize(slice_count(static_cast<std::uint32_t>(model.limit.size())));
+    fields.term_place.resize(model.limit.size());
     fields.load.resize(model.vertex_count);
   }
   fields.surface.resize(3 * std::size_t{model.surface_count()});

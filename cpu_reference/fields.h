@@ -78,6 +78,11 @@ struct Fields {
   Floats iterate_before{memory};     // 4: the last iteration but one; in stage limit where a pass begins
   // Of a model with limits, else empty.
   std::vector<float> lack;  // 1 a Limit: the volume that it lacks
+  // 1 a slice of the limits that stages in lanes looked at last: whether one of them lacks volume.
+  std::vector<std::uint8_t> some_lack;
+  // Of the limits that lack volume, what each moves its corners by, 12 floats; which of these are a Limit's.
+  std::vector<std::uint32_t> term_place;
+  std::vector<float> terms;
   std::vector<float> load;  // 1: how many of the vertex's tetrahedra lack volume, times its mobility
 };
 

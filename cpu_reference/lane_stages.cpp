@@ -105,6 +105,9 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
           .skin_offset = model.skin_offset.data(),
           .skin_joint = model.skin_joint.data(),
           .skin_weight = model.skin_weight.data(),
+          .limit_count = static_cast<std::uint32_t>(model.limit.size()),
+          .limit = model.limit.data(),
+          .listed_limit = nullptr,
           .step = in.step,
           .implicit = in.implicit,
           .responses = in.responses.data(),
@@ -124,7 +127,9 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
           .iterate_before = fields.iterate_before.data(),
           .positions_before = fields.positions_before.data(),
           .velocities_before = fields.velocities_before.data(),
-          .skinned_before = fields.skinned_before.data()};
+          .skinned_before = fields.skinned_before.data(),
+          .lack = fields.lack.data(),
+          .some_lack = fields.some_lack.data()};
 }
 
 }  // namespace fascicle::cpu_reference

@@ -44,6 +44,11 @@ struct LaneInput {
   const std::uint32_t *skin_offset, *skin_joint;
   const float* skin_weight;
 
+  // Of stage limit: those that a range of slices counts, by number; null: all.
+  std::uint32_t limit_count;
+  const shader::Limit* limit;
+  const std::uint32_t* listed_limit;
+
   shader::Substep step;
   shader::ImplicitStep implicit;
   const shader::Response* responses;
@@ -57,6 +62,8 @@ struct LaneInput {
   const float* tied;  // null without
   float *iterate_before, *positions_before, *velocities_before;
   const float* skinned_before;
+  float* lack;
+  std::uint8_t* some_lack;
 };
 
 LaneInput lane_input(const model::Model& model, const Slices& slices, const SubstepInput& in, Fields& fields);
@@ -66,6 +73,7 @@ using LaneStage = void (*)(const LaneInput& in, Range slices);
 struct LaneStages {
   LaneStage skin, region, update, iterate;
   LaneStage predict, integrate;  // of an implicit substep; an explicit one's are in update
+  LaneStage lack;                // over slices of limits
 };
 
 // Null for scalar, and where this build has none for the level.

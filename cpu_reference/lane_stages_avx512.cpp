@@ -13,6 +13,7 @@
   [[gnu::always_inline]] inline
 #include "shaders/kernel/goal.inc"
 #include "shaders/kernel/integrate.inc"
+#include "shaders/kernel/limit.inc"
 #include "shaders/kernel/predict.inc"
 #include "shaders/kernel/region.inc"
 #include "shaders/kernel/relax.inc"

@@ -367,25 +367,34 @@ void crowd(const Model& model, const SubstepInput&, Fields& fields, Range range)
   }
 }
 
-void limit(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+void push(const Model& model, const SubstepInput&, Fields& fields, Range range) {
   const auto place = [&](std::uint32_t i) { return load_vector(fields.iterate_before, i); };
-  const auto entry_term = [&](std::uint32_t entry) {
-    const shader::Limit& l = model.limit[entry / 4];
+  for (std::uint32_t t = range.first; t < range.last; ++t) {
+    const shader::Limit& l = model.limit[t];
     const kernel::LimitVolume<float> v = kernel::limit_volume<float>(
         place(l.corner_a), place(l.corner_b), place(l.corner_c), place(l.corner_d), l.inverse_size);
     const float push =
-        kernel::limit_push<float>(v, fields.lack[entry / 4], fields.load[l.corner_a], fields.load[l.corner_b],
+        kernel::limit_push<float>(v, fields.lack[t], fields.load[l.corner_a], fields.load[l.corner_b],
                                   fields.load[l.corner_c], fields.load[l.corner_d], l.least_square, l.size);
-    const std::array<Vector, 4> gradients{kernel::limit_first_gradient<float>(v), v.by_b, v.by_c, v.by_d};
-    return kernel::limit_term<float>(push, gradients[entry % 4]);
-  };
+    float* to = fields.terms.data() + 12 * std::size_t{fields.term_place[t]};
+    for (const Vector& gradient : {kernel::limit_first_gradient<float>(v), v.by_b, v.by_c, v.by_d}) {
+      const Vector term = kernel::limit_term<float>(push, gradient);
+      for (const float part : {term.x, term.y, term.z}) *to++ = part;
+    }
+  }
+}
+
+void limit(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     if (!(fields.load[i] > 0.0f)) continue;
     Vector sum{};
     bool is_first = true;
     for (std::uint32_t e = model.limit_offset[i]; e < model.limit_offset[i + 1]; ++e) {
-      if (!(fields.lack[model.limit_entry[e] / 4] > 0.0f)) continue;
-      const Vector term = entry_term(model.limit_entry[e]);
+      const std::uint32_t t = model.limit_entry[e] / 4;
+      if (!(fields.lack[t] > 0.0f)) continue;
+      const float* from =
+          fields.terms.data() + 12 * std::size_t{fields.term_place[t]} + 3 * (model.limit_entry[e] % 4);
+      const Vector term{from[0], from[1], from[2]};
       sum = is_first ? term : kernel::limit_add<float>(sum, term);
       is_first = false;
     }

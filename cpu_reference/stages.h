@@ -38,9 +38,11 @@ void predict(const model::Model& model, const SubstepInput& in, Fields& fields, 
 void region(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void goal(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void relax(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
-// A pass of stage limit: over the model's limits, over the vertices, over the vertices.
+// A pass of stage limit: over the model's limits, over the vertices, over the limits that lack volume, over
+// the vertices.
 void lack(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void crowd(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void push(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void limit(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void integrate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 // predict, goal and integrate in one pass over the vertices; the same bits.
