@@ -123,9 +123,10 @@ bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uin
   if (weights_.offset.empty()) return false;
   const std::vector<Share> of_a = shares_of(a), of_b = shares_of(b);
   const bool is_one_part = part_[skin_.triangles[a[0]][0]] == part_[skin_.triangles[b[0]][0]];
-  if (!has_stranger(a, of_b) && !has_stranger(b, of_a) && !(is_one_part && do_part(a, b))) return false;
-  if (!is_one_part) return !are_kin(of_a, of_b);
-  return !are_within_reach(a, b);
+  const bool are_strangers = has_stranger(a, of_b) || has_stranger(b, of_a);
+  if (!is_one_part) return are_strangers && !are_kin(of_a, of_b);
+  // The clips last: they cost the most, and most that lies together is within reach.
+  return !are_within_reach(a, b) && (are_strangers || do_part(a, b));
 }
 
 std::vector<std::vector<std::uint32_t>> Limbs::groups_of(std::span<const std::uint32_t> triangles) const {
