@@ -29,8 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int characters_frames = 20;
-// An implicit character whose flesh keeps its least volume takes minutes where nothing is optimised.
-constexpr int implicit_frames = 6;
 
 // FASCICLE_EXACTNESS_FRAMES shortens or lengthens all runs.
 int frames_or(int usual) {
@@ -208,7 +206,7 @@ TEST(ExactnessRealInputs, WalkingMan) {
   const fs::path scene = folder.path() / "man.toml";
   std::ofstream(scene) << "[character]\nfile = \"" << fs::absolute(man).string()
                        << "\"\n[body]\nresolution = \"2000\"\n";
-  const Runs runs(scene.string(), frames_or(implicit_frames));
+  const Runs runs(scene.string(), frames_or(characters_frames));
   runs.all_cpu();
   FASCICLE_NEEDS_VULKAN();
   runs.all_vulkan();
