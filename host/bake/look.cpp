@@ -182,9 +182,13 @@ LookScore Look::crossing(const std::vector<float>& flesh, const std::vector<floa
   const auto joints = [this](const std::pair<std::uint32_t, std::uint32_t>& triangles) {
     return std::minmax({joint_of_triangle(triangles.first), joint_of_triangle(triangles.second)});
   };
+  // Of the skinned shape only these joints' triangles are asked for.
+  std::vector<std::uint8_t> has_crossed(body_.joint_names.size(), 0), asked(trust_.size());
+  for (const auto& [a, b] : found) has_crossed[joint_of_triangle(a)] = has_crossed[joint_of_triangle(b)] = 1;
+  for (std::size_t t = 0; t < asked.size(); ++t) asked[t] = has_crossed[joint_of_triangle(t)];
   tree_.fit(skin);
   std::set<std::pair<std::uint32_t, std::uint32_t>> skinned;
-  for (const auto& triangles : tree_.crossings()) skinned.insert(joints(triangles));
+  for (const auto& triangles : tree_.crossings(asked)) skinned.insert(joints(triangles));
   std::set<std::uint32_t> crossing;
   for (const auto& triangles : found)
     if (!skinned.contains(joints(triangles))) crossing.insert({triangles.first, triangles.second});

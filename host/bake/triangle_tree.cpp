@@ -75,6 +75,10 @@ TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<c
       for (std::size_t k = 0; k < 3; ++k)
         centres[3 * t + axis] += positions[std::size_t{3} * triangles[3 * t + k] + axis];
   if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), centres);
+  for (const std::uint32_t t : order_) {
+    const std::uint32_t* corners = &triangles_[std::size_t{3} * t];
+    corner_places_.push_back({places_[corners[0]], places_[corners[1]], places_[corners[2]]});
+  }
   fit(positions);
 }
 
@@ -139,47 +143,66 @@ std::array<double, 3> TriangleTree::corner(std::uint32_t triangle, std::size_t k
 }
 
 bool TriangleTree::neighbours(std::uint32_t a, std::uint32_t b) const {
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      if (places_[triangles_[std::size_t{3} * a + i]] == places_[triangles_[std::size_t{3} * b + j]])
-        return true;
+  for (const std::uint32_t i : corner_places_[a])
+    for (const std::uint32_t j : corner_places_[b])
+      if (i == j) return true;
   return false;
 }
 
 bool TriangleTree::cross(std::uint32_t a, std::uint32_t b) const {
   if (neighbours(a, b)) return false;
-  return triangles_cross({corner(a, 0), corner(a, 1), corner(a, 2)},
-                         {corner(b, 0), corner(b, 1), corner(b, 2)});
+  const std::uint32_t s = order_[a], t = order_[b];
+  return triangles_cross({corner(s, 0), corner(s, 1), corner(s, 2)},
+                         {corner(t, 0), corner(t, 1), corner(t, 2)});
 }
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings() const {
+// Which nodes hold a triangle that is asked.
+std::vector<std::uint8_t> TriangleTree::nodes_of(std::span<const std::uint8_t> asked) const {
+  std::vector<std::uint8_t> has(nodes_.size(), 0);
+  for (std::size_t n = nodes_.size(); n-- > 0;) {
+    const Node& node = nodes_[n];
+    if (node.second != 0)
+      has[n] = has[n + 1] | has[node.second];
+    else
+      for (std::uint32_t i = node.first_triangle; i < node.last_triangle; ++i) has[n] |= asked[order_[i]];
+  }
+  return has;
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings(
+    std::span<const std::uint8_t> asked) const {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
   if (nodes_.empty()) return found;
+  const std::vector<std::uint8_t> has = asked.empty() ? std::vector<std::uint8_t>() : nodes_of(asked);
+  const auto is_out = [&](std::uint32_t i) { return !asked.empty() && asked[order_[i]] == 0; };
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, 0}};
   while (!open.empty()) {
     const auto [a, b] = open.back();
     open.pop_back();
+    if (!has.empty() && (has[a] == 0 || has[b] == 0)) continue;
     const Node &x = nodes_[a], &y = nodes_[b];
     if (a == b && x.second != 0) {
-      open.insert(open.end(), {{a + 1, a + 1}, {x.second, x.second}, {a + 1, x.second}});
+      open.emplace_back(a + 1, a + 1);
+      open.emplace_back(x.second, x.second);
+      open.emplace_back(a + 1, x.second);
       continue;
     }
     if (a != b && !overlap(x.box, y.box)) continue;
     if (x.second == 0 && y.second == 0) {
-      for (std::uint32_t i = x.first_triangle; i < x.last_triangle; ++i)
-        for (std::uint32_t j = a == b ? i + 1 : y.first_triangle; j < y.last_triangle; ++j) {
-          if (overlap(boxes_[i], boxes_[j]) && cross(order_[i], order_[j]))
+      for (std::uint32_t i = x.first_triangle; i < x.last_triangle; ++i) {
+        // Few triangles of a leaf reach into the other.
+        if (is_out(i) || !overlap(boxes_[i], y.box)) continue;
+        for (std::uint32_t j = a == b ? i + 1 : y.first_triangle; j < y.last_triangle; ++j)
+          if (!is_out(j) && overlap(boxes_[i], boxes_[j]) && cross(i, j))
             found.push_back(std::minmax(order_[i], order_[j]));
-        }
+      }
       continue;
     }
     // The one with more triangles is opened.
     const bool opens_x = y.second == 0 || (x.second != 0 && x.last_triangle - x.first_triangle >=
                                                                 y.last_triangle - y.first_triangle);
-    if (opens_x)
-      open.insert(open.end(), {{a + 1, b}, {x.second, b}});
-    else
-      open.insert(open.end(), {{a, b + 1}, {a, y.second}});
+    open.emplace_back(opens_x ? a + 1 : a, opens_x ? b : b + 1);
+    open.emplace_back(opens_x ? x.second : a, opens_x ? b : y.second);
   }
   return found;
 }
