@@ -66,7 +66,7 @@ void TriangleTree::grow(Box& box, const Box& other) {
 
 TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> places,
                            std::span<const float> positions)
-    : triangles_(triangles), places_(places), positions_(positions), order_(triangles.size() / 3) {
+    : triangles_(triangles), positions_(positions), order_(triangles.size() / 3) {
   std::iota(order_.begin(), order_.end(), 0U);
   boxes_.resize(order_.size());
   std::vector<float> centres(triangles.size());
@@ -77,7 +77,7 @@ TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<c
   if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), centres);
   for (const std::uint32_t t : order_) {
     const std::uint32_t* corners = &triangles_[std::size_t{3} * t];
-    corner_places_.push_back({places_[corners[0]], places_[corners[1]], places_[corners[2]]});
+    corner_places_.push_back({places[corners[0]], places[corners[1]], places[corners[2]]});
   }
   fit(positions);
 }
@@ -239,8 +239,7 @@ std::optional<double> TriangleTree::hit(const std::array<double, 3>& from,
     for (std::uint32_t i = node.first_triangle; i < node.last_triangle; ++i) {
       const std::uint32_t t = order_[i];
       bool is_own = false;
-      for (std::size_t k = 0; k < 3; ++k)
-        is_own = is_own || places_[triangles_[std::size_t{3} * t + k]] == without_place;
+      for (const std::uint32_t place : corner_places_[i]) is_own = is_own || place == without_place;
       if (is_own) continue;
       // Moeller and Trumbore.
       const Point a = corner(t, 0), ab = difference(corner(t, 1), a), ac = difference(corner(t, 2), a);

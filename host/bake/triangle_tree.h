@@ -14,7 +14,8 @@ namespace fascicle::bake {
 class TriangleTree {
  public:
   // Corners: 3 a triangle. Positions: 3 values a corner's number. Place: of each number; triangles that share
-  // a place are neighbours. The arrays stay the caller's and must outlive the tree.
+  // a place are neighbours; places are read once. The other arrays stay the caller's and must outlive the
+  // tree.
   TriangleTree(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> places,
                std::span<const float> positions);
 
@@ -51,7 +52,7 @@ class TriangleTree {
   std::vector<std::uint8_t> nodes_of(std::span<const std::uint8_t> asked) const;
   std::array<double, 3> corner(std::uint32_t triangle, std::size_t k) const;
 
-  std::span<const std::uint32_t> triangles_, places_;
+  std::span<const std::uint32_t> triangles_;
   std::span<const float> positions_;
   std::vector<std::uint32_t> order_;                         // triangles, leaf by leaf
   std::vector<Box> boxes_;                                   // of triangles, in that order

@@ -289,10 +289,19 @@ TEST(TriangleTree, FindsThePairsThatCross) {
   for (float& x : positions) x += small(random);
   tree.fit(positions);
   EXPECT_EQ(found(tree), expected());
+  // Of some triangles only the pairs among them.
+  std::vector<std::uint8_t> asked(150);
+  for (std::uint32_t t = 0; t < 150; ++t) asked[t] = t % 3 != 0;
+  auto among = expected();
+  std::erase_if(among, [&](const auto& pair) { return !asked[pair.first] || !asked[pair.second]; });
+  const auto some = tree.crossings(asked);
+  EXPECT_EQ((std::set<std::pair<std::uint32_t, std::uint32_t>>(some.begin(), some.end())), among);
+  EXPECT_GT(among.size(), 5u);
+  EXPECT_LT(among.size(), expected().size());
   // Neighbours do not cross.
   const auto [a, b] = *expected().begin();
   places[3 * a] = places[3 * b + 1];
-  EXPECT_FALSE(found(tree).contains({a, b}));
+  EXPECT_FALSE(found(bake::TriangleTree(triangles, places, positions)).contains({a, b}));
 }
 
 TEST(LookReport, SaysWhatWhereAndWhen) {
