@@ -4,6 +4,7 @@
 #include "host/build/bone_choice.h"
 #include "host/build/bones.h"
 #include "host/build/boundary.h"
+#include "host/build/carriers.h"
 #include "host/build/check_mesh.h"
 #include "host/build/filled_body.h"
 #include "host/build/rigid_parts.h"
@@ -87,6 +88,8 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   body.parts = character.parts;
   body.skin_surface = character.surface;
   for (Vector3d& p : body.skin_surface.vertices) p *= scene.scale;
+  if (body.holding.empty()) body.holding.assign(body.mesh.vertices.size(), Holding::none);
+  seat_on_carriers(welded, weights, misled_riders(welded, weights, body), Seating::alike, body);
   return body;
 }
 

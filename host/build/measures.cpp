@@ -58,13 +58,13 @@ NearestBone nearest_bone(const Body& body, std::size_t vertex) {
   return own.distance < far ? own : any;
 }
 
-// Of a vertex from the nearest bone that begins or ends at a joint, m; 0 where it has none.
-double distance_of_joint(const Body& body, std::size_t vertex, std::int32_t joint) {
+// Of a point from the nearest bone that begins or ends at a joint, m; 0 where it has none.
+double distance_of_joint(const Body& body, const Vector3d& point, std::int32_t joint) {
   constexpr double far = std::numeric_limits<double>::infinity();
   double least = far;
   for (const Bone& bone : body.bones)
     if (bone.owners[0] == joint || bone.owners[2] == joint)
-      least = std::min(least, segment_distance(body.mesh.vertices[vertex], bone.from, bone.to));
+      least = std::min(least, segment_distance(point, bone.from, bone.to));
   return least < far ? least : 0.0;
 }
 
@@ -125,27 +125,34 @@ std::vector<double> Measures::shares_of(const std::vector<char>& joints) const {
   return share;
 }
 
+bool Measures::follows(const SkinWeights& skin, std::size_t vertex, const Vector3d& point,
+                       double radius) const {
+  double share = 0.0;
+  for (std::uint32_t k = skin.offset[vertex]; k < skin.offset[vertex + 1]; ++k) {
+    const JointUse& joint = body_.joints[skin.joint[k]];
+    const auto is_far = [&] {
+      return distance_of_joint(body_, point, joint.bone) > furthest_in_radii * radius;
+    };
+    if (joint.is_kinematic || (!joint.is_free && is_far())) share += skin.weight[k];
+  }
+  return share >= following_share;
+}
+
 const std::vector<char>& Measures::follows_joints() {
   if (!follows_.empty()) return follows_;
   follows_.assign(body_.mesh.vertices.size(), 0);
   for (std::size_t i = 0; i < follows_.size(); ++i)
     if (holding_of(body_, i) != Holding::none) follows_[i] = 1;
   if (body_.joints.empty()) return follows_;
-  std::vector<double> radius;
-  if (!body_.bones.empty()) radius = local_radii(body_.mesh, skin_distances());
-  for (std::size_t i = 0; i < follows_.size(); ++i) {
-    double share = 0.0;
-    for (std::uint32_t k = body_.skin.offset[i]; k < body_.skin.offset[i + 1]; ++k) {
-      const JointUse& joint = body_.joints[body_.skin.joint[k]];
-      const auto is_far = [&] {
-        return distance_of_joint(body_, i, joint.bone) > furthest_in_radii * radius[i];
-      };
-      if (joint.is_kinematic || (!joint.is_free && !radius.empty() && is_far()))
-        share += body_.skin.weight[k];
-    }
-    if (share >= following_share) follows_[i] = 1;
-  }
+  const std::vector<double>& radius = radii();
+  for (std::size_t i = 0; i < follows_.size(); ++i)
+    if (follows(body_.skin, i, body_.mesh.vertices[i], radius[i])) follows_[i] = 1;
   return follows_;
+}
+
+const std::vector<double>& Measures::radii() {
+  if (radii_.empty()) radii_ = local_radii(body_.mesh, skin_distances());
+  return radii_;
 }
 
 const std::vector<double>& Measures::skin_distances() {
@@ -153,12 +160,14 @@ const std::vector<double>& Measures::skin_distances() {
   scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
   // A carrier inside the flesh is none of its skin.
   std::erase_if(skin.triangles, [&](const auto& t) { return holding_of(body_, t[0]) == Holding::carrier; });
-  std::vector<char> on_skin(skin.vertices.size(), 0);
+  std::vector<char> is_inside(skin.vertices.size(), 1);
   for (const auto& t : skin.triangles)
-    for (const std::uint32_t corner : t) on_skin[corner] = 1;
+    for (const std::uint32_t corner : t) is_inside[corner] = 0;
   const SurfaceSearch search(skin);
-  for (std::size_t i = 0; i < on_skin.size(); ++i)
-    skin_distances_.push_back(on_skin[i] ? 0.0 : search.nearest(skin.vertices[i]).distance);
+  for (std::size_t i = 0; i < is_inside.size(); ++i)
+    skin_distances_.push_back(is_inside[i] && holding_of(body_, i) != Holding::carrier
+                                  ? search.nearest(skin.vertices[i]).distance
+                                  : 0.0);
   return skin_distances_;
 }
 

@@ -32,7 +32,14 @@ class Measures {
   // moves, those the scene draws, or all where there is none. Needs a bone.
   const std::vector<NearestBone>& nearest_bones();
 
-  // The distance from the boundary of the tetrahedra, m.
+  // Whether a vertex of a skin follows them by its own weights, at a point where the body has that local
+  // radius.
+  bool follows(const SkinWeights& skin, std::size_t vertex, const Vector3d& point, double radius) const;
+
+  // Half the body's thickness at each vertex, m (local_radius.h).
+  const std::vector<double>& radii();
+
+  // The distance from the boundary of the tetrahedra, m; 0 for a carrier's vertices.
   const std::vector<double>& skin_distances();
 
   // The distance of that bone, m; 0 for a vertex that follows joints.
@@ -62,7 +69,7 @@ class Measures {
   const Body& body_;
   std::vector<char> follows_;
   std::vector<NearestBone> nearest_;
-  std::vector<double> bone_distances_, skin_distances_, depths_;
+  std::vector<double> bone_distances_, skin_distances_, radii_, depths_;
   std::map<bool, std::vector<double>> inner_shares_;
   std::map<std::string, std::vector<double>> painted_;
   std::vector<std::uint32_t> parts_;

@@ -11,8 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "host/build/box_tree.h"
-#include "host/build/embedding.h"
+#include "host/build/carriers.h"
 #include "host/build/message.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
@@ -25,23 +24,8 @@ namespace {
 constexpr double hard_weight = 0.99, even_weights = 0.05;
 constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
-// A carrier's edges over the extent of what rides on it: small beside it, but within 8 of its own lengths.
-constexpr double carrier_of_extent = 0.25;
-constexpr double smallest_of_diagonal = 5e-3;
-// Barycentric weights below 8 that are multiples of this are floats, and so are their sums.
-constexpr double carrier_steps = 2097152.0;  // 2^21
 // Flesh is held as near to rigid skin as this many of the body's edges.
 constexpr double held_edges = 1.0;
-
-using Row = std::vector<std::pair<std::uint32_t, double>>;  // joint, weight; ascending
-
-Row row_of(const SkinWeights& weights, std::uint32_t vertex) {
-  Row row;
-  for (std::uint32_t k = weights.offset[vertex]; k < weights.offset[vertex + 1]; ++k)
-    row.emplace_back(weights.joint[k], weights.weight[k]);
-  std::sort(row.begin(), row.end());
-  return row;
-}
 
 // A connected part of a surface; its vertices are those of the welded skin.
 struct Part {
@@ -60,13 +44,13 @@ struct Part {
 
 void weigh(const SkinWeights& weights, Part& part) {
   for (const std::uint32_t v : part.vertices)
-    for (const auto& [joint, w] : row_of(weights, v))
+    for (const auto& [joint, w] : weight_row(weights, v))
       part.mean[joint] += w / static_cast<double>(part.vertices.size());
   const std::uint32_t main = part.main_joint();
   part.is_hard = part.is_even = true;
   for (const std::uint32_t v : part.vertices) {
     double of_main = 0.0, in_common = 0.0;
-    for (const auto& [joint, w] : row_of(weights, v)) {
+    for (const auto& [joint, w] : weight_row(weights, v)) {
       if (joint == main) of_main = w;
       in_common += std::min(w, part.mean[joint]);
     }
@@ -171,7 +155,7 @@ std::vector<char> asked_for(const scene::Character& character, const WeldedSurfa
       joints[j] = joints[j] || joints[static_cast<std::size_t>(parent)];
   for (std::uint32_t v = 0; v < is_asked.size(); ++v) {
     double share = 0.0;
-    for (const auto& [joint, w] : row_of(weights, v)) share += joints[joint] ? w : 0.0;
+    for (const auto& [joint, w] : weight_row(weights, v)) share += joints[joint] ? w : 0.0;
     if (share >= rigid_share) is_asked[v] = 1;
   }
   for (const scene::PaintedAttribute& painted : character.painted) {
@@ -310,35 +294,6 @@ void hold_flesh(const scene::SurfaceMesh& surface, const std::vector<char>& is_r
     if (search.is_nearer_than(body.mesh.vertices[i], reach)) body.holding[i] = Holding::covered;
 }
 
-// A regular tetrahedron on every other corner of a cube.
-std::array<std::uint32_t, 4> add_carrier(const Vector3d& middle, double side, const Row& row, Body& body) {
-  std::array<std::uint32_t, 4> corners{};
-  const std::array<Vector3d, 4> at{Vector3d(1, 1, 1), Vector3d(-1, 1, -1), Vector3d(1, -1, -1),
-                                   Vector3d(-1, -1, 1)};
-  for (std::size_t c = 0; c < 4; ++c) {
-    corners[c] = static_cast<std::uint32_t>(body.mesh.vertices.size());
-    body.mesh.vertices.push_back(middle + side / 2.0 * at[c]);
-    body.holding.push_back(Holding::carrier);
-    for (const auto& [joint, w] : row) {
-      body.skin.joint.push_back(joint);
-      body.skin.weight.push_back(w);
-    }
-    body.skin.offset.push_back(static_cast<std::uint32_t>(body.skin.joint.size()));
-  }
-  body.mesh.tetrahedra.push_back(corners);
-  return corners;
-}
-
-std::array<double, 4> rounded_weights(std::array<double, 4> weights) {
-  double others = 0.0;
-  for (std::size_t k = 1; k < 4; ++k) {
-    weights[k] = std::round(weights[k] * carrier_steps) / carrier_steps;
-    others += weights[k];
-  }
-  weights[0] = 1.0 - others;
-  return weights;
-}
-
 }  // namespace
 
 void add_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
@@ -355,27 +310,8 @@ void add_rigid_parts(const scene::Character& character, const WeldedSurface& wel
     render.corners[soft.render_vertex[k]] = body.render.corners[k];
     render.weights[soft.render_vertex[k]] = body.render.weights[k];
   }
-  std::map<Row, std::vector<std::uint32_t>> riders;  // of welded vertices
-  for (std::uint32_t v = 0; v < rigid.is_rigid.size(); ++v)
-    if (rigid.is_rigid[v]) riders[row_of(weights, v)].push_back(v);
-  const BoundingBox all = box_around(welded.surface.vertices);
-  std::vector<std::array<std::uint32_t, 4>> corners(rigid.is_rigid.size());
-  for (const auto& [row, vertices] : riders) {
-    std::vector<Vector3d> points;
-    for (const std::uint32_t v : vertices) points.push_back(welded.surface.vertices[v]);
-    const BoundingBox box = box_around(points);
-    const double side = std::max(carrier_of_extent * (box.high - box.low).norm(),
-                                 smallest_of_diagonal * (all.high - all.low).norm());
-    const auto carrier = add_carrier((box.low + box.high) / 2.0, side, row, body);
-    for (const std::uint32_t v : vertices) corners[v] = carrier;
-  }
-  for (std::size_t k = 0; k < welded.of_vertex.size(); ++k) {
-    const std::uint32_t v = welded.of_vertex[k];
-    if (!rigid.is_rigid[v]) continue;
-    render.corners[k] = corners[v];
-    render.weights[k] = rounded_weights(barycentric(body.mesh, corners[v], welded.surface.vertices[v]));
-  }
   body.render = std::move(render);
+  seat_on_carriers(welded, weights, rigid.is_rigid, Seating::exact, body);
 }
 
 }  // namespace fascicle::build
