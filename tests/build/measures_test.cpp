@@ -93,7 +93,9 @@ TEST(LocalRadius, IsThatOfTheLargestBallThatReachesAVertex) {
     EXPECT_GE(radius[i], largest - rod_spacing - 1e-12) << i;
     const double end = std::min(mesh.vertices[i][0], rod_length - mesh.vertices[i][0]);
     // The middle of the rod is reached from its axis: edges of the rod are 1.41 radii off.
-    if (end > rod_thickness) EXPECT_NEAR(radius[i], rod_thickness / 2.0, 1e-12) << i;
+    if (end > rod_thickness) {
+      EXPECT_NEAR(radius[i], rod_thickness / 2.0, 1e-12) << i;
+    }
   }
 }
 
@@ -116,9 +118,16 @@ TEST(FollowsJoints, FarBeyondTheLastBone) {
   for (std::size_t i = 0; i < follows.size(); ++i) {
     const Vector3d& p = body.mesh.vertices[i];
     // Two radii are 0.2 m; the rod's edge is 0.14 m off its axis.
-    if (p[0] < 1.13) EXPECT_EQ(int{follows[i]}, 0) << p.transpose();
-    if (p[0] > 1.21) EXPECT_EQ(int{follows[i]}, 1) << p.transpose();
-    if (follows[i]) EXPECT_EQ(measures.bone_distances()[i], 0.0) << p.transpose();
+    // The corners of its ends are thin.
+    if (p[0] > 0.1 && p[0] < 1.13) {
+      EXPECT_EQ(int{follows[i]}, 0) << p.transpose();
+    }
+    if (p[0] > 1.21) {
+      EXPECT_EQ(int{follows[i]}, 1) << p.transpose();
+    }
+    if (follows[i]) {
+      EXPECT_EQ(measures.bone_distances()[i], 0.0) << p.transpose();
+    }
   }
 }
 

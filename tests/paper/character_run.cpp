@@ -1,0 +1,37 @@
+#include "tests/paper/character_run.h"
+
+#include <variant>
+
+#include "cpu_reference/cpu_solver.h"
+#include "host/bake/drive_source.h"
+#include "host/bake/lead_in.h"
+#include "host/build/build.h"
+#include "host/build/stiffness.h"
+#include "tests/support/assets.h"
+
+namespace fascicle::tests {
+
+void run_character(
+    const char* file, const scene::SceneOverrides& overrides,
+    const std::function<void(const model::Model&, const scene::Character&, const model::Frame&)>& see) {
+  scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
+  build::Report report;
+  build::BuildOptions options;
+  options.mesher = FASCICLE_MESHER;
+  const model::Model model = build::build_model(scene, report, options);
+  build::choose_steps(scene, model, report);
+  bake::DriveSource drives(scene, model);
+  const auto solver =
+      cpu_reference::make_cpu_solver(model,
+                                     {.integrator = model.is_implicit() ? model::Integrator::implicit_step
+                                                                        : model::Integrator::explicit_step,
+                                      .iterations = scene.solver.iterations},
+                                     0);
+  solver->load(bake::lead_in(scene, model, drives, *solver).state);
+  for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {
+    solver->submit(drives.drive(k), {.positions = true, .skinned = true});
+    see(model, std::get<scene::Character>(scene.geometry), solver->collect());
+  }
+}
+
+}  // namespace fascicle::tests

@@ -1,0 +1,17 @@
+// Every frame of a character's clip on the CPU, as `fascicle bake` has them.
+#pragma once
+
+#include <functional>
+
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::tests {
+
+// `file` is an asset's. Calls `see` with each frame after the first; it has positions and skinned.
+void run_character(
+    const char* file, const scene::SceneOverrides& overrides,
+    const std::function<void(const model::Model&, const scene::Character&, const model::Frame&)>& see);
+
+}  // namespace fascicle::tests

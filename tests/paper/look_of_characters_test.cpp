@@ -1,0 +1,62 @@
+// Characters beside their skinning: the look score is below its limit on what looks right, and above it on
+// the failures that were once seen, each made again by taking its cure away. Needs ../shared/assets.
+#include <algorithm>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "host/bake/look.h"
+#include "tests/paper/character_run.h"
+#include "tests/support/assets.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+// The worst score of any frame; 1 is the limit.
+double worst_look(const char* file, const scene::SceneOverrides& overrides) {
+  bake::LookBody body;
+  std::unique_ptr<bake::Look> look;
+  double worst = 0.0;
+  run_character(file, overrides,
+                [&](const model::Model& model, const scene::Character& character, const model::Frame& frame) {
+                  if (!look) {
+                    body = bake::look_body(model, &character);
+                    look = std::make_unique<bake::Look>(model, body);
+                  }
+                  worst = std::max(worst, look->of(frame).worst().score);
+                });
+  return worst;
+}
+
+// A leap of 960 body lengths per second squared. Without a bound, and along straight lines between its keys,
+// the belly folded.
+TEST(LookOfCharacters, AFrogThatLeapsKeepsItsShape) {
+  FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
+  EXPECT_LT(worst_look("easy_enemies_Frog.glb", {.clip = "Attack"}), 1.0);
+  EXPECT_GT(worst_look("easy_enemies_Frog.glb",
+                       {.set = {"motion.interpolation=as-authored", "motion.acceleration_limit=1e9"},
+                        .clip = "Attack"}),
+            2.0);
+}
+
+// Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. As free
+// flesh that hangs on to the upper jaw, its mouth opened half and its teeth strained.
+TEST(LookOfCharacters, ADinosaursMouthOpens) {
+  FASCICLE_NEEDS_ASSET(asset("dinosaurs_pack_Trex.glb"));
+  EXPECT_LT(worst_look("dinosaurs_pack_Trex.glb", {.clip = "Attack"}), 1.0);
+  EXPECT_GT(
+      worst_look("dinosaurs_pack_Trex.glb", {.set = {"skeleton.simulated=[\"Neck\"]"}, .clip = "Attack"}),
+      2.0);
+}
+
+// Its hocks crumpled where the bone layer had gaps. The control: flesh that is thirty times as soft swings
+// off its bones.
+TEST(LookOfCharacters, ABullsLegsStayOnTheirBones) {
+  FASCICLE_NEEDS_ASSET(asset("animals_pack_Bull.glb"));
+  EXPECT_LT(worst_look("animals_pack_Bull.glb", {.end = 0.5, .clip = "Gallop_Jump"}), 1.0);
+  EXPECT_GT(worst_look("animals_pack_Bull.glb", {.end = 0.5, .clip = "Gallop_Jump", .softness = 30.0}), 1.0);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
