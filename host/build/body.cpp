@@ -89,7 +89,7 @@ Body body_of(const scene::Character& character, const scene::Scene& scene, Repor
   body.skin_surface = character.surface;
   for (Vector3d& p : body.skin_surface.vertices) p *= scene.scale;
   if (body.holding.empty()) body.holding.assign(body.mesh.vertices.size(), Holding::none);
-  seat_on_carriers(welded, weights, misled_riders(welded, weights, body), Seating::alike, body);
+  seat_on_carriers(welded, weights, misled_riders(welded, weights, body), Sharing::alike, body);
   return body;
 }
 

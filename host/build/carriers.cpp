@@ -27,8 +27,9 @@ constexpr double smallest_of_diagonal = 5e-3;
 // Barycentric weights below 8 that are multiples of this are floats, and so are their sums.
 constexpr double carrier_steps = 2097152.0;  // 2^21
 constexpr double misled_share = 0.1;
-// Riders are alike whose weights round to the same multiples of an eighth.
-constexpr double like_steps = 8.0;
+// Riders are alike whose weights round to the same multiples of one over as many steps.
+constexpr double most_steps = 64.0, least_steps = 8.0;
+constexpr std::size_t most_carriers = 3000;
 
 // A regular tetrahedron on every other corner of a cube.
 std::array<std::uint32_t, 4> add_carrier(const Vector3d& middle, double side, const WeightRow& row,
@@ -75,10 +76,11 @@ double share_of_others(const WeightRow& own, const std::array<std::uint32_t, 4>&
 // Riders of each carrier, welded vertices, by the row that they share.
 using Riders = std::map<WeightRow, std::vector<std::uint32_t>>;
 
-WeightRow rounded_row(WeightRow row) {
-  for (auto& [joint, w] : row) w = std::round(w * like_steps) / like_steps;
-  std::erase_if(row, [](const auto& entry) { return entry.second == 0.0; });
-  return row;
+WeightRow rounded_row(const WeightRow& row, double steps) {
+  WeightRow rounded;
+  for (const auto& [joint, w] : row)
+    if (const double r = std::round(w * steps) / steps; r > 0.0) rounded.emplace_back(joint, r);
+  return rounded.empty() ? row : rounded;
 }
 
 WeightRow mean_row(const SkinWeights& weights, const std::vector<std::uint32_t>& vertices) {
@@ -97,30 +99,39 @@ WeightRow mean_row(const SkinWeights& weights, const std::vector<std::uint32_t>&
   return row;
 }
 
-Riders riders_of(const SkinWeights& weights, const std::vector<char>& rides, Seating seating) {
+// `steps` 0: of the very same weights.
+Riders riders_of(const SkinWeights& weights, const std::vector<char>& rides, double steps) {
   Riders riders;
   for (std::uint32_t v = 0; v < rides.size(); ++v) {
     if (!rides[v]) continue;
     const WeightRow row = weight_row(weights, v);
-    riders[seating == Seating::exact ? row : rounded_row(row)].push_back(v);
+    riders[steps > 0.0 ? rounded_row(row, steps) : row].push_back(v);
   }
+  return riders;
+}
+
+Riders riders_of(const SkinWeights& weights, const std::vector<char>& rides, Sharing sharing) {
+  Riders riders = riders_of(weights, rides, 0.0);
+  for (double steps = most_steps;
+       sharing == Sharing::alike && riders.size() > most_carriers && steps >= least_steps; steps /= 2.0)
+    riders = riders_of(weights, rides, steps);
   return riders;
 }
 
 }  // namespace
 
 void seat_on_carriers(const WeldedSurface& welded, const SkinWeights& weights, const std::vector<char>& rides,
-                      Seating seating, Body& body) {
+                      Sharing sharing, Body& body) {
   const BoundingBox all = box_around(welded.surface.vertices);
   std::vector<std::array<std::uint32_t, 4>> corners(rides.size());
-  for (const auto& [row, vertices] : riders_of(weights, rides, seating)) {
+  for (const auto& [row, vertices] : riders_of(weights, rides, sharing)) {
     std::vector<Vector3d> points;
     for (const std::uint32_t v : vertices) points.push_back(welded.surface.vertices[v]);
     const BoundingBox box = box_around(points);
     const double side = std::max(carrier_of_extent * (box.high - box.low).norm(),
                                  smallest_of_diagonal * (all.high - all.low).norm());
     const auto carrier = add_carrier((box.low + box.high) / 2.0, side,
-                                     seating == Seating::exact ? row : mean_row(weights, vertices), body);
+                                     sharing == Sharing::exact ? row : mean_row(weights, vertices), body);
     for (const std::uint32_t v : vertices) corners[v] = carrier;
   }
   for (std::size_t k = 0; k < welded.of_vertex.size(); ++k) {

@@ -17,15 +17,16 @@ namespace fascicle::build {
 using WeightRow = std::vector<std::pair<std::uint32_t, double>>;
 WeightRow weight_row(const SkinWeights& weights, std::uint32_t vertex);
 
-// Which riders share a carrier: those of the very same weights, or those of like weights, within a sixteenth
-// each, which it moves by their mean. Faces and hands have thousands of rows, and a carrier has four
-// vertices.
-enum class Seating { exact, alike };
+// Which riders share a carrier: those of the very same weights; or, where that makes more than 3,000
+// carriers, those of like weights, which it moves by their mean: the same when rounded to a 64th, or as
+// coarsely as it takes, to an eighth at most. Faces and hands have thousands of rows of weights, and a
+// carrier has four vertices.
+enum class Sharing { exact, alike };
 
 // Seats the render vertices of those welded vertices that `rides` marks. `weights` are those of the welded
 // skin; the body must have its render mesh, its holding and at least the first of its weights' offsets.
 void seat_on_carriers(const WeldedSurface& welded, const SkinWeights& weights, const std::vector<char>& rides,
-                      Seating seating, Body& body);
+                      Sharing sharing, Body& body);
 
 // The welded vertices that follow the skeleton by their own weights (measures.h), and whose render vertices
 // ride on flesh that other joints move, by a tenth of their weights or more: a cage joins the tips of

@@ -311,7 +311,7 @@ void add_rigid_parts(const scene::Character& character, const WeldedSurface& wel
     render.weights[soft.render_vertex[k]] = body.render.weights[k];
   }
   body.render = std::move(render);
-  seat_on_carriers(welded, weights, rigid.is_rigid, Seating::exact, body);
+  seat_on_carriers(welded, weights, rigid.is_rigid, Sharing::exact, body);
 }
 
 }  // namespace fascicle::build

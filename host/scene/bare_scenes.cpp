@@ -100,10 +100,13 @@ Stiffness stiffness_for(const Character& character, const std::optional<std::str
   return is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
 }
 
-// A rate that is no number or out of range is refused when the scene is read.
+// At least 240 a second, and 100 a frame at most. A rate that is no number or out of range is refused when
+// the scene is read.
 int implicit_substeps(double fps) {
-  constexpr double steps_per_second = 240.0;
-  return fps > 2.4 ? std::max(1, static_cast<int>(std::lround(steps_per_second / fps))) : 100;
+  constexpr double steps_per_second = 240.0, rounding = 1e-6;
+  constexpr int most = 100;
+  return fps > steps_per_second / most ? static_cast<int>(std::ceil(steps_per_second / fps - rounding))
+                                       : most;
 }
 
 std::string layers_for_character(const Character& character, Stiffness by, double fps) {
@@ -144,7 +147,8 @@ std::string layers_for_character(const Character& character, Stiffness by, doubl
          "[solver]\n" +
          (by_alpha
               ? "substeps = \"auto\"\n"
-              : "integrator = \"implicit\"\nsubsteps = " + std::to_string(implicit_substeps(fps)) + "\n");
+              : "integrator = \"implicit\"\n# 240 a second: more for fewer frames a second\nsubsteps = " +
+                    std::to_string(implicit_substeps(fps)) + "\n");
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const Character& character,

@@ -73,7 +73,8 @@ struct Tables {
 
   Table character{
       .name = "character",
-      .doc = "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), an .fbx or .dae, or one of fascicle's own.",
+      .doc =
+          "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), an .fbx or .dae, or one of fascicle's own.",
       .keys = {{.name = "file",
                 .type = KeyType::text,
                 .doc = "The file, relative to the scene file's folder."},
@@ -288,7 +289,7 @@ struct Tables {
            .fallback = Motion{}.handles},
           {.name = "acceleration_limit",
            .doc = "Most of a joint's acceleration that its flesh feels, m/s^2; with the rest it is carried "
-                  "along. Where absent, and keys are smooth, a thousand times the body's extent.",
+                  "along. Where absent, and keys are smooth, 200 times the body's extent.",
            .range = positive(1e9)},
           {.name = "cuts",
            .type = KeyType::numbers,

@@ -65,7 +65,7 @@ namespace {
 // A character's flesh is not crushed by the first frame if it gets this long to follow, s.
 constexpr double default_preroll = 0.5;
 
-// A held pose is held longer.
+// Handles after a hold lengthen it; otherwise they lie beyond the end.
 void add_handles(Scene& scene) {
   const double seconds = static_cast<double>(scene.motion.handles) / scene.fps;
   scene.start -= seconds;

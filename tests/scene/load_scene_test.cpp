@@ -445,6 +445,8 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(load_scene(path.string(), {.fps = 24.0}).solver.substeps, 10u);
   EXPECT_EQ(load_scene(path.string(), {.fps = 120.0}).solver.substeps, 2u);
   EXPECT_EQ(load_scene(path.string(), {.set = {"scene.fps=30"}}).solver.substeps, 8u);
+  EXPECT_EQ(load_scene(path.string(), {.fps = 90.0}).solver.substeps, 3u);
+  EXPECT_EQ(load_scene(path.string(), {.fps = 1.0}).solver.substeps, 100u);
   EXPECT_EQ(load_scene(path.string(), {.set = {"solver.substeps=3"}, .fps = 24.0}).solver.substeps, 3u);
   EXPECT_EQ(scene.start, 0.0);
   EXPECT_NEAR(scene.end, 2.0, 1e-6);  // the clip's last key, a float in the file
