@@ -34,6 +34,7 @@ std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<do
   std::priority_queue<Reach> open;
   for (std::uint32_t i = 0; i < half.size(); ++i) open.emplace(std::max(from_skin[i], half[i]), i, i);
   std::vector<double> radius(half.size(), 0.0), beyond(half.size(), -1.0);
+  std::vector<char> is_reached(half.size(), 0);  // by a ball whose centre lies inside
   while (!open.empty()) {
     const auto [r, centre, vertex] = open.top();
     open.pop();
@@ -43,10 +44,19 @@ std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<do
     if (left(vertex) <= beyond[vertex]) continue;
     beyond[vertex] = left(vertex);
     radius[vertex] = std::max(radius[vertex], r);
+    if (from_skin[centre] >= half[centre]) is_reached[vertex] = 1;
     for (const std::uint32_t next : rings[vertex])
       if (left(next) > std::max(beyond[next], 0.0)) open.emplace(r, centre, next);
   }
-  return radius;
+  // Corners and sharp edges that no such ball reaches are as thick as what lies within two edges.
+  std::vector<double> result = radius;
+  for (std::uint32_t i = 0; i < radius.size(); ++i) {
+    if (is_reached[i]) continue;
+    for (const std::uint32_t near : rings[i])
+      for (const std::uint32_t next : rings[near])
+        if (is_reached[next]) result[i] = std::max(result[i], radius[next]);
+  }
+  return result;
 }
 
 }  // namespace fascicle::build
