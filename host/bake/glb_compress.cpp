@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <span>
 
 #include <Eigen/Geometry>
@@ -72,14 +73,18 @@ bool may_carry_steps(const json& document, std::size_t node) {
   return true;
 }
 
-// Whether every node with this skin is a part of the rig.
-bool is_all_in_rig(const json& document, const scene::Rig& rig, std::size_t skin) {
+// Whether the rig has every primitive of every node that has this skin (-1: none) or shows one of these
+// meshes: whatever it leaves out would show steps as lengths.
+bool is_all_in_rig(const json& document, const scene::Rig& rig, std::int64_t skin,
+                   const std::set<std::size_t>& meshes) {
   for (std::size_t n = 0; n < document["nodes"].size(); ++n) {
     const json& node = document["nodes"][n];
-    if (!node.contains("skin") || node["skin"] != skin) continue;
-    if (std::none_of(rig.parts.begin(), rig.parts.end(),
-                     [&](const scene::RigPart& part) { return part.node == n; }))
-      return false;
+    if (!node.contains("mesh")) continue;
+    const std::size_t mesh = node["mesh"];
+    if (!meshes.contains(mesh) && (skin < 0 || node.value("skin", std::int64_t{-1}) != skin)) continue;
+    const auto parts = std::count_if(rig.parts.begin(), rig.parts.end(),
+                                     [&](const scene::RigPart& part) { return part.node == n; });
+    if (static_cast<std::size_t>(parts) != document["meshes"][mesh]["primitives"].size()) return false;
   }
   return true;
 }
@@ -137,6 +142,7 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
   struct Group {
     Vector3d least = Vector3d::Constant(INFINITY), greatest = Vector3d::Constant(-INFINITY);
     double stretch = 0.0;
+    std::set<std::size_t> meshes;
     bool has_steps = true;
   };
   std::map<std::int64_t, Group> groups;
@@ -147,14 +153,16 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
     // Skins have numbers from 0 on, nodes below.
     groups_.push_back(has_skin ? node["skin"].get<std::int64_t>() : -1 - std::int64_t{part.node});
     Group& group = groups[groups_.back()];
-    group.has_steps = has_skin ? is_all_in_rig(document, rig_, node["skin"].get<std::size_t>())
-                               : may_carry_steps(document, part.node);
+    group.meshes.insert(part.mesh);
+    group.has_steps = has_skin || may_carry_steps(document, part.node);
     group.stretch = std::max(group.stretch, stretch[p]);
     for (const Vector3d& place : part.positions) {
       group.least = group.least.cwiseMin(place);
       group.greatest = group.greatest.cwiseMax(place);
     }
   }
+  for (auto& [number, group] : groups)
+    group.has_steps = group.has_steps && is_all_in_rig(document, rig_, number, group.meshes);
   double least_bound = 0.0;
   for (const std::int64_t number : groups_) {
     const Group& group = groups[number];
@@ -234,6 +242,22 @@ GlbCompression::PartSteps GlbCompression::steps_of(const GlbFrame& frame, std::s
   return steps;
 }
 
+std::vector<GlbCompression::Steps> GlbCompression::grains_of(const GlbFrame& frame, std::size_t part,
+                                                             std::size_t first) const {
+  const std::vector<Vector3d>& normals = rig_.parts[part].normals;
+  std::vector<Steps> turns(normals.size());
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const Vector3d turn = vector_at(frame.turns, first + i);
+    if (turn.isZero(0.0)) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      const double from = normal_step(normals[i][a]) / normal_steps;
+      turns[i][axis] = turn_grain * std::round((normals[i][a] + turn[a] - from) / turn_grain);
+    }
+  }
+  return turns;
+}
+
 std::string GlbCompression::target(const GlbFrame& frame) {
   std::array<std::string, 3> plain;
   const auto put = [&](Kind kind, const std::vector<Steps>& values) {
@@ -257,9 +281,7 @@ std::string GlbCompression::target(const GlbFrame& frame) {
     if (!grid.has_steps)
       for (Steps& move : moves)
         for (double& x : move) x *= grid.step;
-    if (piece.turns == Kind::floats)
-      for (Steps& turn : turns)
-        for (double& x : turn) x = turn_grain * std::round(x / normal_steps / turn_grain);
+    if (piece.turns == Kind::floats) turns = grains_of(frame, p, first);
     for (std::size_t axis = 0; axis < 3 && !moves.empty(); ++axis) {
       const auto by = [axis](const Steps& a, const Steps& b) { return a[axis] < b[axis]; };
       const auto [least, greatest] = std::minmax_element(moves.begin(), moves.end(), by);
@@ -319,13 +341,7 @@ void GlbCompression::quantise(scene::GltfDocument& document, const std::vector<s
     };
     for (const json& target : primitive().value("targets", json::array()))
       for (const json& number : target) perhaps_unused_.insert(number.get<std::size_t>());
-    json& accessors = document.json["accessors"];
-    still_.push_back(accessors.size());
-    accessors.push_back({{"componentType", float_type},
-                         {"count", count},
-                         {"type", "VEC3"},
-                         {"min", {0, 0, 0}},
-                         {"max", {0, 0, 0}}});
+    still_.push_back(add_still_accessor(document.json, count));
     if (!part.normals.empty()) {
       const std::size_t old = primitive()["attributes"]["NORMAL"];
       if (!normals.contains(old)) {

@@ -4,7 +4,8 @@
 // Vertices of all meshes of a skin lie on one grid, and the skin's inverse bind matrices lead from its steps
 // to the file's own lengths; without a skin the node does, where nothing else goes by it. A target moves by
 // whole steps from where the quantised vertex is, so that the two roundings do not add up. Where there is no
-// grid the vertices stay as they are, and targets move by multiples of a step.
+// grid (something outside the rig shows a mesh too) the vertices stay as they are, and targets move by
+// multiples of a step.
 #pragma once
 
 #include <array>
@@ -75,6 +76,8 @@ class GlbCompression {
   void choose_grids(const nlohmann::json& document, const std::vector<double>& stretch, double bound);
   Steps steps_at(std::size_t part, const Eigen::Vector3d& place) const;
   PartSteps steps_of(const GlbFrame& frame, std::size_t part, std::size_t first);
+  // Turns too far for bytes, as lengths: from where the quantised normal is, so that roundings do not add up.
+  std::vector<Steps> grains_of(const GlbFrame& frame, std::size_t part, std::size_t first) const;
   void note_error(const GlbFrame& frame, std::size_t part, std::size_t vertex, const Eigen::Vector3d& off);
   std::size_t add_positions(scene::GltfDocument& document, std::size_t part) const;
 

@@ -13,7 +13,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
 
 #include <Eigen/Eigenvalues>
 
@@ -74,6 +76,7 @@ class GlbSink final : public FrameSink {
   void write_target(const GlbFrame& frame);
   Piece write_part(const scene::RigPart& part, std::size_t first, const GlbFrame& frame);
   std::vector<std::size_t> own_meshes(json& document) const;
+  void add_still_targets(json& document, const std::vector<std::size_t>& meshes) const;
   void add_targets(json& document, const std::vector<std::size_t>& meshes);
   json targets_of(std::size_t part, std::size_t first_accessor) const;
   std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
@@ -323,6 +326,21 @@ json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
   return list;
 }
 
+// A mesh's primitives must have equally many targets: those outside the rig (lines) get still ones.
+void GlbSink::add_still_targets(json& document, const std::vector<std::size_t>& meshes) const {
+  std::map<std::size_t, std::set<std::size_t>> in_rig;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) in_rig[meshes[p]].insert(rig_.parts[p].primitive);
+  for (const auto& [mesh, primitives] : in_rig) {
+    json& list = document["meshes"][mesh]["primitives"];
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      if (primitives.contains(k) || !list[k]["attributes"].contains("POSITION")) continue;
+      const std::size_t position = list[k]["attributes"]["POSITION"];
+      const std::size_t still = add_still_accessor(document, document["accessors"][position]["count"]);
+      list[k]["targets"] = std::vector<json>(targets_.size(), json{{"POSITION", still}});
+    }
+  }
+}
+
 // Targets into the primitives, their weights into the animation.
 void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes) {
   const std::size_t count = targets_.size();
@@ -358,6 +376,7 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
   const std::size_t sampler = animation["samplers"].size();
   animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
 
+  add_still_targets(document, meshes);
   json names = json::array();
   for (const std::uint64_t frame : targets_)
     names.push_back("frame " + number_text(info_.first_number + frame));

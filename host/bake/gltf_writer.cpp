@@ -66,6 +66,13 @@ std::size_t add_accessor(scene::GltfDocument& document, std::span<const std::uin
   return add(document, indices, 1, unsigned_int);
 }
 
+std::size_t add_still_accessor(json& document, std::size_t count) {
+  json& accessors = document["accessors"];
+  accessors.push_back(
+      {{"componentType", 5126}, {"count", count}, {"type", "VEC3"}, {"min", {0, 0, 0}}, {"max", {0, 0, 0}}});
+  return accessors.size() - 1;
+}
+
 std::string glb_head(std::string text, std::uint64_t binary_bytes) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::uint64_t total = 12 + 8 + text.size() + 8 + binary_bytes;

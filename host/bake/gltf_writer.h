@@ -19,6 +19,8 @@ std::size_t add_accessor(scene::GltfDocument& document, std::span<const float> v
                          bool with_bounds = false);
 std::size_t add_accessor(scene::GltfDocument& document, std::span<const std::uint16_t> values,
                          std::size_t width);
+// Of as many moves by nothing; it takes no bytes.
+std::size_t add_still_accessor(nlohmann::json& document, std::size_t count);
 // Of triangles; SCALAR.
 std::size_t add_accessor(scene::GltfDocument& document, std::span<const std::uint32_t> indices);
 

@@ -132,6 +132,7 @@ std::vector<unsigned char> decode_meshopt(std::span<const unsigned char> stream,
 
 std::vector<unsigned char> encode_meshopt(std::span<const unsigned char> bytes, std::size_t stride) {
   const std::size_t count = bytes.size() / stride;
+  meshopt_encodeVertexVersion(0);  // the only one that the extension allows
   std::vector<unsigned char> stream(meshopt_encodeVertexBufferBound(count, stride));
   stream.resize(meshopt_encodeVertexBuffer(stream.data(), stream.size(), bytes.data(), count, stride));
   return stream;

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 
 #include "host/bake/file.h"
 #include "host/bake/gltf_writer.h"
@@ -127,9 +128,14 @@ model::Frame turned(const model::Model& model, std::uint64_t k) {
 
 void write_dressed_frames(std::unique_ptr<bake::FrameSink> sink, const std::filesystem::path& folder,
                           const DressedOptions& options) {
+  write_dressed(folder / "character.glb");
+  write_turned_frames(std::move(sink), folder, options);
+}
+
+void write_turned_frames(std::unique_ptr<bake::FrameSink> sink, const std::filesystem::path& folder,
+                         const DressedOptions& options) {
   const model::Model model = dressed_model();
   const model::Frame initial = turned(model, 0);
-  write_dressed(folder / "character.glb");
   sink->begin({.model = &model,
                .folder = folder,
                .scene_name = "s",

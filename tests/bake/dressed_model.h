@@ -39,6 +39,9 @@ struct DressedOptions {
 // Frames 0 to 3 at 8 a second through one sink, in FOLDER with its character.glb.
 void write_dressed_frames(std::unique_ptr<bake::FrameSink> sink, const std::filesystem::path& folder,
                           const DressedOptions& options = {});
+// The same with a character.glb that is there already, of the same vertices.
+void write_turned_frames(std::unique_ptr<bake::FrameSink> sink, const std::filesystem::path& folder,
+                         const DressedOptions& options);
 
 // Where a render vertex stands in frame k, m.
 std::array<double, 3> dressed_point(std::uint64_t k, std::size_t vertex);

@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <random>
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "host/bake/export.h"
@@ -102,19 +106,6 @@ TEST(GlbCompress, SaysWhatAReaderMustKnow) {
   EXPECT_EQ(manifest["output"]["glb_compress"], 1e-4);
 }
 
-TEST(GlbCompress, NormalsStandWithinHalfADegree) {
-  const TemporaryFolder folder;
-  const scene::Rig plain = scene::read_rig(baked_jointed(folder, "plain", {}) / "surface.glb");
-  const scene::Rig small = scene::read_rig(baked_jointed(folder, "small", 1e-4) / "surface.glb");
-  const scene::RigPart &a = plain.parts.at(0), &b = small.parts.at(0);
-  ASSERT_EQ(a.normals.size(), b.normals.size());
-  // Three roundings by half of 1/127 each.
-  const double angle = std::asin(std::sqrt(3.0) * 0.5 / 127.0);
-  EXPECT_LT(angle, 0.5 / 180.0 * 3.14159);
-  for (std::size_t i = 0; i < a.normals.size(); ++i)
-    EXPECT_GT(a.normals[i].dot(b.normals[i].normalized()), std::cos(angle) - 1e-9);
-}
-
 TEST(GlbCompress, ABoundTooFineForSixteenBitsIsRefused) {
   const TemporaryFolder folder;
   try {
@@ -203,6 +194,136 @@ TEST(GlbCompress, SeveralObjectsOfOneSkinShareAGrid) {
   }
   // Nothing is left of the floats that were replaced: the image stays as it was.
   EXPECT_NE(read_glb(folder / "small/surface.glb").binary.find("no picture"), std::string::npos);
+}
+
+// The dressed body with `change` made to its file, plain and compressed; both in FOLDER.
+struct PlainAndSmall {
+  GltfViewer plain, small;
+};
+PlainAndSmall changed_dressed(const TemporaryFolder& folder,
+                              const std::function<void(json&, std::string&)>& change) {
+  const auto write = [&](const char* name, std::optional<double> compress) {
+    fs::create_directories(folder / name);
+    const fs::path file = folder / name / "character.glb";
+    write_dressed(file);
+    GlbChunks glb = read_glb(file);
+    change(glb.document, glb.binary);
+    bake::write_whole(file, bake::glb_text({.json = glb.document, .binary = glb.binary}));
+    write_turned_frames(bake::make_glb_sink(), folder / name, {.glb = {.compress = compress}});
+    return folder / name / "surface.glb";
+  };
+  return {GltfViewer(write("plain", {})), unpacked(write("small", 1e-3))};
+}
+
+void expect_same_shown(const PlainAndSmall& files) {
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    const double time = static_cast<double>(k) / 8.0;
+    EXPECT_LE(furthest_apart(files.plain.shown(0, time), files.small.shown(0, time)), 1e-3 + float_rounding)
+        << k;
+  }
+}
+
+int position_type(const GltfViewer& file, std::size_t node) {
+  const json& d = file.document;
+  const std::size_t mesh = d["nodes"][node]["mesh"];
+  const std::size_t number = d["meshes"][mesh]["primitives"][0]["attributes"]["POSITION"];
+  return d["accessors"][number]["componentType"];
+}
+
+// The first object hangs on the joint, without a skin.
+void hang_first_object(json& document) {
+  json& nodes = document["nodes"];
+  nodes[0]["children"] = {1};
+  document["scenes"][0]["nodes"] = {0, 2};
+  nodes[1].erase("skin");
+  // Column by column: raw (x, -z, y) to (x, y, z).
+  nodes[1]["matrix"] = {1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1};
+}
+
+TEST(GlbCompress, AHungObjectIsPlacedByItsNode) {
+  const TemporaryFolder folder;
+  const PlainAndSmall files =
+      changed_dressed(folder, [](json& document, std::string&) { hang_first_object(document); });
+  expect_same_shown(files);
+  EXPECT_EQ(position_type(files.small, 1), 5122);
+}
+
+TEST(GlbCompress, AMeshThatALeftOutNodeShowsTooKeepsItsFloats) {
+  const TemporaryFolder folder;
+  const PlainAndSmall files = changed_dressed(folder, [](json& document, std::string&) {
+    hang_first_object(document);
+    document["nodes"].push_back({{"mesh", 0}, {"translation", {5, 0, 0}}});
+    document["scenes"][0]["nodes"].push_back(3);
+  });
+  expect_same_shown(files);
+  EXPECT_EQ(position_type(files.small, 1), 5126);
+}
+
+TEST(GlbCompress, AMeshWithLinesKeepsItsFloats) {
+  const TemporaryFolder folder;
+  expect_same_shown(changed_dressed(folder, [](json& document, std::string&) {
+    hang_first_object(document);
+    json& primitives = document["meshes"][0]["primitives"];
+    json lines = primitives[0];
+    lines["mode"] = 3;
+    primitives.push_back(lines);
+  }));
+}
+
+TEST(GlbCompress, AMeshOfASkinOutsideTheSceneKeepsItsFloats) {
+  const TemporaryFolder folder;
+  const PlainAndSmall files = changed_dressed(folder, [](json& document, std::string&) {
+    document["skins"].push_back(json(document["skins"][0]));
+    document["nodes"].push_back({{"mesh", 1}, {"skin", 1}});
+  });
+  expect_same_shown(files);
+  EXPECT_EQ(position_type(files.small, 2), 5126);
+}
+
+// Normals of the file that point anywhere, 9 in 3 primitives.
+void strew_normals(const json& document, std::string& binary, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> value;
+  for (const json& mesh : document["meshes"])
+    for (const json& primitive : mesh["primitives"]) {
+      const json& accessor = document["accessors"][primitive["attributes"]["NORMAL"].get<std::size_t>()];
+      const json& view = document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+      std::size_t at = view.value("byteOffset", std::size_t{0});
+      for (std::size_t i = 0; i < accessor["count"].get<std::size_t>(); ++i, at += 12) {
+        const Eigen::Vector3f normal =
+            Vector3d(value(random), value(random), value(random)).normalized().cast<float>();
+        std::memcpy(binary.data() + at, normal.data(), 12);
+      }
+    }
+}
+
+TEST(GlbCompress, NormalsStandWithinHalfADegree) {
+  // Three roundings by half of 1/127 each; in targets that turn further than bytes say, by half of 1/256.
+  const double angle = std::asin(std::sqrt(3.0) * 0.5 / 127.0);
+  EXPECT_LT(angle, 0.5 / 180.0 * 3.14159);
+  std::size_t far = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const TemporaryFolder folder;
+    const PlainAndSmall files = changed_dressed(
+        folder, [&](const json& document, std::string& binary) { strew_normals(document, binary, seed); });
+    const std::vector<Vector3d> rest = files.plain.raw_normals(-1, 0.0);
+    for (int k = -1; k < 4; ++k) {
+      const int clip = k < 0 ? -1 : 0;
+      const double time = k / 8.0;
+      const std::vector<Vector3d> wanted = files.plain.raw_normals(clip, time),
+                                  is = files.small.raw_normals(clip, time);
+      ASSERT_EQ(wanted.size(), 9u);
+      ASSERT_EQ(is.size(), wanted.size());
+      for (std::size_t i = 0; i < is.size(); ++i) {
+        // Floats of about 1.
+        EXPECT_LT(wanted[i].cross(is[i].normalized()).norm(), std::sin(angle) + 1e-6) << k;
+        EXPECT_GT(wanted[i].dot(is[i]), 0.0);
+        if ((wanted[i] - rest[i]).lpNorm<Eigen::Infinity>() > 1.01) ++far;
+      }
+    }
+  }
+  // Turns that bytes do not hold are among them.
+  EXPECT_GT(far, 100u);
 }
 
 TEST(GlbCompress, ThreeShowsTheBake) {

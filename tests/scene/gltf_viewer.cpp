@@ -1,5 +1,6 @@
 #include "tests/scene/gltf_viewer.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -42,6 +43,11 @@ double number_at(const unsigned char* at, int type) {
 
 std::size_t bytes_of(int type) {
   return type == 5126 || type == 5125 ? 4 : type == 5123 || type == 5122 ? 2 : 1;
+}
+
+// Of an integer type: what stands for 1 where it is normalised.
+double largest_of(int type) {
+  return type == 5120 ? 127.0 : type == 5121 ? 255.0 : type == 5122 ? 32767.0 : 65535.0;
 }
 
 }  // namespace
@@ -95,6 +101,41 @@ std::vector<double> GltfViewer::numbers(const json& accessor) const {
           static_cast<std::size_t>(number_at(start(indices) + k * bytes_of(index_type), index_type));
       for (std::size_t c = 0; c < width; ++c)
         result[at * width + c] = number_at(start(values) + (k * width + c) * size, type);
+    }
+  }
+  if (a.value("normalized", false))
+    for (double& number : result) number = std::max(number / largest_of(type), -1.0);
+  return result;
+}
+
+std::vector<double> GltfViewer::morphed(const json& primitive, const std::string& attribute,
+                                        const std::vector<double>& weights) const {
+  std::vector<double> values = numbers(primitive["attributes"][attribute]);
+  const json targets = primitive.value("targets", json::array());
+  for (std::size_t k = 0; k < targets.size(); ++k) {
+    if (!targets[k].contains(attribute)) continue;
+    const std::vector<double> moves = numbers(targets[k][attribute]);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += weights[k] * moves[i];
+  }
+  return values;
+}
+
+std::vector<double> GltfViewer::weights(int clip, double time, std::size_t node) const {
+  const json& mesh = document["meshes"][document["nodes"][node]["mesh"].get<std::size_t>()];
+  const std::size_t count = mesh["primitives"][0].value("targets", json::array()).size();
+  return value(clip, time, node, "weights", mesh.value("weights", std::vector<double>(count, 0.0)));
+}
+
+std::vector<Vector3d> GltfViewer::raw_normals(int clip, double time) const {
+  std::vector<Vector3d> result;
+  for (std::size_t n = 0; n < parents_.size(); ++n) {
+    if (!document["nodes"][n].contains("mesh")) continue;
+    const std::vector<double> shares = weights(clip, time, n);
+    for (const json& primitive :
+         document["meshes"][document["nodes"][n]["mesh"].get<std::size_t>()]["primitives"]) {
+      const std::vector<double> values = morphed(primitive, "NORMAL", shares);
+      for (std::size_t i = 0; i < values.size(); i += 3)
+        result.emplace_back(values[i], values[i + 1], values[i + 2]);
     }
   }
   return result;
@@ -168,19 +209,10 @@ std::vector<Vector3d> GltfViewer::shown(int clip, double time) const {
           maps.back() = (maps.back() * Eigen::Map<const Matrix4d>(matrices.data() + 16 * k)).eval();
       }
     }
+    const std::vector<double> shares = weights(clip, time, n);
     for (const json& primitive : mesh["primitives"]) {
       const json& attributes = primitive["attributes"];
-      std::vector<double> p = numbers(attributes["POSITION"]);
-      if (primitive.contains("targets")) {
-        const json& targets = primitive["targets"];
-        const std::vector<double> weights =
-            value(clip, time, n, "weights", mesh.value("weights", std::vector<double>(targets.size(), 0.0)));
-        for (std::size_t k = 0; k < targets.size(); ++k) {
-          if (!targets[k].contains("POSITION")) continue;
-          const std::vector<double> moves = numbers(targets[k]["POSITION"]);
-          for (std::size_t i = 0; i < p.size(); ++i) p[i] += weights[k] * moves[i];
-        }
-      }
+      const std::vector<double> p = morphed(primitive, "POSITION", shares);
       std::vector<double> j, w;
       if (node.contains("skin")) {
         j = numbers(attributes["JOINTS_0"]);

@@ -11,7 +11,7 @@
 
 namespace fascicle::tests {
 
-// Of documents with one buffer: accessors of floats or of integers that are not normalised, sparse ones too;
+// Of documents with one buffer: accessors of floats or of integers, normalised or not, sparse ones too;
 // clips of steps and of linear keys.
 class GltfViewer {
  public:
@@ -26,9 +26,16 @@ class GltfViewer {
   // the clip with this number; a negative one: as the nodes rest.
   std::vector<Eigen::Vector3d> shown(int clip, double time) const;
 
+  // Their normals before skins and nodes turn them, as long as they come out.
+  std::vector<Eigen::Vector3d> raw_normals(int clip, double time) const;
+
   nlohmann::json document;
 
  private:
+  // An attribute of three values with the primitive's targets.
+  std::vector<double> morphed(const nlohmann::json& primitive, const std::string& attribute,
+                              const std::vector<double>& weights) const;
+  std::vector<double> weights(int clip, double time, std::size_t node) const;
   std::vector<double> numbers(const nlohmann::json& accessor) const;
   std::vector<double> value(int clip, double time, std::size_t node, const std::string& path,
                             std::vector<double> fallback) const;
