@@ -178,7 +178,8 @@ TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
 struct Post {
   std::string properties = {};
   int up = 1, up_sign = 1, right = 0, right_sign = 1;
-  double unit = 1.0;  // cm
+  double unit = 1.0;       // cm
+  bool has_still = false;  // keys at 0 and 2 s where the plate is, below the turning node
 };
 
 std::string property(const std::string& name, double x, double y, double z) {
@@ -218,9 +219,18 @@ std::string fbx_of(const Post& post) {
     for (int k = 0; k <= 30; ++k) out << (k ? "," : "") << (axis == 2 ? 3.0 * k : 0.0);
     out << "\n}\n}\n";
   }
+  for (int axis = 0; post.has_still && axis < 3; ++axis)
+    out << "AnimationCurve: " << 33 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
+        << "KeyTime: *2 {\na: 0," << static_cast<long long>(2 * ticks_a_second)
+        << "\n}\nKeyValueFloat: *2 {\na: 0,0\n}\n}\n";
+  if (post.has_still) out << "AnimationCurveNode: 32, \"AnimCurveNode::T\", \"\" {\n}\n";
   out << "}\nConnections: {\nC: \"OO\",10,0\nC: \"OO\",11,10\nC: \"OO\",12,11\nC: \"OO\",21,20\n"
          "C: \"OO\",22,21\nC: \"OP\",22,10, \"Lcl Rotation\"\nC: \"OP\",23,22, \"d|X\"\n"
-         "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n}\n";
+         "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n";
+  if (post.has_still)
+    out << "C: \"OO\",32,21\nC: \"OP\",32,11, \"Lcl Translation\"\nC: \"OP\",33,32, \"d|X\"\n"
+           "C: \"OP\",34,32, \"d|Y\"\nC: \"OP\",35,32, \"d|Z\"\n";
+  out << "}\n";
   return out.str();
 }
 
@@ -335,6 +345,22 @@ TEST(Fbx, nodes_turn_about_their_pivots) {
     return moved(1, 2, 3) * moved(4, 0, 0) * moved(0, 50, 0) * turned(0, 0, 40) * turned(0, 0, angle) *
            moved(0, -50, 0) * moved(0, 0, 7) * moved(5, 5, 5) * Eigen::Scaling(2.0) * moved(-5, -5, -5);
   });
+}
+
+// What stands still is left out, but not the time that it stands.
+TEST(Converter, clips_last_to_their_last_key) {
+  const TemporaryFolder folder;
+  const Character held = scene::read_gltf(folder.write("held.fbx", fbx_of({.has_still = true})));
+  ASSERT_EQ(held.clips.size(), 1u);
+  EXPECT_NEAR(held.clips[0].duration, 2.0, 1e-6);
+  for (const scene::Channel& channel : held.clips[0].channels)
+    EXPECT_EQ(held.skeleton[channel.joint].name, "Arm") << "the plate stands still";
+  EXPECT_LT(both_ways(skinned(held, &held.clips[0], 2.0), skinned(held, &held.clips[0], 1.0)), file_rounding);
+
+  const Character still = scene::read_gltf(folder.write("still.dae", dae_of("top", "bone")));
+  ASSERT_EQ(still.clips.size(), 1u);
+  EXPECT_NEAR(still.clips[0].duration, 2.0, 1e-6);
+  EXPECT_LT(both_ways(skinned(still, &still.clips[0], 1.0), skinned(still, nullptr, 0.0)), file_rounding);
 }
 
 TEST(Fbx, files_that_mean_no_good_get_one_message) {
