@@ -77,9 +77,9 @@ void fill_gaps(std::set<double>& times) {
 // The channels of a node's chain, by their names, or of the node itself.
 using Channels = std::unordered_map<std::string, const aiNodeAnim*>;
 
-// Assimp 5.2 turns a whole channel by the rotation after the node's own, where the file means its inverse, and
-// where it makes links of the node it does so already. Other versions were not looked at; CMakeLists.txt bounds
-// them.
+// Assimp 5.2 turns a whole channel by the rotation after the node's own, where the file means its inverse,
+// and where it makes links of the node it does so already. Other versions were not looked at; CMakeLists.txt
+// bounds them.
 Eigen::Quaterniond twice_undone(const Node& node) {
   for (const Link& link : node.chain)
     if (link.component == "PostRotation") {

@@ -111,7 +111,17 @@ void convert(const fs::path& input, const fs::path& output) {
   std::error_code ignored;
   if (fs::equivalent(input, output, ignored))
     throw Failure(bad_usage, output.string() + " is the file to be read; give another name");
-  write_file(output, glb_from(input));
+  std::string glb;
+  try {
+    glb = glb_from(input);
+  } catch (const Failure& failure) {
+    throw Failure(failure.exit_code, input.string() + ": " + failure.what());
+  } catch (const std::bad_alloc&) {
+    throw Failure(out_of_memory, input.string() + ": out of memory");
+  } catch (const std::exception& error) {
+    throw Failure(unreadable, input.string() + ": " + error.what());
+  }
+  write_file(output, glb);
 }
 
 int run(const std::vector<std::string>& arguments) {

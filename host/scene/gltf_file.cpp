@@ -150,7 +150,7 @@ GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigne
 }
 
 // The document stays in memory: what reads it again converts it again, which is a fraction of a second.
-GltfFile read_converted(const std::filesystem::path& path) {
+GltfFile read_converted(const std::filesystem::path& path) try {
   const TemporaryFolder folder;
   const std::filesystem::path glb = folder.path() / "character.glb";
   convert_character(path, glb);
@@ -162,6 +162,8 @@ GltfFile read_converted(const std::filesystem::path& path) {
   for (const nlohmann::json& note : notes)
     if (note.is_string()) file.notes.push_back(note.get<std::string>());
   return file;
+} catch (const std::system_error& error) {
+  fail_to_convert(path, error.what());
 }
 
 }  // namespace

@@ -426,6 +426,33 @@ TEST(Converter, writes_nothing_but_a_glb_that_is_another_file) {
   EXPECT_TRUE(fs::exists(folder.path() / "man.glb"));
 }
 
+TEST(Converter, messages_name_the_file_once) {
+  const TemporaryFolder folder;
+  folder.write("noise.fbx", "noise");
+  EXPECT_EQ(said_by_converter(folder, "noise.fbx noise.glb", 3).find("fascicle-convert: noise.fbx: "), 0u);
+  const fs::path noise = folder.path() / "noise.fbx";
+  try {
+    scene::read_gltf(noise);
+    FAIL() << "noise was read";
+  } catch (const scene::SceneError& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find(noise.string() + ": cannot be read: "), 0u) << what;
+    EXPECT_EQ(what.find(noise.string(), 1), std::string::npos) << what;
+  }
+}
+
+// No other converter would help there.
+TEST(Converter, a_machine_without_room_for_the_result_is_not_the_files_fault) {
+  const TemporaryFolder folder;
+  folder.write("hero.fbx", fbx_of({}));
+  const std::string command = "cd '" + folder.path().string() + "' && TMPDIR=/nowhere '" +
+                              FASCICLE_BINARY_DIR + "/fascicle' inspect hero.fbx > out 2> err";
+  EXPECT_NE(WEXITSTATUS(std::system(command.c_str())), 0);
+  const std::string said = text_of(folder.path() / "err");
+  for (const char* part : {"hero.fbx: ", "TMPDIR"}) EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(said.find("FBX2glTF"), std::string::npos) << said;
+}
+
 // A copy of the program where no helper lies beside it.
 TEST(Fbx, without_the_converter_the_message_names_others) {
   const TemporaryFolder folder;
