@@ -26,7 +26,9 @@ bool is_taken_back(const std::string& component) {
 
 class Walker {
  public:
-  Walker(const aiScene& scene, std::vector<Node>& nodes) : scene_(scene), nodes_(nodes) {}
+  // `has_links`: names with the mark are those of links. In files other than FBX they are names like others.
+  Walker(const aiScene& scene, bool has_links, std::vector<Node>& nodes)
+      : scene_(scene), has_links_(has_links), nodes_(nodes) {}
 
   // On a stack of its own: files nest as deep as they like.
   void run() {
@@ -47,7 +49,7 @@ class Walker {
 
   void visit(Step& step) {
     const std::string name = step.node->mName.C_Str();
-    const std::size_t mark = name.find(link_mark);
+    const std::size_t mark = has_links_ ? name.find(link_mark) : std::string::npos;
     int parent = step.parent;
     if (mark == std::string::npos) {
       parent = add(step, name);
@@ -78,6 +80,7 @@ class Walker {
   }
 
   const aiScene& scene_;
+  bool has_links_;
   std::vector<Node>& nodes_;
   std::vector<Step> stack_;
 };
@@ -120,8 +123,10 @@ void mend_blender(const aiScene& scene, std::vector<Node>& nodes) {
   // Node 0 turns the file's axes and unit, of which its own numbers know nothing.
   std::vector<Matrix> above{Matrix::Identity()};
   for (std::size_t n = 1; n < nodes.size(); ++n) {
+    above.push_back(Matrix::Identity());
+    if (nodes[n].parent < 0) continue;
     const auto parent = static_cast<std::size_t>(nodes[n].parent);
-    above.push_back(above[parent]);
+    above[n] = above[parent];
     if (parent != 0) above[n] *= nodes[parent].local;
     const Matrix mended = nodes[n].local.inverse() * above[n] * nodes[n].local;
     if (mended.allFinite()) nodes[n].mended = mended;
@@ -197,7 +202,7 @@ std::vector<Matrix> global_transforms(const std::vector<Node>& nodes) {
 Character character_of(const aiScene& scene, bool is_fbx) {
   Character character;
   character.scene = &scene;
-  Walker(scene, character.nodes).run();
+  Walker(scene, is_fbx, character.nodes).run();
   if (is_fbx) {
     // The node above all is assimp's own, and a file may have one of the same name. What assimp made of the
     // axes and the unit differs by version.

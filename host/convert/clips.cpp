@@ -77,8 +77,9 @@ void fill_gaps(std::set<double>& times) {
 // The channels of a node's chain, by their names, or of the node itself.
 using Channels = std::unordered_map<std::string, const aiNodeAnim*>;
 
-// Assimp 5 turns a whole channel by the rotation after the node's own, where the file means its inverse, and
-// where it makes links of the node it does so already.
+// Assimp 5.2 turns a whole channel by the rotation after the node's own, where the file means its inverse,
+// and where it makes links of the node it does so already. Other versions were not looked at; CMakeLists.txt
+// bounds them.
 Eigen::Quaterniond twice_undone(const Node& node) {
   for (const Link& link : node.chain)
     if (link.component == "PostRotation") {
@@ -187,12 +188,13 @@ ShapeTrack shape_track(const aiMeshMorphAnim& channel, std::size_t shapes, doubl
   return track;
 }
 
-void add_shape_tracks(const aiAnimation& animation, double seconds, Character& character, Clip& clip) {
+// `lost`: names of those that have no mesh.
+void add_shape_tracks(const aiAnimation& animation, double seconds, const Character& character, Clip& clip,
+                      std::set<std::string>& lost) {
   for (unsigned c = 0; c < animation.mNumMorphMeshChannels; ++c) {
     const std::size_t node = node_of(character, *animation.mMorphMeshChannels[c]);
     if (node == character.nodes.size()) {
-      character.notes.push_back(std::string("no mesh has the blend shapes that a clip moves as `") +
-                                animation.mMorphMeshChannels[c]->mName.C_Str() + "`");
+      lost.insert(animation.mMorphMeshChannels[c]->mName.C_Str());
       continue;
     }
     std::size_t shapes = 0;
@@ -218,6 +220,7 @@ void begin_at_zero(Clip& clip) {
 }  // namespace
 
 void add_clips(Character& character, bool is_fbx) {
+  std::set<std::string> lost_shapes;
   for (unsigned a = 0; a < character.scene->mNumAnimations; ++a) {
     const aiAnimation& animation = *character.scene->mAnimations[a];
     constexpr double usual_rate = 25.0;  // where the file does not say; assimp's word
@@ -236,10 +239,15 @@ void add_clips(Character& character, bool is_fbx) {
       track.node = n;
       if (!track.times.empty()) clip.tracks.push_back(std::move(track));
     }
-    add_shape_tracks(animation, seconds, character, clip);
+    add_shape_tracks(animation, seconds, character, clip, lost_shapes);
     if (!is_fbx) begin_at_zero(clip);
     character.clips.push_back(std::move(clip));
   }
+  if (lost_shapes.empty()) return;
+  const std::string others =
+      lost_shapes.size() == 1 ? "" : " and " + std::to_string(lost_shapes.size() - 1) + " more";
+  character.notes.push_back("no mesh has the blend shapes that clips move as `" + *lost_shapes.begin() + "`" +
+                            others);
 }
 
 }  // namespace fascicle::convert

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "host/convert/document.h"
 #include "host/convert/failure.h"
@@ -75,36 +76,66 @@ Times times_of(const std::vector<double>& times) {
   return result;
 }
 
-class Animation {
- public:
-  Animation(Document& document, const std::string& name) : document_(document), name_(name) {}
-
-  void add(const Times& times, const std::vector<float>& values, int width, std::size_t node,
-           const char* path) {
-    // Times that tracks share are written once.
-    if (times.seconds != last_times_) {
-      last_times_ = times.seconds;
-      input_ = add_accessor(document_, std::span<const float>(times.seconds), 1, true);
-    }
-    samplers_.push_back({{"input", input_},
-                         {"output", add_accessor(document_, std::span<const float>(values), width)},
-                         {"interpolation", "LINEAR"}});
-    channels_.push_back({{"sampler", samplers_.size() - 1}, {"target", {{"node", node}, {"path", path}}}});
-  }
-
-  void finish() {
-    if (!channels_.empty())
-      document_.json["animations"].push_back(
-          {{"name", name_}, {"samplers", samplers_}, {"channels", channels_}});
-  }
-
- private:
-  Document& document_;
-  std::string name_;
-  std::vector<float> last_times_;
-  std::size_t input_ = 0;
-  json samplers_ = json::array(), channels_ = json::array();
+struct Moved {
+  std::size_t node = 0;
+  const char* path = "";
+  int width = 0;  // of a row in the output
+  std::vector<float> times, values;
 };
+
+// Nodes of the skeleton: those that skins know and all above; where there is no skin, all.
+std::vector<bool> skeleton_of(const Character& character, const json& document) {
+  const json skins = document.value("skins", json::array());
+  std::vector<bool> result(character.nodes.size(), skins.empty());
+  for (const json& skin : skins)
+    for (const std::size_t joint : skin["joints"])
+      for (int n = static_cast<int>(joint); n >= 0; n = character.nodes[static_cast<std::size_t>(n)].parent)
+        result[static_cast<std::size_t>(n)] = true;
+  return result;
+}
+
+// A clip lasts to its last key, though what has it may stand still and be left out: what moves to the last
+// holds its value until then, or else a joint its rest.
+void last_until(float end, const Character& character, const json& document, std::vector<Moved>& moved) {
+  const std::vector<bool> in_skeleton = skeleton_of(character, document);
+  Moved* last = nullptr;
+  for (Moved& each : moved) {
+    const bool is_weights = std::string_view(each.path) == "weights";
+    if ((is_weights || in_skeleton[each.node]) && each.times.back() >= end) return;
+    if (!is_weights && in_skeleton[each.node] && (last == nullptr || each.times.back() > last->times.back()))
+      last = &each;
+  }
+  if (last != nullptr) {
+    const std::vector<float> held(last->values.end() - last->width, last->values.end());
+    last->times.push_back(end);
+    last->values.insert(last->values.end(), held.begin(), held.end());
+  } else if (document.contains("skins") && end > 0.0f) {
+    const std::size_t joint = document["skins"][0]["joints"][0];
+    const Eigen::Vector4f rest = parts_of(character.nodes[joint].local).rotation.coeffs().cast<float>();
+    Moved still{.node = joint, .path = "rotation", .width = 4, .times = {0.0f, end}, .values = {}};
+    for (int k = 0; k < 2; ++k) still.values.insert(still.values.end(), rest.begin(), rest.end());
+    moved.push_back(std::move(still));
+  }
+}
+
+void write_clip(const std::string& name, const std::vector<Moved>& moved, Document& document) {
+  json samplers = json::array(), channels = json::array();
+  const std::vector<float>* last_times = nullptr;
+  std::size_t input = 0;
+  for (const Moved& each : moved) {
+    // Times that tracks share are written once.
+    if (last_times == nullptr || each.times != *last_times)
+      input = add_accessor(document, std::span<const float>(each.times), 1, true);
+    last_times = &each.times;
+    samplers.push_back({{"input", input},
+                        {"output", add_accessor(document, std::span<const float>(each.values), each.width)},
+                        {"interpolation", "LINEAR"}});
+    channels.push_back(
+        {{"sampler", samplers.size() - 1}, {"target", {{"node", each.node}, {"path", each.path}}}});
+  }
+  if (!channels.empty())
+    document.json["animations"].push_back({{"name", name}, {"samplers", samplers}, {"channels", channels}});
+}
 
 // Rounding of single precision, of a rotation or relative to the size of what it is about.
 constexpr double rounding = 1e-6;
@@ -120,7 +151,7 @@ bool is_same(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 // stays where the node rests is left out, and so such a node is none that a clip moves.
 template <typename Value>
 void add_part(const Track& track, const Times& times, const Value& rest, Value Parts::*part, const char* path,
-              Animation& animation) {
+              std::vector<Moved>& moved) {
   bool is_at_rest = true;
   std::vector<float> values;
   for (const std::size_t k : times.key) {
@@ -133,27 +164,33 @@ void add_part(const Track& track, const Times& times, const Value& rest, Value P
     }
   }
   if (is_at_rest || times.key.empty()) return;
-  animation.add(times, values, std::is_same_v<Value, Eigen::Quaterniond> ? 4 : 3, track.node, path);
+  constexpr int width = std::is_same_v<Value, Eigen::Quaterniond> ? 4 : 3;
+  moved.push_back({track.node, path, width, times.seconds, std::move(values)});
 }
 
 void add_clip(const Character& character, const Clip& clip, Document& document) {
-  Animation animation(document, clip.name);
+  std::vector<Moved> moved;
+  float end = 0.0f;
   for (const Track& track : clip.tracks) {
     const Times times = times_of(track.times);
+    if (!times.key.empty()) end = std::max(end, times.seconds.back());
     const Parts rest = parts_of(character.nodes[track.node].local);
-    add_part(track, times, rest.translation, &Parts::translation, "translation", animation);
-    add_part(track, times, rest.rotation, &Parts::rotation, "rotation", animation);
-    add_part(track, times, rest.scale, &Parts::scale, "scale", animation);
+    add_part(track, times, rest.translation, &Parts::translation, "translation", moved);
+    add_part(track, times, rest.rotation, &Parts::rotation, "rotation", moved);
+    add_part(track, times, rest.scale, &Parts::scale, "scale", moved);
   }
   for (const ShapeTrack& track : clip.shapes) {
     if (!document.json["nodes"][track.node].contains("mesh")) continue;
     const Times times = times_of(track.times);
+    if (times.key.empty()) continue;
+    end = std::max(end, times.seconds.back());
     std::vector<float> values;
     for (const std::size_t k : times.key)
       for (const double weight : track.weights[k]) values.push_back(static_cast<float>(weight));
-    if (!times.key.empty()) animation.add(times, values, 1, track.node, "weights");
+    moved.push_back({track.node, "weights", 1, times.seconds, std::move(values)});
   }
-  animation.finish();
+  last_until(end, character, document.json, moved);
+  write_clip(clip.name, moved, document);
 }
 
 }  // namespace

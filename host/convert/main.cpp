@@ -77,12 +77,15 @@ void write_file(const fs::path& path, const std::string& bytes) {
   out.close();
   std::error_code error;
   if (out) fs::rename(part, path, error);
-  if (!out || error) throw Failure(cannot_write, path.string() + " cannot be written");
+  if (out && !error) return;
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  throw Failure(cannot_write, path.string() + " cannot be written" +
+                                  (error ? ": " + error.message() : "; check its folder and the free space"));
 }
 
-void convert(const fs::path& input, const fs::path& output) {
+std::string glb_from(const fs::path& input) {
   const std::string extension = extension_of(input);
-  if (extension != "fbx" && extension != "dae") throw Failure(bad_usage, "is neither .fbx nor .dae");
   const std::string bytes = bytes_of(input);
   Assimp::Importer importer;
   keep_only(importer, extension);
@@ -96,6 +99,28 @@ void convert(const fs::path& input, const fs::path& output) {
   Character character = character_of(*scene, extension == "fbx");
   const std::string glb = glb_of(character, input);
   if (glb.size() > largest_file) throw Failure(unreadable, "comes to more bytes than are read");
+  return glb;
+}
+
+void convert(const fs::path& input, const fs::path& output) {
+  const std::string extension = extension_of(input);
+  if (extension != "fbx" && extension != "dae")
+    throw Failure(bad_usage, input.string() + " is neither .fbx nor .dae");
+  if (extension_of(output) != "glb")
+    throw Failure(bad_usage, output.string() + " does not end in .glb, which is what is written");
+  std::error_code ignored;
+  if (fs::equivalent(input, output, ignored))
+    throw Failure(bad_usage, output.string() + " is the file to be read; give another name");
+  std::string glb;
+  try {
+    glb = glb_from(input);
+  } catch (const Failure& failure) {
+    throw Failure(failure.exit_code, input.string() + ": " + failure.what());
+  } catch (const std::bad_alloc&) {
+    throw Failure(out_of_memory, input.string() + ": out of memory");
+  } catch (const std::exception& error) {
+    throw Failure(unreadable, input.string() + ": " + error.what());
+  }
   write_file(output, glb);
 }
 

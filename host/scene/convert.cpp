@@ -10,12 +10,19 @@ namespace fascicle::scene {
 namespace {
 
 constexpr const char* converter_name = "fascicle-convert";
-constexpr int out_of_memory = 6;  // as its --help has it
+constexpr int cannot_write = 4, out_of_memory = 6;  // as its --help has it
 
 // The largest characters at hand take a quarter of a second and 200 MiB.
 constexpr ProcessLimits converter_limits{.seconds = 120.0, .bytes = std::uint64_t{4} << 30};
 
-std::string what_failed(const ProcessResult& result) {
+// Its last line names the file that it was given, as callers of this do.
+std::string reason_of(const ProcessResult& result, const std::string& given) {
+  const std::string name = std::string(converter_name) + ": ";
+  const std::string reason = last_line(result, name + given);
+  return reason.rfind(name, 0) == 0 ? last_line(result, converter_name) : reason;
+}
+
+std::string what_failed(const ProcessResult& result, const std::string& given) {
   if (result.end == ProcessEnd::timed_out)
     return "took longer to convert than the 120 s of processor time allowed";
   if (result.end == ProcessEnd::stalled)
@@ -23,7 +30,7 @@ std::string what_failed(const ProcessResult& result) {
   if (result.end == ProcessEnd::signalled)
     return "cannot be read: the converter crashed on it (signal " + std::to_string(result.code) + ")";
   if (result.code == out_of_memory) return "cannot be read: it needs more than 4 GiB of memory";
-  const std::string reason = last_line(result, converter_name);
+  const std::string reason = reason_of(result, given);
   return "cannot be read: " + (reason.empty() ? "status " + std::to_string(result.code) : reason);
 }
 
@@ -45,16 +52,23 @@ std::string conversion_by_hand(const std::filesystem::path& path) {
          glb + "`, with its armature and animations (File > Export > glTF 2.0)";
 }
 
+void fail_to_convert(const std::filesystem::path& input, const std::string& what) {
+  throw SceneError(input.string() + ": cannot run " + converter_name + ": " + what +
+                   "; check the free space and permissions of the folder for temporary files (TMPDIR)");
+}
+
 void convert_character(const std::filesystem::path& input, const std::filesystem::path& output) {
+  const std::string given = std::filesystem::absolute(input).string();
   ProcessResult result;
   try {
-    result = run_process(find_helper(converter_name),
-                         {std::filesystem::absolute(input).string(), output.string()}, converter_limits);
+    result = run_process(find_helper(converter_name), {given, output.string()}, converter_limits);
   } catch (const std::system_error& error) {
-    throw SceneError(input.string() + ": " + converter_name + " cannot be started: " + error.what());
+    fail_to_convert(input, error.what());
   }
+  if (result.end == ProcessEnd::exited && result.code == cannot_write)
+    fail_to_convert(input, reason_of(result, given));
   if (result.end != ProcessEnd::exited || result.code != 0)
-    throw SceneError(input.string() + ": " + what_failed(result) + ". " + conversion_by_hand(input));
+    throw SceneError(input.string() + ": " + what_failed(result, given) + ". " + conversion_by_hand(input));
 }
 
 }  // namespace fascicle::scene

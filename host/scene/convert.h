@@ -12,6 +12,9 @@ bool can_convert();  // whether there is a fascicle-convert, beside this program
 // How else a character in a format that is not read, or could not be, becomes glTF: a sentence.
 std::string conversion_by_hand(const std::filesystem::path& path);
 
+// Throws SceneError: the machine, not the file, stands in the way.
+[[noreturn]] void fail_to_convert(const std::filesystem::path& input, const std::string& what);
+
 // Writes `input` as a GLB. Throws SceneError; nothing that the file holds ends this process.
 void convert_character(const std::filesystem::path& input, const std::filesystem::path& output);
 

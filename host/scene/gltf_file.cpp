@@ -149,19 +149,38 @@ GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigne
   return file;
 }
 
+// What a converter says of a file holds names from that file, as many as it likes.
+std::vector<std::string> notes_of(const nlohmann::json& document) {
+  constexpr std::size_t most_notes = 20;
+  const nlohmann::json all =
+      document.value(nlohmann::json::json_pointer("/asset/extras/notes"), nlohmann::json::array());
+  std::vector<std::string> notes;
+  for (const nlohmann::json& note : all) {
+    if (!note.is_string()) continue;
+    if (notes.size() == most_notes) {
+      notes.push_back("and " + std::to_string(all.size() - most_notes) + " more of this kind");
+      break;
+    }
+    std::string text = note.get<std::string>();
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    notes.push_back(std::move(text));
+  }
+  return notes;
+}
+
 // The document stays in memory: what reads it again converts it again, which is a fraction of a second.
-GltfFile read_converted(const std::filesystem::path& path) {
+GltfFile read_converted(const std::filesystem::path& path) try {
   const TemporaryFolder folder;
   const std::filesystem::path glb = folder.path() / "character.glb";
   convert_character(path, glb);
   GltfFile file = parse_gltf(path, read_regular_file(glb, 0, [&](const std::string& what) {
                                throw SceneError(path.string() + ": as converted, " + what);
                              }));
-  const nlohmann::json notes =
-      file.document.value(nlohmann::json::json_pointer("/asset/extras/notes"), nlohmann::json::array());
-  for (const nlohmann::json& note : notes)
-    if (note.is_string()) file.notes.push_back(note.get<std::string>());
+  file.notes = notes_of(file.document);
   return file;
+} catch (const std::system_error& error) {
+  fail_to_convert(path, error.what());
 }
 
 }  // namespace

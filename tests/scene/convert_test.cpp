@@ -178,7 +178,8 @@ TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
 struct Post {
   std::string properties = {};
   int up = 1, up_sign = 1, right = 0, right_sign = 1;
-  double unit = 1.0;  // cm
+  double unit = 1.0;       // cm
+  bool has_still = false;  // keys at 0 and 2 s where the plate is, below the turning node
 };
 
 std::string property(const std::string& name, double x, double y, double z) {
@@ -218,10 +219,74 @@ std::string fbx_of(const Post& post) {
     for (int k = 0; k <= 30; ++k) out << (k ? "," : "") << (axis == 2 ? 3.0 * k : 0.0);
     out << "\n}\n}\n";
   }
+  for (int axis = 0; post.has_still && axis < 3; ++axis)
+    out << "AnimationCurve: " << 33 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
+        << "KeyTime: *2 {\na: 0," << static_cast<long long>(2 * ticks_a_second)
+        << "\n}\nKeyValueFloat: *2 {\na: 0,0\n}\n}\n";
+  if (post.has_still) out << "AnimationCurveNode: 32, \"AnimCurveNode::T\", \"\" {\n}\n";
   out << "}\nConnections: {\nC: \"OO\",10,0\nC: \"OO\",11,10\nC: \"OO\",12,11\nC: \"OO\",21,20\n"
          "C: \"OO\",22,21\nC: \"OP\",22,10, \"Lcl Rotation\"\nC: \"OP\",23,22, \"d|X\"\n"
-         "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n}\n";
+         "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n";
+  if (post.has_still)
+    out << "C: \"OO\",32,21\nC: \"OP\",32,11, \"Lcl Translation\"\nC: \"OP\",33,32, \"d|X\"\n"
+           "C: \"OP\",34,32, \"d|Y\"\nC: \"OP\",35,32, \"d|Z\"\n";
+  out << "}\n";
   return out.str();
+}
+
+// A plate that hangs on one joint, below a node, as Blender would write it. The clip leaves it alone for 2 s.
+std::string dae_of(const std::string& top, const std::string& joint) {
+  const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
+  const auto numbers = [](const std::string& id, int count, const std::string& values, int width,
+                          const std::string& params) {
+    return "<source id=\"" + id + "\"><float_array id=\"" + id + "-array\" count=\"" + std::to_string(count) +
+           "\">" + values + "</float_array><technique_common><accessor source=\"#" + id +
+           "-array\" count=\"" + std::to_string(count / width) + "\" stride=\"" + std::to_string(width) +
+           "\">" + params + "</accessor></technique_common></source>\n";
+  };
+  const auto params = [](const std::string& names, const std::string& type) {
+    std::string result;
+    for (const char c : names) result += std::string("<param name=\"") + c + "\" type=\"" + type + "\"/>";
+    return result;
+  };
+  const std::string matrix = "<param name=\"TRANSFORM\" type=\"float4x4\"/>";
+  const std::string names_of = "<technique_common><accessor source=\"#";
+  return "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+         "version=\"1.4.1\">\n<asset><contributor><authoring_tool>Blender 3.4</authoring_tool></contributor>"
+         "<unit name=\"meter\" meter=\"1\"/><up_axis>Y_UP</up_axis></asset>\n"
+         "<library_geometries><geometry id=\"plate\" name=\"plate\"><mesh>\n" +
+         numbers("places", 12, "0 0 0 1 0 0 0 2 0 0 0 3", 3, params("XYZ", "float")) +
+         "<vertices id=\"corners\"><input semantic=\"POSITION\" source=\"#places\"/></vertices>\n"
+         "<triangles count=\"4\"><input semantic=\"VERTEX\" source=\"#corners\" offset=\"0\"/>"
+         "<p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles>\n</mesh></geometry></library_geometries>\n"
+         "<library_controllers><controller id=\"skin\"><skin source=\"#plate\"><bind_shape_matrix>" +
+         unit +
+         "</bind_shape_matrix>\n<source id=\"joints\"><Name_array id=\"joints-array\" count=\"1\">bone"
+         "</Name_array>" +
+         names_of +
+         "joints-array\" count=\"1\" stride=\"1\"><param name=\"JOINT\" type=\"name\"/></accessor>"
+         "</technique_common></source>\n" +
+         numbers("binds", 16, unit, 16, matrix) + numbers("weights", 1, "1", 1, params("W", "float")) +
+         "<joints><input semantic=\"JOINT\" source=\"#joints\"/><input semantic=\"INV_BIND_MATRIX\" "
+         "source=\"#binds\"/></joints>\n<vertex_weights count=\"4\"><input semantic=\"JOINT\" "
+         "source=\"#joints\" offset=\"0\"/><input semantic=\"WEIGHT\" source=\"#weights\" offset=\"1\"/>"
+         "<vcount>1 1 1 1</vcount><v>0 0 0 0 0 0 0 0</v></vertex_weights>\n</skin></controller>"
+         "</library_controllers>\n<library_animations><animation id=\"still\">\n" +
+         numbers("times", 2, "0 2", 1, params("T", "float")) +
+         numbers("turns", 32, unit + " " + unit, 16, matrix) +
+         "<source id=\"ways\"><Name_array id=\"ways-array\" count=\"2\">LINEAR LINEAR</Name_array>" +
+         names_of +
+         "ways-array\" count=\"2\" stride=\"1\"><param name=\"INTERPOLATION\" type=\"name\"/></accessor>"
+         "</technique_common></source>\n<sampler id=\"sampler\"><input semantic=\"INPUT\" "
+         "source=\"#times\"/><input semantic=\"OUTPUT\" source=\"#turns\"/><input "
+         "semantic=\"INTERPOLATION\" source=\"#ways\"/></sampler>\n<channel source=\"#sampler\" "
+         "target=\"bone/transform\"/></animation></library_animations>\n"
+         "<library_visual_scenes><visual_scene id=\"scene\" name=\"scene\">\n<node id=\"top\" name=\"" +
+         top + "\"><node id=\"bone\" sid=\"bone\" name=\"" + joint +
+         "\" type=\"JOINT\"><matrix sid=\"transform\">" + unit +
+         "</matrix></node>\n<node id=\"body\" name=\"body\"><instance_controller url=\"#skin\">"
+         "<skeleton>#bone</skeleton></instance_controller></node></node>\n</visual_scene>"
+         "</library_visual_scenes>\n<scene><instance_visual_scene url=\"#scene\"/></scene></COLLADA>\n";
 }
 
 Eigen::Affine3d turned(double x, double y, double z) {
@@ -282,6 +347,22 @@ TEST(Fbx, nodes_turn_about_their_pivots) {
   });
 }
 
+// What stands still is left out, but not the time that it stands.
+TEST(Converter, clips_last_to_their_last_key) {
+  const TemporaryFolder folder;
+  const Character held = scene::read_gltf(folder.write("held.fbx", fbx_of({.has_still = true})));
+  ASSERT_EQ(held.clips.size(), 1u);
+  EXPECT_NEAR(held.clips[0].duration, 2.0, 1e-6);
+  for (const scene::Channel& channel : held.clips[0].channels)
+    EXPECT_EQ(held.skeleton[channel.joint].name, "Arm") << "the plate stands still";
+  EXPECT_LT(both_ways(skinned(held, &held.clips[0], 2.0), skinned(held, &held.clips[0], 1.0)), file_rounding);
+
+  const Character still = scene::read_gltf(folder.write("still.dae", dae_of("top", "bone")));
+  ASSERT_EQ(still.clips.size(), 1u);
+  EXPECT_NEAR(still.clips[0].duration, 2.0, 1e-6);
+  EXPECT_LT(both_ways(skinned(still, &still.clips[0], 1.0), skinned(still, nullptr, 0.0)), file_rounding);
+}
+
 TEST(Fbx, files_that_mean_no_good_get_one_message) {
   const TemporaryFolder folder;
   const std::string good = fbx_of({});
@@ -312,6 +393,64 @@ TEST(Fbx, files_that_mean_no_good_get_one_message) {
   EXPECT_NE(
       refused("other.fbx", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").find("cannot be"),
       std::string::npos);
+  // Names as assimp gives the links of an FBX node: in Collada, names like others, above all and of a joint.
+  const Character named = scene::read_gltf(
+      folder.write("links.dae", dae_of("Top_$AssimpFbx$_Rotation", "Bone_$AssimpFbx$_Rotation")));
+  EXPECT_TRUE(has_joint(named, "Bone_$AssimpFbx$_Rotation"));
+  EXPECT_LT(both_ways(named.surface.vertices, {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}}), file_rounding);
+}
+
+// What the converter by itself says, and how it ends.
+std::string said_by_converter(const TemporaryFolder& folder, const std::string& arguments, int status) {
+  const std::string command = "cd '" + folder.path().string() + "' && '" + FASCICLE_BINARY_DIR +
+                              "/fascicle-convert' " + arguments + " 2> err";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), status) << arguments;
+  return text_of(folder.path() / "err");
+}
+
+TEST(Converter, writes_nothing_but_a_glb_that_is_another_file) {
+  const TemporaryFolder folder;
+  const std::string good = fbx_of({});
+  folder.write("man.fbx", good);
+  fs::create_hard_link(folder.path() / "man.fbx", folder.path() / "same.glb");
+  for (const char* out : {"man.fbx", "man", "man.gltf", "same.glb"}) {
+    const std::string said = said_by_converter(folder, std::string("man.fbx ") + out, 2);
+    EXPECT_NE(said.find(out), std::string::npos) << said;
+    EXPECT_EQ(text_of(folder.path() / "man.fbx"), good) << out;
+  }
+  fs::create_directories(folder.path() / "taken.glb" / "by");
+  EXPECT_NE(said_by_converter(folder, "man.fbx taken.glb", 4).find("taken.glb cannot be written"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(folder.path() / "taken.glb.part"));
+  EXPECT_EQ(said_by_converter(folder, "man.fbx man.glb", 0), "");
+  EXPECT_TRUE(fs::exists(folder.path() / "man.glb"));
+}
+
+TEST(Converter, messages_name_the_file_once) {
+  const TemporaryFolder folder;
+  folder.write("noise.fbx", "noise");
+  EXPECT_EQ(said_by_converter(folder, "noise.fbx noise.glb", 3).find("fascicle-convert: noise.fbx: "), 0u);
+  const fs::path noise = folder.path() / "noise.fbx";
+  try {
+    scene::read_gltf(noise);
+    FAIL() << "noise was read";
+  } catch (const scene::SceneError& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find(noise.string() + ": cannot be read: "), 0u) << what;
+    EXPECT_EQ(what.find(noise.string(), 1), std::string::npos) << what;
+  }
+}
+
+// No other converter would help there.
+TEST(Converter, a_machine_without_room_for_the_result_is_not_the_files_fault) {
+  const TemporaryFolder folder;
+  folder.write("hero.fbx", fbx_of({}));
+  const std::string command = "cd '" + folder.path().string() + "' && TMPDIR=/nowhere '" +
+                              FASCICLE_BINARY_DIR + "/fascicle' inspect hero.fbx > out 2> err";
+  EXPECT_NE(WEXITSTATUS(std::system(command.c_str())), 0);
+  const std::string said = text_of(folder.path() / "err");
+  for (const char* part : {"hero.fbx: ", "TMPDIR"}) EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(said.find("FBX2glTF"), std::string::npos) << said;
 }
 
 // A copy of the program where no helper lies beside it.
