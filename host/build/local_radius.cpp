@@ -11,7 +11,7 @@ namespace fascicle::build {
 
 namespace {
 
-constexpr double reach_in_radii = 1.5;
+constexpr double reach_in_radii = 1.5 + 1e-6;  // meshes of cubes have vertices at the very end of it
 
 // Half the mean length of the edges at each vertex.
 std::vector<double> half_edges(const scene::TetMesh& mesh, const OneRings& rings) {

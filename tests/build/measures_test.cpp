@@ -86,11 +86,11 @@ TEST(LocalRadius, IsThatOfTheLargestBallThatReachesAVertex) {
   for (std::size_t i = 0; i < radius.size(); ++i) {
     double largest = 0.0;
     for (std::size_t c = 0; c < radius.size(); ++c)
-      if ((mesh.vertices[i] - mesh.vertices[c]).norm() <= 1.5 * from_skin[c])
+      if ((mesh.vertices[i] - mesh.vertices[c]).norm() <= (1.5 + 1e-6) * from_skin[c])
         largest = std::max(largest, from_skin[c]);
     // A ball that a larger one hides is missed where it is as good as that one; half an edge is the least.
-    // Corners have that of what lies within two edges.
-    EXPECT_LE(radius[i], std::max(largest, rod_spacing) + 2.0 * rod_spacing) << i;
+    // Corners that none reaches are as thick as the rod.
+    EXPECT_LE(radius[i], largest > 0.0 ? std::max(largest, rod_spacing) : rod_thickness / 2.0 + 1e-12) << i;
     EXPECT_GE(radius[i], largest - rod_spacing - 1e-12) << i;
     const double end = std::min(mesh.vertices[i][0], rod_length - mesh.vertices[i][0]);
     // The middle of the rod is reached from its axis: edges of the rod are 1.41 radii off.
@@ -119,7 +119,8 @@ TEST(FollowsJoints, FarBeyondTheLastBone) {
   for (std::size_t i = 0; i < follows.size(); ++i) {
     const Vector3d& p = body.mesh.vertices[i];
     // Two radii are 0.2 m; the rod's edge is 0.14 m off its axis.
-    if (p[0] < 1.13) {
+    // Beside the corners of its end it is as thin as the balls that reach there.
+    if (p[0] > 0.04 && p[0] < 1.13) {
       EXPECT_EQ(int{follows[i]}, 0) << p.transpose();
     }
     if (p[0] > 1.21) {
