@@ -35,17 +35,19 @@ MOST_BYTES = 250_000  # of a picture
 
 HEAD = """# Characters beside their skinning
 
-Written by `./do characters`, as is every picture here: each character of a folder of assets is baked with nothing but its file and
-a clip, and the six frames that look worst are drawn beside skinning alone, the worst first, no two of them neighbours. Look is the
-score of [metrics.csv](../../README.md#pictures): 1 is the limit, above it something is seen that should not be. Lag is the largest root mean
-square of a layer's distance to skinning. Inverted are the most tetrahedra inside out in a frame, and the most that skinning alone turns.
+Written by `./do characters`, as is every picture here: each character of a folder of assets is baked with nothing
+but its file and a clip, and the six frames that look worst are drawn beside skinning alone, the worst first, no two
+of them neighbours. Look is the score of [metrics.csv](../../README.md#pictures): 1 is the limit, above it something
+is seen that should not be. Lag is the largest root mean square of a layer's distance to skinning. Inverted are the
+most tetrahedra inside out in a frame, and the most that skinning alone turns.
 """
 FOOT = """## Whose they are
 
 [CesiumMan](https://github.com/KhronosGroup/glTF-Sample-Assets/tree/main/Models/CesiumMan) is (c) 2017 Cesium, under
-[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/); the pictures show it changed: moved by this program and lit anew.
-All others are CC0: Bull, Frog, Trex, Fox and Formal by Quaternius, RobotExpressive by Tomas Laulhe with changes by Don McCurdy, the men
-built from MakeHuman's base mesh. Clips of the men and of Formal were made for trials.
+[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/); the pictures show it changed: moved by this program and
+lit anew. All others are CC0: Bull, Frog, Trex, Fox and Formal by Quaternius, RobotExpressive by Tomas Laulhe with
+changes by Don McCurdy, the men built from MakeHuman's base mesh. Clips of the men and of Formal were made for
+trials.
 """
 
 
