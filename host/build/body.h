@@ -44,8 +44,8 @@ struct JointUse {
   std::int32_t parent = -1;   // index of the next joint above
   std::int32_t bone = -1;     // the joint that is a bone, at or above this one; -1: none
   bool is_kinematic = false;  // its flesh follows the skeleton
-  bool is_free =
-      false;  // its flesh does not, however far from a bone: it hangs on a trunk, or was asked to be free
+  // Its flesh does not, however far from a bone: it hangs on a trunk, or was asked to be free.
+  bool is_free = false;
 };
 
 // Why a vertex follows the skeleton whatever its layer: it lies under a rigid part of the skin, or it belongs

@@ -143,16 +143,15 @@ void seat_on_carriers(const WeldedSurface& welded, const SkinWeights& weights, c
 }
 
 std::vector<char> misled_riders(const WeldedSurface& welded, const SkinWeights& weights, const Body& body) {
-  Measures measures(body);
-  const std::vector<double>& radius = measures.radii();
   std::vector<char> is_misled(welded.surface.vertices.size(), 0);
+  Measures measures(body);
   for (std::size_t k = 0; k < welded.of_vertex.size(); ++k) {
     const std::uint32_t v = welded.of_vertex[k];
     const auto& corners = body.render.corners[k];
     const auto& at = body.render.weights[k];
+    if (share_of_others(weight_row(weights, v), corners, at, body.skin) < misled_share) continue;
     const auto nearest = static_cast<std::size_t>(std::max_element(at.begin(), at.end()) - at.begin());
-    if (share_of_others(weight_row(weights, v), corners, at, body.skin) >= misled_share &&
-        measures.follows(weights, v, welded.surface.vertices[v], radius[corners[nearest]]))
+    if (measures.follows(weights, v, welded.surface.vertices[v], measures.radii()[corners[nearest]]))
       is_misled[v] = 1;
   }
   return is_misled;

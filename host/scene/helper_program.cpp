@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* folder_prefix = "fascicle-mesh-";
+constexpr const char* folder_prefix = "fascicle-helper-";
 
 // Those of programs that were killed: no helper runs for as long as an hour.
 void remove_abandoned_folders() {

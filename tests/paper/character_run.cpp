@@ -5,8 +5,7 @@
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
 #include "host/bake/lead_in.h"
-#include "host/build/build.h"
-#include "host/build/stiffness.h"
+#include "tests/paper/built_scene.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
@@ -15,11 +14,7 @@ void run_character(
     const char* file, const scene::SceneOverrides& overrides,
     const std::function<void(const model::Model&, const scene::Character&, const model::Frame&)>& see) {
   scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
-  build::Report report;
-  build::BuildOptions options;
-  options.mesher = FASCICLE_MESHER;
-  const model::Model model = build::build_model(scene, report, options);
-  build::choose_steps(scene, model, report);
+  const model::Model model = built(scene);
   bake::DriveSource drives(scene, model);
   const auto solver =
       cpu_reference::make_cpu_solver(model,

@@ -11,9 +11,8 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
-#include "host/build/build.h"
-#include "host/build/stiffness.h"
 #include "host/scene/scene.h"
+#include "tests/paper/built_scene.h"
 
 namespace fascicle::tests {
 
@@ -31,11 +30,7 @@ struct RodSwing {
 
 RodSwing swing_of(scene::Scene scene) {
   const double fps = scene.fps;
-  build::Report report;
-  build::BuildOptions options;
-  options.mesher = FASCICLE_MESHER;
-  const model::Model model = build::build_model(scene, report, options);
-  build::choose_steps(scene, model, report);
+  const model::Model model = built(scene);
   bake::DriveSource drives(scene, model);
   const auto solver = cpu_reference::make_cpu_solver(
       model, {.integrator = model::Integrator::implicit_step, .iterations = scene.solver.iterations}, 2);

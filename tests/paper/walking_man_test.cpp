@@ -8,9 +8,8 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
-#include "host/build/build.h"
-#include "host/build/stiffness.h"
 #include "host/scene/scene.h"
+#include "tests/paper/built_scene.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
@@ -23,11 +22,7 @@ Frames bake(const std::string& file, const std::vector<std::string>& set, std::u
   scene::SceneOverrides overrides;
   overrides.set = set;
   scene::Scene scene = scene::load_scene(file, overrides);
-  build::Report report;
-  build::BuildOptions options;
-  options.mesher = FASCICLE_MESHER;
-  const model::Model model = build::build_model(scene, report, options);
-  build::choose_steps(scene, model, report);
+  const model::Model model = built(scene);
   bake::DriveSource drives(scene, model);
   model::SolverOptions stepping;
   stepping.integrator =

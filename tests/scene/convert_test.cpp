@@ -324,8 +324,14 @@ TEST(Fbx, axes_and_unit_become_metres_with_y_up) {
   world << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   expect_motion(fbx_of(post), 0.0254 * world,
                 [](double angle) { return moved(1, 2, 3) * turned(0, 0, angle); });
-  // Control: as if the unit were the centimetre that most files have.
-  EXPECT_NE(fbx_of(post).find("2.54"), std::string::npos);
+  // Control: in the centimetres that most files have, the plate stands elsewhere.
+  const Eigen::Matrix3d inches = 0.0254 * world;
+  std::vector<Vector3d> in_inches;
+  for (const Vector3d& p : plate) in_inches.push_back(inches * (moved(1, 2, 3) * p));
+  post.unit = 1.0;
+  const TemporaryFolder folder;
+  const Character smaller = scene::read_gltf(folder.write("plate.fbx", fbx_of(post)));
+  EXPECT_GT(both_ways(skinned(smaller, &smaller.clips.at(0), 0.0), in_inches), 0.01 * inches.norm());
 }
 
 TEST(Fbx, rotations_before_and_after_the_nodes_own_are_kept) {
