@@ -68,6 +68,7 @@ Device::Impl::Impl(std::uint32_t index, const DeviceOptions& options)
   device_info.ppEnabledExtensionNames = &extension;
   VULKAN_CHECK(vkCreateDevice(physical.handle, &device_info, nullptr, &device));
   volkLoadDeviceTable(&call, device);
+  owned_device_ = {device, Destroy{call.vkDestroyDevice}};
   call.vkGetDeviceQueue(device, physical.queue_family, 0, &queue);
 
   VkPipelineCacheCreateInfo cache_info{};
@@ -76,14 +77,13 @@ Device::Impl::Impl(std::uint32_t index, const DeviceOptions& options)
     cache_info.initialDataSize = options.pipelines.size();
     cache_info.pInitialData = options.pipelines.data();
   }
-  VULKAN_CHECK(call.vkCreatePipelineCache(device, &cache_info, nullptr, &pipelines));
+  VkPipelineCache cache = VK_NULL_HANDLE;
+  VULKAN_CHECK(call.vkCreatePipelineCache(device, &cache_info, nullptr, &cache));
+  pipelines = {device, cache, call.vkDestroyPipelineCache};
 }
 
 Device::Impl::~Impl() {
-  if (device == VK_NULL_HANDLE) return;
   call.vkDeviceWaitIdle(device);  // an error here has nobody left to tell
-  call.vkDestroyPipelineCache(device, pipelines, nullptr);
-  call.vkDestroyDevice(device, nullptr);
 }
 
 spirv_exact::FloatControls Device::Impl::float_controls() const {
@@ -125,9 +125,9 @@ std::string Device::pipelines() const {
   for (VkResult result = VK_INCOMPLETE; result == VK_INCOMPLETE;) {
     // Another thread may add to it between the two calls.
     std::size_t size = 0;
-    VULKAN_CHECK(impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines, &size, nullptr));
+    VULKAN_CHECK(impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines.get(), &size, nullptr));
     bytes.resize(size);
-    result = impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines, &size, bytes.data());
+    result = impl_->call.vkGetPipelineCacheData(impl_->device, impl_->pipelines.get(), &size, bytes.data());
     check(result, "vkGetPipelineCacheData");
     bytes.resize(size);
   }

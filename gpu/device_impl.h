@@ -1,6 +1,7 @@
 // An opened device as the room's own files use it.
 #pragma once
 
+#include <memory>
 #include <mutex>
 
 #include <volk.h>
@@ -8,6 +9,7 @@
 #include "gpu/check.h"
 #include "gpu/device.h"
 #include "gpu/instance.h"
+#include "gpu/owned.h"
 #include "gpu/physical_device.h"
 #include "shaders/spirv_exact/exact.h"
 
@@ -40,7 +42,16 @@ struct Device::Impl {
   VkDevice device = VK_NULL_HANDLE;
   VolkDeviceTable call{};  // the device's own entry points
   VkQueue queue = VK_NULL_HANDLE;
-  VkPipelineCache pipelines = VK_NULL_HANDLE;
+
+ private:
+  struct Destroy {
+    PFN_vkDestroyDevice call;
+    void operator()(VkDevice owned) const { call(owned, nullptr); }
+  };
+  std::unique_ptr<VkDevice_T, Destroy> owned_device_;
+
+ public:
+  Owned<VkPipelineCache> pipelines;  // goes before its device
 
  private:
   std::mutex queue_mutex_;

@@ -100,36 +100,38 @@ Instance::Instance(const DeviceOptions& options) {
     info.enabledExtensionCount = 2;
     info.ppEnabledExtensionNames = extensions;
   }
-  const VkResult created = vkCreateInstance(&info, nullptr, &instance_);
+  VkInstance instance = VK_NULL_HANDLE;
+  const VkResult created = vkCreateInstance(&info, nullptr, &instance);
   if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
     throw DeviceError(
         "the Vulkan loader found no driver; on Debian, mesa-vulkan-drivers has one for most devices");
   check(created, "vkCreateInstance");
   {
     const std::scoped_lock lock(volk_mutex());
-    if (vkEnumeratePhysicalDevices == nullptr) volkLoadInstanceOnly(instance_);
+    if (vkEnumeratePhysicalDevices == nullptr) volkLoadInstanceOnly(instance);
   }
-  if (options.validation) {
-    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
-    VULKAN_CHECK(create(instance_, &messenger, nullptr, &messenger_));
-  }
+  instance_.reset(instance);
+  if (options.validation) messenger_ = std::make_unique<Messenger>(instance, messenger);
 }
 
-Instance::~Instance() {
-  if (messenger_ != VK_NULL_HANDLE) {
-    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
-        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
-    destroy(instance_, messenger_, nullptr);
-  }
-  if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
+Instance::Messenger::Messenger(VkInstance instance, const VkDebugUtilsMessengerCreateInfoEXT& info)
+    : instance_(instance) {
+  const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+      vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+  VULKAN_CHECK(create(instance_, &info, nullptr, &handle_));
+}
+
+Instance::Messenger::~Messenger() {
+  const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+      vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+  destroy(instance_, handle_, nullptr);
 }
 
 std::vector<VkPhysicalDevice> Instance::physical_devices() const {
   std::uint32_t count = 0;
-  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
+  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_.get(), &count, nullptr));
   std::vector<VkPhysicalDevice> devices(count);
-  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_, &count, devices.data()));
+  VULKAN_CHECK(vkEnumeratePhysicalDevices(instance_.get(), &count, devices.data()));
   devices.resize(count);
   return devices;
 }

@@ -19,19 +19,35 @@ class Instance {
  public:
   // Throws DeviceError if there is no loader, or no validation layer though it was asked for.
   explicit Instance(const DeviceOptions& options);
-  ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
-  VkInstance get() const { return instance_; }
+  VkInstance get() const { return instance_.get(); }
   std::vector<VkPhysicalDevice> physical_devices() const;
 
  private:
   using Listener = std::function<void(const std::string&)>;
 
-  VkInstance instance_ = VK_NULL_HANDLE;
-  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  std::unique_ptr<Listener> listener_;  // its address is known to the messenger
+  struct DestroyInstance {
+    void operator()(VkInstance instance) const { vkDestroyInstance(instance, nullptr); }
+  };
+  // Messages to the listener for as long as this lives.
+  class Messenger {
+   public:
+    Messenger(VkInstance instance, const VkDebugUtilsMessengerCreateInfoEXT& info);
+    ~Messenger();
+    Messenger(const Messenger&) = delete;
+    Messenger& operator=(const Messenger&) = delete;
+
+   private:
+    VkInstance instance_;
+    VkDebugUtilsMessengerEXT handle_ = VK_NULL_HANDLE;
+  };
+
+  // In the order in which they need each other: making and destroying the instance sends messages too.
+  std::unique_ptr<Listener> listener_;
+  std::unique_ptr<VkInstance_T, DestroyInstance> instance_;
+  std::unique_ptr<Messenger> messenger_;
 };
 
 }  // namespace fascicle::gpu

@@ -70,8 +70,8 @@ Kernel::Kernel(const Device::Impl& device, spirv_exact::Module module,
   info.stage.pSpecializationInfo = &specialisation;
   info.layout = layout_.get();
   VkPipeline pipeline = VK_NULL_HANDLE;
-  VULKAN_CHECK(
-      device.call.vkCreateComputePipelines(device.device, device.pipelines, 1, &info, nullptr, &pipeline));
+  VULKAN_CHECK(device.call.vkCreateComputePipelines(device.device, device.pipelines.get(), 1, &info, nullptr,
+                                                    &pipeline));
   pipeline_ = {device.device, pipeline, device.call.vkDestroyPipeline};
 }
 

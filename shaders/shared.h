@@ -114,7 +114,7 @@ struct Response {
 };
 
 // Passes of stage limit in a substep.
-SHARED_CONSTANT uint limit_passes = 8u;
+SHARED_CONSTANT uint limit_passes = 12u;
 
 // Vertices per slice of the sliced one-ring lists on the GPU. No result depends on it.
 SHARED_CONSTANT uint slice_width = 32u;

@@ -14,6 +14,7 @@
 #include <bit>
 #include <chrono>
 #include <memory>
+#include <new>
 #include <optional>
 
 #include "host/bake/blend_shapes.h"
@@ -102,6 +103,8 @@ class Run {
         drives_(scene, model) {}
 
   BakeResult go();
+  // Leaves the reason in the manifest, if it is this run's.
+  void note_failure(const std::string& reason) const;
 
  private:
   void open_folder();
@@ -138,6 +141,7 @@ class Run {
   Timings before_;  // of earlier runs
   double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
   bool interrupted_ = false;
+  bool has_begun_ = false;  // from here on the manifest in the folder is this run's
   SinkReport report_;
   std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();
@@ -183,7 +187,10 @@ BakeResult Run::go() {
   if (!resumed) {
     refuse_foreign(options_.folder, files);
     save_manifest(Status::running);
+  } else {
+    set_status(options_.folder, Status::running, "");
   }
+  has_begun_ = true;
   model::State state;
   if (resumed) {
     state = resumed->state;
@@ -454,11 +461,31 @@ void Run::save_manifest(Status status) {
   write_whole(path_of(manifest_name), manifest_text(scene_, model_, options_, model_hash_, progress_));
 }
 
+void Run::note_failure(const std::string& reason) const {
+  if (!has_begun_) return;
+  try {
+    set_status(options_.folder, Status::failed, reason);
+  } catch (const std::exception&) {
+    // What went wrong first is what the caller has to hear.
+  }
+}
+
 }  // namespace
 
 BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
                 const BakeOptions& options) {
-  return Run(scene, model, solver, options).go();
+  Run run(scene, model, solver, options);
+  try {
+    return run.go();
+  } catch (const NotFinite&) {
+    throw;  // the manifest says so already
+  } catch (const std::bad_alloc&) {
+    run.note_failure("out of memory");
+    throw;
+  } catch (const std::exception& error) {
+    run.note_failure(error.what());
+    throw;
+  }
 }
 
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
@@ -466,22 +493,6 @@ std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles)
     throw BakeError("--first-frame " + number_text(first_of_range) + ": " + number_text(handles) +
                     " handles before it would have numbers below 0; give at least " + number_text(handles));
   return first_of_range - handles;
-}
-
-std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
-                           const std::vector<std::string>& formats, const GlbOptions& glb) {
-  const std::uint64_t samples = scene::frame_count(scene) + 1;
-  std::uint64_t bytes = checkpoint_bytes(model) + encoded_bytes(model);
-  const std::vector<std::string> written = with_companions(formats, model);
-  for (const Format& format : all_formats())
-    if (format.name.empty() || std::find(written.begin(), written.end(), format.name) != written.end())
-      bytes += format.bytes(model, format.name == "glb" ? glb_target_count(samples - 1, glb) : samples);
-  // The manifest's line for each frame and its text; rest.obj with about 36 and 20 characters a vertex and a
-  // triangle.
-  bytes += samples * 25 + 4000 + scene.text.size();
-  if (model.surface_count() > 0)
-    bytes += std::uint64_t{36} * model.surface_count() + model.surface_triangle.size() / 3 * 20;
-  return bytes;
 }
 
 }  // namespace fascicle::bake

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "host/bake/expected_look.h"
 #include "host/bake/lead_in.h"
 #include "host/bake/look_report.h"
 #include "host/bake/sink.h"
@@ -63,6 +64,7 @@ struct BakeOptions {
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
   std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest
+  std::optional<ExpectedLook> expected_look;       // for the manifest
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
@@ -100,8 +102,9 @@ std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles)
 // Names accepted in BakeOptions::formats.
 const std::vector<std::string>& format_names();
 
-// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk). On NotFinite and interruption the
-// frame cache keeps every whole frame and a checkpoint, and the manifest says how far it came.
+// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. Whatever
+// ends it early, the frame cache keeps every whole frame, there is a checkpoint to go on from, and the
+// manifest says why it ended and how far it came.
 BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
                 const BakeOptions& options);
 

@@ -4,7 +4,7 @@
 // array of name and value pairs), uint64 frame, float64[3] origin (m), then positions, velocities, rotations,
 // skinned, skinned velocities, positions and velocities a substep before, each a uint64 count and float32
 // values, float64 length of that substep (s), the skinned positions of the frame before the last and of the
-// last frame, and the XXH3-64 of all bytes before.
+// last frame, each again a count and values, and the XXH3-64 of all bytes before.
 #pragma once
 
 #include <array>

@@ -322,6 +322,32 @@ double DriveSource::acceleration_limit() const {
   return impl_->felt ? impl_->felt->limit() : 0.0;
 }
 
+void DriveSource::for_each_throw(
+    const std::function<void(std::uint64_t, const std::vector<Vector3d>&)>& visit) {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return;
+  const auto& skeleton = std::get<scene::Character>(impl.scene.geometry).skeleton;
+  const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
+  std::vector<Vector3d> thrown(skeleton.size());
+  for (std::uint64_t count = 1; count <= last; ++count) {
+    const Pose& to = impl.timeline->pose(count);
+    const bool accelerates = impl.accelerates(count);
+    for (std::size_t j = 0; j < thrown.size(); ++j) {
+      thrown[j] = Vector3d::Zero();
+      if (!impl.felt->has_flesh(j)) continue;
+      thrown[j] = impl.scene.motion.rest == scene::Rest::sculpted
+                      ? change_of_gravity(to[j] * skeleton[j].inverse_bind, impl.scene.gravity)
+                      : impl.scene.gravity;
+      if (!accelerates) continue;
+      const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1);
+      const double most = impl.felt->of_joint(j, before, at, to, impl.h());
+      const double felt = most > impl.felt->limit() ? impl.felt->limit() / most : 1.0;
+      thrown[j] -= felt * impl.felt->in_middle(j, before, at, to, impl.h());
+    }
+    visit(count, thrown);
+  }
+}
+
 std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {
   if (!impl_->timeline) return {};
   return impl_->timeline->pose(frame * impl_->substeps);

@@ -1,6 +1,7 @@
 // From a scene's clip, gravity and forces to the drive of each frame.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -38,6 +39,12 @@ class DriveSource {
   };
   std::vector<Thrown> thrown();
   double acceleration_limit() const;  // m/s^2; 0 without a skeleton
+
+  // What throws the flesh in the middle of each joint's, in one cycle of the clip: the skeleton's
+  // acceleration there turned round, within the bound on what flesh feels, and gravity as the rest shape
+  // feels it, m/s^2. visit(count, of_joint) at the end of each substep, counted from 1; 0 of joints without
+  // free flesh.
+  void for_each_throw(const std::function<void(std::uint64_t, const std::vector<scene::Vector3d>&)>& visit);
 
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
   // the first pose. Nothing without a skeleton.

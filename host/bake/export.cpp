@@ -54,9 +54,14 @@ FrameCacheReader finished_cache(const fs::path& folder) {
   if (!holds_bake(folder)) throw BakeError(folder.string() + ": holds no bake");
   FrameCacheReader cache(folder / cache_name);
   const std::uint64_t wanted = cache.header().frames + 1;
-  if (cache.frame_count() < wanted)
-    throw BakeError(folder.string() + ": the bake is not finished, " + number_text(cache.frame_count()) +
-                    " of " + number_text(wanted) + " frames are there; go on with fascicle bake --resume");
+  if (cache.frame_count() < wanted) {
+    const std::optional<ManifestSummary> manifest = read_manifest(folder);
+    const bool failed = manifest && manifest->status == name_of(Status::failed);
+    throw BakeError(folder.string() + ": the bake is not finished" +
+                    (failed ? ", it failed (" + manifest->message + ")" : "") + ", " +
+                    number_text(cache.frame_count()) + " of " + number_text(wanted) +
+                    " frames are there; go on with fascicle bake --resume");
+  }
   return cache;
 }
 
@@ -130,6 +135,7 @@ void Export::open_folder() {
 ExportResult Export::go() {
   const auto start = std::chrono::steady_clock::now();
   open_folder();
+  ExportStage stage(folder_);
   const model::Frame initial = frame(0);
   const CacheHeader& header = cache_.header();
   const std::optional<ManifestSummary> manifest = read_manifest(options_.bake);
@@ -140,7 +146,7 @@ ExportResult Export::go() {
   const fs::path character = model_.has_skeleton() ? options_.bake / character_name : fs::path();
   const auto surface = std::make_shared<const SurfaceObjects>(read_surface_objects(model_, character));
   const BakeInfo info{.model = &model_,
-                      .folder = folder_,
+                      .folder = stage.path(),
                       .scene_name = {},
                       .fps = header.fps,
                       .start = header.start,
@@ -153,8 +159,6 @@ ExportResult Export::go() {
                       .first_number = first,
                       .usd_skel = options_.usd_skel};
   ExportResult result{.frames = header.frames, .files = {}, .report = {}};
-  // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
-  if (own_) add_to_manifest(folder_, names());
   std::vector<std::unique_ptr<FrameSink>> sinks;
   for (const Format* format : formats_) {
     sinks.push_back(format->make());
@@ -166,19 +170,21 @@ ExportResult Export::go() {
     if (options_.on_frame) options_.on_frame(k, header.frames);
     result.interrupted = k < header.frames && options_.interrupted != nullptr && options_.interrupted->load();
   }
-  if (result.interrupted) {
-    sinks.clear();
-    remove_files(folder_, names());
-  } else {
+  if (!result.interrupted) {
     for (const auto& sink : sinks) {
       sink->finish();
       append(result.report, sink->report());
     }
     if (!own_) {
-      write_rest_mesh(folder_, model_, *surface);
-      write_whole(folder_ / blender_script_name,
+      write_rest_mesh(stage.path(), model_, *surface);
+      write_whole(stage.path() / blender_script_name,
                   blender_script({.fps = header.fps, .frames = header.frames, .first_number = first}));
     }
+    // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
+    if (own_) add_to_manifest(folder_, names());
+    stage.move_up(names());
+    // A bake's list has its textures already.
+    if (own_) stage.move_up({std::string(textures_folder) + '/'});
     for (const std::string& name : names())
       if (fs::exists(folder_ / name)) result.files.push_back(folder_ / name);
   }

@@ -28,7 +28,7 @@ struct ExportOptions {
 
 struct ExportResult {
   std::uint64_t frames = 0;  // after frame 0
-  bool interrupted = false;  // then nothing was left
+  bool interrupted = false;  // then the folder is as it was
   std::vector<std::filesystem::path> files;
   SinkReport report;  // of all formats
   double seconds = 0.0;
@@ -37,7 +37,8 @@ struct ExportResult {
 // Formats that can be made from a bake's folder.
 std::vector<std::string> export_format_names();
 
-// Throws BakeError (no bake, an unfinished one, files in the way), std::system_error (disk).
+// An earlier export stays as it is until this one is whole. Throws BakeError (no bake, an unfinished one,
+// files in the way), std::system_error (disk); then the folder is as it was.
 ExportResult export_bake(const ExportOptions& options);
 
 }  // namespace fascicle::bake

@@ -14,19 +14,18 @@ struct Bounds {
   Vector3d low = Vector3d::Constant(INFINITY), high = Vector3d::Constant(-INFINITY);
 };
 
-// The joint that vertex i follows most; the first of several.
+Vector3d image(const Eigen::Matrix4d& map, const Vector3d& p) {
+  return map.topLeftCorner<3, 3>() * p + map.topRightCorner<3, 1>();
+}
+
+}  // namespace
+
 std::uint32_t main_joint(const model::Model& model, std::uint32_t i) {
   std::uint32_t best = model.skin_offset[i];
   for (std::uint32_t k = best; k < model.skin_offset[i + 1]; ++k)
     if (model.skin_weight[k] > model.skin_weight[best]) best = k;
   return model.skin_joint[best];
 }
-
-Vector3d image(const Eigen::Matrix4d& map, const Vector3d& p) {
-  return map.topLeftCorner<3, 3>() * p + map.topRightCorner<3, 1>();
-}
-
-}  // namespace
 
 FeltAcceleration::FeltAcceleration(const scene::Scene& scene, const scene::Character& character,
                                    const model::Model& model)
@@ -66,6 +65,12 @@ double FeltAcceleration::of_joint(std::size_t j, const Pose& before, const Pose&
   double largest = 0.0;
   for (const Vector3d& p : corners_[j]) largest = std::max(largest, image(change, p).squaredNorm());
   return std::sqrt(largest) * scale_ / (h * h);
+}
+
+Vector3d FeltAcceleration::in_middle(std::size_t j, const Pose& before, const Pose& at, const Pose& after,
+                                     double h) const {
+  const Eigen::Matrix4d change = (after[j] - at[j]) - (at[j] - before[j]);
+  return image(change, 0.5 * (corners_[j].front() + corners_[j].back())) * (scale_ / (h * h));
 }
 
 }  // namespace fascicle::bake

@@ -8,6 +8,7 @@
 // most, by the second difference of its poses: joints whose flesh is all kinematic throw none.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "host/bake/timeline.h"
@@ -20,6 +21,9 @@ namespace fascicle::bake {
 // size, so accelerations grow with it. See docs/architecture.md for what clips have.
 inline constexpr double default_acceleration_limit = 200.0;
 
+// The joint that vertex i follows most; the first of several.
+std::uint32_t main_joint(const model::Model& model, std::uint32_t i);
+
 class FeltAcceleration {
  public:
   FeltAcceleration(const scene::Scene& scene, const scene::Character& character, const model::Model& model);
@@ -28,6 +32,10 @@ class FeltAcceleration {
   double limit() const { return limit_; }
   // Of joint j, m/s^2; the poses are h seconds apart. 0 where the joint has no free flesh.
   double of_joint(std::size_t j, const Pose& before, const Pose& at, const Pose& after, double h) const;
+  // In the middle of the joint's free flesh, beyond the bound too.
+  scene::Vector3d in_middle(std::size_t j, const Pose& before, const Pose& at, const Pose& after,
+                            double h) const;
+  bool has_flesh(std::size_t j) const { return !corners_[j].empty(); }
 
  private:
   double scale_ = 1.0, limit_ = 0.0;

@@ -20,6 +20,7 @@
 namespace fascicle::bake {
 
 namespace fs = std::filesystem;
+using scene::rename_over;
 
 namespace {
 
@@ -61,6 +62,17 @@ void remove_file(const fs::path& path) {
   if (fs::is_directory(fs::symlink_status(path)))
     throw BakeError(path.string() + ": is a folder; move it away");
   fs::remove(path);
+}
+
+constexpr const char* stage_name = "export.part";
+
+// What is not an export's stays, and the folder with it.
+void remove_stage(const fs::path& folder) {
+  const fs::path stage = folder / stage_name;
+  if (!fs::is_directory(fs::symlink_status(stage))) return;
+  remove_files(stage, all_file_names());
+  std::error_code not_empty;
+  fs::remove(stage, not_empty);
 }
 
 }  // namespace
@@ -106,6 +118,7 @@ void clear_bake(const fs::path& folder) {
     return std::find(known.begin(), known.end(), entry) == known.end();
   });
   remove_files(folder, made);
+  remove_stage(folder);
 }
 
 void remove_files(const fs::path& folder, const std::vector<std::string>& files) {
@@ -115,6 +128,38 @@ void remove_files(const fs::path& folder, const std::vector<std::string>& files)
     if (entry.ends_with('/')) fs::remove(folder / entry.substr(0, entry.size() - 1), not_empty);
   }
   sync_folder(folder);
+}
+
+ExportStage::ExportStage(const fs::path& folder) : folder_(folder), path_(folder / stage_name) {
+  remove_stage(folder_);
+  fs::create_directory(path_);
+}
+
+ExportStage::~ExportStage() {
+  try {
+    remove_stage(folder_);
+  } catch (const std::exception&) {
+    // The next export there removes it.
+  }
+}
+
+void ExportStage::move_up(const std::vector<std::string>& files) {
+  for (const std::string& entry : files) {
+    std::vector<fs::path> made = existing(path_, entry);
+    const bool is_folder = entry.ends_with('/');
+    if (is_folder && !made.empty()) fs::create_directories(folder_ / entry);
+    // A collection comes after the frames that it names.
+    std::reverse(made.begin(), made.end());
+    for (const fs::path& from : made) rename_over(from, folder_ / from.lexically_relative(path_));
+    if (!is_folder || made.empty()) continue;
+    // Textures are shared by formats that this export may not have.
+    if (entry != std::string(textures_folder) + '/')
+      for (const fs::path& path : existing(folder_, entry))
+        if (std::find(made.begin(), made.end(), path_ / path.lexically_relative(folder_)) == made.end())
+          remove_file(path);
+    sync_folder(folder_ / entry);
+  }
+  sync_folder(folder_);
 }
 
 void refuse_foreign(const fs::path& folder, const std::vector<std::string>& files) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "host/bake/bake.h"
+#include "host/bake/checkpoint.h"
+#include "host/bake/model_file.h"
 #include "host/bake/read_frame_cache.h"
 
 namespace fascicle::bake {
@@ -52,6 +54,22 @@ std::vector<std::string> with_companions(std::vector<std::string> formats, const
   };
   if (has("vtu") && !has("vtp") && model.surface_count() > 0) formats.push_back("vtp");
   return formats;
+}
+
+std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
+                           const std::vector<std::string>& formats, const GlbOptions& glb) {
+  const std::uint64_t samples = scene::frame_count(scene) + 1;
+  std::uint64_t bytes = checkpoint_bytes(model) + encoded_bytes(model);
+  const std::vector<std::string> written = with_companions(formats, model);
+  for (const Format& format : all_formats())
+    if (format.name.empty() || std::find(written.begin(), written.end(), format.name) != written.end())
+      bytes += format.bytes(model, format.name == "glb" ? glb_target_count(samples - 1, glb) : samples);
+  // The manifest's line for each frame and its text; rest.obj with about 36 and 20 characters a vertex and a
+  // triangle.
+  bytes += samples * 25 + 4000 + scene.text.size();
+  if (model.surface_count() > 0)
+    bytes += std::uint64_t{36} * model.surface_count() + model.surface_triangle.size() / 3 * 20;
+  return bytes;
 }
 
 }  // namespace fascicle::bake

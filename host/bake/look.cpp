@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "host/bake/felt_acceleration.h"
 #include "host/bake/points.h"
 #include "host/bake/surface.h"
 
@@ -62,14 +63,10 @@ bool is_inverted(const std::vector<float>& positions, const std::uint32_t* corne
 // The limits: what looks right stays below them, what does not is above (tests/bake/look_test.cpp).
 constexpr double stretch_limit = 2.7;
 constexpr double crossing_share = 0.022, crossing_least = 24.0;  // of all triangles, and at least so many
-constexpr double half_distance_limit = 0.55, tenth_distance_limit = 1.0;
 constexpr double rigid_limit = 0.1;
 constexpr double jump_limit = 0.6;
 // Where skinning turns none, this share of all tetrahedra may be inside out: slivers, that nobody sees.
 constexpr double inverted_ratio = 1.2, inverted_share = 0.0005;
-
-// A joint with fewer render vertices has no percentiles; its skin is not looked at by joint.
-constexpr std::size_t least_vertices = 12;
 
 }  // namespace
 
@@ -165,7 +162,7 @@ LookScore Look::stretch(const std::vector<float>& flesh, const std::vector<float
 LookScore Look::worst_joint(const std::vector<double>& values, double share, double limit) {
   LookScore worst{.limit = limit};
   for (std::uint32_t j = 0; j < vertices_.size(); ++j) {
-    if (vertices_[j].size() < least_vertices) continue;
+    if (vertices_[j].size() < least_skin_vertices) continue;
     values_.clear();
     for (const std::uint32_t i : vertices_[j]) values_.emplace_back(values[i], i);
     const double value = high(values_, share).first;
@@ -252,10 +249,7 @@ LookScore Look::inverted(const model::Frame& frame) const {
     flesh += 1.0;
     const std::uint32_t i = corners[0];
     if (of_skin) continue;
-    std::uint32_t best = model_.skin_offset[i];
-    for (std::uint32_t k = best + 1; k < model_.skin_offset[i + 1]; ++k)
-      if (model_.skin_weight[k] > model_.skin_weight[best]) best = k;
-    ++at_joint[model_.skin_joint[best]];
+    ++at_joint[main_joint(model_, i)];
   }
   const double few = inverted_share * static_cast<double>(model_.tetrahedron_count());
   const double limit = inverted_ratio * skin + few;

@@ -31,6 +31,11 @@ enum class LookMeasure { stretch, crossing, distance, rigid, jump, inverted };
 inline constexpr std::size_t look_measures = 6;
 const char* name_of(LookMeasure measure);
 
+// Of LookMeasure::distance, body's thicknesses: the farther half of a joint's skin, and its farthest tenth.
+inline constexpr double half_distance_limit = 0.55, tenth_distance_limit = 1.0;
+// A joint with fewer render vertices has no percentiles; its skin is not looked at by joint.
+inline constexpr std::size_t least_skin_vertices = 12;
+
 struct LookScore {
   double value = 0.0, limit = 1.0;  // as the measure has them
   double score = 0.0;               // 1 where the value is the limit

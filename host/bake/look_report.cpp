@@ -45,11 +45,6 @@ Number number_in(const std::string& text) {
   return number;
 }
 
-// Two digits after the point: 0.55, 2.6, 12.
-std::string short_text(double value) {
-  return number_text(std::round(value * 100.0) / 100.0);
-}
-
 struct Peak {
   double score = 0.0;
   std::uint64_t frame = 0, frames_over = 0;

@@ -108,6 +108,16 @@ Json json_of(const std::optional<LookSummary>& look) {
           {"frames_over", look->frames_over}};
 }
 
+Json json_of(const std::optional<ExpectedLook>& expected, const scene::Scene& scene,
+             const model::Model& model) {
+  if (!expected) return nullptr;
+  return {{"score", expected->score},
+          {"frame", expected->frame},
+          {"joint", std::get<scene::Character>(scene.geometry).skeleton[expected->joint].name},
+          {"layer", model.layers[expected->layer].name},
+          {"stiffer", expected->stiffer}};
+}
+
 // What json_of wrote; what is not there, or of another type, stays as it is.
 LeadInSummary lead_in_of(const Json& json) {
   LeadInSummary led;
@@ -134,6 +144,8 @@ const char* name_of(Status status) {
       return "interrupted";
     case Status::not_finite:
       return "not-finite";
+    case Status::failed:
+      return "failed";
     case Status::complete:
       return "complete";
   }
@@ -210,6 +222,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"clamped_muscles", {{"regions", progress.clamped.regions}, {"frame", progress.clamped.frame}}},
       {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},
       {"look", json_of(progress.look)},
+      {"expected_look", json_of(options.expected_look, scene, model)},
       {"inputs", std::move(inputs)},
       {"model", json_of(model, hash)},
       {"warnings", warnings},
@@ -234,6 +247,8 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
     const auto entry = object.find(key);
     return entry != object.end() && entry->is_string() ? entry->get<std::string>() : std::string();
   };
+  summary.status = text_at(manifest, "status");
+  summary.message = text_at(manifest, "message");
   if (const auto scene = manifest.find("scene"); scene != manifest.end() && scene->is_object()) {
     summary.scene_name = text_at(*scene, "name");
     summary.scene_source = text_at(*scene, "source");
@@ -266,6 +281,27 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
     read_count(*clamped, "frame", summary.clamped.frame);
   }
   return summary;
+}
+
+void set_status(const fs::path& folder, Status status, const std::string& message) {
+  Json manifest = manifest_in(folder);
+  if (manifest.is_null()) return;
+  const fs::path path = folder / manifest_name;
+  manifest["status"] = name_of(status);
+  manifest["message"] = message;
+  try {
+    write_whole(path, dump(manifest, 2) + '\n');
+  } catch (const std::system_error&) {
+    // Without its indentation the new text is the shorter one. Spaces after it keep every byte of the old
+    // one from standing there, should the system stop before the end.
+    std::string text = dump(manifest);
+    File file(path, FileMode::modify);
+    const std::uint64_t room = file.size();
+    if (text.size() + 1 > room) throw;
+    text.resize(room - 1, ' ');
+    file.write_at(0, text + '\n');
+    file.sync();
+  }
 }
 
 void add_to_manifest(const fs::path& folder, const std::vector<std::string>& files) {

@@ -17,7 +17,7 @@ namespace fascicle::bake {
 
 inline constexpr const char* manifest_name = "manifest.json";
 
-enum class Status { running, interrupted, not_finite, complete };
+enum class Status { running, interrupted, not_finite, failed, complete };
 const char* name_of(Status status);
 
 struct Timings {
@@ -27,7 +27,7 @@ struct Timings {
 
 struct Progress {
   Status status = Status::running;
-  std::string message;                         // of Status::not_finite
+  std::string message;                         // of Status::not_finite and Status::failed
   std::vector<std::uint64_t> position_hashes;  // of frames 0, 1, ... written so far (model::position_hash)
   Timings timings;
   LeadInSummary lead_in;
@@ -47,6 +47,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
 // What a later bake reads of it.
 struct ManifestSummary {
   std::vector<std::string> files;
+  std::string status, message;
   // Of the scene, as scene::Scene has them: enough to read it again while its inputs are where they were.
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;
@@ -59,6 +60,10 @@ struct ManifestSummary {
 };
 // Nothing if there is no manifest in the folder or it is not one of fascicle.
 std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);
+
+// Says of the manifest that is there how the bake stands; all else stays as the last checkpoint left it.
+// Takes no new room on a disk that is full. Throws std::system_error where even that fails.
+void set_status(const std::filesystem::path& folder, Status status, const std::string& message);
 
 // Adds to the list of files, whole; the rest stays as it is. Throws BakeError without a manifest.
 void add_to_manifest(const std::filesystem::path& folder, const std::vector<std::string>& files);

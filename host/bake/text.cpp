@@ -1,9 +1,14 @@
 #include "host/bake/text.h"
 
 #include <cinttypes>
+#include <cmath>
 #include <cstdio>
 
 namespace fascicle::bake {
+
+std::string short_text(double value) {
+  return number_text(std::round(value * 100.0) / 100.0);
+}
 
 std::string hash_text(std::uint64_t hash) {
   std::array<char, 17> buffer{};

@@ -17,6 +17,9 @@ requires std::is_arithmetic_v<Number> std::string number_text(Number value) {
   return {buffer.data(), end.ptr};
 }
 
+// Two digits after the point: 0.55, 2.6, 12.
+std::string short_text(double value);
+
 // 16 lower-case hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 

@@ -130,9 +130,10 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   smooth_inside(body.mesh, vertices_at(on_bones, body.mesh));
   report.fill.cage.fill_seconds = seconds_since(start);
   if (scene.body.vertices && body.mesh.vertices.size() > 2 * std::size_t{*scene.body.vertices})
-    warn(report, "the kept skin alone has " + std::to_string(surface.vertices.size()) +
-                     " vertices, so that only the inside could follow the resolution asked for; set cage = "
-                     "\"wrap\" to remesh it");
+    warn_of_flesh(report,
+                  "the kept skin alone has " + std::to_string(surface.vertices.size()) +
+                      " vertices, so that only the inside could follow the resolution asked for; set cage = "
+                      "\"wrap\" to remesh it");
   return body;
 }
 
@@ -214,9 +215,12 @@ BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& rep
     cage.reason = choice.reason;
     body = choice.is_cage ? make_cage(skin, scene, report, options) : keep_skin(skin, scene, report, options);
   } catch (const scene::SceneError& error) {
-    const bool renumbered = surface.vertices.size() != skin.welded.of_vertex.size();
+    const bool renumbered =
+        surface.vertices.size() != skin.welded.of_vertex.size() || !skin.welded.file_vertex.empty();
     fail(scene.source, "mesh: " + std::string(error.what()) +
-                           (renumbered ? " (vertices are counted after welding equal ones)" : ""));
+                           (renumbered ? " (vertices are counted after welding equal ones" : "") +
+                           (renumbered && !skin.welded.file_vertex.empty() ? ", without rigid parts" : "") +
+                           (renumbered ? ")" : ""));
   }
   check_and_orient(body.mesh, scene.source, report);
   cage.spacing = vertex_spacing(body.mesh);

@@ -15,6 +15,7 @@ namespace fascicle::build {
 struct Warning {
   std::string text;
   std::vector<std::uint32_t> vertices;  // of the tetrahedral mesh; the first few where there are many
+  bool is_of_flesh = false;             // means nothing where nothing is soft
 };
 
 // What a joint of the skeleton was taken for (bone_choice.h).
@@ -34,7 +35,7 @@ struct RigidReport {
   std::string name;            // of its object, with the material where there are several parts
   std::string joint;           // that moves most of it
   std::string reason;          // in words
-  std::uint32_t vertices = 0;  // of the welded skin
+  std::uint32_t vertices = 0;  // of the file
 };
 
 // The fibre field, where a layer asks for it (fibre_field.h).
@@ -63,7 +64,7 @@ struct Finding {
   std::vector<std::uint32_t> vertices;
 };
 
-// What is wrong with a skin; vertices are those of the welded skin.
+// What is wrong with a skin; vertices are the file's, the first of each place.
 struct SurfaceFindings {
   Finding parts;                  // connected by shared vertices; one vertex of each
   Finding loose_vertices;         // in no triangle
@@ -85,7 +86,7 @@ struct Spread {
 
 // Where a skin is open, and what a cage made of it (caps.h). Arrays, one entry an end.
 struct OpenEnds {
-  std::vector<std::uint32_t> vertex;  // the lowest of the loop, of the welded skin
+  std::vector<std::uint32_t> vertex;  // the lowest of the loop, of the file
   std::vector<std::uint32_t> edges;   // of the loop
   std::vector<std::int32_t> joint;    // that moves most of the loop; -1 without a skeleton
   std::vector<double> width;          // m

@@ -14,6 +14,7 @@
 #include "host/build/body.h"
 #include "host/build/boundary.h"
 #include "host/build/build.h"
+#include "host/build/check_mesh.h"
 #include "host/build/fibre.h"
 #include "host/build/forces.h"
 #include "host/build/layers.h"
@@ -115,12 +116,13 @@ void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& mode
   if (regions.empty()) return;
   for (std::uint32_t& r : regions) r = model.source_vertex[r];
   std::sort(regions.begin(), regions.end());
-  warn(report,
-       counted(regions.size(), "vertex lies", "vertices lie") +
-           " among tetrahedra so much smaller, flatter or softer than the rest that the region around never "
-           "turns (vertex " +
-           list_of(regions) + "); even out the mesh there, or alpha",
-       regions);
+  warn_of_flesh(
+      report,
+      counted(regions.size(), "vertex lies", "vertices lie") +
+          " among tetrahedra so much smaller, flatter or softer than the rest that the region around never "
+          "turns (vertex " +
+          list_of(regions) + "); even out the mesh there, or alpha",
+      regions);
 }
 
 void write_weights(const scene::Scene& scene, const Layering& layering, const std::vector<double>& volume,
@@ -213,10 +215,10 @@ void warn_of_parts(const OneRings& rings, const Body& body, const Model& model, 
     if (is_flesh[p]) one_each.push_back(first[p]);
   if (one_each.size() > 1) {
     std::sort(one_each.begin(), one_each.end());
-    warn(report,
-         "the mesh has " + std::to_string(one_each.size()) +
-             " parts that do not touch; one vertex of each is named",
-         one_each);
+    warn_of_flesh(report,
+                  "the mesh has " + std::to_string(one_each.size()) +
+                      " parts that do not touch; one vertex of each is named",
+                  one_each);
   }
   std::vector<std::uint32_t> falling;
   for (std::uint32_t p = 0; p < parts.count; ++p)
@@ -242,7 +244,17 @@ void warn_of_size(const Model& model, Report& report) {
        << " m long; where its file is not in metres, scale its root there, or gravity and stiffness will not "
           "be "
           "those of its size";
-  warn(report, text.str());
+  warn_of_flesh(report, text.str());
+}
+
+// Whether all of a character follows the skeleton by its joints and rigid parts alone, as a robot does: its
+// layers have nothing to say. Where they are what makes it stiff, they may be wrong.
+bool is_all_rigid(const scene::Scene& scene, const Layering& layering, Measures& measures) {
+  const auto all = [](const std::vector<char>& flags) {
+    return std::all_of(flags.begin(), flags.end(), [](char flag) { return flag != 0; });
+  };
+  return std::holds_alternative<scene::Character>(scene.geometry) && all(layering.kinematic) &&
+         all(measures.follows_joints());
 }
 
 model::WeightForm weight_form_of(const scene::Scene& scene) {
@@ -286,6 +298,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
   warn_of_parts(rings, body, model, report);
+  warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
     rings = without_sliding_pairs(rings, model, slides);
   write_weights(scene, layering, volume, std::move(rings), model, report);
@@ -308,6 +321,8 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   model.force_index = std::move(forces.index);
   model.force_coefficient = std::move(forces.coefficient);
 
+  if (is_all_rigid(scene, layering, measures))
+    std::erase_if(report.warnings, [](const Warning& warning) { return warning.is_of_flesh; });
   report.vertices = model.vertex_count;
   report.tetrahedra = model.tetrahedron_count();
   report.surface_vertices = model.surface_count();

@@ -229,11 +229,11 @@ struct Face {
   std::uint32_t tetrahedron;
 };
 
-std::vector<Face> sorted_faces(const TetMesh& cage) {
+std::vector<Face> sorted_faces(const std::vector<std::array<std::uint32_t, 4>>& tetrahedra) {
   std::vector<Face> faces;
-  faces.reserve(4 * cage.tetrahedra.size());
-  for (std::uint32_t i = 0; i < cage.tetrahedra.size(); ++i) {
-    const auto& t = cage.tetrahedra[i];
+  faces.reserve(4 * tetrahedra.size());
+  for (std::uint32_t i = 0; i < tetrahedra.size(); ++i) {
+    const auto& t = tetrahedra[i];
     for (std::size_t k = 0; k < 4; ++k) {
       Face face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, i};
       std::sort(face.corners.begin(), face.corners.end());
@@ -301,22 +301,30 @@ void drop_twins(std::vector<Copy>& copies, const std::vector<std::uint32_t>& fir
       }
 }
 
-// A copy of a few tetrahedra that nothing joins to the rest of its limb would fall out of the body. Its skin
-// goes with the skin beside it.
+// A copy of a few tetrahedra that no face joins to the rest of its limb would fall out of the body, or swing
+// about the vertex or edge that it hangs by. Its skin goes with the skin beside it.
 void drop_crumbs(std::vector<Copy>& copies, const std::vector<std::uint32_t>& first, Unions& corners) {
   constexpr std::size_t most = 8;
-  Unions solids(4 * copies.size());
-  for (std::uint32_t c = 0; c < copies.size(); ++c)
-    for (std::uint32_t k = 0; k < 4 && !copies[c].is_dropped; ++k)
-      solids.join(corners.find(4 * c), corners.find(4 * c + k));
-  std::vector<std::size_t> size(4 * copies.size(), 0);
-  const auto solid_of = [&](std::uint32_t c) { return solids.find(corners.find(4 * c)); };
+  std::vector<std::uint32_t> kept;
+  std::vector<std::array<std::uint32_t, 4>> tetrahedra;
+  std::vector<std::size_t> weight;
   for (std::size_t i = 0; i + 1 < first.size(); ++i)
-    for (std::uint32_t c = first[i]; c < first[i + 1]; ++c)
+    for (std::uint32_t c = first[i]; c < first[i + 1]; ++c) {
+      if (copies[c].is_dropped) continue;
+      kept.push_back(c);
+      tetrahedra.push_back(
+          {corners.find(4 * c), corners.find(4 * c + 1), corners.find(4 * c + 2), corners.find(4 * c + 3)});
       // What holds a tetrahedron that was not cut is no crumb.
-      if (!copies[c].is_dropped) size[solid_of(c)] += first[i + 1] - first[i] > 1 ? 1 : most + 1;
-  for (std::uint32_t c = 0; c < copies.size(); ++c)
-    if (!copies[c].is_dropped && size[solid_of(c)] <= most) copies[c].is_dropped = true;
+      weight.push_back(first[i + 1] - first[i] > 1 ? 1 : most + 1);
+    }
+  Unions solids(kept.size());
+  const std::vector<Face> faces = sorted_faces(tetrahedra);
+  for (std::size_t k = 1; k < faces.size(); ++k)
+    if (faces[k].corners == faces[k - 1].corners) solids.join(faces[k].tetrahedron, faces[k - 1].tetrahedron);
+  std::vector<std::size_t> size(kept.size(), 0);
+  for (std::uint32_t i = 0; i < kept.size(); ++i) size[solids.find(i)] += weight[i];
+  for (std::uint32_t i = 0; i < kept.size(); ++i)
+    if (size[solids.find(i)] <= most) copies[kept[i]].is_dropped = true;
 }
 
 SkinPoint as_anchor(const SurfacePoint& place) {
@@ -338,7 +346,7 @@ CutMesh cut_limbs(const TetMesh& cage, const SurfaceMesh& skin, const Limbs& lim
   }
 
   Unions corners(4 * copies.size());
-  const std::vector<Face> faces = sorted_faces(cage);
+  const std::vector<Face> faces = sorted_faces(cage.tetrahedra);
   for (std::size_t k = 1; k < faces.size(); ++k) {
     if (faces[k].corners != faces[k - 1].corners) continue;
     const std::uint32_t a = faces[k - 1].tetrahedron, b = faces[k].tetrahedron;

@@ -4,8 +4,8 @@
 // tetrahedron is made once for each limb, at the same place; copies are joined to copies next to them that
 // hold the same skin, or the same vertex of the cage that lies in that limb, and to no others. So no edge
 // joins the limbs, each keeps a solid of its own around all its skin, and they may overlap, as crossing limbs
-// do. (The virtual node algorithm of Molino, Bao and Fedkiw, 2004, with the skin's own connectivity in place
-// of a cutting surface.)
+// do. Copies that would hang on their limb by less than a face are left out. (The virtual node algorithm of
+// Molino, Bao and Fedkiw, 2004, with the skin's own connectivity in place of a cutting surface.)
 #pragma once
 
 #include <cstdint>

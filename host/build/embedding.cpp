@@ -186,18 +186,19 @@ RenderMesh embed_surface(const scene::SurfaceMesh& surface, const WeldedSurface&
     render.weights.push_back(rounded(seat.weights));
     report.fill.least_barycentric = std::min(report.fill.least_barycentric, least(seat.weights));
     report.fill.riders_outside += least(seat.weights) < 0.0 ? 1u : 0u;
-    if (least(seat.weights) < least_barycentric) outside.push_back(v);
-    if (seat.agreement < little_agreement) astray.push_back(v);
+    if (least(seat.weights) < least_barycentric) outside.push_back(number_in_file(welded, v));
+    if (seat.agreement < little_agreement) astray.push_back(number_in_file(welded, v));
   }
   if (!outside.empty())
-    warn(report, counted(outside.size(), "vertex of the skin sticks", "vertices of the skin stick") +
-                     " out of the cage, by up to " + std::to_string(-report.fill.least_barycentric) +
-                     " of a tetrahedron's height (vertex " + list_of(outside) +
-                     " of the file); ask for a smaller resolution (edge length)");
+    warn_of_flesh(report, counted(outside.size(), "vertex of the skin sticks", "vertices of the skin stick") +
+                              " out of the cage, by up to " + std::to_string(-report.fill.least_barycentric) +
+                              " of a tetrahedron's height (vertex " + list_of(outside) +
+                              " of the file); ask for a smaller resolution (edge length)");
   if (!astray.empty())
-    warn(report, counted(astray.size(), "vertex of the skin rides", "vertices of the skin ride") +
-                     " on flesh that other joints move (vertex " + list_of(astray) +
-                     " of the file): a part inside another, or a cage too coarse to tell parts apart");
+    warn_of_flesh(report,
+                  counted(astray.size(), "vertex of the skin rides", "vertices of the skin ride") +
+                      " on flesh that other joints move (vertex " + list_of(astray) +
+                      " of the file): a part inside another, or a cage too coarse to tell parts apart");
   return render;
 }
 

@@ -69,6 +69,21 @@ std::vector<std::array<double, 3>> plain(const std::vector<Vector3d>& points) {
   return result;
 }
 
+// From the numbers of the welded skin, whose vertices are each place's first in the file.
+void number_by_file(const WeldedSurface& welded, CageReport& cage) {
+  std::vector<std::uint32_t> first(welded.surface.vertices.size(), 0);
+  for (std::uint32_t v = static_cast<std::uint32_t>(welded.of_vertex.size()); v-- > 0;)
+    first[welded.of_vertex[v]] = number_in_file(welded, v);
+  SurfaceFindings& found = cage.findings;
+  for (std::vector<std::uint32_t>* vertices :
+       {&found.parts.vertices, &found.loose_vertices.vertices, &found.flat_triangles.vertices,
+        &found.open_edges.vertices, &found.non_manifold_edges.vertices, &found.non_manifold_vertices.vertices,
+        &found.turned_edges.vertices, &found.inverted_parts.vertices, &found.intersections.vertices,
+        &cage.ends.vertex})
+    for (std::uint32_t& v : *vertices)
+      if (v < first.size()) v = first[v];
+}
+
 bool is_usable_mesh(const scene::TetMesh& mesh) {
   try {
     scene::TetMesh oriented = mesh;
@@ -136,6 +151,7 @@ std::string fill_key(const FillInput& input, const std::string& programs) {
   add_points(hash, input.welded.surface.vertices);
   add_rows(hash, input.welded.surface.triangles);
   hash.add_array(std::span<const std::uint32_t>(input.welded.of_vertex));
+  hash.add_array(std::span<const std::uint32_t>(input.welded.file_vertex));
   add_rows(hash, input.surface.triangles);
   hash.add(std::uint64_t{input.bones.size()});
   for (const Bone& bone : input.bones) {
@@ -167,6 +183,7 @@ std::string filled_body_bytes(const FilledBody& body, const Report& found) {
   for (const Warning& warning : found.warnings) {
     write(warning.text);
     write(warning.vertices);
+    write(warning.is_of_flesh);
   }
   return bytes;
 }
@@ -184,6 +201,9 @@ bool read_filled_body(std::string_view bytes, const FillInput& input, FilledBody
       Warning& warning = found.warnings.emplace_back();
       read(warning.text);
       read(warning.vertices);
+      std::uint8_t is_of_flesh = 0;
+      read(is_of_flesh);
+      warning.is_of_flesh = is_of_flesh != 0;
     }
     if (!read.at_end()) return false;
     for (const auto& p : vertices) body.mesh.vertices.push_back({p[0], p[1], p[2]});
@@ -212,6 +232,7 @@ FilledBody fill_body(const FillInput& input, Report& report, const BuildOptions&
     if (programs) cache.put(key, filled_body_bytes(body, found));
   }
   report.fill = found.fill;
+  number_by_file(input.welded, report.fill.cage);
   report.warnings.insert(report.warnings.end(), found.warnings.begin(), found.warnings.end());
   return body;
 }

@@ -23,7 +23,7 @@ void check_layers_used(const scene::Scene& scene, const std::vector<std::uint32_
                              ": this kinematic layer holds no vertex; widen its shapes (a larger distance "
                              "from the bones), or "
                              "ask for a finer mesh");
-    warn(report, key + ": holds no vertex");
+    warn_of_flesh(report, key + ": holds no vertex");
   }
 }
 
@@ -96,8 +96,8 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
     std::string names;
     for (const std::uint32_t b : found.without)
       names += (names.empty() ? "" : ", ") + name_of(body, body.bones[b]);
-    warn(report, key + counted(found.without.size(), "bone owns", "bones own") + " no vertex (" + names +
-                     "); widen the layer, or ask for a finer mesh");
+    warn_of_flesh(report, key + counted(found.without.size(), "bone owns", "bones own") + " no vertex (" +
+                              names + "); widen the layer, or ask for a finer mesh");
   }
   if (found.islands > 1) {
     std::string names;
@@ -105,11 +105,12 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
       const std::string name = name_of(body, body.bones[measures.nearest_bones()[i].bone]);
       if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
     }
-    warn(report,
-         key + "the bones of " + names +
-             " hang apart from the rest: no bone layer leads to them through the flesh; name the joints "
-             "between in skeleton.bones, or ask for a finer mesh",
-         numbers_of(found.island_vertex, source_vertex));
+    warn_of_flesh(
+        report,
+        key + "the bones of " + names +
+            " hang apart from the rest: no bone layer leads to them through the flesh; name the joints "
+            "between in skeleton.bones, or ask for a finer mesh",
+        numbers_of(found.island_vertex, source_vertex));
   }
 }
 

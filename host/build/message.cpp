@@ -27,7 +27,13 @@ void fail(const std::string& source, const std::string& what) {
 
 void warn(Report& report, const std::string& text, std::span<const std::uint32_t> vertices) {
   const std::size_t kept = std::min(vertices.size(), kept_in_report);
-  report.warnings.push_back({text, {vertices.begin(), vertices.begin() + static_cast<std::ptrdiff_t>(kept)}});
+  report.warnings.push_back(
+      {text, {vertices.begin(), vertices.begin() + static_cast<std::ptrdiff_t>(kept)}, false});
+}
+
+void warn_of_flesh(Report& report, const std::string& text, std::span<const std::uint32_t> vertices) {
+  warn(report, text, vertices);
+  report.warnings.back().is_of_flesh = true;
 }
 
 }  // namespace fascicle::build

@@ -21,5 +21,7 @@ std::string counted(std::size_t count, const std::string& one, const std::string
 
 // Adds a warning with the first few of `vertices`.
 void warn(Report& report, const std::string& text, std::span<const std::uint32_t> vertices = {});
+// The same, of what concerns soft flesh alone: a robot, which has none, is not bothered with it.
+void warn_of_flesh(Report& report, const std::string& text, std::span<const std::uint32_t> vertices = {});
 
 }  // namespace fascicle::build

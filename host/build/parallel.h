@@ -6,15 +6,17 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <new>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace fascicle::build {
 
-// Calls work(piece, worker) once for every piece below `count`, on up to `most` threads; `worker` is below
-// their number and a worker does one piece at a time, so each may own memory to work in. What a piece writes
-// must depend on nothing but its number: then results do not depend on the number of threads. The first
-// exception ends the work and comes out of this call.
+// Calls work(piece, worker) once for every piece below `count`, on up to `most` threads, fewer where the
+// system refuses to make that many; `worker` is below their number and a worker does one piece at a time, so
+// each may own memory to work in. What a piece writes must depend on nothing but its number: then results do
+// not depend on the number of threads. The first exception ends the work and comes out of this call.
 template <class Work>
 void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
   std::atomic<std::size_t> next{0};
@@ -31,7 +33,13 @@ void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
   };
   {
     std::vector<std::jthread> threads;
-    for (std::size_t worker = 1; worker < std::min(count, most); ++worker) threads.emplace_back(run, worker);
+    try {
+      for (std::size_t worker = 1; worker < std::min(count, most); ++worker)
+        threads.emplace_back(run, worker);
+    } catch (
+        const std::system_error&) {  // a limit on processes or on memory: the threads there are do the work
+    } catch (const std::bad_alloc&) {
+    }
     run(0);
   }
   if (failure) std::rethrow_exception(failure);

@@ -192,9 +192,17 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
   RigidSkin rigid;
   rigid.is_rigid = asked_for(character, welded, weights, scene);
   rigid.is_apart.assign(rigid.is_rigid.size(), 0);
-  std::vector<std::uint32_t> first_of(rigid.is_rigid.size());  // the file's first vertex of a welded one
-  for (std::size_t v = welded.of_vertex.size(); v-- > 0;)
+  // Of each vertex of the welded skin the file's first, and how many there are.
+  std::vector<std::uint32_t> first_of(rigid.is_rigid.size()), count_of(rigid.is_rigid.size(), 0);
+  for (std::size_t v = welded.of_vertex.size(); v-- > 0;) {
     first_of[welded.of_vertex[v]] = static_cast<std::uint32_t>(v);
+    ++count_of[welded.of_vertex[v]];
+  }
+  const auto in_file = [&](const std::vector<std::uint32_t>& vertices, auto counts) {
+    std::uint32_t count = 0;
+    for (const std::uint32_t v : vertices) count += counts(v) ? count_of[v] : 0u;
+    return count;
+  };
   const std::vector<char> simulated = with_all_below(character, scene.skeleton.simulated);
   const std::vector<Part> parts = connected_parts_of(welded.surface, weights);
   const bool all_hard = is_robot(parts);
@@ -202,15 +210,17 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
   for (const Part& part : parts) whole += part.area;
   for (const Part& part : parts) {
     const std::uint32_t joint = part.main_joint();
-    std::uint32_t asked = 0;
-    for (const std::uint32_t v : part.vertices) asked += rigid.is_rigid[v] ? 1u : 0u;
+    const auto every = [](std::uint32_t) { return true; };
+    const auto is_asked = [&](std::uint32_t v) { return rigid.is_rigid[v] != 0; };
+    const std::size_t asked =
+        static_cast<std::size_t>(std::count_if(part.vertices.begin(), part.vertices.end(), is_asked));
     const bool is_found = parts.size() > 1 && !simulated[joint] && (part.is_hard || part.is_even) &&
                           (all_hard || part.area <= largest_rigid_share * whole);
     if (asked == 0 && !is_found) continue;
     const bool is_whole = is_found || asked == part.vertices.size();
     RigidReport report{name_of_vertex(character, first_of[part.vertices.front()]),
                        character.skeleton[joint].name, "",
-                       is_whole ? static_cast<std::uint32_t>(part.vertices.size()) : asked};
+                       is_whole ? in_file(part.vertices, every) : in_file(part.vertices, is_asked)};
     if (asked == part.vertices.size())
       report.reason = "asked for";
     else if (!is_found)
@@ -234,7 +244,7 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
     rigid.report.push_back(
         {name_of_vertex(character, inlay.first), character.skeleton[joint].name,
          "a patch of its own material that one joint moves, " + percent(inlay.area / whole) + " of the skin",
-         static_cast<std::uint32_t>(inlay.vertices.size())});
+         in_file(inlay.vertices, [](std::uint32_t) { return true; })});
     for (const std::uint32_t v : inlay.vertices) rigid.is_rigid[v] = 1;
   }
   return rigid;
@@ -260,6 +270,7 @@ SoftSkin without_rigid_parts(const scene::Character& character, const WeldedSurf
     number[v] = static_cast<std::uint32_t>(soft.render_vertex.size());
     soft.render_vertex.push_back(v);
     soft.welded.of_vertex.push_back(of_welded[welded.of_vertex[v]]);
+    soft.welded.file_vertex.push_back(v);
     soft.character.surface.vertices.push_back(character.surface.vertices[v]);
     soft.character.joints.push_back(character.joints[v]);
     soft.character.weights.push_back(character.weights[v]);

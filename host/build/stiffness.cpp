@@ -172,7 +172,9 @@ double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
 void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Report& report) {
   const double needed = explicit_substeps(scene, model);
   scene.solver.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps}));
-  if (needed > most_explicit_auto_substeps)
+  bool is_soft = false;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) is_soft = is_soft || !model.is_kinematic(i);
+  if (is_soft && needed > most_explicit_auto_substeps)
     warn(report, "solver.substeps: alpha would mean what it does at other frame rates and spacings with " +
                      std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) +
                      " substeps; \"auto\" takes " + std::to_string(most_explicit_auto_substeps) +

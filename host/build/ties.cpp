@@ -143,13 +143,14 @@ void warn_of_loose_parts(const Model& model, const std::vector<char>& slides, Re
     if (skin[p] && !held[p]) loose.push_back(lowest[p]);
   std::sort(loose.begin(), loose.end());
   if (some && !loose.empty())
-    warn(report,
-         counted(loose.size(), "part", "parts") +
-             " of the layers that slide reach no pin and no bone: what does not close around the body slides "
-             "off it "
-             "(vertex " +
-             list_of(loose) + ")",
-         loose);
+    warn_of_flesh(
+        report,
+        counted(loose.size(), "part", "parts") +
+            " of the layers that slide reach no pin and no bone: what does not close around the body slides "
+            "off it "
+            "(vertex " +
+            list_of(loose) + ")",
+        loose);
 }
 
 }  // namespace
@@ -235,10 +236,11 @@ void write_ties(const scene::Scene& scene, Model& model, Report& report) {
   if (!model.tie.empty()) write_coefficients(model);
   std::sort(too_low.begin(), too_low.end());
   if (!too_low.empty())
-    warn(report,
-         counted(too_low.size(), "vertex of a layer that slides lies", "vertices of layers that slide lie") +
-             " so near to the flesh below that nothing ties it to that (vertex " + list_of(too_low) + ")",
-         too_low);
+    warn_of_flesh(
+        report,
+        counted(too_low.size(), "vertex of a layer that slides lies", "vertices of layers that slide lie") +
+            " so near to the flesh below that nothing ties it to that (vertex " + list_of(too_low) + ")",
+        too_low);
   warn_of_loose_parts(model, slides, report);
 }
 

@@ -134,8 +134,9 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
   }
   if (welded.surface.triangles.empty()) fail(source, "mesh: every triangle has two corners in one place");
   if (collapsed > 0)
-    warn(report, counted(collapsed, "triangle has", "triangles have") + " two corners in one place and " +
-                     (collapsed == 1 ? "was" : "were") + " left out of the body");
+    warn_of_flesh(report, counted(collapsed, "triangle has", "triangles have") +
+                              " two corners in one place and " + (collapsed == 1 ? "was" : "were") +
+                              " left out of the body");
 
   std::vector<std::uint32_t> number(surface.vertices.size(), 0);
   for (std::uint32_t i = 0; i < surface.vertices.size(); ++i)

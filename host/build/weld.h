@@ -13,7 +13,14 @@ namespace fascicle::build {
 struct WeldedSurface {
   scene::SurfaceMesh surface;            // no two vertices alike, every vertex in a triangle
   std::vector<std::uint32_t> of_vertex;  // for each vertex given: its vertex in `surface`
+  // For each vertex given: its number in the file. Empty where all of the file is given.
+  std::vector<std::uint32_t> file_vertex = {};
 };
+
+// The number in the file of a vertex given.
+inline std::uint32_t number_in_file(const WeldedSurface& welded, std::uint32_t vertex) {
+  return welded.file_vertex.empty() ? vertex : welded.file_vertex[vertex];
+}
 
 // Makes one vertex of those that lie within 1e-9 of the bounding box's diagonal of each other; the first
 // keeps its place, and their order is kept. Triangles that lose a corner by it are left out, with a warning.

@@ -82,8 +82,15 @@ std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& sc
          " morph targets of " + count_text(model.surface_count()) + " vertices";
 }
 
+std::string expected_look_text(const scene::Scene& scene, const std::optional<bake::ExpectedLook>& expected) {
+  if (!expected) return "no free flesh on a skeleton";
+  return number_text(expected->score, 2) + " (1 is the limit), at joint \"" +
+         std::get<scene::Character>(scene.geometry).skeleton[expected->joint].name + "\" in frame " +
+         std::to_string(expected->frame);
+}
+
 void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, const Built& built,
-                    const Simulation& simulation) {
+                    const Simulation& simulation, const std::optional<bake::ExpectedLook>& expected) {
   const std::uint64_t frames = scene::frame_count(scene);
   const double substep = measured_substep(scene, built.model, *simulation.solver);
   const double total = substep * static_cast<double>(frames) * scene.solver.substeps;
@@ -100,6 +107,7 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
                              {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats,
                                                                       arguments.glb))},
                              {"surface.glb", glb.empty() ? "not asked for" : glb},
+                             {"expected look", expected_look_text(scene, expected)},
                              {"time", "about " + duration_text(total) + ", the writing beside it (" +
                                           number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
 }
@@ -177,6 +185,9 @@ std::string warning_of_clip(const scene::Scene& scene) {
 // Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
 std::string warning_of_throws(const scene::Scene& scene, const model::Model& model) {
   constexpr std::size_t most_named = 4;
+  std::uint32_t soft = 0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
+  if (soft == 0) return "";  // a robot, which feels nothing
   bake::DriveSource drives(scene, model);
   const std::vector<bake::DriveSource::Thrown> thrown = drives.thrown();
   if (thrown.empty()) return "";
@@ -189,6 +200,11 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
             std::to_string(thrown[k].frame) + ")";
   if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
   return text + "; look for keys that leap there";
+}
+
+std::optional<bake::ExpectedLook> expected_look_of(const scene::Scene& scene, const model::Model& model) {
+  bake::DriveSource drives(scene, model);
+  return bake::expected_look(scene, model, drives);
 }
 
 // Beside the filled bodies, under what these programs make of it.
@@ -238,10 +254,14 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   log_warnings(built.report, log);
   const std::string of_throws = warning_of_throws(scene, built.model);
   if (!of_throws.empty()) log.warning(of_throws);
+  const std::optional<bake::ExpectedLook> expected = expected_look_of(scene, built.model);
+  const std::string of_look =
+      expected && expected->score > 1.0 ? bake::expected_look_warning(scene, built.model, *expected) : "";
+  if (!of_look.empty()) log.warning(of_look);
   const Simulation simulation =
       choose_simulation(request, arguments.threads, built.model, solver_options(scene), log);
   if (arguments.dry_run) {
-    print_estimate(arguments, scene, built, simulation);
+    print_estimate(arguments, scene, built, simulation, expected);
     return ExitCode::done;
   }
 
@@ -258,7 +278,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   options.resume = arguments.resume;
   options.device = simulation.device.description();
   for (const build::Warning& warning : built.report.warnings) options.warnings.push_back(warning.text);
-  for (const std::string& text : {of_clip, of_throws})
+  options.expected_look = expected;
+  for (const std::string& text : {of_clip, of_throws, of_look})
     if (!text.empty()) options.warnings.push_back(text);
   options.open_ends = open_ends_of(built.report);
   options.interrupted = &catch_interrupts();

@@ -185,9 +185,18 @@ class Batch {
       if (slot.bake) slot.bake->listen();
   }
 
+  // What others wrote on a bake's stderr, such as its driver.
+  void pass_on(const Slot& slot) {
+    for (const std::string& line : slot.bake->take_other_lines())
+      log_.info(jobs_.jobs[slot.job].name + ": " + line);
+  }
+
   void end_jobs() {
     for (Slot& slot : slots_) {
-      if (!slot.bake || !slot.bake->has_ended()) continue;
+      if (!slot.bake) continue;
+      const bool has_ended = slot.bake->has_ended();
+      pass_on(slot);
+      if (!has_ended) continue;
       Outcome outcome{.device = slot.device,
                       .status = slot.bake->status(),
                       .seconds = std::chrono::duration<double>(Clock::now() - slot.start).count(),

@@ -61,6 +61,21 @@ pid_t spawn(const std::vector<std::string>& arguments, int error_output) {
 
 }  // namespace
 
+std::optional<LogLine> read_log_line(const std::string& line) {
+  const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
+  if (!said.is_object()) return std::nullopt;
+  const auto entry = [&](const char* key) {
+    const auto found = said.find(key);
+    return found != said.end() ? *found : nlohmann::json();
+  };
+  const nlohmann::json level = entry("level"), message = entry("message");
+  if (!entry("time").is_number() || !level.is_string() || !message.is_string()) return std::nullopt;
+  LogLine read{level.get<std::string>(), message.get<std::string>(), {}, {}};
+  if (const nlohmann::json frame = entry("frame"); frame.is_number_unsigned()) read.frame = frame;
+  if (const nlohmann::json frames = entry("frames"); frames.is_number_unsigned()) read.frames = frames;
+  return read;
+}
+
 ChildBake::ChildBake(std::vector<std::string> arguments) {
   // Not what it is a link to: that may have been replaced since this program began.
   arguments.insert(arguments.begin(), "/proc/self/exe");
@@ -96,6 +111,7 @@ void ChildBake::listen() {
     if (count == 0) {
       ::close(descriptor_);
       descriptor_ = -1;
+      if (!unread_.empty()) take_line(std::exchange(unread_, {}));
       return;
     }
     unread_.append(part.data(), static_cast<std::size_t>(count));
@@ -106,16 +122,19 @@ void ChildBake::listen() {
   }
 }
 
-// What is no line of the log, such as a driver's, is nobody's.
 void ChildBake::take_line(const std::string& line) {
-  const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
-  if (!said.is_object()) return;
-  const std::string level = said.value("level", ""), message = said.value("message", "");
-  if (level == "error") error_ = message;
-  if (level == "warning") warnings_.push_back(message);
-  if (level == "progress") {
-    frame_ = said.value("frame", frame_);
-    frames_ = said.value("frames", frames_);
+  const std::optional<LogLine> said = read_log_line(line);
+  if (!said) {
+    // As many as a person reads: a driver may repeat itself for hours.
+    constexpr std::size_t most = 100;
+    if (!line.empty() && other_count_++ < most) other_lines_.push_back(line);
+    return;
+  }
+  if (said->level == "error") error_ = said->message;
+  if (said->level == "warning") warnings_.push_back(said->message);
+  if (said->level == "progress") {
+    frame_ = said->frame.value_or(frame_);
+    frames_ = said->frames.value_or(frames_);
   }
 }
 

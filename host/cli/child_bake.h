@@ -2,12 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sys/types.h>
 
 namespace fascicle::cli {
+
+// A line of our own log, as --log-format json writes it.
+struct LogLine {
+  std::string level, message;
+  std::optional<std::uint64_t> frame, frames;  // of progress
+};
+// Nothing where the line is none: what drivers and libraries write is theirs, be it JSON or not.
+std::optional<LogLine> read_log_line(const std::string& line);
 
 class ChildBake {
  public:
@@ -33,6 +43,8 @@ class ChildBake {
   // Its last error, else empty.
   const std::string& error() const { return error_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
+  // Lines on its stderr that are not of its log, since the last call.
+  std::vector<std::string> take_other_lines() { return std::exchange(other_lines_, {}); }
 
  private:
   void take_line(const std::string& line);
@@ -41,9 +53,9 @@ class ChildBake {
   int descriptor_ = -1;
   bool ended_ = false, interrupted_ = false;
   int status_ = 0;
-  std::uint64_t frame_ = 0, frames_ = 0;
+  std::uint64_t frame_ = 0, frames_ = 0, other_count_ = 0;
   std::string unread_, error_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, other_lines_;
 };
 
 }  // namespace fascicle::cli

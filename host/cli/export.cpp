@@ -52,7 +52,7 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
   const bake::ExportResult result = bake::export_bake(options);
   log.clear_bar();
   if (result.interrupted) {
-    log.warning("interrupted; nothing was left behind");
+    log.warning("interrupted; what was there before is as it was");
     return ExitCode::interrupted;
   }
   log_report(result.report, log);

@@ -300,7 +300,7 @@ void print_skin(const build::Report& report) {
     rows.emplace_back("gaps closed", "below " + millimetres(cage.alpha));
     rows.emplace_back("cut apart", count_text(cage.cut_tetrahedra) + " tetrahedra between limbs that touch");
   }
-  std::cout << "skin (vertices are counted after welding)\n" << columns_text(rows);
+  std::cout << "skin (vertices are the file's)\n" << columns_text(rows);
 }
 
 void print_text(const scene::Scene& scene, const Built& built) {

@@ -95,7 +95,11 @@ std::string glb_from(const fs::path& input) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
   const aiScene* scene =
       importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, extension.c_str());
-  if (scene == nullptr || scene->mRootNode == nullptr) throw Failure(unreadable, importer.GetErrorString());
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    // It catches what it throws, and what it had no memory for would look like a bad file.
+    if (const std::exception_ptr& thrown = importer.GetException()) std::rethrow_exception(thrown);
+    throw Failure(unreadable, importer.GetErrorString());
+  }
   Character character = character_of(*scene, extension == "fbx");
   const std::string glb = glb_of(character, input);
   if (glb.size() > largest_file) throw Failure(unreadable, "comes to more bytes than are read");

@@ -1,5 +1,6 @@
 #include "host/scene/convert.h"
 
+#include <sstream>
 #include <system_error>
 
 #include "host/scene/file.h"
@@ -12,9 +13,6 @@ namespace {
 constexpr const char* converter_name = "fascicle-convert";
 constexpr int cannot_write = 4, out_of_memory = 6;  // as its --help has it
 
-// The largest characters at hand take a quarter of a second and 200 MiB.
-constexpr ProcessLimits converter_limits{.seconds = 120.0, .bytes = std::uint64_t{4} << 30};
-
 // Its last line names the file that it was given, as callers of this do.
 std::string reason_of(const ProcessResult& result, const std::string& given) {
   const std::string name = std::string(converter_name) + ": ";
@@ -22,14 +20,26 @@ std::string reason_of(const ProcessResult& result, const std::string& given) {
   return reason.rfind(name, 0) == 0 ? last_line(result, converter_name) : reason;
 }
 
-std::string what_failed(const ProcessResult& result, const std::string& given) {
+// "120 s", "4 GiB", "0.3 s".
+std::string amount(double value, const char* unit) {
+  std::ostringstream text;
+  text << value << ' ' << unit;
+  return text.str();
+}
+
+std::string what_failed(const ProcessResult& result, const ProcessLimits& limits, const std::string& given) {
+  const std::string seconds = amount(limits.seconds, "s");
   if (result.end == ProcessEnd::timed_out)
-    return "took longer to convert than the 120 s of processor time allowed";
+    return "took longer to convert than the " + seconds + " of processor time allowed";
   if (result.end == ProcessEnd::stalled)
-    return "was not converted: the converter got no processor time for 120 s; see what holds up this machine";
+    return "was not converted: the converter got no processor time for " + seconds +
+           "; see what holds up this machine";
   if (result.end == ProcessEnd::signalled)
     return "cannot be read: the converter crashed on it (signal " + std::to_string(result.code) + ")";
-  if (result.code == out_of_memory) return "cannot be read: it needs more than 4 GiB of memory";
+  if (result.code == out_of_memory)
+    return "cannot be read: it needs more than " +
+           amount(static_cast<double>(limits.bytes) / static_cast<double>(std::uint64_t{1} << 30), "GiB") +
+           " of memory";
   const std::string reason = reason_of(result, given);
   return "cannot be read: " + (reason.empty() ? "status " + std::to_string(result.code) : reason);
 }
@@ -57,18 +67,22 @@ void fail_to_convert(const std::filesystem::path& input, const std::string& what
                    "; check the free space and permissions of the folder for temporary files (TMPDIR)");
 }
 
-void convert_character(const std::filesystem::path& input, const std::filesystem::path& output) {
+void convert_character(const std::filesystem::path& input, const std::filesystem::path& output,
+                       const Converter& converter) {
+  const std::filesystem::path program =
+      converter.program.empty() ? find_helper(converter_name) : converter.program;
   const std::string given = std::filesystem::absolute(input).string();
   ProcessResult result;
   try {
-    result = run_process(find_helper(converter_name), {given, output.string()}, converter_limits);
+    result = run_process(program, {given, output.string()}, converter.limits);
   } catch (const std::system_error& error) {
     fail_to_convert(input, error.what());
   }
   if (result.end == ProcessEnd::exited && result.code == cannot_write)
     fail_to_convert(input, reason_of(result, given));
   if (result.end != ProcessEnd::exited || result.code != 0)
-    throw SceneError(input.string() + ": " + what_failed(result, given) + ". " + conversion_by_hand(input));
+    throw SceneError(input.string() + ": " + what_failed(result, converter.limits, given) + ". " +
+                     conversion_by_hand(input));
 }
 
 }  // namespace fascicle::scene

@@ -1,8 +1,11 @@
 // Characters that fascicle-convert turns into glTF: .fbx and .dae.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+
+#include "host/scene/process.h"
 
 namespace fascicle::scene {
 
@@ -15,7 +18,14 @@ std::string conversion_by_hand(const std::filesystem::path& path);
 // Throws SceneError: the machine, not the file, stands in the way.
 [[noreturn]] void fail_to_convert(const std::filesystem::path& input, const std::string& what);
 
+struct Converter {
+  std::filesystem::path program = {};  // empty: fascicle-convert beside this program or on PATH
+  // The largest characters at hand take a quarter of a second and 200 MiB.
+  ProcessLimits limits = {.seconds = 120.0, .bytes = std::uint64_t{4} << 30};
+};
+
 // Writes `input` as a GLB. Throws SceneError; nothing that the file holds ends this process.
-void convert_character(const std::filesystem::path& input, const std::filesystem::path& output);
+void convert_character(const std::filesystem::path& input, const std::filesystem::path& output,
+                       const Converter& converter = {});
 
 }  // namespace fascicle::scene

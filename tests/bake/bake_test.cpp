@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <random>
 #include <string>
@@ -19,6 +20,7 @@
 
 #include "cpu_reference/cpu_solver.h"
 #include "host/bake/checkpoint.h"
+#include "host/bake/export.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/model/validate.h"
 #include "tests/bake/bending_bar.h"
@@ -251,10 +253,125 @@ TEST(BakeFolder, AFullDiskLeavesWholeFramesAndCanBeResumed) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   EXPECT_GT(bake::FrameCacheReader(folder / "out/frames.fascicle").frame_count(), 10u);
   EXPECT_FALSE(fs::exists(folder / "out/surface.pc2"));
+  EXPECT_EQ(manifest_in(folder / "out")["status"], "failed");
   BakeOptions options = options_for(folder / "out");
   options.resume = true;
   fake_bake_into(options, short_scene(120));
   EXPECT_EQ(content_of(folder / "out"), whole);
+}
+
+// Where there is no room for a second manifest beside the first either.
+TEST(BakeFailed, SaysSoOnADiskThatIsFull) {
+  const TemporaryFolder folder;
+  fake_bake_into(options_for(folder / "whole"), short_scene(120));
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    BakeOptions options = options_for(folder / "out");
+    options.checkpoint_frames = 60;
+    options.checkpoint_seconds = 1e9;
+    options.on_frame = [&](std::uint64_t frame, std::uint64_t) {
+      if (frame != 100) return;
+      // The manifest of 61 frames fits, one byte more does not, and the cache of 100 has long passed it.
+      const rlim_t size = fs::file_size(folder / "out/manifest.json");
+      const rlimit limit{size, size};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+    };
+    const std::string message =
+        message_of<std::system_error>([&] { fake_bake_into(options, short_scene(120)); });
+    ::_exit(contains(message, "File too large") ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  const nlohmann::json manifest = manifest_in(folder / "out");
+  EXPECT_EQ(manifest["status"], "failed");
+  EXPECT_TRUE(contains(manifest["message"].get<std::string>(), "File too large"));
+  EXPECT_EQ(manifest["frames_done"], 60);
+  BakeOptions options = options_for(folder / "out");
+  options.resume = true;
+  fake_bake_into(options, short_scene(120));
+  EXPECT_EQ(content_of(folder / "out"), content_of(folder / "whole"));
+}
+
+void expect_failed_and_resumed(const TemporaryFolder& folder, const std::string& reason,
+                               const std::function<void()>& mend) {
+  const nlohmann::json manifest = manifest_in(folder / "out");
+  EXPECT_EQ(manifest["status"], "failed");
+  EXPECT_TRUE(contains(manifest["message"].get<std::string>(), reason));
+  EXPECT_EQ(manifest["frames_done"], 4);
+  EXPECT_EQ(manifest["position_hashes"].size(), 5u);
+  const std::string refusal = message_of<BakeError>([&] {
+    bake::export_bake({.bake = folder / "out", .folder = folder / "exported", .formats = {"mdd"}});
+  });
+  EXPECT_TRUE(contains(refusal, reason));
+  EXPECT_TRUE(contains(refusal, "--resume"));
+  mend();
+  BakeOptions options = options_for(folder / "out");
+  options.resume = true;
+  EXPECT_EQ(fake_bake_into(options, short_scene(9)).frames_done, 9u);
+  fake_bake_into(options_for(folder / "whole"), short_scene(9));
+  EXPECT_EQ(content_of(folder / "out"), content_of(folder / "whole"));
+}
+
+BakeOptions with_checkpoint_at_4(const fs::path& folder) {
+  BakeOptions options = options_for(folder);
+  options.checkpoint_frames = 4;
+  options.checkpoint_seconds = 1e9;
+  return options;
+}
+
+TEST(BakeFailed, SaysThatTheDeviceWasLost) {
+  const TemporaryFolder folder;
+  FakeOptions fake;
+  fake.on_submit = [&](std::uint64_t frame) {
+    if (frame == 1) {
+      EXPECT_EQ(manifest_in(folder / "out")["status"], "running");
+    }
+    if (frame == 7) throw std::runtime_error("vkQueueSubmit: VK_ERROR_DEVICE_LOST");
+  };
+  const std::string message = message_of<std::runtime_error>(
+      [&] { fake_bake_into(with_checkpoint_at_4(folder / "out"), short_scene(9), fake); });
+  EXPECT_EQ(message, "vkQueueSubmit: VK_ERROR_DEVICE_LOST");
+  expect_failed_and_resumed(folder, message, [] {});
+}
+
+TEST(BakeFailed, SaysWhatASinkCouldNotWrite) {
+  const TemporaryFolder folder;
+  BakeOptions options = with_checkpoint_at_4(folder / "out");
+  const fs::path in_the_way = folder / "out/obj/frame_000006.obj";
+  options.on_frame = [&](std::uint64_t frame, std::uint64_t) {
+    if (frame == 2) fs::create_directories(in_the_way / "full");
+  };
+  const std::string message = message_of<std::system_error>([&] { fake_bake_into(options, short_scene(9)); });
+  EXPECT_TRUE(contains(message, "frame_000006.obj"));
+  expect_failed_and_resumed(folder, message, [&] { fs::remove_all(in_the_way); });
+}
+
+// A resumed bake that cannot even begin leaves all that was there.
+TEST(BakeFailed, AResumedBakeSaysSoToo) {
+  const TemporaryFolder folder;
+  bake_until(with_checkpoint_at_4(folder / "out"), short_scene(9), 4);
+  fs::rename(folder / "out/surface.pc2.part", folder / "away");
+  BakeOptions options = with_checkpoint_at_4(folder / "out");
+  options.resume = true;
+  const std::string message = message_of<BakeError>([&] { fake_bake_into(options, short_scene(9)); });
+  EXPECT_TRUE(contains(message, "has lost this file"));
+  expect_failed_and_resumed(folder, message,
+                            [&] { fs::rename(folder / "away", folder / "out/surface.pc2.part"); });
+}
+
+// Nothing is said in the manifest of another's bake.
+TEST(BakeFailed, LeavesOthersManifestsAlone) {
+  const TemporaryFolder folder;
+  fake_bake_into(options_for(folder / "out"), short_scene(2));
+  const auto before = content_of(folder / "out");
+  EXPECT_THROW(fake_bake_into(options_for(folder / "out"), short_scene(3)), bake::FolderInUse);
+  BakeOptions options = options_for(folder / "out");
+  options.resume = true;
+  EXPECT_THROW(fake_bake_into(options, short_scene(3)), BakeError);
+  EXPECT_EQ(content_of(folder / "out"), before);
 }
 
 TEST(BakeOptions, AreChecked) {

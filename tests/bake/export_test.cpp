@@ -11,6 +11,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/manifest.h"
+#include "host/bake/read_frame_cache.h"
 #include "tests/bake/fake_solver.h"
 
 namespace fascicle::tests {
@@ -150,8 +151,79 @@ TEST(Export, LeavesNothingWhenInterrupted) {
                                                        .formats = bake::export_format_names(),
                                                        .interrupted = &interrupted});
   EXPECT_TRUE(result.interrupted);
-  EXPECT_TRUE(content_of(folder / "exported").empty());
+  EXPECT_TRUE(fs::is_empty(folder / "exported"));
 }
+
+// Of two bakes, so that the second's files differ; here and in a folder of its own, with its mesh at rest.
+class ExportOver : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    bake_into(folder_ / "out", {}, 6);
+    options_ = {.bake = folder_ / "out", .formats = bake::export_format_names()};
+    if (!is_own()) options_.folder = folder_ / GetParam();
+    bake::export_bake(options_);
+    write_text(target() / "obj/mine.obj", "precious");
+    if (!is_own()) {
+      bake_into(folder_ / "later", {}, 4);
+      options_.bake = folder_ / "later";
+      // Not the script of another length: the mesh at rest, so that its coming back is seen.
+      write_text(target() / "rest.obj", "earlier");
+    }
+    options_.overwrite = true;
+    before_ = content_of(target());
+  }
+  bool is_own() const { return std::string(GetParam()) == "out"; }
+  fs::path target() const { return folder_ / GetParam(); }
+
+  TemporaryFolder folder_;
+  bake::ExportOptions options_;
+  std::vector<std::pair<std::string, std::string>> before_;
+};
+
+TEST_P(ExportOver, InterruptedLeavesTheEarlierOne) {
+  std::atomic<bool> interrupted = false;
+  options_.interrupted = &interrupted;
+  options_.on_frame = [&](std::uint64_t frame, std::uint64_t) { interrupted = frame >= 2; };
+  EXPECT_TRUE(bake::export_bake(options_).interrupted);
+  EXPECT_EQ(content_of(target()), before_);
+  EXPECT_FALSE(fs::exists(target() / "export.part"));
+}
+
+TEST_P(ExportOver, FailedLeavesTheEarlierOne) {
+  const fs::path cache = options_.bake / "frames.fascicle";
+  const std::string whole = read_text(cache);
+  std::string text = whole;
+  // In the frame before the last: that there are enough frames is found out from the last one alone.
+  const std::size_t record = bake::cache_record_bytes(two_tetrahedra().vertex_count);
+  text[text.size() - record - record / 2] ^= 1;
+  write_text(cache, text);
+  EXPECT_NE(refusal([&] { bake::export_bake(options_); }).find("is damaged"), std::string::npos);
+  write_text(cache, whole);
+  EXPECT_EQ(content_of(target()), before_);
+  EXPECT_FALSE(fs::exists(target() / "export.part"));
+}
+
+TEST_P(ExportOver, ReplacesTheEarlierOneWhole) {
+  // What a killed one left goes too.
+  fs::create_directories(target() / "export.part/obj");
+  write_text(target() / "export.part/obj/frame_000001.obj", "half");
+  write_text(target() / "export.part/surface.glb.targets.part", "half");
+  bake::export_bake(options_);
+  EXPECT_EQ(read_text(target() / "obj/mine.obj"), "precious");
+  fs::remove(target() / "obj/mine.obj");
+  EXPECT_FALSE(fs::exists(target() / "export.part"));
+  // As in a folder where nothing was; of the longer series no frame is left.
+  options_.folder = folder_ / "fresh";
+  bake::export_bake(options_);
+  const auto fresh = content_of(folder_ / "fresh");
+  for (const auto& [name, bytes] : fresh) EXPECT_EQ(read_text(target() / name), bytes) << name;
+  if (!is_own()) {
+    EXPECT_EQ(content_of(target()).size(), fresh.size());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Folders, ExportOver, testing::Values("out", "exported"),
+                         [](const auto& folder) { return std::string(folder.param); });
 
 }  // namespace
 }  // namespace fascicle::tests

@@ -1,9 +1,13 @@
 // A bake that was stopped goes on to the same bytes, and only where nothing has changed that decides them.
+#include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -98,6 +102,65 @@ TEST(BakeResume, GoesOnAfterALeadIn) {
     EXPECT_EQ(bake_bar(options, 1000).frames_done, frames);
     EXPECT_EQ(content_of(out), whole) << "stopped after frame " << last;
   }
+}
+
+// checkpoint.h describes the file: read by that alone, it ends where it should, and holds what was saved.
+TEST(Checkpoint, IsWhatItsHeaderDescribes) {
+  bake::Checkpoint saved;
+  saved.identity = {{"scene", "a bar"}, {"fps", "24"}};
+  saved.state.frame = 7;
+  saved.state.origin = {1.0, -2.0, 0.5};
+  float value = 0.0f;
+  for (std::vector<float>* values :
+       {&saved.state.positions, &saved.state.velocities, &saved.state.rotations, &saved.state.skinned,
+        &saved.state.skinned_velocities, &saved.state.positions_before, &saved.state.velocities_before,
+        &saved.skinned[0], &saved.skinned[1]})
+    for (int k = 0; k < 2 + static_cast<int>(value) % 3; ++k) values->push_back(value += 0.5f);
+  saved.state.step_before = 0.0125;
+  const std::string bytes = bake::checkpoint_text(saved);
+
+  std::size_t at = 0;
+  const auto read = [&](auto& out) {
+    ASSERT_LE(at + sizeof out, bytes.size());
+    std::memcpy(&out, bytes.data() + at, sizeof out);
+    at += sizeof out;
+  };
+  const auto expect_floats = [&](const std::vector<float>& wanted) {
+    std::uint64_t count = 0;
+    read(count);
+    ASSERT_EQ(count, wanted.size());
+    for (const float of_saved : wanted) {
+      float found = 0.0f;
+      read(found);
+      EXPECT_EQ(found, of_saved);
+    }
+  };
+  EXPECT_EQ(bytes.substr(0, 8), "FASCCKPT");
+  at = 8;
+  std::uint32_t version = 0, identity_bytes = 0;
+  read(version);
+  read(identity_bytes);
+  const std::string header = read_text(fs::path(FASCICLE_SOURCE_DIR) / "host/bake/checkpoint.h");
+  EXPECT_TRUE(contains(header, "uint32 version " + std::to_string(version) + ","));
+  const nlohmann::json identity = nlohmann::json::parse(bytes.substr(at, identity_bytes));
+  EXPECT_EQ(identity, nlohmann::json::parse(R"([["scene", "a bar"], ["fps", "24"]])"));
+  at += identity_bytes;
+  std::uint64_t frame = 0;
+  read(frame);
+  EXPECT_EQ(frame, 7u);
+  std::array<double, 3> origin{};
+  read(origin);
+  EXPECT_EQ(origin, saved.state.origin);
+  for (const auto* values :
+       {&saved.state.positions, &saved.state.velocities, &saved.state.rotations, &saved.state.skinned,
+        &saved.state.skinned_velocities, &saved.state.positions_before, &saved.state.velocities_before})
+    expect_floats(*values);
+  double step = 0.0;
+  read(step);
+  EXPECT_EQ(step, 0.0125);
+  expect_floats(saved.skinned[0]);
+  expect_floats(saved.skinned[1]);
+  EXPECT_EQ(at + 8, bytes.size()) << "the checksum is the last";
 }
 
 TEST(BakeResume, ACompleteBakeStaysAsItIs) {

@@ -245,5 +245,16 @@ TEST(Assets, TheWalkingMansBoneLayerHoldsTogether) {
   EXPECT_GT(2 * largest, bone_vertices);
 }
 
+// A robot of rigid parts: all that is left to say is about the file.
+TEST(Assets, ARobotIsNotBotheredWithFlesh) {
+  const std::filesystem::path file = asset("RobotExpressive.glb");
+  FASCICLE_NEEDS_ASSET(file);
+  build::Report report;
+  build::build_model(scene::load_scene(file.string()), report, with_mesher());
+  ASSERT_EQ(report.warnings.size(), 1u) << report.warnings.back().text;
+  EXPECT_EQ(report.warnings[0].text.find("skin weights: 752 of 7214 vertices"), 0u)
+      << report.warnings[0].text;
+}
+
 }  // namespace
 }  // namespace fascicle::tests

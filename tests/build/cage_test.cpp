@@ -1,8 +1,10 @@
 // Cages: what is found wrong with a skin, when it is wrapped, that the wrap holds all of it, and that limbs
 // which touch are not fused.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -120,6 +122,22 @@ std::size_t parts_of(const TetMesh& mesh) {
     for (const std::uint32_t v : t) unions.join(t[0], v);
   std::set<std::uint32_t> roots;
   for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) roots.insert(unions.find(v));
+  return roots.size();
+}
+
+// Groups of tetrahedra that faces join. One that hangs on the rest by a vertex or an edge would swing there.
+std::size_t groups_of(const TetMesh& mesh) {
+  build::Unions unions(mesh.tetrahedra.size());
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> of_face;
+  for (std::uint32_t i = 0; i < mesh.tetrahedra.size(); ++i)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto& t = mesh.tetrahedra[i];
+      std::array<std::uint32_t, 3> face{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]};
+      std::sort(face.begin(), face.end());
+      unions.join(of_face.emplace(face, i).first->second, i);
+    }
+  std::set<std::uint32_t> roots;
+  for (std::uint32_t i = 0; i < mesh.tetrahedra.size(); ++i) roots.insert(unions.find(i));
   return roots.size();
 }
 
@@ -348,6 +366,7 @@ TEST(Legs, AreNotFused) {
     EXPECT_GT(filled.report.fill.cage.cut_tetrahedra, 0u) << gap;
     EXPECT_EQ(edges_between_legs(filled.body.mesh, filled.weights), 0u) << gap;
     EXPECT_EQ(parts_of(filled.body.mesh), 1u) << gap;
+    EXPECT_EQ(groups_of(filled.body.mesh), 1u) << gap;
     EXPECT_GE(least_at_home(filled), -0.05) << gap;
     EXPECT_NO_THROW(build::boundary_triangles(filled.body.mesh, "test")) << gap;
     // Each vertex of the skin rides on flesh that its own leg moves.

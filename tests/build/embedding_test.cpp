@@ -254,6 +254,13 @@ TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
       << report.warnings[0].text;
   EXPECT_NE(report.warnings[1].text.find("vertex 3 of the file"), std::string::npos)
       << report.warnings[1].text;
+  // Where rigid parts are out, what is left has other numbers in the file.
+  welded.file_vertex = {10, 11, 12, 23, 24};
+  build::Report of_soft_skin;
+  build::embed_surface(surface, welded, body, limbs.weights, skin, of_soft_skin);
+  ASSERT_EQ(of_soft_skin.warnings.size(), 2u);
+  EXPECT_NE(of_soft_skin.warnings[0].text.find("vertex 24 of the file"), std::string::npos);
+  EXPECT_NE(of_soft_skin.warnings[1].text.find("vertex 23 of the file"), std::string::npos);
 }
 
 TEST(Embedding, AgreementIsTheCommonPart) {

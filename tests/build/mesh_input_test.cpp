@@ -1,14 +1,18 @@
 // Tetrahedral meshes as given: what is repaired, what is refused and with which words, what comes out the
 // same.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "host/build/bar.h"
 #include "host/build/boundary.h"
+#include "host/build/check_mesh.h"
 #include "host/build/mass.h"
 #include "host/model/model.h"
 #include "tests/build/scenes.h"
@@ -171,6 +175,46 @@ TEST(MeshInput, WarnsOfPartsAndOfWhatFalls) {
   EXPECT_EQ(report.warnings[0].vertices, (std::vector<std::uint32_t>{0, 4}));
   EXPECT_NE(report.warnings[1].text.find("fall"), std::string::npos);
   EXPECT_EQ(report.warnings[1].vertices, (std::vector<std::uint32_t>{4}));
+}
+
+std::string warning_of_flat_cells(const TetMesh& mesh) {
+  scene::Scene scene = bar_scene();
+  scene.geometry = mesh;
+  build::Report report;
+  build::build_model(scene, report);
+  for (const build::Warning& warning : report.warnings)
+    if (warning.text.find("flatter than") != std::string::npos) return warning.text;
+  return "";
+}
+
+// Thinned towards its free end, along x alone.
+TetMesh graded_bar(double ratio) {
+  TetMesh mesh = build::make_bar({.size = {2.0, 0.4, 0.4}, .vertices = {21, 5, 5}}, "test");
+  std::vector<double> places{0.0};
+  for (int k = 0; k < 20; ++k) places.push_back(places.back() + 0.1 * std::pow(ratio, -k / 19.0));
+  for (Vector3d& p : mesh.vertices)
+    p[0] = places[static_cast<std::size_t>(std::lround((p[0] - mesh.vertices[0][0]) / 0.1))];
+  return mesh;
+}
+
+TEST(MeshInput, WarnsOfFlatTetrahedra) {
+  EXPECT_EQ(warning_of_flat_cells(graded_bar(1.0)), "");
+  EXPECT_EQ(warning_of_flat_cells(graded_bar(15.0)), "");
+  for (const double ratio : {30.0, 100.0, 250.0}) {
+    const std::string text = warning_of_flat_cells(graded_bar(ratio));
+    ASSERT_NE(text, "") << ratio;
+    // The last slice's vertices, the free end's, have nothing better: a box of 1:ratio.
+    const std::size_t number = text.find("down to 1:");
+    ASSERT_NE(number, std::string::npos) << text;
+    EXPECT_NEAR(std::stod(text.substr(number + 10)), ratio, 0.01 * ratio + 0.5) << text;
+  }
+  // A sliver among good ones: one vertex of a bar is pushed nearly onto a face of one of its tetrahedra.
+  TetMesh sliver = graded_bar(1.0);
+  const auto t = sliver.tetrahedra[700];
+  const Vector3d middle = (sliver.vertices[t[1]] + sliver.vertices[t[2]] + sliver.vertices[t[3]]) / 3.0;
+  sliver.vertices[t[0]] += 0.97 * (middle - sliver.vertices[t[0]]);
+  EXPECT_LT(build::flatness(sliver, t), 1.0 / 20.0);
+  EXPECT_EQ(warning_of_flat_cells(sliver), "");
 }
 
 TEST(MeshInput, ScaleMultipliesMeshesButNotBars) {

@@ -290,8 +290,54 @@ TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
   EXPECT_EQ(m.vertex_count, 8u);
   ASSERT_EQ(report.rigid_parts.size(), 2u);
   EXPECT_NE(report.rigid_parts[0].reason.find("robot"), std::string::npos);
+  // What is said of flesh means nothing here: that its layer is empty, that parts do not touch.
+  for (const build::Warning& warning : report.warnings) ADD_FAILURE() << warning.text;
   for (std::uint32_t v = 0; v < robot.surface.vertices.size(); ++v)
     EXPECT_LT(ride_of(m, robot, v).error, ride_tolerance) << v;
+}
+
+// The control: flesh that a bone layer takes by its shapes alone is warned of, and so is an odd size.
+TEST(RigidParts, FleshThatLayersMakeRigidIsWarnedOf) {
+  scene::Scene scene = scene_of(trunk_with({plate()}));
+  scene.layers[1].where = {scene::Everywhere{}};
+  build::Report report;
+  const model::Model m = build::build_model(scene, report, with_mesher());
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) ASSERT_TRUE(m.is_kinematic(i));
+  EXPECT_TRUE(std::any_of(report.warnings.begin(), report.warnings.end(), [](const build::Warning& warning) {
+    return warning.text == "layers.flesh: holds no vertex";
+  }));
+}
+
+// The plate comes first in the file and has a seam, and the trunk is open: its rim is named by the file's
+// numbers, and the plate has as many vertices as in the file.
+TEST(RigidParts, VerticesAreCountedAsInTheFile) {
+  scene::Character c = trunk_with({});
+  Piece trunk{c.surface, Vector3d::Zero(), {{pelvis, 1.0}}, "Body", "Skin"}, seamed = plate();
+  const auto cut = trunk.surface.triangles[trunk.surface.triangles.size() / 2];
+  trunk.surface.triangles.erase(trunk.surface.triangles.begin() +
+                                static_cast<std::ptrdiff_t>(trunk.surface.triangles.size() / 2));
+  seamed.surface.vertices.push_back(seamed.surface.vertices[seamed.surface.triangles[0][0]]);
+  seamed.surface.triangles[0][0] = 8;
+  scene::Character both;
+  both.skeleton = c.skeleton;
+  add(both, seamed);
+  add(both, trunk);
+  for (std::size_t v = 0; v < c.weights.size(); ++v) {
+    both.joints[9 + v] = c.joints[v];
+    both.weights[9 + v] = c.weights[v];
+  }
+  build::Report report;
+  build::build_model(scene_of(both), report, with_mesher());
+  ASSERT_EQ(report.rigid_parts.size(), 1u);
+  EXPECT_EQ(report.rigid_parts[0].vertices, 9u);
+  const build::CageReport& cage = report.fill.cage;
+  EXPECT_EQ(cage.findings.open_edges.count, 3u);
+  std::vector<std::uint32_t> rim{9 + cut[0], 9 + cut[1], 9 + cut[2]};
+  ASSERT_FALSE(cage.findings.open_edges.vertices.empty());
+  for (const std::uint32_t v : cage.findings.open_edges.vertices)
+    EXPECT_TRUE(std::find(rim.begin(), rim.end(), v) != rim.end()) << v;
+  ASSERT_EQ(cage.ends.vertex.size(), 1u);
+  EXPECT_TRUE(std::find(rim.begin(), rim.end(), cage.ends.vertex[0]) != rim.end()) << cage.ends.vertex[0];
 }
 
 TEST(RigidParts, CanBeAskedFor) {

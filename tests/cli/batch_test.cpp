@@ -100,6 +100,21 @@ TEST(Batch, OneFailureDoesNotEndTheOthers) {
   EXPECT_EQ(summary_of(folder).at(1).at("status"), "done");
 }
 
+// The first line of the bake's own log follows the last foreign words, which have no end of line.
+TEST(Batch, PassesOnLinesThatAreNotItsOwn) {
+  const TemporaryFolder folder;
+  const std::string list = list_in(folder, "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=0.2\"]\n");
+  const Outcome outcome = fascicle({"batch", list}, {std::string("LD_PRELOAD=") + FASCICLE_FOREIGN_LINES,
+                                                     "ASAN_OPTIONS=verify_asan_link_order=0"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* line : {"bar: {\"level\": 3, \"message\": {\"code\": 7}}\n", "bar: [1, 2]\n",
+                           "bar: {\"level\": \"error\", \"message\": \"of the driver alone\"}\n",
+                           "bar: plain words without an end"})
+    EXPECT_TRUE(contains(outcome.err, line)) << outcome.err;
+  EXPECT_EQ(summary_of(folder).at(0).at("status"), "done");
+  EXPECT_EQ(summary_of(folder).at(0).at("error"), "");
+}
+
 TEST(Batch, RefusesBeforeItBegins) {
   const TemporaryFolder folder;
   const auto refusal = [&](const std::string& jobs, int status, const std::vector<std::string>& more = {}) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/cli/child_bake.h"
 #include "host/cli/compare_devices.h"
 #include "host/cli/device_choice.h"
 #include "host/cli/exit_codes.h"
@@ -105,6 +106,26 @@ TEST(Log, AdvanceSaysShareRateAndTimeLeft) {
   EXPECT_EQ(cli::advance_text(half, 4), "baking  [##--]  50 %  frame 60/120  30 frames/s  2.00 s left");
   const cli::Advance unknown{.what = "baking", .done = 0, .total = 0, .rate = 0.0, .seconds_left = -1.0};
   EXPECT_EQ(cli::advance_text(unknown, 0), "baking  100 %  frame 0/0");
+}
+
+TEST(ChildLog, OnlyLinesOfOurLogAreRead) {
+  const auto said = cli::read_log_line(
+      R"({"time":0.5,"level":"progress","message":"baking","frame":3,"frames":9,"rate":null,"eta":1.5})");
+  ASSERT_TRUE(said);
+  EXPECT_EQ(said->level, "progress");
+  EXPECT_EQ(said->message, "baking");
+  EXPECT_EQ(said->frame, 3u);
+  EXPECT_EQ(said->frames, 9u);
+  for (const char* line : {"", "words", "[1]", "{}", "3", "null", R"({"level":3,"message":"m","time":1})",
+                           R"({"level":"error","message":{"a":1},"time":1})",
+                           R"({"level":"error","message":"m"})", R"({"level":null,"time":null})"})
+    EXPECT_FALSE(cli::read_log_line(line)) << line;
+  for (const char* line : {R"({"time":1,"level":"progress","message":"m","frame":"3","frames":{}})",
+                           R"({"time":1,"level":"progress","message":"m","frame":-3,"frames":1e30})"}) {
+    const auto odd = cli::read_log_line(line);
+    ASSERT_TRUE(odd) << line;
+    EXPECT_FALSE(odd->frame || odd->frames) << line;
+  }
 }
 
 }  // namespace

@@ -150,8 +150,8 @@ TEST(Implicit, AFreeBodyFallsAsItShould) {
 }
 
 // A free body, stretched unevenly and let go, does not push itself. The goals conserve momentum; what the
-// iterations leave does not: prototype 1e-6 of the motion when converged. With 20 of them a thousandth is
-// asked, and less with more.
+// iterations leave does not: 1e-6 of the motion where they converge. With 20 of them a thousandth is asked,
+// and less with more.
 TEST(Implicit, AFreeBodyKeepsItsMomentum) {
   for (const float beta : {0.0f, 1.0f}) {
     const Model model = free_bar(5e3, beta);

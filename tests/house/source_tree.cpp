@@ -52,7 +52,32 @@ Split split(const std::string& text) {
   return result;
 }
 
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
 }  // namespace
+
+std::vector<Source> read_repository(const std::filesystem::path& root) {
+  constexpr std::array<const char*, 9> folders{".ci",  "bench",  "cpu_reference", "docs", "gpu",
+                                               "host", "scenes", "shaders",       "tests"};
+  std::vector<Source> files;
+  const auto add = [&](const std::filesystem::path& path) {
+    std::string text = bytes_of(path);
+    if (text.find('\0') != std::string::npos) text.clear();
+    files.push_back({std::filesystem::relative(path, root).generic_string(), std::move(text)});
+  };
+  for (const auto& entry : std::filesystem::directory_iterator(root))
+    if (entry.is_regular_file()) add(entry.path());
+  for (const char* folder : folders)
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder))
+      if (entry.is_regular_file() && entry.path().string().find("__pycache__") == std::string::npos)
+        add(entry.path());
+  std::sort(files.begin(), files.end(), [](const Source& a, const Source& b) { return a.path < b.path; });
+  return files;
+}
 
 std::vector<Source> read_sources(const std::filesystem::path& root) {
   constexpr std::array<const char*, 6> rooms{"shaders", "gpu", "host", "cpu_reference", "tests", "bench"};
@@ -65,9 +90,8 @@ std::vector<Source> read_sources(const std::filesystem::path& root) {
       if (!entry.is_regular_file() ||
           std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
         continue;
-      std::ostringstream text;
-      text << std::ifstream(entry.path(), std::ios::binary).rdbuf();
-      sources.push_back({std::filesystem::relative(entry.path(), root).generic_string(), text.str()});
+      sources.push_back(
+          {std::filesystem::relative(entry.path(), root).generic_string(), bytes_of(entry.path())});
     }
   }
   std::sort(sources.begin(), sources.end(), [](const Source& a, const Source& b) { return a.path < b.path; });

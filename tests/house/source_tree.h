@@ -15,6 +15,9 @@ struct Source {
 // Every .h .c .cpp .inc .comp .glsl file of the rooms, by path.
 std::vector<Source> read_sources(const std::filesystem::path& root);
 
+// Every file that belongs to the repository, by path; of pictures and other bytes the text is empty.
+std::vector<Source> read_repository(const std::filesystem::path& root);
+
 // The text with comments turned into spaces, or with everything but comments; lines stay where they are.
 // Knows string and character literals and raw strings.
 std::string without_comments(const std::string& text);

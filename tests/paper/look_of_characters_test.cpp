@@ -5,7 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "host/bake/drive_source.h"
+#include "host/bake/expected_look.h"
 #include "host/bake/look.h"
+#include "tests/paper/built_scene.h"
 #include "tests/paper/character_run.h"
 #include "tests/support/assets.h"
 
@@ -38,6 +41,23 @@ TEST(LookOfCharacters, AFrogThatLeapsKeepsItsShape) {
                        {.set = {"motion.interpolation=as-authored", "motion.acceleration_limit=1e9"},
                         .clip = "Attack"}),
             2.0);
+}
+
+// A wish that its clip does not bear is said before the bake, and the default is not.
+TEST(LookOfCharacters, AFrogTooSoftForItsLeapIsExpected) {
+  FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
+  const auto expected = [](double softness) {
+    scene::Scene scene =
+        scene::load_scene(asset("easy_enemies_Frog.glb").string(), {.clip = "Attack", .softness = softness});
+    const model::Model model = built(scene);
+    bake::DriveSource drives(scene, model);
+    return bake::expected_look(scene, model, drives).value().score;
+  };
+  const double by_default = expected(1.0);
+  EXPECT_LT(by_default, 1.0);
+  // What its back is then measured to swing: 0.77.
+  EXPECT_GT(by_default, 0.5 * 0.77);
+  EXPECT_GT(expected(2.0), 1.0);
 }
 
 // Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. As free

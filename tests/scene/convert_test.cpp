@@ -1,8 +1,11 @@
 // Characters of other formats: against Blender, which writes one character as glTF, FBX and Collada, against
 // the formula of FBX's transforms, and with files that mean no good.
 
+#include "host/scene/convert.h"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -10,6 +13,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -446,6 +450,84 @@ TEST(Converter, messages_name_the_file_once) {
     EXPECT_EQ(what.find(noise.string(), 1), std::string::npos) << what;
   }
 }
+
+// Run in place of the converter, or the converter itself under such limits.
+std::string refusal_of(const fs::path& input, const scene::Converter& converter) {
+  try {
+    scene::convert_character(input, fs::path(input).replace_extension(".glb"), converter);
+  } catch (const scene::SceneError& error) {
+    return error.what();
+  }
+  return "converted";
+}
+
+TEST(Converter, that_takes_too_long_or_too_much_is_said_to) {
+  const TemporaryFolder folder;
+  const fs::path hero = folder.write("hero.fbx", fbx_of({}));
+  const auto said = [&](const std::string& script, const scene::ProcessLimits& limits) {
+    const fs::path program = folder.write("converter", "#!/bin/sh\n" + script + "\n");
+    fs::permissions(program, fs::perms::owner_all);
+    return refusal_of(hero, {program, limits});
+  };
+  constexpr std::uint64_t gigabyte = std::uint64_t{1} << 30;
+  const std::string by_hand = ". Convert it with FBX2glTF, ";
+  for (const auto& [script, words] :
+       {std::pair{"while :; do :; done", "took longer to convert than the 0.3 s of processor time allowed"},
+        std::pair{"exec 2>&-; sleep 600",
+                  "was not converted: the converter got no processor time for 0.3 s; see what holds up this "
+                  "machine"},
+        std::pair{"exit 6", "cannot be read: it needs more than 1.5 GiB of memory"},
+        std::pair{"kill -SEGV $$", "cannot be read: the converter crashed on it (signal 11)"}})
+    EXPECT_EQ(said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2})
+                  .find(hero.string() + ": " + words + by_hand),
+              0u)
+        << said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2});
+  // A busy machine gives it little of the processor, and it is waited for.
+  EXPECT_NE(said("i=0; while [ $i -lt 10 ]; do i=$((i+1)); sleep 0.2; done; exit 6", {.seconds = 1.0})
+                .find("more than 4 GiB of memory"),
+            std::string::npos);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+// The converter itself, with less and less: where it does not get by, it says so, and never that the file is
+// bad.
+TEST(Converter, a_file_that_needs_more_memory_is_not_called_bad) {
+  const TemporaryFolder folder;
+  // 400,000 numbers, of which a text of 5 MB and several copies are made.
+  std::string points, corners;
+  constexpr int count = 399996;
+  for (int k = 0; k < count; ++k) points += std::to_string(k % 1000) + " ";
+  for (int k = 0; k < count / 3; ++k) corners += std::to_string(k) + " ";
+  const fs::path large = folder.write(
+      "large.dae",
+      "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><library_geometries>"
+      "<geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" count=\"" +
+          std::to_string(count) + "\">" + points +
+          "</float_array><technique_common><accessor source=\"#a\" count=\"" + std::to_string(count / 3) +
+          "\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+          "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\">"
+          "<input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"" +
+          std::to_string(count / 9) + "\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
+          corners +
+          "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "
+          "id=\"s\">"
+          "<node id=\"n\"><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
+          "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+  ASSERT_EQ(refusal_of(large, {}), "converted");
+  bool is_refused = false;
+  // Below this its libraries are not even loaded.
+  for (std::uint64_t megabytes = 256; megabytes >= 32; megabytes -= 4) {
+    const std::string said = refusal_of(large, {{}, {.bytes = megabytes << 20}});
+    if (said == "converted") continue;
+    if (said.find("shared librar") != std::string::npos) break;
+    is_refused = true;
+    EXPECT_NE(said.find("it needs more than 0."), std::string::npos) << megabytes << " MiB: " << said;
+  }
+  EXPECT_TRUE(is_refused);
+}
+
+#endif
 
 // No other converter would help there.
 TEST(Converter, a_machine_without_room_for_the_result_is_not_the_files_fault) {

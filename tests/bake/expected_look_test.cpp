@@ -1,0 +1,119 @@
+// How far flesh is expected to swing, against how far it then does.
+#include "host/bake/expected_look.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/cpu_solver.h"
+#include "host/bake/lead_in.h"
+#include "host/bake/look.h"
+#include "host/scene/smooth_clip.h"
+#include "tests/bake/bending_bar.h"
+#include "tests/support/test_models.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double acceleration = 9.6;  // m/s^2
+
+// Thrown along y, ever faster. The axis of the bar is kinematic, and its flesh 0.1 m deep.
+BendingBar thrown_bar(double damping) {
+  BendingBar bar = bending_bar(1.0);
+  std::vector<RootKey> keys;
+  for (int k = 0; k <= 24; ++k) {
+    const double t = k / 24.0;
+    keys.push_back({t, Vector3d(0, 0.5 * acceleration * t * t, 0)});
+  }
+  bar.character().clips.push_back(scene::smooth_clip({"throw", 1.0, {root_channel(keys)}}, false, 0.0, 1.0));
+  for (model::Layer& layer : bar.model.layers) layer.damping = damping;
+  return bar;
+}
+
+BendingBar elastic_bar(double youngs_modulus, double damping = 12.0) {
+  BendingBar bar = thrown_bar(damping);
+  bar.model = make_implicit(bar.model, youngs_modulus);
+  return bar;
+}
+
+bake::ExpectedLook expected(const BendingBar& bar) {
+  bake::DriveSource drives(bar.scene, bar.model);
+  return bake::expected_look(bar.scene, bar.model, drives).value();
+}
+
+// The largest score of LookMeasure::distance.
+double measured(const BendingBar& bar) {
+  bake::DriveSource drives(bar.scene, bar.model);
+  const auto solver = cpu_reference::make_cpu_solver(
+      bar.model,
+      {.integrator =
+           bar.model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step},
+      2);
+  solver->load(bake::lead_in(bar.scene, bar.model, drives, *solver).state);
+  const bake::LookBody body = bake::look_body(bar.model, &std::get<scene::Character>(bar.scene.geometry));
+  bake::Look look(bar.model, body);
+  double largest = 0.0;
+  for (std::uint64_t k = 1; k <= scene::cycle_frames(bar.scene); ++k) {
+    solver->submit(drives.drive(k), {.positions = true, .skinned = true});
+    const auto of = look.of(solver->collect()).of;
+    largest = std::max(largest, of[static_cast<std::size_t>(bake::LookMeasure::distance)].score);
+  }
+  return largest;
+}
+
+// A column that shears is one of several ways in which flesh yields: within a factor of two of what is baked,
+// over two decades of stiffness.
+TEST(ExpectedLook, IsWhatABakeComesTo) {
+  for (const double youngs_modulus : {3e3, 3e4, 3e5}) {
+    const BendingBar bar = elastic_bar(youngs_modulus);
+    const double baked = measured(bar), score = expected(bar).score;
+    EXPECT_GT(score, 0.5 * baked) << youngs_modulus;
+    EXPECT_LT(score, 2.0 * baked) << youngs_modulus;
+  }
+}
+
+TEST(ExpectedLook, IsWhatAnExplicitBakeComesTo) {
+  BendingBar bar = thrown_bar(12.0);
+  const double baked = measured(bar), score = expected(bar).score;
+  EXPECT_GT(score, 0.5 * baked);
+  EXPECT_LT(score, 2.0 * baked);
+}
+
+// Under a steady push flesh comes to rest at a c, and c goes with 1/E. The damping lets 1 % of the swing
+// stand.
+TEST(ExpectedLook, GoesWithTheStiffnessWhereThePushIsSteady) {
+  const double soft = expected(elastic_bar(2e4, 60.0)).score;
+  const double stiff = expected(elastic_bar(4e4, 60.0)).score;
+  EXPECT_NEAR(soft, 2.0 * stiff, 0.03 * soft);
+  // Of flesh that feels half of it, half.
+  BendingBar half = elastic_bar(2e4, 60.0);
+  half.model.carried.assign(half.model.vertex_count, 0.5f);
+  EXPECT_NEAR(expected(half).score, 0.5 * soft, 1e-6 * soft);
+}
+
+// The advice holds: flesh that much stiffer scores 1 at most, and a quarter less stiff does not.
+TEST(ExpectedLook, SaysHowMuchStifferWouldDo) {
+  const double youngs_modulus = 500.0;
+  const bake::ExpectedLook look = expected(elastic_bar(youngs_modulus));
+  ASSERT_GT(look.score, 1.0);
+  EXPECT_GT(look.stiffer, 1.0);
+  EXPECT_LE(expected(elastic_bar(youngs_modulus * look.stiffer)).score, 1.0 + 1e-9);
+  EXPECT_GT(expected(elastic_bar(youngs_modulus * look.stiffer / 1.26)).score, 1.0);
+  const BendingBar bar = elastic_bar(youngs_modulus);
+  const std::string text = bake::expected_look_warning(bar.scene, bar.model, look);
+  EXPECT_NE(text.find("layers.body"), std::string::npos) << text;
+  EXPECT_NE(text.find("times stiffer"), std::string::npos) << text;
+  EXPECT_EQ(expected(elastic_bar(1e5)).stiffer, 1.0);
+}
+
+TEST(ExpectedLook, AsksFreeFleshAndASkeleton) {
+  BendingBar bar = elastic_bar(1e4);
+  for (std::uint32_t i = 0; i < bar.model.vertex_count; ++i) make_kinematic(bar.model, i);
+  bake::DriveSource still(bar.scene, bar.model);
+  EXPECT_FALSE(bake::expected_look(bar.scene, bar.model, still).has_value());
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,97 @@
+// Work on several threads: every piece once, the first failure comes out, and fewer threads where the system
+// grants no more.
+#include "host/build/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <new>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+namespace fascicle::tests {
+namespace {
+
+// Whether each piece is worked on once, by workers with numbers below `most`.
+bool takes_each_once(std::size_t count, std::size_t most) {
+  std::vector<std::atomic<int>> taken(count);
+  std::atomic<bool> is_below = true;
+  build::for_each_in_parallel(count, most, [&](std::size_t piece, std::size_t worker) {
+    ++taken[piece];
+    if (worker >= most) is_below = false;
+  });
+  return is_below && std::all_of(taken.begin(), taken.end(), [](const auto& times) { return times == 1; });
+}
+
+TEST(ForEachInParallel, TakesEachPieceOnce) {
+  for (const std::size_t count : {0u, 1u, 7u, 5000u})
+    for (const std::size_t most : {1u, 2u, 9u})
+      EXPECT_TRUE(takes_each_once(count, most)) << count << ' ' << most;
+}
+
+TEST(ForEachInParallel, ThrowsWhatAPieceThrew) {
+  EXPECT_THROW(build::for_each_in_parallel(1000, 4,
+                                           [](std::size_t piece, std::size_t) {
+                                             if (piece == 17) throw std::runtime_error("17");
+                                           }),
+               std::runtime_error);
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+
+TEST(ForEachInParallel, GoesOnWithTheThreadsThatWereGranted) {
+  GTEST_SKIP() << "SKIPPED: under a sanitizer a process cannot live with a limit on its address space";
+}
+
+#else
+
+// In a process of its own, as the limit would hold for the rest of the tests. A limit on memory, because root
+// is free of that on processes. Leaves with 0 if all is well.
+[[noreturn]] void work_under_a_limit() {
+  std::size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  // A thread's stack takes 2 MiB or more, so that 200 MiB hold some threads and not 1,000.
+  const rlim_t limit = pages * 4096 + (rlim_t{200} << 20);
+  const rlimit space{limit, limit};
+  setrlimit(RLIMIT_AS, &space);
+  bool is_refused = false;
+  {
+    std::atomic<bool> ends = false;
+    std::vector<std::jthread> threads;
+    try {
+      while (threads.size() < 1000) threads.emplace_back([&] { ends.wait(false); });
+    } catch (const std::system_error&) {
+      is_refused = true;
+    } catch (const std::bad_alloc&) {
+      is_refused = true;
+    }
+    ends = true;
+    ends.notify_all();
+  }
+  if (!is_refused) std::_Exit(2);
+  // Pieces that sleep, so that the first threads do not end before the last are asked for.
+  std::atomic<int> taken = 0;
+  build::for_each_in_parallel(1000, 1000, [&](std::size_t, std::size_t) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    ++taken;
+  });
+  std::fprintf(stderr, "worked\n");
+  std::_Exit(taken == 1000 ? 0 : 1);
+}
+
+TEST(ForEachInParallelDeathTest, GoesOnWithTheThreadsThatWereGranted) {
+  EXPECT_EXIT(work_under_a_limit(), testing::ExitedWithCode(0), "worked");
+}
+
+#endif
+
+}  // namespace
+}  // namespace fascicle::tests

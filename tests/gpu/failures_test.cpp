@@ -1,0 +1,129 @@
+// Vulkan calls that fail half-way through opening a device: what was made before is destroyed.
+#include <cstring>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <volk.h>
+
+#include "gpu/device.h"
+#include "tests/gpu/vulkan_device.h"
+
+namespace fascicle::tests {
+namespace {
+
+// volk's entry points as they were, and what went through those put in their place. Vulkan's calls take no
+// context, so there is one.
+struct Faults {
+  PFN_vkGetInstanceProcAddr of_instance = nullptr;
+  PFN_vkGetDeviceProcAddr of_device = nullptr;
+  PFN_vkDestroyInstance destroy_instance = nullptr;
+  PFN_vkDestroyDevice destroy_device = nullptr;
+  std::string failing;
+  int instances_destroyed = 0, devices_destroyed = 0;
+};
+
+Faults& faults() {
+  static Faults one;
+  return one;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL no_cache(VkDevice, const VkPipelineCacheCreateInfo*,
+                                        const VkAllocationCallbacks*, VkPipelineCache*) {
+  return VK_ERROR_OUT_OF_HOST_MEMORY;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL no_messenger(VkInstance, const VkDebugUtilsMessengerCreateInfoEXT*,
+                                            const VkAllocationCallbacks*, VkDebugUtilsMessengerEXT*) {
+  return VK_ERROR_OUT_OF_HOST_MEMORY;
+}
+
+VKAPI_ATTR void VKAPI_CALL counted_instance(VkInstance instance, const VkAllocationCallbacks* allocation) {
+  ++faults().instances_destroyed;
+  faults().destroy_instance(instance, allocation);
+}
+
+VKAPI_ATTR void VKAPI_CALL counted_device(VkDevice device, const VkAllocationCallbacks* allocation) {
+  ++faults().devices_destroyed;
+  faults().destroy_device(device, allocation);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_of_device(VkDevice device, const char* name) {
+  const PFN_vkVoidFunction real = faults().of_device(device, name);
+  if (std::strcmp(name, "vkDestroyDevice") == 0) {
+    faults().destroy_device = reinterpret_cast<PFN_vkDestroyDevice>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(&counted_device);
+  }
+  if (faults().failing == name && faults().failing == "vkCreatePipelineCache")
+    return reinterpret_cast<PFN_vkVoidFunction>(&no_cache);
+  return real;
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_of_instance(VkInstance instance, const char* name) {
+  if (faults().failing == name && faults().failing == "vkCreateDebugUtilsMessengerEXT")
+    return reinterpret_cast<PFN_vkVoidFunction>(&no_messenger);
+  return faults().of_instance(instance, name);
+}
+
+class Failures : public VulkanTest {
+ protected:
+  // Looking for a device has loaded Vulkan.
+  void SetUp() override {
+    VulkanTest::SetUp();
+    if (!index) return;
+    faults() = {.of_instance = vkGetInstanceProcAddr,
+                .of_device = vkGetDeviceProcAddr,
+                .destroy_instance = vkDestroyInstance,
+                .failing = {}};
+    vkGetInstanceProcAddr = &faulty_of_instance;
+    vkGetDeviceProcAddr = &faulty_of_device;
+    vkDestroyInstance = &counted_instance;
+  }
+  void TearDown() override {
+    if (!index) return;
+    vkGetInstanceProcAddr = faults().of_instance;
+    vkGetDeviceProcAddr = faults().of_device;
+    vkDestroyInstance = faults().destroy_instance;
+  }
+
+  std::string message(const gpu::DeviceOptions& options) const {
+    try {
+      const gpu::Device device(*index, options);
+    } catch (const gpu::DeviceError& error) {
+      return error.what();
+    }
+    return "opened";
+  }
+};
+
+// The control: both counters see what an ordinary end destroys.
+TEST_F(Failures, NoneDestroysEachOnce) {
+  EXPECT_EQ(message({}), "opened");
+  EXPECT_EQ(faults().devices_destroyed, 1);
+  EXPECT_EQ(faults().instances_destroyed, 1);
+}
+
+TEST_F(Failures, OfThePipelineCacheDestroysTheDevice) {
+  faults().failing = "vkCreatePipelineCache";
+  const std::string said = message({});
+  EXPECT_NE(said.find("vkCreatePipelineCache"), std::string::npos) << said;
+  EXPECT_NE(said.find("VK_ERROR_OUT_OF_HOST_MEMORY"), std::string::npos) << said;
+  EXPECT_EQ(faults().devices_destroyed, 1);
+  EXPECT_EQ(faults().instances_destroyed, 1);
+}
+
+TEST_F(Failures, OfTheMessengerDestroysTheInstance) {
+  const gpu::DeviceOptions validated{.validation = true};
+  if (const std::string said = message(validated); said != "opened") {
+    if (vulkan_is_required()) FAIL() << said;
+    GTEST_SKIP() << "NOTHING WAS TESTED: " << said;
+  }
+  faults().instances_destroyed = faults().devices_destroyed = 0;
+  faults().failing = "vkCreateDebugUtilsMessengerEXT";
+  const std::string said = message(validated);
+  EXPECT_NE(said.find("VK_ERROR_OUT_OF_HOST_MEMORY"), std::string::npos) << said;
+  EXPECT_EQ(faults().devices_destroyed, 0);
+  EXPECT_EQ(faults().instances_destroyed, 1);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
