@@ -463,6 +463,27 @@ std::size_t fused_edges(const Filled& filled, const std::vector<scene::Joint>& s
   }));
 }
 
+// How far skin sticks out of the tetrahedra that it rides on.
+struct Outside {
+  std::size_t vertices = 0;  // with a barycentric coordinate below -0.05
+  double farthest = 0.0;     // of these, in metres, through the face that they stick out of
+};
+
+Outside outside_of_cage(const build::RenderMesh& skin, const TetMesh& cage) {
+  Outside outside;
+  for (std::size_t v = 0; v < skin.corners.size(); ++v) {
+    const auto least = std::min_element(skin.weights[v].begin(), skin.weights[v].end());
+    if (*least >= -0.05f) continue;
+    const auto k = static_cast<std::size_t>(least - skin.weights[v].begin());
+    const auto corner = [&](std::size_t i) { return cage.vertices[skin.corners[v][(k + i) % 4]]; };
+    const Vector3d normal = (corner(2) - corner(1)).cross(corner(3) - corner(1)).normalized();
+    const double height = std::abs(normal.dot(corner(0) - corner(1)));
+    ++outside.vertices;
+    outside.farthest = std::max(outside.farthest, -static_cast<double>(*least) * height);
+  }
+  return outside;
+}
+
 class CagesOfAssets : public ::testing::TestWithParam<std::pair<const char*, std::uint32_t>> {};
 
 TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
@@ -474,12 +495,15 @@ TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   EXPECT_FALSE(filled.body.keeps_skin);
   // The bounds a cage must keep. The skin's own volume is below that of a fine wrap around it.
   EXPECT_LE(filled.report.fill.cage.spacing.ratio(), 4.0);
-  build::embed_surface(std::get<scene::Character>(scene.geometry).surface, filled.welded, filled.body,
-                       filled.weights, filled.skin, filled.report);
+  const auto skin = build::embed_surface(std::get<scene::Character>(scene.geometry).surface, filled.welded,
+                                         filled.body, filled.weights, filled.skin, filled.report);
   // Toes thinner than the cage's edges: where a cut between two of them ends, a few edges still join them,
-  // and single vertices stick out further than -0.05.
+  // and single vertices, whose own tetrahedra hung by an edge, stick out further than -0.05: one of 13,380 by
+  // 0.4 mm, a tenth of an edge there.
   const bool has_toes = std::string(GetParam().first).rfind("mh_", 0) == 0;
-  EXPECT_GE(filled.report.fill.least_barycentric, has_toes ? -0.1 : -0.05);
+  const Outside outside = outside_of_cage(skin, filled.body.mesh);
+  EXPECT_LE(outside.vertices, has_toes ? 2u : 0u);
+  EXPECT_LE(outside.farthest, 0.0005);
   EXPECT_LE(build::total_volume(filled.body.mesh), 1.08 * filled.report.fill.cage.skin_volume);
   EXPECT_EQ(parts_of(filled.body.mesh), 1u);
   EXPECT_LE(fused_edges(filled, std::get<scene::Character>(scene.geometry).skeleton), has_toes ? 5u : 0u);
