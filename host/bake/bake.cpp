@@ -441,7 +441,8 @@ void Run::take_look() {
   const Stopwatch time(seconds_writing_);
   const FrameCacheReader cache(path_of(cache_name));
   progress_.look = look_summary(
-      options_.folder, model_, std::get_if<scene::Character>(&scene_.geometry), [&](std::uint64_t k) {
+      options_.folder, model_, std::get_if<scene::Character>(&scene_.geometry), scene_.fps,
+      [&](std::uint64_t k) {
         // Skinned on the host, where the last bits may differ from the solver's: the words are the same.
         model::Frame frame = cache.read(k);
         frame.skinned = k == 0 ? drives_.initial_state().skinned : [&] {

@@ -64,7 +64,7 @@ bool is_inverted(const std::vector<float>& positions, const std::uint32_t* corne
 constexpr double stretch_limit = 2.7;
 constexpr double crossing_share = 0.022, crossing_least = 24.0;  // of all triangles, and at least so many
 constexpr double rigid_limit = 0.1;
-constexpr double jump_limit = 0.6;
+constexpr double jump_limit = 0.6, jump_limit_fps = 60.0;  // at that rate and above
 // Where skinning turns none, this share of all tetrahedra may be inside out: slivers, that nobody sees.
 constexpr double inverted_ratio = 1.2, inverted_share = 0.0005;
 
@@ -98,9 +98,10 @@ LookMeasure LookScores::cause() const {
   return static_cast<LookMeasure>(worst - of.begin());
 }
 
-Look::Look(const model::Model& model, const LookBody& body)
+Look::Look(const model::Model& model, const LookBody& body, double fps)
     : model_(model),
       body_(body),
+      jump_limit_(jump_limit * std::max(1.0, jump_limit_fps / fps)),
       tree_(body.triangle, body.place, body.rest),
       vertices_(body.joint_names.size()) {
   for (std::uint32_t i = 0; i < body.joint.size(); ++i) vertices_[body.joint[i]].push_back(i);
@@ -225,7 +226,7 @@ LookScore Look::rigid(const std::vector<float>& flesh) {
 }
 
 LookScore Look::jump() {
-  if (deviation_[2].size() != deviation_[0].size()) return {.limit = jump_limit};
+  if (deviation_[2].size() != deviation_[0].size()) return {.limit = jump_limit_};
   std::vector<double> change(body_.thickness.size());
   for (std::size_t i = 0; i < change.size(); ++i) {
     Point way;
@@ -235,7 +236,7 @@ LookScore Look::jump() {
     }
     change[i] = length(way) / body_.thickness[i];
   }
-  return worst_joint(change, 0.5, jump_limit);
+  return worst_joint(change, 0.5, jump_limit_);
 }
 
 LookScore Look::inverted(const model::Frame& frame) const {

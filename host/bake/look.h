@@ -26,6 +26,8 @@ namespace fascicle::bake {
 // rigid     parts that the rig moves rigidly: their strain from rest. 90th percentile of the worst part.
 // jump      skin changes its pace relative to skinning from one frame to the next, by a share of the body's
 //           thickness: |d(k) - 2 d(k-1) + d(k-2)|, of the worst joint half of its skin. 0 in frames 0 and 1.
+//           A change of velocity moves skin by it times the length of a frame, so below 60 frames a second
+//           the limit grows with that length.
 // inverted  tetrahedra that are inside out; the limit is 1.2 times those that skinning turns, and a few.
 enum class LookMeasure { stretch, crossing, distance, rigid, jump, inverted };
 inline constexpr std::size_t look_measures = 6;
@@ -53,8 +55,8 @@ bool has_look(const model::Model& model);
 
 class Look {
  public:
-  // Both must outlive it.
-  Look(const model::Model& model, const LookBody& body);
+  // Both must outlive it. `fps`: of the frames that it will see.
+  Look(const model::Model& model, const LookBody& body, double fps);
 
   // Of a frame with positions and skinned. Frames must come in order: jumps are seen against the two before.
   LookScores of(const model::Frame& frame);
@@ -75,6 +77,7 @@ class Look {
 
   const model::Model& model_;
   const LookBody& body_;
+  double jump_limit_;
   TriangleTree tree_;
   std::vector<double> trust_;  // of a triangle: its least height over the edges around it, at most 1
   std::vector<std::vector<std::uint32_t>> vertices_;  // render vertices, by joint

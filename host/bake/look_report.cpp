@@ -94,7 +94,7 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
 }
 
 std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,
-                                        const scene::Character* rig,
+                                        const scene::Character* rig, double fps,
                                         const std::function<model::Frame(std::uint64_t)>& frame_at) {
   if (!has_look(model)) return std::nullopt;
   std::ifstream file(folder / metrics_name, std::ios::binary);
@@ -136,7 +136,7 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
                    [&](std::size_t a, std::size_t b) { return peaks[a].score > peaks[b].score; });
   const LookBody body = look_body(model, rig);
   for (const std::size_t m : over) {
-    Look look(model, body);
+    Look look(model, body, fps);
     const std::uint64_t frame = peaks[m].frame;
     for (std::uint64_t k = frame - std::min<std::uint64_t>(frame, 2); k < frame; ++k)
       look.remember(frame_at(k));

@@ -127,7 +127,7 @@ class MetricsSink final : public FrameSink {
     info_ = info;
     if (has_look(*info.model)) {
       look_body_ = look_body(*info.model, info.rig);
-      look_.emplace(*info.model, look_body_);
+      look_.emplace(*info.model, look_body_, info.fps);
       for (const model::Frame& frame : info.before) look_->remember(frame);
     }
     six_volumes(*info.model, info.model->rest, six_volumes_);

@@ -53,7 +53,7 @@ double measured(const BendingBar& bar) {
       2);
   solver->load(bake::lead_in(bar.scene, bar.model, drives, *solver).state);
   const bake::LookBody body = bake::look_body(bar.model, &std::get<scene::Character>(bar.scene.geometry));
-  bake::Look look(bar.model, body);
+  bake::Look look(bar.model, body, bar.scene.fps);
   double largest = 0.0;
   for (std::uint64_t k = 1; k <= scene::cycle_frames(bar.scene); ++k) {
     solver->submit(drives.drive(k), {.positions = true, .skinned = true});

@@ -74,7 +74,7 @@ const LookScore& score_of(const LookScores& scores, LookMeasure measure) {
 class LookAtBar : public testing::Test {
  protected:
   LookScores look(const Map& flesh, const Map& skin = still) const {
-    return Look(model_, body_).of(frame_of(model_, flesh, skin));
+    return Look(model_, body_, 60.0).of(frame_of(model_, flesh, skin));
   }
   LookScore look(LookMeasure measure, const Map& flesh, const Map& skin = still) const {
     return score_of(look(flesh, skin), measure);
@@ -159,8 +159,9 @@ TEST_F(LookAtBar, DistanceIsOverTheThickness) {
 }
 
 TEST_F(LookAtBar, JumpIsAStepThatNoNeighbourInTimeHas) {
-  const auto jumps = [&](const std::function<double(std::uint64_t)>& way, std::uint64_t frames) {
-    Look look(model_, body_);
+  const auto jumps = [&](const std::function<double(std::uint64_t)>& way, std::uint64_t frames,
+                         double fps = 60.0) {
+    Look look(model_, body_, fps);
     std::vector<double> values;
     for (std::uint64_t k = 0; k < frames; ++k) {
       const double z = way(k);
@@ -183,13 +184,32 @@ TEST_F(LookAtBar, JumpIsAStepThatNoNeighbourInTimeHas) {
   EXPECT_GT(*std::max_element(jiggled.begin(), jiggled.end()), 0.1);
 }
 
+// The same motion may be baked at any rate. A velocity that a key changes at once by 20 thicknesses a second
+// moves skin by a third of one within a frame at 60, by five sixths at 24.
+TEST_F(LookAtBar, AKickIsJudgedAlikeAtEveryRate) {
+  const auto kicked = [&](double fps, double limit_fps) {
+    Look look(model_, body_, limit_fps);
+    double worst = 0.0;
+    for (std::uint64_t k = 0; k < 6; ++k) {
+      const double z = 20.0 * bar_side * std::max(0.0, static_cast<double>(k) - 3.0) / fps;
+      const Map aside = [z](const Vector3d& p) { return Vector3d(p.x(), p.y(), p.z() + z); };
+      worst = std::max(worst, score_of(look.of(frame_of(model_, aside, still, k)), LookMeasure::jump).score);
+    }
+    return worst;
+  };
+  EXPECT_LT(kicked(60.0, 60.0), 1.0);
+  EXPECT_NEAR(kicked(24.0, 24.0), kicked(60.0, 60.0), 1e-4);  // positions are floats
+  EXPECT_LT(kicked(120.0, 120.0), kicked(60.0, 60.0));
+  EXPECT_GT(kicked(24.0, 60.0), 1.0) << "the control: a limit that does not know the rate";
+}
+
 TEST_F(LookAtBar, ARememberedFrameCountsLikeOneLookedAt) {
   const auto frame = [&](std::uint64_t k) {
     const double z = 0.1 * static_cast<double>(k * k);
     return frame_of(
         model_, [z](const Vector3d& p) { return Vector3d(p.x(), p.y(), p.z() + z); }, still, k);
   };
-  Look all(model_, body_), resumed(model_, body_);
+  Look all(model_, body_, 60.0), resumed(model_, body_, 60.0);
   for (std::uint64_t k = 0; k < 4; ++k) all.of(frame(k));
   for (std::uint64_t k = 2; k < 4; ++k) resumed.remember(frame(k));
   const LookScores one = all.of(frame(4)), other = resumed.of(frame(4));
@@ -224,7 +244,7 @@ TEST_F(LookAtBar, RigidPartsMayTurnButNotStrain) {
   EXPECT_EQ(plate.rigid[0].triangles.size(), model_.surface_triangle.size() / 3);
   EXPECT_TRUE(flesh.rigid.empty());
   const auto rigid = [&](const LookBody& body, const Map& map) {
-    return score_of(Look(model_, body).of(frame_of(model_, map)), LookMeasure::rigid);
+    return score_of(Look(model_, body, 60.0).of(frame_of(model_, map)), LookMeasure::rigid);
   };
   const Map strained = [](const Vector3d& p) { return Vector3d(1.3 * p.x(), p.y(), p.z()); };
   const LookScore red = rigid(plate, strained);
@@ -315,7 +335,7 @@ TEST(LookReport, SaysWhatWhereAndWhen) {
   const auto frame_at = [&](std::uint64_t k) {
     return frame_of(model, k == 1 ? Map(drawn_out) : Map(still), still, k);
   };
-  const auto summary = bake::look_summary(folder / "", model, nullptr, frame_at);
+  const auto summary = bake::look_summary(folder / "", model, nullptr, 60.0, frame_at);
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->worst, 1.5);
   EXPECT_EQ(summary->frame, 1u);
