@@ -105,9 +105,9 @@ def bake(root, output):
                "-o", output]
     if os.geteuid() != 0:
         command = ["unshare", "--user", "--map-root-user", *command]
-    # The loader looks into /lib, as it has no cache of its own here. No cache folder: HOME does not exist.
-    return subprocess.run(command, env={"LD_LIBRARY_PATH": "/lib", "HOME": "/tmp", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin"},
-                          capture_output=True, text=True, timeout=300)
+    # The loader has no cache of its own here, and the cached bodies go below HOME.
+    environment = {"LD_LIBRARY_PATH": "/lib", "HOME": "/tmp", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin"}
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
 
 
 def main(program):
@@ -119,15 +119,15 @@ def main(program):
         if done.returncode != 0:
             sys.exit(f"the bake in an empty root failed with {done.returncode}:\n{done.stderr}{done.stdout}")
         manifest = json.loads((root / "baked" / "manifest.json").read_text())
-        if manifest["status"] != "complete" or manifest["counts"]["frames"] < 10:
-            sys.exit(f"the bake in an empty root is not whole: {manifest['status']}, {manifest['counts']}")
+        if manifest["status"] != "complete" or manifest["frames_done"] < 10:
+            sys.exit(f"the bake in an empty root is not whole: {manifest['status']}, {manifest['frames_done']} frames")
         for library in (root / "opt").glob("libtet*"):
             library.unlink()
         without = bake(root, "/baked-without")
         if without.returncode == 0 or "libtet" not in without.stderr + without.stdout:
             sys.exit(f"the control: without TetGen's library the bake ended with {without.returncode}:\n"
                      f"{without.stderr}{without.stdout}")
-        print(f"{manifest['counts']['frames']} frames, {manifest['counts'].get('vertices')} vertices in an empty root")
+        print(f"{manifest['frames_done']} frames in an empty root, hash {manifest['position_hashes'][-1]}")
 
 
 if __name__ == "__main__":
