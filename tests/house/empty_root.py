@@ -58,7 +58,7 @@ def arm():
         blob += data + b"\0" * (-len(data) % 4)
         return len(accessors) - 1
 
-    bounds = {"min": [min(p[k] for p in points) for k in range(3)], "max": [max(p[k] for p in points) for k in range(3)]}
+    bounds = {"min": [min(column) for column in zip(*points)], "max": [max(column) for column in zip(*points)]}
     position = add(5126, "VEC3", points, "<3f", **bounds)
     joint = add(5121, "VEC4", joints, "<4B")
     weight = add(5126, "VEC4", weights, "<4f")
@@ -99,10 +99,10 @@ def fill_root(root, program):
     (root / "arm.gltf").write_text(json.dumps(arm()))
 
 
-def bake(root, output):
+def bake(root, output, *more):
     """Bakes the arm inside the root; the finished process."""
     command = ["chroot", str(root), "/opt/fascicle", "bake", "/arm.gltf", "--resolution", "1500", "--device", "cpu",
-               "-o", output]
+               "-o", output, *more]
     if os.geteuid() != 0:
         command = ["unshare", "--user", "--map-root-user", *command]
     # The loader has no cache of its own here, and the cached bodies go below HOME.
@@ -121,6 +121,9 @@ def main(program):
         manifest = json.loads((root / "baked" / "manifest.json").read_text())
         if manifest["status"] != "complete" or manifest["frames_done"] < 10:
             sys.exit(f"the bake in an empty root is not whole: {manifest['status']}, {manifest['frames_done']} frames")
+        compressed = bake(root, "/compressed", "--format", "glb", "--glb-compress", "0.001")
+        if compressed.returncode == 0 or "no meshoptimizer" not in compressed.stderr:
+            sys.exit(f"a portable build has no meshoptimizer and must say so: {compressed.stderr}")
         for library in (root / "opt").glob("libtet*"):
             library.unlink()
         without = bake(root, "/baked-without")
