@@ -92,6 +92,9 @@ def fill_root(root, program):
         found = subprocess.run(["cc", f"-print-file-name={name}"], check=True, capture_output=True, text=True)
         shutil.copy(os.path.realpath(found.stdout.strip()), root / "lib" / name)
     (root / "tmp").mkdir()
+    (root / "dev").mkdir()
+    (root / "proc").mkdir()
+    (root / "dev" / "null").touch()  # a plain file, which no rights are needed for, serves as well
     (root / "opt").mkdir()
     folder = program.parent
     for file in (program, folder / "fascicle-mesher", *folder.glob("*.so*")):
@@ -101,10 +104,11 @@ def fill_root(root, program):
 
 def bake(root, output, *more):
     """Bakes the arm inside the root; the finished process."""
-    command = ["chroot", str(root), "/opt/fascicle", "bake", "/arm.gltf", "--resolution", "1500", "--device", "cpu",
-               "-o", output, *more]
-    if os.geteuid() != 0:
-        command = ["unshare", "--user", "--map-root-user", *command]
+    # The mesher's loader finds what lies beside it by /proc/self/exe, so /proc is there, as on every system.
+    script = 'mount --rbind /proc "$0/proc" && exec chroot "$0" "$@"'
+    command = ["unshare", "--mount", *(() if os.geteuid() == 0 else ("--user", "--map-root-user")), "sh", "-c", script,
+               str(root), "/opt/fascicle", "bake", "/arm.gltf", "--resolution", "1500", "--device", "cpu", "-o", output,
+               *more]
     # The loader has no cache of its own here, and the cached bodies go below HOME.
     environment = {"LD_LIBRARY_PATH": "/lib", "HOME": "/tmp", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin"}
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
@@ -126,6 +130,8 @@ def main(program):
             sys.exit(f"a portable build has no meshoptimizer and must say so: {compressed.stderr}")
         for library in (root / "opt").glob("libtet*"):
             library.unlink()
+        shutil.rmtree(root / "tmp")  # the body of the bakes before is cached there
+        (root / "tmp").mkdir()
         without = bake(root, "/baked-without")
         if without.returncode == 0 or "libtet" not in without.stderr + without.stdout:
             sys.exit(f"the control: without TetGen's library the bake ended with {without.returncode}:\n"
