@@ -135,6 +135,10 @@ double normal_step(double value) {
 GlbCompression::GlbCompression(const scene::Rig& rig, const json& document,
                                const std::vector<double>& stretch, double bound)
     : rig_(rig), stretch_(stretch) {
+  if (!scene::has_meshopt())
+    throw BakeError(
+        "--glb-compress: this build of fascicle has no meshoptimizer; leave it out, or use a build "
+        "that is not portable");
   choose_grids(document, stretch, bound);
 }
 

@@ -16,6 +16,12 @@ struct CodecError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+inline constexpr const char* damaged_stream =
+    "the compressed stream is damaged; export again, or without compression";
+
+// Whether this build has meshoptimizer; portable ones do not, and the next three throw CodecError there.
+bool has_meshopt();
+
 // EXT_meshopt_compression: count x stride bytes. Mode ATTRIBUTES, TRIANGLES or INDICES; filter NONE,
 // OCTAHEDRAL, QUATERNION or EXPONENTIAL. Throws CodecError.
 std::vector<unsigned char> decode_meshopt(std::span<const unsigned char> stream, std::uint64_t count,

@@ -1,0 +1,14 @@
+# cmake -D PROGRAM=... -P libraries_beside.cmake
+# Copies the shared libraries that a program needs beyond the C library into the program's folder.
+cmake_minimum_required(VERSION 3.25)
+
+get_filename_component(folder ${PROGRAM} DIRECTORY)
+file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${PROGRAM} RESOLVED_DEPENDENCIES_VAR found
+  PRE_EXCLUDE_REGEXES "^ld-linux" "^libc\\.so" "^libm\\.so")
+foreach(library IN LISTS found)
+  get_filename_component(name ${library} NAME)
+  file(REAL_PATH ${library} file)
+  if(NOT file STREQUAL "${folder}/${name}")
+    file(COPY_FILE ${file} ${folder}/${name} ONLY_IF_DIFFERENT)
+  endif()
+endforeach()
