@@ -16,13 +16,16 @@
 #include "cpu_reference/sweeps.h"
 #include "cpu_reference/thread_pool.h"
 #include "host/model/implicit.h"
+#include "host/model/substep_plan.h"
 
 namespace fascicle::cpu_reference {
 
 namespace {
 
+using model::Block;
 using model::Drive;
 using model::Frame;
+using model::Kernel;
 using model::Model;
 using model::Probe;
 using model::Read;
@@ -43,6 +46,46 @@ std::array<Column, 7> regions_of(const Fields& fields) {
     return Column{fields.regions, region_stride, place, width};
   };
   return {part(0, 3), part(4, 3), part(8, 3), part(3, 1), part(7, 1), part(11, 1), part(rotation_place, 4)};
+}
+
+using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
+
+// A kernel one vertex after the other, and in lanes where it is written so.
+struct KernelCode {
+  ModelStage one_by_one = nullptr;
+  LaneStage LaneStages::*in_lanes = nullptr;
+};
+
+// Of a plan's kernels; those of stage limit are carried out by limit_volumes.
+KernelCode code_of(Kernel kernel, bool is_implicit) {
+  switch (kernel) {
+    case Kernel::skin:
+      return {&skin, &LaneStages::skin};
+    case Kernel::tie:
+      return {&tie};
+    case Kernel::predict:
+      return {&predict, is_implicit ? &LaneStages::predict : nullptr};
+    case Kernel::region:
+      return {&region, &LaneStages::region};
+    case Kernel::goal:
+      return {&goal};
+    case Kernel::relax:
+      return {&relax};
+    case Kernel::integrate:
+      return {&integrate, is_implicit ? &LaneStages::integrate : nullptr};
+    case Kernel::update:
+      return {&update, &LaneStages::update};
+    case Kernel::iterate:
+      return {&iterate, &LaneStages::iterate};
+    case Kernel::embed:
+      return {&embed};
+    case Kernel::rebase:
+    case Kernel::lack:
+    case Kernel::crowd:
+    case Kernel::limit:
+      break;
+  }
+  throw std::logic_error(std::string(name_of(kernel)) + " is not run by itself");
 }
 
 // Numbers below a count, each once.
@@ -67,6 +110,8 @@ class CpuSolver : public model::Solver {
   CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads, Simd simd)
       : model_(model), options_(options) {
     check_options(model, options);
+    plan_ = substep_plan(model, options, false);
+    probed_plan_ = substep_plan(model, options, true);
     if (simd != Simd::scalar) lanes_ = lane_stages(simd);
     if (simd != Simd::scalar && simd != Simd::automatic && lanes_ == nullptr)
       throw std::invalid_argument(std::string("this machine has no ") + name_of(simd) + " instructions");
@@ -88,15 +133,16 @@ class CpuSolver : public model::Solver {
     for (std::uint32_t s = 0; s < drive.substeps;) {
       for (const model::Cut& cut : drive.cuts)
         if (cut.substep == s) set_history(model::carried(model_, save(), drive.h, cut));
-      if (sweeps_.empty() || probe || model_.is_implicit() || model_.has_ties())
-        substep(drive, s++, probe);
-      else
+      // Where one block is all of a substep, a sweep takes several of them.
+      if (!probe && plan_.size() == 1 && is_swept(plan_.front()))
         s = sweep_substeps(drive, s);
+      else
+        substep(drive, s++, probe);
     }
-    if (what.surface || probe) run(model_.surface_count(), &embed, SubstepInput{});
+    if (what.surface || probe) run(Kernel::embed, SubstepInput{});
     ++frame_;
     origin_ = drive.origin;
-    if (probe) probe->on_stage({frame_, drive.substeps - 1, Stage::embed}, fields_.surface);
+    if (probe) probe->on_stage({frame_, drive.substeps - 1, Stage::embed}, output(Stage::embed));
     Frame frame;
     frame.index = frame_;
     frame.origin = origin_;
@@ -175,27 +221,35 @@ class CpuSolver : public model::Solver {
     step_before_ = 0.0;
   }
 
-  using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
   void run(std::uint32_t count, ModelStage stage, const SubstepInput& in) {
     pool_->run(count, [&](std::uint32_t first, std::uint32_t last) {
       stage(model_, in, fields_, {first, last});
     });
   }
 
-  // A stage over all vertices: in lanes where this solver has them, else one by one.
-  void run(LaneStage LaneStages::*in_lanes, ModelStage stage, const SubstepInput& in) {
-    if (lanes_ == nullptr) {
-      run(model_.vertex_count, stage, in);
+  // A kernel over all its items: in lanes where this solver has them, else one by one.
+  void run(Kernel kernel, const SubstepInput& in) {
+    const KernelCode code = code_of(kernel, model_.is_implicit());
+    // The regions' stage in lanes has the default rotation only.
+    const bool has_lanes = code.in_lanes != nullptr && !(kernel == Kernel::region && in.mueller);
+    if (lanes_ == nullptr || !has_lanes) {
+      run(item_count(model_, access_of(kernel).items), code.one_by_one, in);
       return;
     }
     const LaneInput input = lane_input(model_, slices_, in, fields_);
     pool_->run(slices_.count, [&](std::uint32_t first, std::uint32_t last) {
-      (lanes_->*in_lanes)(input, {first, last});
+      (lanes_->*code.in_lanes)(input, {first, last});
     });
   }
 
-  Pass pass_of(LaneStage skin, LaneStage move, const SubstepInput& in) {
-    return {lane_input(model_, slices_, in, fields_), skin, lanes_->region, move};
+  bool is_swept(const Block& block) const { return !sweeps_.empty() && swept_steps(block).has_value(); }
+
+  // A block's steps as a pass of a sweep.
+  Pass pass_of(const Block& block, const SubstepInput& in) {
+    const model::SweptSteps steps = *swept_steps(block);
+    const auto lanes = [&](Kernel kernel) { return lanes_->*code_of(kernel, model_.is_implicit()).in_lanes; };
+    return {lane_input(model_, slices_, in, fields_), steps.skin ? lanes(*steps.skin) : nullptr,
+            lanes(steps.region), lanes(steps.move)};
   }
 
   // As many passes at most as the sweeps have.
@@ -218,14 +272,6 @@ class CpuSolver : public model::Solver {
     }
   }
 
-  // The regions' stage in lanes has the default rotation only.
-  void run_region(const SubstepInput& in) {
-    if (in.mueller)
-      run(model_.vertex_count, &region, in);
-    else
-      run(&LaneStages::region, &region, in);
-  }
-
   SubstepInput input_of(const Drive& drive, std::uint32_t s) const {
     SubstepInput in;
     in.step = model::first_substep(model_, drive);
@@ -244,8 +290,7 @@ class CpuSolver : public model::Solver {
       if (cut.substep > first) end = std::min(end, cut.substep);
     std::vector<Pass> passes;
     for (std::uint32_t s = first; s < end; ++s)
-      passes.push_back(
-          pass_of(model_.has_skeleton() ? lanes_->skin : nullptr, lanes_->update, begun_substep(drive, s)));
+      passes.push_back(pass_of(plan_.front(), begun_substep(drive, s)));
     sweep(passes);
     return end;
   }
@@ -262,90 +307,86 @@ class CpuSolver : public model::Solver {
   }
 
   void substep(const Drive& drive, std::uint32_t s, Probe* probe) {
-    const SubstepInput in = begun_substep(drive, s);
-    const std::uint32_t n = model_.vertex_count;
-    const model::Where where{.frame = frame_ + 1, .substep = s};
-    const auto show = [&](Stage stage, std::span<const Column> columns) {
-      if (probe) probe->on_stage({where.frame, where.substep, stage}, all(columns));
+    SubstepInput in = begun_substep(drive, s);
+    model::Where where{.frame = frame_ + 1, .substep = s};
+    if (probe && !model_.is_implicit()) make_fields_between_stages();
+    if (model_.is_implicit()) take_step(in, drive.h);
+    const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == drive.h ? 1 : 0];
+    const auto show = [&](std::optional<Stage> stage) {
+      if (!probe || !stage) return;
+      where.stage = *stage;
+      probe->on_stage(where, output(*stage));
     };
-    if (model_.has_skeleton()) {
-      run(&LaneStages::skin, &skin, in);
-      show(Stage::skin, std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
+    for (const Block& block : probe ? probed_plan_ : plan_) {
+      if (block.repeat == Block::Repeat::limit_passes) {
+        limit_volumes(in);
+      } else if (!probe && is_swept(block)) {
+        sweep_block(block, in, relaxations);
+      } else {
+        for (std::uint32_t k = 0; k < block.times; ++k) {
+          if (block.repeat == Block::Repeat::iterations) {
+            where.iteration = k;
+            relax_by(in, relaxations[k]);
+          }
+          for (const model::Step& step : block.steps) {
+            run(step.kernel, in);
+            show(step.shown);
+          }
+        }
+        where.iteration = 0;
+      }
+      show(block.shown);
     }
-    if (model_.has_ties()) {
-      run(n, &tie, in);
-      show(Stage::tie, std::array{vectors_of(fields_.tied)});
-    }
-    if (model_.is_implicit()) {
-      implicit_substep(in, drive.h, where, probe);
-      return;
-    }
-    if (!probe && !sweeps_.empty()) {
-      sweep(std::array{pass_of(nullptr, lanes_->update, in)});
-      return;
-    }
-    if (!probe) {
-      run_region(in);
-      run(&LaneStages::update, &update, in);
-      return;
-    }
-    make_fields_between_stages();
-    run(n, &predict, in);
-    show(Stage::predict, std::array{vectors_of(fields_.predicted)});
-    run_region(in);
-    show(Stage::region, regions_of(fields_));
-    run(n, &goal, in);
-    show(Stage::goal, std::array{vectors_of(fields_.goals)});
-    run(n, &integrate, in);
-    show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
+    if (model_.is_implicit()) step_before_ = drive.h;
   }
 
-  // From predict on.
-  void implicit_substep(SubstepInput in, double h, model::Where where, Probe* probe) {
-    const std::uint32_t n = model_.vertex_count;
-    const auto show = [&](Stage stage, std::span<const Column> columns) {
-      where.stage = stage;
-      if (probe) probe->on_stage(where, all(columns));
-    };
+  // The implicit integrator's numbers for a substep of h seconds.
+  void take_step(SubstepInput& in, double h) {
     if (step_before_ != h) forget_history();
     if (tables_.h != h) tables_ = model::implicit_tables(model_, options_, h);
     in.implicit = model::implicit_step(model_, tables_, step_before_ == h);
-    const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
-    in.responses =
-        std::span<const shader::Response>(tables_.responses).subspan(in.implicit.first_response, n);
-    run(&LaneStages::predict, &predict, in);
-    show(Stage::predict, std::array{vectors_of(fields_.predicted)});
+    in.responses = std::span<const shader::Response>(tables_.responses)
+                       .subspan(in.implicit.first_response, model_.vertex_count);
+  }
+
+  static void relax_by(SubstepInput& in, const model::Relaxation& relaxation) {
+    in.implicit.gain = relaxation.gain;
+    in.implicit.omega = relaxation.omega;
+  }
+
+  void sweep_block(const Block& block, SubstepInput& in, std::span<const model::Relaxation> relaxations) {
     std::vector<Pass> passes;
-    for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
-      in.implicit.gain = relaxations[where.iteration].gain;
-      in.implicit.omega = relaxations[where.iteration].omega;
-      if (!probe && !sweeps_.empty()) {
-        passes.push_back(pass_of(nullptr, lanes_->iterate, in));
-        if (passes.size() < sweeps_.passes() && where.iteration + 1 < relaxations.size()) continue;
-        sweep(passes);
-        passes.clear();
-        continue;
-      }
-      if (!probe) {
-        run_region(in);
-        run(&LaneStages::iterate, &iterate, in);
-        continue;
-      }
-      run_region(in);
-      show(Stage::region, regions_of(fields_));
-      run(n, &goal, in);
-      show(Stage::goal, std::array{vectors_of(fields_.goals)});
-      run(n, &relax, in);
-      show(Stage::relax, std::array{positions_of(fields_)});
+    for (std::uint32_t k = 0; k < block.times; ++k) {
+      if (block.repeat == Block::Repeat::iterations) relax_by(in, relaxations[k]);
+      passes.push_back(pass_of(block, in));
+      if (passes.size() < sweeps_.passes() && k + 1 < block.times) continue;
+      sweep(passes);
+      passes.clear();
     }
-    where.iteration = 0;
-    if (model_.has_limits()) {
-      limit_volumes(in);
-      show(Stage::limit, std::array{positions_of(fields_)});
+  }
+
+  // A stage's output in the layout of stage_width.
+  std::vector<float> output(Stage stage) const {
+    switch (stage) {
+      case Stage::skin:
+        return all(std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
+      case Stage::tie:
+        return vectors(fields_.tied);
+      case Stage::predict:
+        return vectors(fields_.predicted);
+      case Stage::region:
+        return all(regions_of(fields_));
+      case Stage::goal:
+        return vectors(fields_.goals);
+      case Stage::relax:
+      case Stage::limit:
+        return positions();
+      case Stage::integrate:
+        return all(std::array{positions_of(fields_), vectors_of(fields_.velocities)});
+      case Stage::embed:
+        return fields_.surface;
     }
-    run(&LaneStages::integrate, &integrate, in);
-    show(Stage::integrate, std::array{positions_of(fields_), vectors_of(fields_.velocities)});
-    step_before_ = h;
+    return {};
   }
 
   // A stage over the items that are listed.
@@ -412,6 +453,7 @@ class CpuSolver : public model::Solver {
   const Model& model_;
   model::SolverOptions options_;
   std::optional<ThreadPool> pool_;
+  model::SubstepPlan plan_, probed_plan_;
   const LaneStages* lanes_ = nullptr;  // null: one by one
   HugePages pages_;
   Fields fields_{LineAllocator<float>(pages_)};

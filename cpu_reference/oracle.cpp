@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -98,6 +99,59 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
   return values;
 }
 
+Oracle::Impl::Substep Oracle::Impl::substep_of(const model::Drive& drive, std::uint32_t number) const {
+  const auto part = [&](auto all, std::uint32_t count) {
+    return all.subspan(std::size_t{number} * count, count);
+  };
+  Substep now{.h = float(drive.h),
+              .gravity = vector_at(drive.gravity, 0),
+              .bones = part(drive.bones, model.joint_count),
+              .muscles = part(drive.muscles, model.muscle_count),
+              .forces = part(drive.forces, model.force_count),
+              .decay = drive.decay};
+  if (!model.is_implicit()) return now;
+  now.stepping = Stepping{now.h, step_before == drive.h};
+  double gain = 0.0;
+  for (const float g : model.volume_gain) gain = std::max(gain, double(g));
+  now.chebyshev = Chebyshev(options.iterations, stiffest(*now.stepping), gain / 2.0);
+  return now;
+}
+
+void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t iteration) {
+  using model::Kernel;
+  switch (kernel) {
+    case Kernel::skin:
+      return skin(now.bones);
+    case Kernel::tie:
+      tied = ties.accelerations(q, v, now.h);
+      return;
+    case Kernel::predict:
+      if (model.is_implicit())
+        return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());
+      return predict(now.gravity, now.forces, now.h);
+    case Kernel::region:
+      return region(now.muscles);
+    case Kernel::goal:
+      return goal();
+    case Kernel::relax:
+      return relax(now.chebyshev->gain(iteration), now.chebyshev->omega(iteration), *now.stepping);
+    case Kernel::limit:
+      return limits.apply(q);
+    case Kernel::integrate:
+      if (model.is_implicit()) return finish_implicit(*now.stepping);
+      return integrate(now.decay, now.h);
+    case Kernel::embed:
+      return embed();
+    case Kernel::rebase:
+    case Kernel::lack:
+    case Kernel::crowd:
+    case Kernel::update:
+    case Kernel::iterate:
+      break;
+  }
+  throw std::logic_error("oracle: " + std::string(name_of(kernel)) + " is not run by itself");
+}
+
 // The rotation option names ways to approximate (9) in float; here (9) is solved, so it has no say.
 Oracle::Oracle(const model::Model& model, const model::SolverOptions& options) {
   model::check_options(model, options);
@@ -113,7 +167,6 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
   model::check_drive(m, drive);
   // Float solvers see float(h): the reference takes the same step.
   const double h = float(drive.h);
-  const Vector3d gravity = vector_at(drive.gravity, 0);
   const Vector3d shift = vector_at(drive.origin_shift, 0);
   for (Vector3d& p : s.q) p -= shift;
   for (Vector3d& p : s.skinned) p -= shift;
@@ -121,54 +174,33 @@ void Oracle::submit(const model::Drive& drive, model::Read what, model::Probe* p
   s.origin = drive.origin;
   ++s.frame;
 
+  const model::SubstepPlan plan = substep_plan(m, s.options, true);
   for (std::uint32_t substep = 0; substep < drive.substeps; ++substep) {
     for (const model::Cut& cut : drive.cuts)
       if (cut.substep == substep) s.carry(cut, h);
-    const auto show = [&](Stage stage, std::uint32_t iteration = 0) {
-      if (probe != nullptr) probe->on_stage({s.frame, substep, stage, iteration}, s.output(stage));
+    const Impl::Substep now = s.substep_of(drive, substep);
+    model::Where where{.frame = s.frame, .substep = substep};
+    const auto show = [&](std::optional<Stage> stage) {
+      if (probe == nullptr || !stage) return;
+      where.stage = *stage;
+      probe->on_stage(where, s.output(*stage));
     };
-    if (m.has_skeleton()) {
-      s.skin(drive.bones.subspan(std::size_t{substep} * m.joint_count, m.joint_count));
-      show(Stage::skin);
-    }
-    if (!s.ties.empty()) {
-      s.tied = s.ties.accelerations(s.q, s.v, h);
-      show(Stage::tie);
-    }
-    const auto forces = drive.forces.subspan(std::size_t{substep} * m.force_count, m.force_count);
-    const auto muscles = drive.muscles.subspan(std::size_t{substep} * m.muscle_count, m.muscle_count);
-    if (m.is_implicit()) {
-      const Stepping step{h, s.step_before == drive.h};
-      double gain = 0.0;
-      for (const float g : m.volume_gain) gain = std::max(gain, double(g));
-      const Chebyshev chebyshev(s.options.iterations, s.stiffest(step), gain / 2.0);
-      s.begin_implicit(gravity, forces, step, chebyshev.extrapolated());
-      show(Stage::predict);
-      for (std::uint32_t k = 0; k < s.options.iterations; ++k) {
-        s.region(muscles);
-        show(Stage::region, k);
-        s.goal();
-        show(Stage::goal, k);
-        s.relax(chebyshev.gain(k), chebyshev.omega(k), step);
-        show(Stage::relax, k);
+    for (const model::Block& block : plan) {
+      if (block.repeat == model::Block::Repeat::limit_passes) {
+        s.run(model::Kernel::limit, now, 0);
+      } else {
+        for (std::uint32_t k = 0; k < block.times; ++k) {
+          where.iteration = block.repeat == model::Block::Repeat::iterations ? k : 0;
+          for (const model::Step& step : block.steps) {
+            s.run(step.kernel, now, where.iteration);
+            show(step.shown);
+          }
+        }
+        where.iteration = 0;
       }
-      if (!s.limits.empty()) {
-        s.limits.apply(s.q);
-        show(Stage::limit);
-      }
-      s.finish_implicit(step);
-      s.step_before = drive.h;
-      show(Stage::integrate);
-      continue;
+      show(block.shown);
     }
-    s.predict(gravity, forces, h);
-    show(Stage::predict);
-    s.region(muscles);
-    show(Stage::region);
-    s.goal();
-    show(Stage::goal);
-    s.integrate(drive.decay, h);
-    show(Stage::integrate);
+    if (m.is_implicit()) s.step_before = drive.h;
   }
   s.embed();
   if (probe != nullptr) probe->on_stage({s.frame, drive.substeps - 1, Stage::embed}, s.output(Stage::embed));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "cpu_reference/oracle_weights.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
+#include "host/model/substep_plan.h"
 
 namespace fascicle::cpu_reference {
 
@@ -53,6 +55,22 @@ struct Oracle::Impl {
   std::vector<VertexHistory> history;  // implicit: as the substep began
 
   std::deque<model::Frame> frames;
+
+  // What the kernels of one substep are given.
+  struct Substep {
+    double h;
+    Eigen::Vector3d gravity;
+    std::span<const shader::Bone> bones;
+    std::span<const shader::Muscle> muscles;
+    std::span<const shader::Force> forces;
+    std::span<const float> decay;
+    std::optional<Stepping> stepping = std::nullopt;    // implicit
+    std::optional<Chebyshev> chebyshev = std::nullopt;  // implicit
+  };
+  Substep substep_of(const model::Drive& drive, std::uint32_t number) const;
+  // A kernel of the plan (host/model/substep_plan.h). All passes of stage limit are one call: they are asked
+  // for by Kernel::limit.
+  void run(model::Kernel kernel, const Substep& now, std::uint32_t iteration);
 
   void skin(std::span<const shader::Bone> bones);
   void predict(const Eigen::Vector3d& gravity, std::span<const shader::Force> forces, double h);

@@ -135,8 +135,8 @@ std::string Device::pipelines() const {
 }
 
 bool Device::self_test(std::string* why) {
-  const std::string difference =
-      first_self_test_difference(run_self_test(*impl_, shader::self_test_module(), impl_->float_controls()));
+  const std::string difference = first_self_test_difference(
+      run_self_test(*impl_, shader::module_of("self_test"), impl_->float_controls()));
   if (why) *why = difference;
   return difference.empty();
 }

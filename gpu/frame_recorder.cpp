@@ -19,12 +19,14 @@ CommandBuffer& FrameRecorder::commands() {
   if (!open_) {
     open_.emplace(device_, slot_.pool);
     open_->begin_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
-    open_->barrier();  // after the frames submitted before, and the host's writes of state
+    open_->barrier();  // after what was submitted before, and the host's writes of state
+    read_ = written_ = {};
   }
   return *open_;
 }
 
 void FrameRecorder::submit(VkFence fence) {
+  if (!written_.empty()) wait_for_dispatches();
   commands().end_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
   open_->submit(fence);
   slot_.slices_of_submission.push_back(recorded_);
@@ -37,6 +39,8 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
                              std::uint32_t items, const shader::ImplicitStep& implicit) {
   const std::uint32_t slices = items / shader::slice_width + (items % shader::slice_width != 0 ? 1 : 0);
   shader::Push push{substep, 0, implicit};
+  const model::KernelAccess& access = access_of(kernel);
+  if (must_wait(access, read_, written_)) wait_for_dispatches();
   while (push.first_slice < slices) {
     if (recorded_ >= allowed_slices_) submit(VK_NULL_HANDLE);
     const std::uint32_t left = slices - push.first_slice, of_group = slot_.slices_per_group();
@@ -47,7 +51,8 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
     const auto done =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{groups} * of_group, left));
     commands().dispatch(slot_.kernel(kernel), slot_.set(kernel, swapped), push, groups);
-    if (options_.with_barriers) commands().barrier();
+    read_ = read_ | access.reads();
+    written_ = written_ | access.writes;
     if (options_.on_dispatch) options_.on_dispatch(groups);
     push.first_slice += done;
     recorded_ += done;
@@ -59,7 +64,13 @@ void FrameRecorder::upload_drive() {
   commands().barrier();
 }
 
+void FrameRecorder::wait_for_dispatches() {
+  if (options_.with_barriers) commands().barrier();
+  read_ = written_ = {};
+}
+
 void FrameRecorder::read_results(bool swapped) {
+  wait_for_dispatches();
   slot_.record_readback(commands(), swapped);
 }
 

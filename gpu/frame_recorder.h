@@ -29,7 +29,8 @@ class FrameRecorder {
   FrameRecorder(Device::Impl& device, FrameSlot& slot, const SubmissionPace& pace,
                 const RecorderOptions& options);
 
-  // One invocation an item. What was recorded before is done before it, what comes later sees it.
+  // One invocation an item. It waits for those recorded before where the schedule's accesses say that it must
+  // (host/model/substep_plan.h); parts of one dispatch need not wait for each other.
   void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items,
                 const shader::ImplicitStep& implicit = {});
 
@@ -45,6 +46,7 @@ class FrameRecorder {
  private:
   CommandBuffer& commands();
   void submit(VkFence fence);
+  void wait_for_dispatches();
 
   Device::Impl& device_;
   FrameSlot& slot_;
@@ -52,7 +54,8 @@ class FrameRecorder {
   std::uint64_t allowed_slices_;  // in a submission
   std::uint64_t allowed_groups_;  // in a dispatch
   std::optional<CommandBuffer> open_;
-  std::uint64_t recorded_ = 0;  // slices in the open submission
+  std::uint64_t recorded_ = 0;      // slices in the open submission
+  model::FieldSet read_, written_;  // by dispatches since the last barrier
 };
 
 }  // namespace fascicle::gpu

@@ -31,10 +31,13 @@ double seconds_of(Device::Impl& device, int repeats, const Record& record) {
   return timestamps.elapsed(0).value_or(waited.count() * 1e9) * 1e-9;
 }
 
-std::vector<StageKernel> stages_of(const model::Model& model) {
-  if (model.is_implicit())
-    return {StageKernel::predict, StageKernel::region, StageKernel::iterate, StageKernel::integrate};
-  return {StageKernel::region, StageKernel::update};
+// Those of a body that nothing but itself moves.
+std::vector<StageKernel> stages_of(const model::Model& model, const model::SolverOptions& options) {
+  model::SubstepPlan plan = substep_plan(model, options, false);
+  std::erase_if(plan, [](const model::Block& b) { return b.repeat == model::Block::Repeat::limit_passes; });
+  std::vector<StageKernel> kernels = kernels_of(plan);
+  std::erase_if(kernels, [](StageKernel k) { return k == StageKernel::skin || k == StageKernel::tie; });
+  return kernels;
 }
 
 }  // namespace
@@ -49,7 +52,7 @@ double copy_rate(Device& opened) {
   constexpr std::uint32_t group = 128, item_bytes = 16;  // every device runs workgroups of 128
   std::array<std::uint32_t, shader::constant_count> constants{};
   constants[shader::constant_group_size] = group;
-  const Kernel kernel(device, shader::copy_module(), constants, device.float_controls());
+  const Kernel kernel(device, shader::module_of("copy"), constants, device.float_controls());
   const Buffer from(device, bytes, BufferUse::storage), to(device, bytes, BufferUse::storage);
   BufferTable buffers{};
   buffers[shader::buffer_position] = whole(from);
@@ -115,7 +118,7 @@ std::vector<StageTime> stage_times(Device& opened, const model::Model& model,
   const std::uint32_t groups = model.vertex_count / group + (model.vertex_count % group != 0 ? 1 : 0);
   if (groups > device.info().max_groups) return {};
   std::vector<StageTime> times;
-  for (const StageKernel kernel : stages_of(model)) {
+  for (const StageKernel kernel : stages_of(model, options)) {
     const auto run = [&](int repeats) {
       return seconds_of(device, repeats, [&](CommandBuffer& commands) {
         commands.dispatch(kernels[kernel], slot.set(kernel, false), push, groups);
@@ -125,7 +128,7 @@ std::vector<StageTime> stage_times(Device& opened, const model::Model& model,
     // About 20 ms, so that what comes before and after does not count.
     const double once = run(2) / 2;
     const int repeats = static_cast<int>(std::clamp(20e-3 / std::max(once, 1e-7), 1.0, 500.0));
-    times.push_back({name_of(kernel), run(repeats) / repeats * 1e9});
+    times.push_back({std::string(name_of(kernel)), run(repeats) / repeats * 1e9});
   }
   return times;
 }

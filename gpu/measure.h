@@ -19,9 +19,8 @@ struct StageTime {
   std::string stage;
   double nanoseconds;  // with the barrier behind it, mean of many in a row
 };
-// Without a skeleton: predict, region, iterate and integrate of an implicit model, region and update of an
-// explicit one. Empty where the device has no timestamps, and where it
-// takes several dispatches.
+// The kernels of the model's plan but skin, tie and those of stage limit. Empty where the device has no
+// timestamps, and where a kernel takes several dispatches.
 std::vector<StageTime> stage_times(Device& device, const model::Model& model,
                                    const model::SolverOptions& options, const model::Drive& drive);
 

@@ -12,7 +12,7 @@
 namespace fascicle::gpu {
 
 // Results of the device, self_test_results for each row of the table. The module is
-// shader::self_test_module() and the float modes the device's, but for the tests that show what a missing
+// shader::module_of("self_test") and the float modes the device's, but for the tests that show what a missing
 // NoContraction does.
 std::vector<float> run_self_test(Device::Impl& device, spirv_exact::Module module,
                                  spirv_exact::FloatControls controls);

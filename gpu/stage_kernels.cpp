@@ -9,50 +9,6 @@
 #include "shaders/modules.h"
 
 namespace fascicle::gpu {
-namespace {
-
-spirv_exact::Module module_of(StageKernel kernel) {
-  switch (kernel) {
-    case StageKernel::rebase:
-      return shader::rebase_module();
-    case StageKernel::skin:
-      return shader::skin_module();
-    case StageKernel::tie:
-      return shader::tie_module();
-    case StageKernel::predict:
-      return shader::predict_module();
-    case StageKernel::region:
-      return shader::region_module();
-    case StageKernel::goal:
-      return shader::goal_module();
-    case StageKernel::relax:
-      return shader::relax_module();
-    case StageKernel::lack:
-      return shader::lack_module();
-    case StageKernel::crowd:
-      return shader::crowd_module();
-    case StageKernel::limit:
-      return shader::limit_module();
-    case StageKernel::integrate:
-      return shader::integrate_module();
-    case StageKernel::update:
-      return shader::update_module();
-    case StageKernel::iterate:
-      return shader::iterate_module();
-    case StageKernel::embed:
-      return shader::embed_module();
-  }
-  return {};
-}
-
-}  // namespace
-
-const char* name_of(StageKernel kernel) {
-  constexpr std::array<const char*, stage_kernel_count> names{
-      "rebase", "skin",  "tie",   "predict",   "region", "goal",    "relax",
-      "lack",   "crowd", "limit", "integrate", "update", "iterate", "embed"};
-  return names[static_cast<std::uint32_t>(kernel)];
-}
 
 Tuning tuning_for(const DeviceInfo& device) {
   // Software devices run one workgroup at a time, and have no loads to wait for.
@@ -82,10 +38,11 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   constants[shader::constant_group_size] = tuning.group_size;
   for (std::uint32_t k = 0; k < stage_kernel_count; ++k) {
     const auto kernel = static_cast<StageKernel>(k);
+    const spirv_exact::Module module = shader::module_of(name_of(kernel));
     if (alter)
-      kernels_.emplace_back(device, alter(kernel, module_of(kernel)), constants, controls);
+      kernels_.emplace_back(device, alter(kernel, module), constants, controls);
     else
-      kernels_.emplace_back(device, module_of(kernel), constants, controls);
+      kernels_.emplace_back(device, module, constants, controls);
   }
 }
 

@@ -7,28 +7,13 @@
 
 #include "gpu/kernel.h"
 #include "host/model/solver.h"
+#include "host/model/substep_plan.h"
 
 namespace fascicle::gpu {
 
-enum class StageKernel : std::uint32_t {
-  rebase,
-  skin,
-  tie,
-  predict,
-  region,
-  goal,
-  relax,
-  lack,
-  crowd,
-  limit,
-  integrate,
-  update,
-  iterate,
-  embed
-};
-inline constexpr std::uint32_t stage_kernel_count = 14;
-
-const char* name_of(StageKernel kernel);
+// The kernels of the schedule, a pipeline each.
+using StageKernel = model::Kernel;
+inline constexpr std::uint32_t stage_kernel_count = model::kernel_count;
 
 // What suits a device; no result depends on it.
 struct Tuning {

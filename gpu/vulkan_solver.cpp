@@ -2,6 +2,8 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "gpu/frame_recorder.h"
 #include "gpu/frame_slot.h"
 #include "host/model/implicit.h"
+#include "host/model/substep_plan.h"
 
 namespace fascicle::gpu {
 namespace {
@@ -50,7 +53,9 @@ class VulkanSolver : public model::Solver {
             experiments.tuning.value_or(tuning_for(device_.info())), experiments.alter_module),
         buffers_(device_, model),
         pace_(device.info().software),
-        options_(options) {
+        options_(options),
+        plan_(substep_plan(model, options, false)),
+        probed_plan_(substep_plan(model, options, true)) {
     VulkanSolver::load(model::rest_state(model));
     warm_up();
   }
@@ -191,13 +196,7 @@ class VulkanSolver : public model::Solver {
     drive.decay = decay;
     FrameSlot& slot = free_slot();
     slot.prepare(drive, {}, 0, 0);
-    std::vector<StageKernel> used{StageKernel::region, StageKernel::update};
-    if (model_.is_implicit())
-      used = {StageKernel::predict, StageKernel::region, StageKernel::iterate, StageKernel::integrate};
-    if (model_.has_skeleton()) used.push_back(StageKernel::skin);
-    if (model_.has_limits())
-      used.insert(used.end(), {StageKernel::lack, StageKernel::crowd, StageKernel::limit});
-    if (model_.has_ties()) used.push_back(StageKernel::tie);
+    std::vector<StageKernel> used = kernels_of(plan_);
     if (model_.surface_count() > 0) used.push_back(StageKernel::embed);
     for (const StageKernel kernel : used) {
       CommandBuffer commands(device_, slot.pool);
@@ -210,71 +209,35 @@ class VulkanSolver : public model::Solver {
   void record_substep(FrameRecorder& recorder, const shader::Substep& substep, double h, model::Where where,
                       Probe* probe) {
     shader::ImplicitStep implicit{};
-    const auto run = [&](StageKernel kernel) {
-      recorder.dispatch(kernel, swapped_, substep, model_.vertex_count, implicit);
-    };
-    if (model_.has_skeleton()) {
-      swapped_ = !swapped_;
-      run(StageKernel::skin);
-    }
-    const auto show = [&](Stage stage) {
-      if (!probe) return;
-      recorder.wait();
-      where.stage = stage;
-      probe->on_stage(where, shown(stage));
-    };
-    if (model_.has_skeleton()) show(Stage::skin);
-    if (model_.has_ties()) {
-      run(StageKernel::tie);
-      show(Stage::tie);
-    }
+    std::span<const model::Relaxation> relaxations;
     if (model_.is_implicit()) {
       implicit = model::implicit_step(model_, tables_, step_before_ == h);
-      const std::vector<model::Relaxation>& relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
-      run(StageKernel::predict);
-      show(Stage::predict);
-      for (where.iteration = 0; where.iteration < relaxations.size(); ++where.iteration) {
-        implicit.omega = relaxations[where.iteration].omega;
-        implicit.gain = relaxations[where.iteration].gain;
-        run(StageKernel::region);
-        show(Stage::region);
-        if (!probe) {
-          run(StageKernel::iterate);
-          continue;
+      relaxations = tables_.relaxations[step_before_ == h ? 1 : 0];
+    }
+    if (model_.has_skeleton()) swapped_ = !swapped_;
+    const auto show = [&](std::optional<Stage> stage) {
+      if (!probe || !stage) return;
+      recorder.wait();
+      where.stage = *stage;
+      probe->on_stage(where, shown(*stage));
+    };
+    for (const model::Block& block : probe ? probed_plan_ : plan_) {
+      for (std::uint32_t k = 0; k < block.times; ++k) {
+        if (block.repeat == model::Block::Repeat::iterations) {
+          where.iteration = k;
+          implicit.omega = relaxations[k].omega;
+          implicit.gain = relaxations[k].gain;
         }
-        run(StageKernel::goal);
-        show(Stage::goal);
-        run(StageKernel::relax);
-        show(Stage::relax);
+        for (const model::Step& step : block.steps) {
+          recorder.dispatch(step.kernel, swapped_, substep, item_count(model_, access_of(step.kernel).items),
+                            implicit);
+          show(step.shown);
+        }
       }
       where.iteration = 0;
-      if (model_.has_limits()) {
-        const auto limits = static_cast<std::uint32_t>(model_.limit.size());
-        for (std::uint32_t pass = 0; pass < shader::limit_passes; ++pass) {
-          recorder.dispatch(StageKernel::lack, swapped_, substep, limits, implicit);
-          run(StageKernel::crowd);
-          run(StageKernel::limit);
-        }
-        show(Stage::limit);
-      }
-      run(StageKernel::integrate);
-      show(Stage::integrate);
-      step_before_ = h;
-      return;
+      show(block.shown);
     }
-    if (!probe) {
-      run(StageKernel::region);
-      run(StageKernel::update);
-      return;
-    }
-    run(StageKernel::predict);
-    show(Stage::predict);
-    run(StageKernel::region);
-    show(Stage::region);
-    run(StageKernel::goal);
-    show(Stage::goal);
-    run(StageKernel::integrate);
-    show(Stage::integrate);
+    if (model_.is_implicit()) step_before_ = h;
   }
 
   // A stage's output in the layout of stage_width.
@@ -339,6 +302,7 @@ class VulkanSolver : public model::Solver {
   ModelBuffers buffers_;
   SubmissionPace pace_;
   model::SolverOptions options_;
+  model::SubstepPlan plan_, probed_plan_;
   model::ImplicitTables tables_;  // implicit: what the device has for its step length
   double step_before_ = 0.0;      // s: of the last substep; 0 where it is no history
   std::vector<std::unique_ptr<FrameSlot>> slots_;

@@ -1,26 +1,16 @@
-// The compiled, exact compute shaders, one function for each .comp file. Generated at build time.
+// The compiled, exact compute shaders. Generated at build time from the .comp files of this folder.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace fascicle::shader {
 
-std::span<const std::uint32_t> rebase_module();
-std::span<const std::uint32_t> skin_module();
-std::span<const std::uint32_t> tie_module();
-std::span<const std::uint32_t> predict_module();
-std::span<const std::uint32_t> region_module();
-std::span<const std::uint32_t> goal_module();
-std::span<const std::uint32_t> relax_module();
-std::span<const std::uint32_t> lack_module();
-std::span<const std::uint32_t> crowd_module();
-std::span<const std::uint32_t> limit_module();
-std::span<const std::uint32_t> integrate_module();
-std::span<const std::uint32_t> update_module();
-std::span<const std::uint32_t> iterate_module();
-std::span<const std::uint32_t> embed_module();
-std::span<const std::uint32_t> self_test_module();
-std::span<const std::uint32_t> copy_module();
+// The SPIR-V of NAME.comp. Throws std::invalid_argument where there is no such file.
+std::span<const std::uint32_t> module_of(std::string_view name);
+
+// The names of all, in alphabetical order.
+std::span<const std::string_view> module_names();
 
 }  // namespace fascicle::shader

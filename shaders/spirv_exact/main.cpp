@@ -52,8 +52,9 @@ int make_exact(const std::string& in, const std::string& out) {
 
 int embed(const std::string& name, const std::string& in, const std::string& out) {
   std::string text =
-      "#include \"shaders/modules.h\"\n\nnamespace fascicle::shader {\nnamespace {\n\n"
-      "constexpr std::uint32_t words[] = {";
+      "#include <cstdint>\n#include <span>\n\nnamespace fascicle::shader {\n\n"
+      "std::span<const std::uint32_t> " +
+      name + "_module();\n\nnamespace {\n\nconstexpr std::uint32_t words[] = {";
   char word[16];
   std::size_t column = 0;
   for (const std::uint32_t w : read_words(in)) {

@@ -32,6 +32,8 @@ enum class Opcode : std::uint16_t {
   type_matrix = 24,
   type_struct = 30,
   spec_constant_op = 52,
+  load = 61,
+  store = 62,
   access_chain = 65,
   in_bounds_access_chain = 66,
   decorate = 71,

@@ -41,12 +41,8 @@ TEST(Check, ThrowsTheCallsText) {
 // kernel's.
 TEST(PhysicalDevice, MostBuffersOfAKernelIsTheLargestKernels) {
   std::size_t most = 0;
-  for (const spirv_exact::Module module :
-       {shader::rebase_module(), shader::skin_module(), shader::tie_module(), shader::predict_module(),
-        shader::region_module(), shader::goal_module(), shader::relax_module(), shader::lack_module(),
-        shader::crowd_module(), shader::limit_module(), shader::integrate_module(), shader::update_module(),
-        shader::iterate_module(), shader::embed_module(), shader::self_test_module(), shader::copy_module()})
-    most = std::max(most, spirv_exact::used_bindings(module).size());
+  for (const std::string_view name : shader::module_names())
+    most = std::max(most, spirv_exact::used_bindings(shader::module_of(name)).size());
   EXPECT_EQ(most, gpu::most_buffers_of_a_kernel);
 }
 

@@ -36,7 +36,7 @@ TEST_F(SelfTest, WithoutNoContractionTheBitsDiffer) {
   ASSERT_TRUE(device.info().software || !vulkan_is_required()) << "this control needs a software device";
   if (!device.info().software)
     GTEST_SKIP() << "SKIPPED, CONTROL NOT RUN: " << device.info().name << " need not reorder anything";
-  const std::vector<float> exact = gpu::run_self_test(device.impl(), shader::self_test_module(), {});
+  const std::vector<float> exact = gpu::run_self_test(device.impl(), shader::module_of("self_test"), {});
   EXPECT_EQ(gpu::first_self_test_difference(exact), "") << "NoContraction alone should keep the bits here";
   const std::vector<float> loose = gpu::run_self_test(device.impl(), read_raw_module("self_test"), {});
   EXPECT_NE(gpu::first_self_test_difference(loose), "");

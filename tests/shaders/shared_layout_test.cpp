@@ -59,7 +59,7 @@ Layout layout_in(spirv_exact::Module module, const std::string& name) {
   { #name, static_cast < std::uint32_t>(offsetof(shader::Type, name)) }
 
 TEST(SharedLayout, Bone) {
-  const Layout layout = layout_in(shader::skin_module(), "Bone");
+  const Layout layout = layout_in(shader::module_of("skin"), "Bone");
   EXPECT_EQ(layout.members,
             (Members{MEMBER(Bone, xx), MEMBER(Bone, xy), MEMBER(Bone, xz), MEMBER(Bone, xt), MEMBER(Bone, yx),
                      MEMBER(Bone, yy), MEMBER(Bone, yz), MEMBER(Bone, yt), MEMBER(Bone, zx), MEMBER(Bone, zy),
@@ -69,21 +69,21 @@ TEST(SharedLayout, Bone) {
 }
 
 TEST(SharedLayout, Muscle) {
-  const Layout layout = layout_in(shader::region_module(), "Muscle");
+  const Layout layout = layout_in(shader::module_of("region"), "Muscle");
   EXPECT_EQ(layout.members, (Members{MEMBER(Muscle, tau_x), MEMBER(Muscle, tau_y), MEMBER(Muscle, tau_z),
                                      MEMBER(Muscle, swell), MEMBER(Muscle, twist)}));
   EXPECT_EQ(layout.stride, sizeof(shader::Muscle));
 }
 
 TEST(SharedLayout, RegionMuscle) {
-  const Layout layout = layout_in(shader::region_module(), "RegionMuscle");
+  const Layout layout = layout_in(shader::module_of("region"), "RegionMuscle");
   EXPECT_EQ(layout.members, (Members{MEMBER(RegionMuscle, muscle), MEMBER(RegionMuscle, bulge),
                                      MEMBER(RegionMuscle, shear)}));
   EXPECT_EQ(layout.stride, sizeof(shader::RegionMuscle));
 }
 
 TEST(SharedLayout, RegionFrame) {
-  const Layout layout = layout_in(shader::region_module(), "RegionFrame");
+  const Layout layout = layout_in(shader::module_of("region"), "RegionFrame");
   EXPECT_EQ(
       layout.members,
       (Members{MEMBER(RegionFrame, normal_x), MEMBER(RegionFrame, normal_y), MEMBER(RegionFrame, normal_z),
@@ -93,14 +93,14 @@ TEST(SharedLayout, RegionFrame) {
 }
 
 TEST(SharedLayout, Force) {
-  const Layout layout = layout_in(shader::predict_module(), "Force");
+  const Layout layout = layout_in(shader::module_of("predict"), "Force");
   EXPECT_EQ(layout.members,
             (Members{MEMBER(Force, x), MEMBER(Force, y), MEMBER(Force, z), MEMBER(Force, unused)}));
   EXPECT_EQ(layout.stride, sizeof(shader::Force));
 }
 
 TEST(SharedLayout, Tie) {
-  const Layout layout = layout_in(shader::tie_module(), "Tie");
+  const Layout layout = layout_in(shader::module_of("tie"), "Tie");
   EXPECT_EQ(layout.members, (Members{MEMBER(Tie, sliding), MEMBER(Tie, corner_a), MEMBER(Tie, corner_b),
                                      MEMBER(Tie, corner_c), MEMBER(Tie, mobility_a), MEMBER(Tie, mobility_b),
                                      MEMBER(Tie, mobility_c), MEMBER(Tie, rest_height)}));
@@ -108,7 +108,7 @@ TEST(SharedLayout, Tie) {
 }
 
 TEST(SharedLayout, Limit) {
-  const Layout layout = layout_in(shader::limit_module(), "Limit");
+  const Layout layout = layout_in(shader::module_of("limit"), "Limit");
   EXPECT_EQ(layout.members,
             (Members{MEMBER(Limit, corner_a), MEMBER(Limit, corner_b), MEMBER(Limit, corner_c),
                      MEMBER(Limit, corner_d), MEMBER(Limit, inverse_size), MEMBER(Limit, size),
@@ -117,7 +117,7 @@ TEST(SharedLayout, Limit) {
 }
 
 TEST(SharedLayout, SubstepAndPush) {
-  const Layout substep = layout_in(shader::update_module(), "Substep");
+  const Layout substep = layout_in(shader::module_of("update"), "Substep");
   EXPECT_EQ(
       substep.members,
       (Members{MEMBER(Substep, h), MEMBER(Substep, inverse_h), MEMBER(Substep, gravity_x),
@@ -125,7 +125,7 @@ TEST(SharedLayout, SubstepAndPush) {
                MEMBER(Substep, shift_y), MEMBER(Substep, shift_z), MEMBER(Substep, vertex_count),
                MEMBER(Substep, surface_count), MEMBER(Substep, joint_count), MEMBER(Substep, first_bone),
                MEMBER(Substep, first_muscle), MEMBER(Substep, first_force)}));
-  const Layout push = layout_in(shader::update_module(), "Push");
+  const Layout push = layout_in(shader::module_of("update"), "Push");
   EXPECT_EQ(push.members,
             (Members{MEMBER(Push, substep), MEMBER(Push, first_slice), MEMBER(Push, implicit)}));
 }

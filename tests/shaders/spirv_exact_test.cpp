@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Shaders, Planted,
                          [](const auto& of) { return std::string(of.param); });
 
 TEST(Lint, AnUndefinedValueIsRefused) {
-  const Module exact = shader::goal_module();
+  const Module exact = shader::module_of("goal");
   const auto instructions = spirv_exact::instructions_of(exact);
   const auto type_float = std::find_if(instructions.begin(), instructions.end(),
                                        [](const Instruction& i) { return i.opcode == Opcode::type_float; });
@@ -128,7 +128,7 @@ TEST(Lint, AnUndefinedValueIsRefused) {
 }
 
 TEST(Module, BrokenWordsAreRefused) {
-  const Module whole = shader::goal_module();
+  const Module whole = shader::module_of("goal");
   EXPECT_THROW(spirv_exact::instructions_of({}), spirv_exact::ModuleError);
   EXPECT_THROW(spirv_exact::instructions_of(whole.first(spirv_exact::header_words + 1)),
                spirv_exact::ModuleError);
@@ -140,10 +140,10 @@ TEST(Module, BrokenWordsAreRefused) {
 }
 
 TEST(Module, UsedBindingsAreThoseTheCodeTouches) {
-  EXPECT_EQ(spirv_exact::used_bindings(shader::embed_module()),
+  EXPECT_EQ(spirv_exact::used_bindings(shader::module_of("embed")),
             (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_surface,
                                         shader::buffer_surface_vertex, shader::buffer_surface_weight}));
-  EXPECT_EQ(spirv_exact::used_bindings(shader::rebase_module()),
+  EXPECT_EQ(spirv_exact::used_bindings(shader::module_of("rebase")),
             (std::vector<std::uint32_t>{shader::buffer_position, shader::buffer_skinned,
                                         shader::buffer_position_before}));
 }

@@ -1,0 +1,287 @@
+// What the CPU's kernels touch, held against the schedule: a field that a kernel does not write stays as it
+// is, and one that it does not read may hold anything.
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/stages.h"
+#include "host/model/implicit.h"
+#include "host/model/substep_plan.h"
+#include "tests/support/bar_model.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace cpu = cpu_reference;
+using cpu::Range;
+using model::Field;
+using model::Kernel;
+using model::Model;
+
+// Where a field's numbers stand.
+struct Place {
+  float* first = nullptr;
+  std::size_t count = 0, stride = 1, width = 1;
+};
+
+Place place_of(cpu::Fields& fields, Field field, const Model& m) {
+  const auto in = [&](cpu::Floats& of, std::size_t stride, std::size_t place, std::size_t width) {
+    return of.empty() ? Place{} : Place{of.data() + place, m.vertex_count, stride, width};
+  };
+  const auto vectors = [&](cpu::Floats& of) { return in(of, cpu::vector_stride, 0, 3); };
+  switch (field) {
+    case Field::position:
+      return in(fields.vertices, cpu::vertex_stride, 0, 3);
+    case Field::velocity:
+      return vectors(fields.velocities);
+    case Field::rotation:
+      return in(fields.regions, cpu::region_stride, cpu::rotation_place, 4);
+    case Field::transform:
+      return in(fields.regions, cpu::region_stride, 0, 12);
+    case Field::goal:
+      return vectors(fields.goals);
+    case Field::skinned:
+      return vectors(fields.skinned);
+    case Field::skinned_before:
+      return vectors(fields.skinned_before);
+    case Field::skinned_velocity:
+      return vectors(fields.skinned_velocities);
+    case Field::gravity:
+      return vectors(fields.gravity);
+    case Field::surface:
+      return {fields.surface.data(), fields.surface.size()};
+    case Field::position_before:
+      return vectors(fields.positions_before);
+    case Field::velocity_before:
+      return vectors(fields.velocities_before);
+    case Field::predicted:
+      return vectors(fields.predicted);
+    case Field::iterate_before:
+      return vectors(fields.iterate_before);
+    case Field::tied:
+      return vectors(fields.tied);
+    case Field::lack:
+      return {fields.lack.data(), fields.lack.size()};
+    case Field::limit_load:
+      return {fields.load.data(), fields.load.size()};
+  }
+  return {};
+}
+
+std::vector<Field> all_fields() {
+  std::vector<Field> fields;
+  for (std::uint32_t f = 0; f < model::field_count; ++f) fields.push_back(static_cast<Field>(f));
+  return fields;
+}
+
+void for_each_number(const Place& place, const std::function<void(float&)>& change) {
+  for (std::size_t i = 0; i < place.count; ++i)
+    for (std::size_t k = 0; k < place.width; ++k) change(place.first[i * place.stride + k]);
+}
+
+std::vector<float> numbers_of(const Place& place) {
+  std::vector<float> numbers;
+  for_each_number(place, [&](float& x) { numbers.push_back(x); });
+  return numbers;
+}
+
+// The same bits, but where `poison` was left in place.
+bool same_but_poison(const std::vector<float>& a, const std::vector<float>& b) {
+  for (std::size_t k = 0; k < a.size(); ++k)
+    if (!std::isnan(b[k]) && std::memcmp(&a[k], &b[k], sizeof(float)) != 0) return false;
+  return true;
+}
+
+struct Case {
+  explicit Case(bool implicit)
+      : model(make_bar({.x = 4,
+                        .y = 3,
+                        .z = 3,
+                        .skeleton = true,
+                        .carried = true,
+                        .muscle = true,
+                        .forces = true,
+                        .volume = true,
+                        .ties = true,
+                        .implicit = implicit,
+                        .limits = implicit})),
+        options{.integrator = implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step},
+        motion(model, 1),
+        drive(motion.drive(3)) {
+    in.step = model::first_substep(model, drive);
+    in.step.shift_x = 0.25f;
+    in.bones = drive.bones;
+    in.muscles = drive.muscles;
+    in.forces = drive.forces;
+    in.decay = drive.decay;
+    if (!implicit) return;
+    tables = model::implicit_tables(model, options, drive.h);
+    in.implicit = model::implicit_step(model, tables, true);
+    in.implicit.gain = 0.75f;
+    in.implicit.omega = 1.5f;
+    in.responses = std::span<const shader::Response>(tables.responses)
+                       .subspan(in.implicit.first_response, model.vertex_count);
+  }
+
+  // Fields of a body in motion: every number is random, positions near rest.
+  cpu::Fields fields() const {
+    cpu::Fields made;
+    size_fields(model, made);
+    for (cpu::Floats* field : {&made.predicted, &made.goals}) field->resize(made.velocities.size());
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> small(-0.004f, 0.004f);
+    for (const Field f : all_fields()) {
+      std::size_t k = 0;
+      const bool is_place = f == Field::position || f == Field::goal || f == Field::skinned ||
+                            f == Field::skinned_before || f == Field::position_before ||
+                            f == Field::predicted || f == Field::iterate_before;
+      for_each_number(place_of(made, f, model), [&](float& x) {
+        x = small(random) + (is_place ? model.rest[k] : 0.0f);
+        if (f == Field::rotation || f == Field::transform) x += k % 4 == 0 ? 1.0f : 0.0f;
+        // A tetrahedron in three lacks volume.
+        if (f == Field::lack) x = k % 3 == 0 ? 0.01f : 0.0f;
+        if (f == Field::limit_load) x = 1.0f;
+        ++k;
+      });
+    }
+    return made;
+  }
+
+  void run(Kernel kernel, cpu::Fields& fields) const {
+    const Range vertices{0, model.vertex_count};
+    switch (kernel) {
+      case Kernel::rebase:
+        return rebase(in, fields, vertices);
+      case Kernel::skin:
+        return skin(model, in, fields, vertices);
+      case Kernel::tie:
+        return tie(model, in, fields, vertices);
+      case Kernel::predict:
+        return predict(model, in, fields, vertices);
+      case Kernel::region:
+        return region(model, in, fields, vertices);
+      case Kernel::goal:
+        return goal(model, in, fields, vertices);
+      case Kernel::relax:
+        return relax(model, in, fields, vertices);
+      case Kernel::lack:
+        return lack(model, in, fields, {0, static_cast<std::uint32_t>(model.limit.size())});
+      case Kernel::crowd:
+        return crowd(model, in, fields, vertices);
+      case Kernel::limit: {
+        // What every tetrahedron moves its corners by is kept here; on the GPU each corner computes it.
+        const auto limits = static_cast<std::uint32_t>(model.limit.size());
+        fields.terms.resize(12 * std::size_t{limits});
+        for (std::uint32_t t = 0; t < limits; ++t) fields.term_place[t] = t;
+        push(model, in, fields, {0, limits});
+        return limit(model, in, fields, vertices);
+      }
+      case Kernel::integrate:
+        return integrate(model, in, fields, vertices);
+      case Kernel::update:
+        return update(model, in, fields, vertices);
+      case Kernel::iterate:
+        return iterate(model, in, fields, vertices);
+      case Kernel::embed:
+        return embed(model, in, fields, {0, model.surface_count()});
+    }
+  }
+
+  Model model;
+  model::SolverOptions options;
+  BarMotion motion;
+  model::Drive drive;
+  model::ImplicitTables tables;
+  cpu::SubstepInput in;
+};
+
+// Which fields a kernel changes, and on which of them anything that it writes depends.
+struct Touched {
+  model::FieldSet reads, writes;
+};
+
+Touched touched_by(Kernel kernel, const Case& c) {
+  Touched touched;
+  cpu::Fields before = c.fields(), after = c.fields();
+  c.run(kernel, after);
+  for (const Field f : all_fields())
+    if (numbers_of(place_of(before, f, c.model)) != numbers_of(place_of(after, f, c.model)))
+      touched.writes = touched.writes | model::FieldSet{f};
+  for (const Field f : all_fields()) {
+    cpu::Fields poisoned = c.fields();
+    for_each_number(place_of(poisoned, f, c.model),
+                    [](float& x) { x = std::numeric_limits<float>::quiet_NaN(); });
+    c.run(kernel, poisoned);
+    for (const Field g : all_fields()) {
+      const std::vector<float> sound = numbers_of(place_of(after, g, c.model)),
+                               other = numbers_of(place_of(poisoned, g, c.model));
+      const bool differs =
+          f == g ? !same_but_poison(sound, other)
+                 : !sound.empty() && std::memcmp(sound.data(), other.data(), 4 * sound.size()) != 0;
+      // NaN in what is written is what was read, unless it is where it was put.
+      const bool passed_on = f == g && touched.writes.has(g) &&
+                             std::any_of(other.begin(), other.end(), [](float x) { return std::isnan(x); }) &&
+                             kernel != Kernel::relax && kernel != Kernel::iterate;
+      if (differs || (passed_on && access_of(kernel).reads().has(g)))
+        touched.reads = touched.reads | model::FieldSet{f};
+    }
+  }
+  return touched;
+}
+
+std::vector<Kernel> kernels_of_case(const Case& c) {
+  std::vector<Kernel> kernels = kernels_of(substep_plan(c.model, c.options, true));
+  for (const Kernel k : kernels_of(substep_plan(c.model, c.options, false)))
+    if (std::find(kernels.begin(), kernels.end(), k) == kernels.end()) kernels.push_back(k);
+  kernels.push_back(Kernel::rebase);
+  kernels.push_back(Kernel::embed);
+  return kernels;
+}
+
+std::string names_of(model::FieldSet set) {
+  std::string names;
+  for (const Field f : all_fields())
+    if (set.has(f)) names += (names.empty() ? "" : " ") + std::string(name_of(f));
+  return names;
+}
+
+TEST(SubstepPlanOnTheCpu, KernelsTouchNothingElse) {
+  model::FieldSet seen_reads[model::kernel_count], seen_writes[model::kernel_count];
+  for (const bool implicit : {false, true}) {
+    const Case c(implicit);
+    for (const Kernel kernel : kernels_of_case(c)) {
+      SCOPED_TRACE(std::string(name_of(kernel)) + (implicit ? ", implicit" : ", explicit"));
+      const model::KernelAccess& access = access_of(kernel);
+      const Touched touched = touched_by(kernel, c);
+      EXPECT_EQ(names_of(touched.writes.without(access.writes)), "") << "written, and not in the schedule";
+      EXPECT_EQ(names_of(touched.reads.without(access.reads())), "") << "read, and not in the schedule";
+      const auto k = static_cast<std::size_t>(kernel);
+      seen_reads[k] = seen_reads[k] | touched.reads;
+      seen_writes[k] = seen_writes[k] | touched.writes;
+    }
+  }
+  // Nothing stands in the schedule that no kernel touches: an access too many is a barrier too many.
+  for (std::size_t k = 0; k < model::kernel_count; ++k) {
+    const model::KernelAccess& access = access_of(static_cast<Kernel>(k));
+    SCOPED_TRACE(std::string(access.name));
+    EXPECT_EQ(names_of(access.writes.without(seen_writes[k])), "");
+    EXPECT_EQ(names_of(access.reads().without(seen_reads[k])), "");
+  }
+}
+
+// The check itself: a kernel held against another's row must differ.
+TEST(SubstepPlanOnTheCpu, TheCheckSeesWhatIsMissing) {
+  const Case c(true);
+  const Touched touched = touched_by(Kernel::region, c);
+  EXPECT_FALSE(touched.writes.without(access_of(Kernel::goal).writes).empty());
+  EXPECT_FALSE(touched.reads.without(access_of(Kernel::goal).reads()).empty());
+}
+
+}  // namespace
+}  // namespace fascicle::tests

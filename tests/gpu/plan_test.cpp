@@ -1,0 +1,106 @@
+// What the compiled shaders touch, held against the schedule. Barriers come from the schedule, so an access
+// that it does not know is a race.
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/model/substep_plan.h"
+#include "shaders/buffers.h"
+#include "shaders/modules.h"
+#include "shaders/spirv_exact/module.h"
+
+namespace fascicle::tests {
+namespace {
+
+using model::Field;
+using model::Kernel;
+
+std::vector<std::pair<Field, std::uint32_t>> buffers_of_fields() {
+  return {{Field::position, shader::buffer_position},
+          {Field::velocity, shader::buffer_velocity},
+          {Field::rotation, shader::buffer_rotation},
+          {Field::transform, shader::buffer_transform},
+          {Field::goal, shader::buffer_goal},
+          {Field::skinned, shader::buffer_skinned},
+          {Field::skinned_before, shader::buffer_skinned_before},
+          {Field::skinned_velocity, shader::buffer_skinned_velocity},
+          {Field::gravity, shader::buffer_gravity},
+          {Field::surface, shader::buffer_surface},
+          {Field::position_before, shader::buffer_position_before},
+          {Field::velocity_before, shader::buffer_velocity_before},
+          {Field::predicted, shader::buffer_predicted},
+          {Field::iterate_before, shader::buffer_iterate_before},
+          {Field::tied, shader::buffer_tied},
+          {Field::lack, shader::buffer_lack},
+          {Field::limit_load, shader::buffer_limit_load}};
+}
+
+struct Bindings {
+  std::set<std::uint32_t> read, written;
+};
+
+// The bindings that loads and stores of a module go to.
+Bindings bindings_in(spirv_exact::Module module) {
+  using spirv_exact::Opcode;
+  std::map<std::uint32_t, std::uint32_t> binding_of;  // of a variable, and of what chains begin at it
+  Bindings bindings;
+  for (const spirv_exact::Instruction& i : spirv_exact::instructions_of(module)) {
+    if (i.opcode == Opcode::decorate && i.words[2] == spirv_exact::decoration_binding)
+      binding_of[i.words[1]] = i.words[3];
+    if (i.opcode == Opcode::access_chain || i.opcode == Opcode::in_bounds_access_chain) {
+      const auto base = binding_of.find(i.words[3]);
+      if (base != binding_of.end()) binding_of[i.words[2]] = base->second;
+    }
+    if (i.opcode == Opcode::load && binding_of.count(i.words[3]) > 0)
+      bindings.read.insert(binding_of.at(i.words[3]));
+    if (i.opcode == Opcode::store && binding_of.count(i.words[1]) > 0)
+      bindings.written.insert(binding_of.at(i.words[1]));
+  }
+  return bindings;
+}
+
+std::set<std::string> names_of(model::FieldSet set) {
+  std::set<std::string> names;
+  for (const auto& [field, buffer] : buffers_of_fields())
+    if (set.has(field)) names.insert(std::string(name_of(field)));
+  return names;
+}
+
+// Those of the bindings that are fields.
+std::set<std::string> names_of(const std::set<std::uint32_t>& bindings) {
+  std::set<std::string> names;
+  for (const auto& [field, buffer] : buffers_of_fields())
+    if (bindings.count(buffer) > 0) names.insert(std::string(name_of(field)));
+  return names;
+}
+
+TEST(SubstepPlanOnTheGpu, ShadersTouchWhatTheScheduleSays) {
+  ASSERT_EQ(buffers_of_fields().size(), model::field_count);
+  for (std::uint32_t k = 0; k < model::kernel_count; ++k) {
+    const model::KernelAccess& access = access_of(static_cast<Kernel>(k));
+    SCOPED_TRACE(std::string(access.name));
+    const Bindings bindings = bindings_in(shader::module_of(access.name));
+    EXPECT_EQ(names_of(access.reads()), names_of(bindings.read));
+    EXPECT_EQ(names_of(access.writes), names_of(bindings.written));
+  }
+}
+
+// Everything that a shader writes is a field: no barrier is asked for by a buffer that the schedule has not.
+TEST(SubstepPlanOnTheGpu, ShadersWriteFieldsOnly) {
+  std::set<std::uint32_t> fields;
+  for (const auto& [field, buffer] : buffers_of_fields()) fields.insert(buffer);
+  for (std::uint32_t k = 0; k < model::kernel_count; ++k) {
+    const std::string_view name = name_of(static_cast<Kernel>(k));
+    const Bindings bindings = bindings_in(shader::module_of(name));
+    EXPECT_FALSE(bindings.written.empty()) << name;
+    for (const std::uint32_t binding : bindings.written)
+      EXPECT_EQ(fields.count(binding), 1u) << name << " writes binding " << binding;
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,115 @@
+#include "host/model/substep_plan.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/bar_model.h"
+
+namespace fascicle::tests {
+namespace {
+
+using model::Block;
+using model::Field;
+using model::Kernel;
+using model::Model;
+
+// As "skin region update" or "predict | 20 (region iterate) | integrate": blocks with their repetitions.
+std::string text_of(const model::SubstepPlan& plan) {
+  std::string text;
+  for (const Block& block : plan) {
+    if (!text.empty()) text += " | ";
+    std::string steps;
+    for (const model::Step& step : block.steps)
+      steps += (steps.empty() ? "" : " ") + std::string(name_of(step.kernel));
+    text += block.repeat == Block::Repeat::once ? steps : std::to_string(block.times) + " (" + steps + ")";
+  }
+  return text;
+}
+
+std::string plan_of(const BarOptions& options, bool for_probe) {
+  model::SolverOptions solver{.iterations = 7};
+  if (options.implicit) solver.integrator = model::Integrator::implicit_step;
+  return text_of(substep_plan(make_bar(options), solver, for_probe));
+}
+
+// The order of the method, written down here once more by hand.
+TEST(SubstepPlan, HasTheStagesInTheirOrder) {
+  EXPECT_EQ(plan_of({}, true), "predict region goal integrate");
+  EXPECT_EQ(plan_of({}, false), "region update");
+  EXPECT_EQ(plan_of({.skeleton = true}, true), "skin predict region goal integrate");
+  EXPECT_EQ(plan_of({.skeleton = true}, false), "skin region update");
+  EXPECT_EQ(plan_of({.skeleton = true, .ties = true}, true), "skin tie | predict region goal integrate");
+  EXPECT_EQ(plan_of({.skeleton = true, .ties = true}, false), "skin tie | region update");
+  EXPECT_EQ(plan_of({.skeleton = true, .ties = true, .implicit = true}, true),
+            "skin tie predict | 7 (region goal relax) | integrate");
+  EXPECT_EQ(plan_of({.skeleton = true, .implicit = true, .limits = true}, false),
+            "skin predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
+}
+
+// Every stage but embed is shown once an iteration, and none twice.
+TEST(SubstepPlan, ShowsAProbeEveryStage) {
+  const Model m = make_bar({.skeleton = true, .ties = true, .implicit = true, .limits = true});
+  std::vector<model::Stage> shown;
+  for (const Block& block : substep_plan(m, {.integrator = model::Integrator::implicit_step}, true)) {
+    for (const model::Step& step : block.steps)
+      if (step.shown) shown.push_back(*step.shown);
+    if (block.shown) shown.push_back(*block.shown);
+  }
+  EXPECT_EQ(shown, std::vector<model::Stage>(model::all_stages.begin(), model::all_stages.end() - 1));
+}
+
+bool wait_for_each_other(Kernel a, Kernel b) {
+  return must_wait(access_of(b), access_of(a).reads(), access_of(a).writes);
+}
+
+TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
+  EXPECT_FALSE(wait_for_each_other(Kernel::skin, Kernel::tie));
+  EXPECT_TRUE(wait_for_each_other(Kernel::tie, Kernel::predict));
+  EXPECT_TRUE(wait_for_each_other(Kernel::region, Kernel::update));
+  EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::region)) << "the next substep's";
+  EXPECT_TRUE(wait_for_each_other(Kernel::region, Kernel::relax)) << "moves what region reads";
+  // The buffers of skinned and skinned_before change places: what update reads as the one before, the next
+  // substep's skin writes.
+  EXPECT_TRUE(must_wait(access_of(Kernel::skin), {Field::skinned_before}, {}));
+  EXPECT_FALSE(must_wait(access_of(Kernel::embed), {Field::position}, {Field::velocity}));
+}
+
+// Fused kernels give the bits of their parts only if what changes places needs no other order: predict goes
+// past region into update.
+TEST(SubstepPlan, FusesOnlyWhatMayChangePlaces) {
+  EXPECT_FALSE(access_of(Kernel::region).reads().has(Field::velocity));
+  EXPECT_FALSE(access_of(Kernel::region).writes.has(Field::velocity));
+  // Of an explicit substep, where predict writes velocities alone.
+  const model::KernelAccess predict{"predict", model::Items::vertices, access_of(Kernel::predict).own, {},
+                                    {},        {Field::velocity}};
+  const model::KernelAccess& region = access_of(Kernel::region);
+  EXPECT_FALSE(must_wait(region, {Field::velocity, Field::gravity, Field::tied}, predict.writes));
+  EXPECT_FALSE(must_wait(predict, {}, region.writes));
+}
+
+TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
+  const auto swept = [](const BarOptions& options, std::size_t block) {
+    model::SolverOptions solver;
+    if (options.implicit) solver.integrator = model::Integrator::implicit_step;
+    return swept_steps(substep_plan(make_bar(options), solver, false).at(block));
+  };
+  const auto whole = swept({.skeleton = true}, 0);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->skin, Kernel::skin);
+  EXPECT_EQ(whole->region, Kernel::region);
+  EXPECT_EQ(whole->move, Kernel::update);
+  const auto iterations = swept({.implicit = true}, 1);
+  ASSERT_TRUE(iterations);
+  EXPECT_FALSE(iterations->skin);
+  EXPECT_EQ(iterations->move, Kernel::iterate);
+  // Ties reach across the body, and limits run over tetrahedra.
+  EXPECT_FALSE(swept({.skeleton = true, .ties = true}, 0));
+  EXPECT_TRUE(swept({.skeleton = true, .ties = true}, 1));
+  EXPECT_FALSE(swept({.implicit = true, .limits = true}, 2));
+  EXPECT_FALSE(swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));
+}
+
+}  // namespace
+}  // namespace fascicle::tests
