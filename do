@@ -8,6 +8,8 @@
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
+#   ./do scene-reference  write docs/scene.md, every key of the scene file
+#   ./do touches NAME [COMMIT]   count where a model array or a scene key is named, outside tests
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
@@ -100,6 +102,25 @@ case $command in
     [ $# -eq 0 ] || { assets=$1; shift; }
     exec python3 -B docs/character_sheets.py build/release/fascicle "$assets" "$@"
     ;;
+  scene-reference)
+    need $build_packages $run_packages
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    build/release/fascicle schema --markdown > docs/scene.md.new
+    mv docs/scene.md.new docs/scene.md
+    ;;
+  touches)
+    [ $# -gt 0 ] || { echo "do: touches takes the name of a model array or a scene key" >&2; exit 2; }
+    set -f  # git matches the patterns, also in an older commit
+    # Where it is declared, checked, hashed, stored, uploaded and handed on; elsewhere it is computed or used.
+    plumbing="host/model host/bake/model_fi* host/bake/identity.cpp host/bake/scene_json.* host/scene/scene* \
+gpu/model_buffers.cpp cpu_reference/lane_stages.h cpu_reference/lane_stages.cpp shaders/buffers.h shaders/indexing/buffers.glsl"
+    named() { git grep -hwE "(buffer_)?$1" "$2" -- $3 | grep -vcE '^[^:]*:? *//' || true; }
+    files() { git grep -lwE "(buffer_)?$1" "$2" -- $3 | wc -l; }
+    all="host cpu_reference gpu shaders"
+    echo "$1: named in $(files "$1" "${2:-HEAD}" "$all") files;" \
+      "declared and handed on in $(files "$1" "${2:-HEAD}" "$plumbing") files, $(named "$1" "${2:-HEAD}" "$plumbing") lines"
+    ;;
   plot)
     need python3
     exec python3 -B bench/plot.py "$@"
@@ -116,7 +137,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,13s/^# \{0,1\}//p' "$0"
+    sed -n '2,15s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -9,7 +9,7 @@
 #include "cpu_reference/simd.h"
 #include "cpu_reference/slices.h"
 #include "cpu_reference/stages.h"
-#include "host/model/model.h"
+#include "host/model/model_arrays.h"
 
 namespace fascicle::cpu_reference {
 
@@ -29,24 +29,13 @@ struct LaneInput {
   const std::int32_t* far_ring;
   const float *taken, *given;
 
-  const std::uint32_t* tag;
-  const float* region_rest;
-  const float* region_volume;  // null without
-  std::uint32_t muscle_count;
-  const std::uint32_t* muscle_offset;
-  const shader::RegionMuscle* region_muscle;
-  const shader::RegionFrame* region_frame;
-  const float* carried;  // null without
-  std::uint32_t force_count;
-  const std::uint32_t *force_offset, *force_index;
-  const float* force_coefficient;
+  // The model's arrays, by their rows in model_arrays; null where empty. array_of gives them their types.
+  const void* arrays[model::model_member_count];
+  std::uint32_t muscle_count, force_count;
   bool has_skeleton;
-  const std::uint32_t *skin_offset, *skin_joint;
-  const float* skin_weight;
 
   // Of stage limit: those that a range of slices counts, by number; null: all.
   std::uint32_t limit_count;
-  const shader::Limit* limit;
   const std::uint32_t* listed_limit;
 
   shader::Substep step;

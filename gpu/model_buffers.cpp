@@ -1,8 +1,9 @@
 #include "gpu/model_buffers.h"
 
-#include <numeric>
+#include <type_traits>
 
 #include "gpu/sliced_rings.h"
+#include "host/model/model_arrays.h"
 
 namespace fascicle::gpu {
 namespace {
@@ -38,8 +39,7 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
   const std::uint64_t skinned = model.has_skeleton() ? n : 0;
   const std::uint64_t implicit = model.is_implicit() ? n : 0;
   const std::uint64_t entries = sliced_entry_count(model);
-  const auto words = [](const auto& v) { return std::uint64_t{4} * v.size(); };
-  return {
+  std::vector<PlannedBuffer> plan{
       {shader::buffer_position, "position", 16 * n},
       {shader::buffer_velocity, "velocity", 16 * n},
       {shader::buffer_rotation, "rotation", 16 * n},
@@ -50,45 +50,29 @@ std::vector<PlannedBuffer> plan_buffers(const Model& model) {
       {shader::buffer_skinned_velocity, "skinned velocity", 16 * model.carried.size()},
       {shader::buffer_gravity, "gravity", 16 * skinned},
       {shader::buffer_surface, "surface", 12 * m},
-      {shader::buffer_rest, "rest", 16 * n},
-      {shader::buffer_tag, "tag", 4 * n},
-      {shader::buffer_alpha, "alpha", 4 * n},
-      {shader::buffer_carried, "carried", words(model.carried)},
-      {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},
-      {shader::buffer_ring, "ring", is_near(model) ? 0 : 4 * entries},
-      {shader::buffer_share_taken, "share taken", 4 * entries},
-      {shader::buffer_share_given, "share given", 4 * entries},
-      {shader::buffer_region_rest, "region rest", 16 * n},
-      {shader::buffer_muscle_offset, "muscle offset", words(model.muscle_offset)},
-      {shader::buffer_region_muscle, "region muscle",
-       sizeof(shader::RegionMuscle) * model.region_muscle.size()},
-      {shader::buffer_region_frame, "region frame", sizeof(shader::RegionFrame) * model.region_frame.size()},
-      {shader::buffer_region_volume, "region volume", 16 * (model.region_volume.size() / 3)},
-      {shader::buffer_skin_offset, "skin offset", words(model.skin_offset)},
-      {shader::buffer_skin_joint, "skin joint", words(model.skin_joint)},
-      {shader::buffer_skin_weight, "skin weight", words(model.skin_weight)},
-      {shader::buffer_force_offset, "force offset", words(model.force_offset)},
-      {shader::buffer_force_index, "force index", words(model.force_index)},
-      {shader::buffer_force_coefficient, "force coefficient", words(model.force_coefficient)},
-      {shader::buffer_surface_vertex, "surface vertex", words(model.surface_vertex)},
-      {shader::buffer_surface_weight, "surface weight", words(model.surface_weight)},
       {shader::buffer_position_before, "position before", 16 * implicit},
       {shader::buffer_velocity_before, "velocity before", 16 * implicit},
       {shader::buffer_predicted, "predicted", 16 * implicit},
       {shader::buffer_iterate_before, "iterate before", 16 * implicit},
       {shader::buffer_response, "response", 2 * sizeof(shader::Response) * implicit},
       {shader::buffer_tied, "tied", model.has_ties() ? 16 * n : 0},
-      {shader::buffer_tie, "tie", sizeof(shader::Tie) * model.tie.size()},
-      {shader::buffer_tie_offset, "tie offset", words(model.tie_offset)},
-      {shader::buffer_tie_index, "tie index", words(model.tie_index)},
-      {shader::buffer_tie_coefficient, "tie coefficient", words(model.tie_coefficient)},
-      {shader::buffer_limit, "limit", sizeof(shader::Limit) * model.limit.size()},
-      {shader::buffer_limit_offset, "limit offset", words(model.limit_offset)},
-      {shader::buffer_limit_entry, "limit entry", words(model.limit_entry)},
-      {shader::buffer_mobility, "mobility", words(model.mobility)},
       {shader::buffer_lack, "lack", 4 * model.limit.size()},
-      {shader::buffer_limit_load, "limit load", words(model.mobility)},
+      {shader::buffer_limit_load, "limit load", 4 * model.mobility.size()},
+      // Several arrays of the model in one.
+      {shader::buffer_rest, "rest", 16 * n},
+      {shader::buffer_tag, "tag", 4 * n},
+      {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},
+      {shader::buffer_ring, "ring", is_near(model) ? 0 : 4 * entries},
+      {shader::buffer_share_taken, "share taken", 4 * entries},
+      {shader::buffer_share_given, "share given", 4 * entries},
   };
+  model::for_each_array(model, [&](const auto& row, const auto& values) {
+    const model::Buffer& buffer = row.traits.buffer;
+    if (buffer.number == model::no_buffer) return;
+    const std::uint64_t items = buffer.as_vec4 ? values.size() / 3 * 4 : values.size();
+    plan.push_back({buffer.number, row.name, items * sizeof(values[0])});
+  });
+  return plan;
 }
 
 void check_plan(const std::vector<PlannedBuffer>& plan, std::uint64_t frames_in_flight_bytes,
@@ -117,8 +101,6 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
   };
   fill(shader::buffer_rest, records(model.rest, model.pull));
   fill(shader::buffer_tag, tags_and_degrees(model));
-  fill(shader::buffer_alpha, model.alpha);
-  fill(shader::buffer_carried, model.carried);
   {
     const SlicedRings rings = slice_rings(model);
     fill(shader::buffer_slice, rings.slice);
@@ -126,27 +108,13 @@ ModelBuffers::ModelBuffers(Device::Impl& device, const Model& model) {
     fill(shader::buffer_share_taken, rings.share_taken);
     fill(shader::buffer_share_given, rings.share_given);
   }
-  fill(shader::buffer_region_rest, model.region_rest);
-  fill(shader::buffer_muscle_offset, model.muscle_offset);
-  fill(shader::buffer_region_muscle, model.region_muscle);
-  fill(shader::buffer_region_frame, model.region_frame);
-  fill(shader::buffer_region_volume, widened(model.region_volume));
-  fill(shader::buffer_tie, model.tie);
-  fill(shader::buffer_tie_offset, model.tie_offset);
-  fill(shader::buffer_tie_index, model.tie_index);
-  fill(shader::buffer_tie_coefficient, model.tie_coefficient);
-  fill(shader::buffer_limit, model.limit);
-  fill(shader::buffer_limit_offset, model.limit_offset);
-  fill(shader::buffer_limit_entry, model.limit_entry);
-  fill(shader::buffer_mobility, model.mobility);
-  fill(shader::buffer_skin_offset, model.skin_offset);
-  fill(shader::buffer_skin_joint, model.skin_joint);
-  fill(shader::buffer_skin_weight, model.skin_weight);
-  fill(shader::buffer_force_offset, model.force_offset);
-  fill(shader::buffer_force_index, model.force_index);
-  fill(shader::buffer_force_coefficient, model.force_coefficient);
-  fill(shader::buffer_surface_vertex, model.surface_vertex);
-  fill(shader::buffer_surface_weight, model.surface_weight);
+  model::for_each_array(model, [&](const auto& row, const auto& values) {
+    const model::Buffer& buffer = row.traits.buffer;
+    if (buffer.number == model::no_buffer) return;
+    if constexpr (std::is_same_v<std::decay_t<decltype(values)>, std::vector<float>>)
+      if (buffer.as_vec4) return fill(buffer.number, widened(values));
+    fill(buffer.number, values);
+  });
 }
 
 BufferTable ModelBuffers::table(bool swapped) const {

@@ -9,10 +9,10 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "host/bake/model_fields.h"
 #include "host/bake/scene_json.h"
 #include "host/bake/text.h"
 #include "host/bake/version.h"
+#include "host/model/model_arrays.h"
 
 namespace fascicle::bake {
 
@@ -77,7 +77,7 @@ std::string text_hash(const std::string& text) {
 std::uint64_t model_hash(const model::Model& model) {
   Hash hash;
   FieldHash visitor{hash};
-  visit_fields(model, visitor);
+  model::visit_fields(model, visitor);
   return hash.value();
 }
 

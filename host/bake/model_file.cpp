@@ -13,7 +13,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/file.h"
 #include "host/bake/identity.h"
-#include "host/bake/model_fields.h"
+#include "host/model/model_arrays.h"
 
 namespace fascicle::bake {
 
@@ -184,14 +184,14 @@ std::string read_all(const File& file) {
 std::string encode_model(const model::Model& model) {
   std::string bytes(magic);
   Writer writer(bytes);
-  visit_fields(model, writer);
+  model::visit_fields(model, writer);
   append_bytes(bytes, XXH3_64bits(bytes.data(), bytes.size()));
   return bytes;
 }
 
 std::uint64_t encoded_bytes(const model::Model& model) {
   Sizer sizer;
-  visit_fields(model, sizer);
+  model::visit_fields(model, sizer);
   return magic.size() + sizer.bytes() + sizeof(std::uint64_t);
 }
 
@@ -209,7 +209,7 @@ model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wa
   model::Model model;
   try {
     Reader reader(body.substr(magic.size()));
-    visit_fields(model, reader);
+    model::visit_fields(model, reader);
     if (!reader.is_done()) throw Mismatch("it is of another version of fascicle (fields at its end)");
     model::check_model(model);
   } catch (const Mismatch& mismatch) {

@@ -1,10 +1,10 @@
 // model.fascicle: the model that a bake moved, so that pictures and exports need nothing but the bake's
 // folder.
 //
-// Little-endian. char[8] "FASCMODL", then the fields in the order of model_fields.h, then the XXH3-64 of
-// everything before. A field is the length of its name (uint32), its name, the bytes of an element (uint32),
-// the number of elements (uint64) and the elements. A file whose names or element sizes are not those of this
-// program belongs to another version.
+// Little-endian. char[8] "FASCMODL", then the fields in the order of host/model/model_arrays.h, then the
+// XXH3-64 of everything before. A field is the length of its name (uint32), its name, the bytes of an element
+// (uint32), the number of elements (uint64) and the elements. A file whose names or element sizes are not
+// those of this program belongs to another version.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,6 @@
-// fascicle schema: the JSON Schema of the scene file.
+// fascicle schema: the JSON Schema of the scene file, or the same to be read.
 #include <iostream>
+#include <memory>
 
 #include "host/cli/command.h"
 
@@ -8,10 +9,12 @@ namespace fascicle::cli {
 void add_schema(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand("schema", "Print the JSON Schema of the scene file");
   add_log_options(*subcommand, command.log);
-  subcommand->callback([&command] {
-    command.run = [](Log&) {
-      const std::string schema = scene::scene_schema();
-      std::cout << schema << (schema.ends_with('\n') ? "" : "\n");
+  auto markdown = std::make_shared<bool>(false);
+  subcommand->add_flag("--markdown", *markdown, "Print every key as Markdown instead, to be read");
+  subcommand->callback([&command, markdown] {
+    command.run = [markdown](Log&) {
+      const std::string text = *markdown ? scene::scene_reference() : scene::scene_schema();
+      std::cout << text << (text.ends_with('\n') ? "" : "\n");
       return ExitCode::done;
     };
   });

@@ -56,7 +56,7 @@ inline float as_factor(double x) {
   return std::abs(factor) < least_factor ? 0.0f : factor;
 }
 
-struct Model {
+struct Model {                                 // each member has a row in model_arrays.h
   double unit = 1.0;                           // metres per working unit
   std::array<double, 3> rest_origin{0, 0, 0};  // metres
   WeightForm weight_form = WeightForm::symmetric;

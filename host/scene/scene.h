@@ -119,15 +119,15 @@ enum class Axis { x = 0, y = 1, z = 2 };
 
 // Parts of space. A point is in a Where if it is in any of its shapes. All bounds are inclusive.
 struct Box {
-  Vector3d minimum, maximum;
+  Vector3d minimum = Vector3d::Zero(), maximum = Vector3d::Zero();
 };
 struct Sphere {
-  Vector3d center;
-  double radius;
+  Vector3d center = Vector3d::Zero();
+  double radius = 0.0;
 };
 struct Capsule {
-  Vector3d from, to;
-  double radius;
+  Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
+  double radius = 0.0;
 };
 // Below or above a plane across an axis, at a coordinate in metres, or at a fraction of the bounding box.
 struct HalfSpace {
@@ -183,7 +183,7 @@ using Where = std::vector<Shape>;
 
 struct BoneSegment {
   std::string name;
-  Vector3d from, to;
+  Vector3d from = Vector3d::Zero(), to = Vector3d::Zero();
 };
 
 // Of a layer's inertia_scale: flesh that feels four times the skeleton's acceleration.
@@ -198,9 +198,9 @@ struct Layer {
   std::optional<double> youngs_modulus;  // Pa
   std::optional<double> frequency;       // Hz: of its lowest mode, everything else held still
   std::string material;                  // "fat", ... (material.h); empty: none
-  std::optional<double> damping_ratio;   // of the lowest mode; in place of damping
   double beta = 0.0;                     // [0, 1]
   double damping = 0.0;                  // 1/s, >= 0
+  std::optional<double> damping_ratio;   // of the lowest mode; in place of damping
   double density = 1000.0;               // kg/m^3, > 0
   std::optional<Vector3d> fibre;         // constant direction, normalised when read
   bool fibre_field = false;              // the direction comes from the fibre field; not beside `fibre`
@@ -403,7 +403,9 @@ struct BuiltinScene {
 const std::vector<BuiltinScene>& builtin_scenes();
 inline constexpr const char* default_scene = "jump";
 
-// JSON Schema (2020-12) of the scene file, made from the same table that load_scene checks against.
+// JSON Schema (2020-12) of the scene file, made from the same table that load_scene checks against; the same
+// in Markdown, to be read.
 std::string scene_schema();
+std::string scene_reference();
 
 }  // namespace fascicle::scene

@@ -12,6 +12,7 @@
 #include "host/scene/material.h"
 #include "host/scene/overrides.h"
 #include "host/scene/scene_check.h"
+#include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
 #include "host/scene/scene_writer.h"
 
@@ -38,7 +39,7 @@ std::string integrator_of(const toml::table& root) {
 
 // How a layer says how stiff it is, and by what right: alpha is the explicit integrator's, the rest the
 // implicit one's. check_scene has seen that no two of them stand beside each other.
-void read_stiffness(const toml::table& table, const std::string& path, bool implicit, Layer& layer) {
+void fix_stiffness(const toml::table& table, const std::string& path, bool implicit, Layer& layer) {
   const auto refuse = [&](const char* key, const std::string& what) {
     if (const toml::node* node = table.get(key)) fail(node->source(), join_path(path, key), what);
   };
@@ -52,13 +53,9 @@ void read_stiffness(const toml::table& table, const std::string& path, bool impl
       refuse(key,
              "takes solver.integrator = \"explicit\"; say youngs_modulus, frequency or material instead, or "
              "flesh.softness to change all layers");
-  read(table, "youngs_modulus", layer.youngs_modulus);
-  read(table, "frequency", layer.frequency);
-  read(table, "damping_ratio", layer.damping_ratio);
-  read(table, "material", layer.material);
   if (const Material* material = find_material(layer.material)) {
     layer.youngs_modulus = material->youngs_modulus;
-    layer.density = material->density;
+    if (!table.contains("density")) layer.density = material->density;
   }
   if (layer.kinematic)
     for (const char* key : {"frequency", "damping_ratio"})
@@ -68,17 +65,17 @@ void read_stiffness(const toml::table& table, const std::string& path, bool impl
          "lacks one of youngs_modulus, frequency, material, of which the implicit integrator takes one");
 }
 
-void read_sliding(const toml::table& table, const std::string& path, Layer& layer) {
-  read(table, "sliding", layer.sliding);
+void check_sliding(const toml::table& table, const std::string& path, const Layer& layer) {
   if (layer.sliding && layer.kinematic)
     fail(table.get("sliding")->source(), join_path(path, "sliding"),
          "is for flesh that moves by itself, and a kinematic layer does not; leave one of them out");
 }
 
-void read_least_volume(const toml::table& table, const std::string& path, const Surroundings& surroundings,
-                       bool implicit, Layer& layer) {
-  if (implicit && surroundings.has_joints && !layer.kinematic) layer.least_volume = least_volume_of_character;
-  read(table, "least_volume", layer.least_volume);
+void fix_least_volume(const toml::table& table, const std::string& path, const Surroundings& surroundings,
+                      bool implicit, Layer& layer) {
+  const bool is_stated = table.contains("least_volume");
+  if (!is_stated && implicit && surroundings.has_joints && !layer.kinematic)
+    layer.least_volume = least_volume_of_character;
   if (!implicit && layer.least_volume > 0.0)
     fail(table.get("least_volume")->source(), join_path(path, "least_volume"),
          "takes solver.integrator = \"implicit\"; leave it out, or say how stiff the layer is by "
@@ -91,22 +88,13 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                  [&](const std::string& name, const toml::table& table, const std::string& path) {
                    Layer layer;
                    layer.name = name;
-                   read(table, "alpha", layer.alpha);
-                   read(table, "alpha_outer", layer.alpha_outer);
-                   read(table, "alpha_attribute", layer.alpha_attribute);
+                   read_keys(table, layer);
                    if (!layer.alpha_attribute.empty() && !surroundings.has_joints)
                      fail(table.get("alpha_attribute")->source(), join_path(path, "alpha_attribute"),
                           "only a [character] has painted values; leave it out");
-                   read(table, "fibre_field", layer.fibre_field);
-                   read(table, "beta", layer.beta);
-                   read(table, "damping", layer.damping);
-                   read(table, "kinematic", layer.kinematic);
-                   read_sliding(table, path, layer);
-                   read_stiffness(table, path, scene.solver.integrator == "implicit", layer);
-                   read(table, "density", layer.density);
-                   read(table, "inertia_scale", layer.inertia_scale);
-                   read(table, "volume", layer.volume);
-                   read_least_volume(table, path, surroundings, scene.solver.integrator == "implicit", layer);
+                   check_sliding(table, path, layer);
+                   fix_stiffness(table, path, scene.solver.integrator == "implicit", layer);
+                   fix_least_volume(table, path, surroundings, scene.solver.integrator == "implicit", layer);
                    if (const toml::node* node = table.get("fibre")) {
                      const Vector3d fibre = vector_of(*node);
                      // Scaled first: a square of the smallest doubles is 0.
@@ -136,8 +124,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
 void read_flesh(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "flesh");
   FleshSettings& flesh = scene.flesh;
-  read(table, "softness", flesh.softness);
-  read(table, "exaggerate", flesh.exaggerate);
+  read_keys(table, flesh);
   const auto refuse = [&](const char* key, const std::string& what) {
     fail(table.get(key)->source(), join_path("flesh", key), what);
   };
@@ -167,12 +154,7 @@ void read_forces(const toml::table& root, const Surroundings& surroundings, Scen
       root, "force", [&](const std::string& name, const toml::table& table, const std::string& path) {
         Force force;
         force.name = name;
-        std::string kind;
-        read(table, "kind", kind);
-        force.kind = kind == "wind" ? ForceKind::wind : ForceKind::point;
-        read(table, "vector", force.vector);
-        read(table, "start", force.start);
-        read(table, "end", force.end);
+        read_keys(table, force);
         force.where = read_where(table, surroundings, path);
         if (force.kind == ForceKind::wind && !force.where.empty()) {
           fail(table.get("where")->source(), join_path(path, "where"),
@@ -191,8 +173,7 @@ void read_bones(const toml::table& root, Scene& scene) {
   for_each_named(root, "bones",
                  [&](const std::string& name, const toml::table& table, const std::string& path) {
                    BoneSegment bone{name, Vector3d::Zero(), Vector3d::Zero()};
-                   read(table, "from", bone.from);
-                   read(table, "to", bone.to);
+                   read_keys(table, bone);
                    if (bone.from == bone.to)
                      fail(table.source(), path, "from and to are the same point; a bone needs a length");
                    scene.bones.push_back(std::move(bone));
@@ -205,14 +186,7 @@ void read_skeleton_settings(const toml::table& root, Scene& scene) {
   const toml::table& table = *node->as_table();
   if (!root.contains("character"))
     fail(table.source(), "skeleton", "only a [character] has a skeleton; leave it out");
-  read(table, "bones", scene.skeleton.bones);
-  read(table, "not_bones", scene.skeleton.not_bones);
-  read(table, "kinematic", scene.skeleton.kinematic);
-  read(table, "simulated", scene.skeleton.simulated);
-  read(table, "rigid", scene.skeleton.rigid);
-  read(table, "only", scene.skeleton.only);
-  read(table, "least_share", scene.skeleton.least_share);
-  read(table, "connect", scene.skeleton.connect);
+  read_keys(table, scene.skeleton);
 }
 
 void read_fibres(const toml::table& root, Scene& scene) {
@@ -220,15 +194,11 @@ void read_fibres(const toml::table& root, Scene& scene) {
                  [&](const std::string& name, const toml::table& table, const std::string& path) {
                    FibreCurve curve;
                    curve.name = name;
-                   const toml::node& node = *table.get("points");
-                   for (const toml::node& point : *node.as_array()) {
-                     curve.points.push_back(vector_of(point));
-                     const std::size_t count = curve.points.size();
-                     if (count > 1 && curve.points[count - 1] == curve.points[count - 2])
-                       fail(point.source(), join_path(path, "points"),
+                   read_keys(table, curve);
+                   for (std::size_t k = 1; k < curve.points.size(); ++k)
+                     if (curve.points[k] == curve.points[k - 1])
+                       fail((*table.get("points")->as_array())[k].source(), join_path(path, "points"),
                             "has the same point twice in a row; leave one out");
-                   }
-                   read(table, "radius", curve.radius);
                    scene.fibres.push_back(std::move(curve));
                  });
 }
@@ -263,8 +233,7 @@ void read_resolution(const toml::table& table, Scene& scene) {
 
 void read_body(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "body");
-  read(table, "cage", scene.body.cage);
-  read(table, "cage_detail", scene.body.cage_detail);
+  read_keys(table, scene.body);
   read_resolution(table, scene);
   if (root.contains("body") && std::holds_alternative<Bar>(scene.geometry))
     fail(table.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
@@ -275,27 +244,18 @@ void read_body(const toml::table& root, Scene& scene) {
 
 void read_bar(const toml::table& table, Scene& scene) {
   Bar bar;
-  read(table, "size", bar.size);
-  if (const toml::node* node = table.get("vertices")) {
-    double product = 1.0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      bar.vertices[axis] = static_cast<std::uint32_t>((*node->as_array())[axis].as_integer()->get());
-      product *= bar.vertices[axis];
-    }
-    constexpr double most_vertices = 1e8;
-    if (product > most_vertices)
-      fail(node->source(), "bar.vertices", "asks for more than 100 million vertices; make it coarser");
-  }
-  read(table, "jitter", bar.jitter);
-  read(table, "seed", bar.seed);
+  read_keys(table, bar);
+  constexpr double most_vertices = 1e8;
+  if (double{1} * bar.vertices[0] * bar.vertices[1] * bar.vertices[2] > most_vertices)
+    fail(table.get("vertices")->source(), "bar.vertices",
+         "asks for more than 100 million vertices; make it coarser");
   scene.geometry = bar;
 }
 
 void read_mesh(const toml::table& table, const std::filesystem::path& folder, Scene& scene) {
   std::string file;
   read(table, "file", file);
-  read(table, "scale", scene.scale);
-  read(table, "resolution", scene.resolution);
+  read_mesh_keys(table, scene);
   try {
     load_mesh(folder / file, scene);
   } catch (const InputFileError& error) {
@@ -304,8 +264,7 @@ void read_mesh(const toml::table& table, const std::filesystem::path& folder, Sc
 }
 
 void read_character(const toml::table& table, const std::filesystem::path& folder, Scene& scene) {
-  read(table, "clip", scene.clip);
-  read(table, "resolution", scene.resolution);
+  read_character_keys(table, scene);
   if (table.contains("made")) {
     std::string name;
     read(table, "made", name);
@@ -326,7 +285,6 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
   const toml::node* substeps = table.get("substeps");
   solver.auto_substeps = substeps != nullptr && substeps->is_string();
   if (!solver.auto_substeps) read(table, "substeps", solver.substeps);
-  read(table, "iterations", solver.iterations);
   if (table.contains("iterations") && !implicit)
     fail(table.get("iterations")->source(), "solver.iterations",
          "takes solver.integrator = \"implicit\"; leave it out");
@@ -408,10 +366,9 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
 
   const toml::table& solver = table_at(root, "solver");
   scene.solver.integrator = integrator_of(root);
-  read(solver, "rotation", scene.solver.rotation);
-  read(solver, "weights", scene.solver.weights);
+  read_keys(solver, scene.solver);
   read_steps(solver, scene.solver);
-  read(table_at(root, "scene"), "gravity", scene.gravity);
+  read_general_keys(table_at(root, "scene"), scene);
 
   read_bones(root, scene);
   const bool has_character = root.contains("character");

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "host/scene/muscle_bones.h"
-#include "host/scene/scene_table.h"
+#include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
 
 namespace fascicle::scene {
@@ -11,20 +11,8 @@ Muscle read_muscle(const std::string& name, const toml::table& table, const Surr
                    const std::string& path) {
   Muscle muscle;
   muscle.name = name;
-  read(table, "joint", muscle.joint);
-  read(table, "parent", muscle.parent);
-  read(table, "child", muscle.child);
-  read(table, "bone", muscle.bone);
-  read(table, "layer", muscle.layer);
+  read_keys(table, muscle);
   muscle.where = read_where(table, surroundings, path);
-  read(table, "gain", muscle.gain);
-  read(table, "axis", muscle.axis);
-  read(table, "activation", muscle.activation);
-  read(table, "curve", muscle.curve);
-  read(table, "contraction", muscle.contraction);
-  read(table, "contraction_channel", muscle.contraction_channel);
-  read(table, "twist", muscle.twist);
-  read(table, "twist_joint", muscle.twist_joint);
   return muscle;
 }
 

@@ -1,25 +1,12 @@
+#include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
 
 namespace fascicle::scene {
 namespace {
 
-// The two bounds of a shape, in order.
 template <class Range>
-void read_bounds(const toml::table& table, const std::string& path, Range& range) {
-  read(table, "minimum", range.minimum);
-  read(table, "maximum", range.maximum);
+void check_bounds(const toml::table& table, const std::string& path, const Range& range) {
   if (range.minimum > range.maximum) fail(table.source(), path, "minimum is above maximum; swap them");
-}
-
-template <class Range>
-void read_per_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path,
-                   Range& range) {
-  const toml::node* node = table.get("per_bone");
-  if (node == nullptr) return;
-  if (!surroundings.has_joints)
-    fail(node->source(), join_path(path, "per_bone"), "names joints, and only a [character] has them");
-  for (const auto& [name, value] : in_order(*node->as_table()))
-    range.per_bone.emplace_back(std::string(name->str()), number_of(*value));
 }
 
 void need_bones(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
@@ -37,8 +24,10 @@ void need_character(const toml::table& table, const Surroundings& surroundings, 
 template <class Range>
 Range read_from_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
   Range range;
-  read_bounds(table, path, range);
-  read_per_bone(table, surroundings, path, range);
+  read_keys(table, range);
+  check_bounds(table, path, range);
+  if (const toml::node* node = table.get("per_bone"); node != nullptr && !surroundings.has_joints)
+    fail(node->source(), join_path(path, "per_bone"), "names joints, and only a [character] has them");
   need_bones(table, surroundings, path);
   return range;
 }
@@ -46,9 +35,7 @@ Range read_from_bone(const toml::table& table, const Surroundings& surroundings,
 HalfSpace read_half_space(const toml::table& table, bool below) {
   HalfSpace half_space;
   half_space.below = below;
-  std::string axis = "y";
-  read(table, "axis", axis);
-  half_space.axis = axis == "x" ? Axis::x : axis == "y" ? Axis::y : Axis::z;
+  read_keys(table, half_space);
   half_space.is_fraction = table.contains("fraction");
   read(table, half_space.is_fraction ? "fraction" : "value", half_space.value);
   return half_space;
@@ -66,8 +53,7 @@ Shape read_shape(const toml::table& table, const Surroundings& surroundings, con
   const std::string inner_path = join_path(path, kind);
   if (kind == "box") {
     Box box;
-    read(inner, "minimum", box.minimum);
-    read(inner, "maximum", box.maximum);
+    read_keys(inner, box);
     if ((box.minimum.array() > box.maximum.array()).any()) {
       fail(inner.source(), inner_path, "minimum is above maximum; swap them");
     }
@@ -75,47 +61,40 @@ Shape read_shape(const toml::table& table, const Surroundings& surroundings, con
   }
   if (kind == "sphere") {
     Sphere sphere{Vector3d::Zero(), 0.0};
-    read(inner, "center", sphere.center);
-    read(inner, "radius", sphere.radius);
+    read_keys(inner, sphere);
     return sphere;
   }
   if (kind == "capsule") {
     Capsule capsule{Vector3d::Zero(), Vector3d::Zero(), 0.0};
-    read(inner, "from", capsule.from);
-    read(inner, "to", capsule.to);
-    read(inner, "radius", capsule.radius);
+    read_keys(inner, capsule);
     return capsule;
   }
   if (kind == "bone_distance") return read_from_bone<BoneDistance>(inner, surroundings, inner_path);
   if (kind == "depth") return read_from_bone<Depth>(inner, surroundings, inner_path);
   if (kind == "volume_share") {
     VolumeShare share;
-    read_bounds(inner, inner_path, share);
-    std::string by = "depth";
-    read(inner, "by", by);
-    share.by_distance = by == "distance";
+    read_keys(inner, share);
+    check_bounds(inner, inner_path, share);
     need_bones(inner, surroundings, inner_path);
     return share;
   }
   if (kind == "joints") {
     JointSet set;
-    read(inner, "names", set.names);
-    read(inner, "share", set.share);
-    read(inner, "below", set.below);
+    read_keys(inner, set);
     need_character(inner, surroundings, inner_path);
     return set;
   }
   if (kind == "material" || kind == "object") {
     PartSet set;
     set.by_object = kind == "object";
-    read(inner, "names", set.names);
+    read_keys(inner, set);
     need_character(inner, surroundings, inner_path);
     return set;
   }
   if (kind == "painted") {
     Painted painted;
-    read(inner, "attribute", painted.attribute);
-    read_bounds(inner, inner_path, painted);
+    read_keys(inner, painted);
+    check_bounds(inner, inner_path, painted);
     need_character(inner, surroundings, inner_path);
     return painted;
   }

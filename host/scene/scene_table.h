@@ -1,5 +1,6 @@
-// The scene file's keys: one table that the checker (scene_check.h) and the JSON Schema (scene_schema.cpp)
-// are both made from, so that they cannot disagree. Defaults are taken from the structs of scene.h.
+// The scene file's keys: one table that the checker (scene_check.h), --set (overrides.h), the JSON Schema and
+// docs/scene.md (scene_schema.cpp) and the documented scene (scene_writer.h) are made from, so that they
+// cannot disagree. A key has one row, beside the others of its table, in scene_keys_*.cpp.
 #pragma once
 
 #include <limits>
@@ -53,7 +54,7 @@ struct Key {
 struct Table {
   std::string name;  // in the schema's $defs
   std::string doc;
-  std::vector<Key> keys;
+  std::vector<Key> keys = {};
   std::vector<std::vector<std::string>> choices =
       {};  // of each group exactly one key is given; --set of one drops the others
   std::vector<std::vector<std::string>> alternatives = {};  // the same, but none need be given

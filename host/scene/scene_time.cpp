@@ -3,6 +3,7 @@
 #include "host/scene/pose.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_file.h"
+#include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
 #include "host/scene/smooth_clip.h"
 
@@ -34,18 +35,15 @@ bool is_rest_bake(const toml::table& root, const Scene& scene) {
 
 void read_time(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "scene");
-  read(table, "fps", scene.fps);
-  read(table, "start", scene.start);
   const Clip* clip = clip_of(root, scene);
   const toml::node* end = table.get("end");
-  if (end != nullptr) {
-    read(table, "end", scene.end);
-  } else if (clip != nullptr) {
-    scene.end = clip->duration;
-  } else if (is_rest_bake(root, scene)) {
-    scene.end = scene.start + 1.0 / scene.fps;
-  } else {
-    scene.end = scene.start + Scene{}.end;
+  if (end == nullptr) {
+    if (clip != nullptr)
+      scene.end = clip->duration;
+    else if (is_rest_bake(root, scene))
+      scene.end = scene.start + 1.0 / scene.fps;
+    else
+      scene.end = scene.start + Scene{}.end;
   }
   // Where the end follows from the clip, the start is what can be wrong.
   const toml::node* start = table.get("start");
@@ -85,26 +83,10 @@ void read_motion(const toml::table& root, Scene& scene) {
     motion.rest = Rest::sculpted;
     motion.preroll = default_preroll;
   }
-  std::string rest = motion.rest == Rest::sculpted ? "sculpted" : "weightless";
-  read(table, "rest", rest);
-  motion.rest = rest == "sculpted" ? Rest::sculpted : Rest::weightless;
   // The keys of characters made in code lie dense enough.
   const bool from_file = is_character && table_at(root, "character").contains("file");
-  std::string interpolation = from_file ? "smooth" : "as-authored";
-  read(table, "interpolation", interpolation);
-  motion.interpolation = interpolation == "smooth" ? KeyInterpolation::smooth : KeyInterpolation::as_authored;
-  read(table, "preroll", motion.preroll);
-  read(table, "settle", motion.settle);
-  read(table, "loop", motion.loop);
-  read(table, "seamless", motion.seamless);
-  read(table, "seamless_tolerance", motion.seamless_tolerance);
-  read(table, "seamless_cycles", motion.seamless_cycles);
-  read(table, "hold", motion.hold);
-  read(table, "handles", motion.handles);
-  read(table, "acceleration_limit", motion.acceleration_limit);
-  read(table, "cut_distance", motion.cut_distance);
-  if (const toml::node* node = table.get("cuts"))
-    for (const toml::node& time : *node->as_array()) motion.cuts.push_back(number_of(time));
+  motion.interpolation = from_file ? KeyInterpolation::smooth : KeyInterpolation::as_authored;
+  read_keys(table, motion);
   std::sort(motion.cuts.begin(), motion.cuts.end());
 
   if (!is_character) {

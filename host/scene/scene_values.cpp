@@ -46,6 +46,36 @@ void read(const toml::table& table, const char* key, std::vector<std::string>& o
   for (const toml::node& text : *node->as_array()) out.push_back(text.as_string()->get());
 }
 
+void read(const toml::table& table, const char* key, std::optional<Vector3d>& out) {
+  if (const toml::node* node = table.get(key)) out = vector_of(*node);
+}
+
+void read(const toml::table& table, const char* key, std::array<std::uint32_t, 3>& out) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    out[axis] = static_cast<std::uint32_t>((*node->as_array())[axis].as_integer()->get());
+}
+
+void read(const toml::table& table, const char* key, std::vector<double>& out) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  for (const toml::node& number : *node->as_array()) out.push_back(number_of(number));
+}
+
+void read(const toml::table& table, const char* key, std::vector<Vector3d>& out) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  for (const toml::node& point : *node->as_array()) out.push_back(vector_of(point));
+}
+
+void read(const toml::table& table, const char* key, PerBone& out) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  for (const auto& [name, value] : in_order(*node->as_table()))
+    out.emplace_back(std::string(name->str()), number_of(*value));
+}
+
 void read(const toml::table& table, const char* key, KeyedCurve& out) {
   const toml::node* node = table.get(key);
   if (node == nullptr) return;

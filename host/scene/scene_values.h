@@ -1,6 +1,8 @@
 // From checked TOML to values: what the readers of the scene file share. check_scene has seen the types.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +24,22 @@ void read(const toml::table& table, const char* key, bool& out);
 void read(const toml::table& table, const char* key, std::string& out);
 void read(const toml::table& table, const char* key, Vector3d& out);
 void read(const toml::table& table, const char* key, std::vector<std::string>& out);
+void read(const toml::table& table, const char* key, std::optional<Vector3d>& out);
+void read(const toml::table& table, const char* key, std::array<std::uint32_t, 3>& out);
+void read(const toml::table& table, const char* key, std::vector<double>& out);
+void read(const toml::table& table, const char* key, std::vector<Vector3d>& out);
 void read(const toml::table& table, const char* key, KeyedCurve& out);
+void read(const toml::table& table, const char* key, PerBone& out);
+
+// Calls put with the number of the word, in key.allowed, that the key has; not at all where it is absent.
+template <class Put>
+void read_word(const toml::table& table, const Key& key, const Put& put) {
+  const toml::node* node = table.get(key.name);
+  if (node == nullptr) return;
+  const std::string& word = node->as_string()->get();
+  put(static_cast<std::size_t>(std::find(key.allowed.begin(), key.allowed.end(), word) -
+                               key.allowed.begin()));
+}
 
 // Empty where there is none.
 const toml::table& table_at(const toml::table& table, const char* key);

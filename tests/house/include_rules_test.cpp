@@ -21,9 +21,9 @@ struct Room {
   std::vector<std::string> libraries;  // names of `libraries` below
 };
 
-const std::vector<std::string> every_room{"shaders/",       "host/scene/", "host/build/",
-                                          "host/model/",    "host/bake/",  "host/render/",
-                                          "cpu_reference/", "gpu/",        "host/cli/"};
+const std::vector<std::string> every_room{"host/base/",  "shaders/",   "host/scene/",  "host/build/",
+                                          "host/model/", "host/bake/", "host/render/", "cpu_reference/",
+                                          "gpu/",        "host/cli/"};
 const std::vector<std::string> every_library{"Eigen",      "JSON",          "xxHash", "Vulkan", "GoogleTest",
                                              "RapidCheck", "CLI11",         "SIMD",   "PNG",    "JPEG",
                                              "Draco",      "meshoptimizer", "zlib"};
@@ -33,18 +33,19 @@ const std::vector<std::string> every_library{"Eigen",      "JSON",          "xxH
 const std::vector<Room>& rooms() {
   static const std::vector<Room> table{
       {"shaders/", {}, {}},
+      {"host/base/", {}, {}},
       {"host/scene/",
-       {},
+       {"host/base/"},
        {"Eigen", "toml++", "tinygltf", "JSON", "xxHash", "pugixml", "Draco", "meshoptimizer"}},
       {"host/mesher/", {}, {"TetGen", "CGAL"}},
       {"host/convert/", {}, {"assimp", "Eigen", "JSON"}},
-      {"host/build/", {"host/scene/", "host/model/"}, {"Eigen"}},
-      {"host/model/", {"shaders/shared.h"}, {"xxHash"}},
-      {"host/bake/", {"host/scene/", "host/model/"}, {"Eigen", "JSON", "xxHash", "zlib"}},
+      {"host/build/", {"host/base/", "host/scene/", "host/model/"}, {"Eigen"}},
+      {"host/model/", {"host/base/", "shaders/shared.h", "shaders/buffers.h"}, {"xxHash"}},
+      {"host/bake/", {"host/base/", "host/scene/", "host/model/"}, {"Eigen", "JSON", "xxHash", "zlib"}},
       {"host/render/", {"host/model/"}, {"Eigen", "PNG", "JPEG"}},
       {"host/cli/", every_room, {"CLI11", "JSON", "Eigen"}},
-      {"cpu_reference/", {"host/model/", "shaders/"}, {"Eigen", "SIMD"}},
-      {"gpu/", {"host/model/", "shaders/"}, {"Vulkan"}},
+      {"cpu_reference/", {"host/base/", "host/model/", "shaders/"}, {"Eigen", "SIMD"}},
+      {"gpu/", {"host/base/", "host/model/", "shaders/"}, {"Vulkan"}},
       {"tests/", every_room, every_library},
       {"bench/", every_room, {"Bullet", "Google Benchmark"}},
   };
@@ -171,6 +172,7 @@ TEST(IncludeRules, PlantedBreachesAreSeen) {
       {"host/model/bad.h", "#include <Eigen/Core>\n"},
       {"host/bake/bad.cpp", "#include \"host/cli/log.h\"\n"},
       {"host/model/bad.h", "#include \"shaders/kernel/scalar.inc\"\n"},
+      {"host/base/bad.h", "#include \"host/model/model.h\"\n"},
       {"host/mesher/bad.cpp", "#include \"host/scene/scene.h\"\n"},
       {"host/scene/bad.cpp", "#include <boost/any.hpp>\n"},
       {"host/cli/bad.cpp", "#include <benchmark/benchmark.h>\n"},

@@ -1,0 +1,165 @@
+// What the body is and how it is filled: [scene], [bar], [mesh], [character], [body].
+#include "host/scene/made_character.h"
+#include "host/scene/scene_keys.h"
+#include "host/scene/scene_rows.h"
+
+namespace fascicle::scene {
+namespace {
+
+const auto& general_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      loose_key(
+          {.name = "description", .type = KeyType::text, .doc = "One line that says what the scene shows."}),
+      key(&Scene::gravity, {.name = "gravity", .doc = "Gravity, m/s^2.", .range = between(-1e4, 1e4)}),
+      key(&Scene::fps, {.name = "fps", .doc = "Frames a second.", .range = between(1e-3, 1e5)}),
+      key(&Scene::start,
+          {.name = "start", .doc = "Time of the clip where frame 0 stands, s.", .range = between(-1e5, 1e5)}),
+      key(&Scene::end,
+          {.name = "end",
+           .doc = "Time of the last frame, s; where absent, the clip's end, or 2 s after the start without a "
+                  "clip.",
+           .range = between(-1e5, 1e5)},
+          {.depends = true})};
+  return all;
+}
+
+const auto& bar_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      key(&Bar::size, {.name = "size", .doc = "Extent along x, y and z, m.", .range = positive(1e4)}),
+      key(&Bar::vertices,
+          {.name = "vertices", .doc = "Vertices along x, y and z.", .range = between(2, 4096)}),
+      key(&Bar::jitter, {.name = "jitter",
+                         .doc = "Inner vertices are moved at random by up to this many spacings.",
+                         .range = between(0.0, 0.3)}),
+      key(&Bar::seed, {.name = "seed", .doc = "Which random moves.", .range = {.minimum = 0.0}})};
+  static_assert(base::has_row_for_each_member<Bar, decltype(all)>, "a member of Bar has no row here");
+  return all;
+}
+
+const auto& mesh_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      loose_key({.name = "file",
+                 .type = KeyType::text,
+                 .doc = "The file, relative to the scene file's folder.",
+                 .required = true}),
+      key(&Scene::scale, {.name = "scale", .doc = "Metres per unit of the file.", .range = positive(1e6)}),
+      key(&Scene::resolution,
+          {.name = "resolution",
+           .doc = "Surfaces: wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
+           .range = positive(1e4)})};
+  return all;
+}
+
+const auto& character_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      loose_key(
+          {.name = "file", .type = KeyType::text, .doc = "The file, relative to the scene file's folder."}),
+      loose_key({.name = "made",
+                 .type = KeyType::text,
+                 .doc = "A character made in code: a bear that jumps, an arm that curls, straight or bent by "
+                        "46 degrees in its bind pose.",
+                 .allowed = made_character_names()}),
+      key(&Scene::clip,
+          {.name = "clip", .doc = "The animation, by name or by number from 0; empty: the first."}),
+      key(&Scene::resolution,
+          {.name = "resolution",
+           .doc = "Wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
+           .range = positive(1e4)})};
+  return all;
+}
+
+const auto& body_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      key(&BodySettings::cage,
+          {.name = "cage",
+           .doc = "auto: a cage around skins that cannot be filled as they are, or of a character that is "
+                  "dense or uneven; off: never; wrap: always.",
+           .allowed = {"auto", "off", "wrap"}}),
+      key(&BodySettings::cage_detail,
+          {.name = "cage_detail",
+           .doc = "A cage closes gaps and holes narrower than the body's diagonal divided by this.",
+           .range = between(10.0, 2000.0)}),
+      loose_key(
+          {.name = "resolution",
+           .type = KeyType::text,
+           .doc = "How fine: a number of vertices (\"20000\") or an edge length with its unit (\"20 mm\", "
+                  "\"2 cm\", \"0.02 m\"). Where absent, 20000 vertices for a cage, else the surface's mean "
+                  "edge."}),
+      member("vertices", &BodySettings::vertices)};
+  static_assert(base::has_row_for_each_member<BodySettings, decltype(all)>,
+                "a member of BodySettings has no row here");
+  return all;
+}
+
+}  // namespace
+
+const Table& general_table() {
+  static const Table table =
+      with_keys({.name = "scene", .doc = "What holds for the whole scene."}, general_rows());
+  return table;
+}
+void read_general_keys(const toml::table& table, Scene& scene) {
+  read_rows(table, general_rows(), scene);
+}
+
+const Table& bar_table() {
+  static const Table table = with_keys(
+      {.name = "bar", .doc = "A box of tetrahedra, six to a cell, from the origin to its size."}, bar_rows());
+  return table;
+}
+void read_keys(const toml::table& table, Bar& bar) {
+  read_rows(table, bar_rows(), bar);
+}
+Json json_of(const Bar& bar) {
+  return json_of_rows(bar_rows(), bar);
+}
+
+const Table& mesh_table() {
+  static const Table table = with_keys(
+      {.name = "mesh",
+       .doc =
+           "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a closed surface (.off .obj .ply .stl)."},
+      mesh_rows());
+  return table;
+}
+void read_mesh_keys(const toml::table& table, Scene& scene) {
+  read_rows(table, mesh_rows(), scene);
+}
+
+const Table& character_table() {
+  static const Table table = with_keys({.name = "character",
+                                        .doc = "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), an "
+                                               ".fbx or .dae, or one of fascicle's own.",
+                                        .choices = {{"file", "made"}}},
+                                       character_rows());
+  return table;
+}
+void read_character_keys(const toml::table& table, Scene& scene) {
+  read_rows(table, character_rows(), scene);
+}
+
+const Table& body_table() {
+  static const Table table = with_keys(
+      {.name = "body", .doc = "How a surface or a character is filled with tetrahedra."}, body_rows());
+  return table;
+}
+void read_keys(const toml::table& table, BodySettings& body) {
+  read_rows(table, body_rows(), body);
+}
+Json json_of(const BodySettings& body) {
+  return json_of_rows(body_rows(), body);
+}
+
+Json json_of_scene_keys(const Scene& scene) {
+  Json object = json_of_rows(general_rows(), scene);
+  object.update(json_of_rows(mesh_rows(), scene));
+  object.update(json_of_rows(character_rows(), scene));
+  return object;
+}
+
+}  // namespace fascicle::scene

@@ -1,0 +1,253 @@
+// What carries, holds and moves the body: [bones.NAME], [skeleton], [fibres.NAME], [muscle.NAME], [pin.NAME],
+// [probe.NAME], [force.NAME].
+#include "host/scene/scene_keys.h"
+#include "host/scene/scene_rows.h"
+
+namespace fascicle::scene {
+namespace {
+
+const auto& bone_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      member("name", &BoneSegment::name),
+      key(&BoneSegment::from, {.name = "from", .doc = "One end, m.", .range = coordinate, .required = true}),
+      key(&BoneSegment::to,
+          {.name = "to", .doc = "The other end, m.", .range = coordinate, .required = true})};
+  static_assert(base::has_row_for_each_member<BoneSegment, decltype(all)>,
+                "a member of BoneSegment has no row here");
+  return all;
+}
+
+const auto& skeleton_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      key(&SkeletonSettings::bones, {.name = "bones", .doc = "Joints that are bones."}),
+      key(&SkeletonSettings::not_bones, {.name = "not_bones", .doc = "Joints that are no bones."}),
+      key(&SkeletonSettings::kinematic,
+          {.name = "kinematic", .doc = "Joints whose flesh follows the skeleton, with all below them."}),
+      key(&SkeletonSettings::simulated,
+          {.name = "simulated",
+           .doc = "Joints whose flesh is simulated, with all below them; counts before kinematic."}),
+      key(&SkeletonSettings::rigid,
+          {.name = "rigid",
+           .doc = "Joints (with all below them), objects or materials whose skin follows its joints alone, "
+                  "beside the parts that the weights say so of; and so does the flesh below that skin."}),
+      key(&SkeletonSettings::only,
+          {.name = "only",
+           .doc = "Joints whose flesh is simulated, with all below them; that of all others follows the "
+                  "skeleton."}),
+      key(&SkeletonSettings::least_share,
+          {.name = "least_share",
+           .doc = "Share of the skin's area that a bone and the joints below it must move.",
+           .range = between(0.0, 1.0)}),
+      key(&SkeletonSettings::connect,
+          {.name = "connect",
+           .doc = "Bone layers that are measured from the bones are completed along them until they "
+                  "hold together."})};
+  static_assert(base::has_row_for_each_member<SkeletonSettings, decltype(all)>,
+                "a member of SkeletonSettings has no row here");
+  return all;
+}
+
+const auto& fibre_curve_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      member("name", &FibreCurve::name),
+      key(&FibreCurve::points,
+          {.name = "points", .doc = "Corners of the line, m.", .range = coordinate, .required = true}),
+      key(&FibreCurve::radius, {.name = "radius",
+                                .doc = "How far around the line it holds, m; where absent, the mean edge.",
+                                .range = positive(farthest)})};
+  static_assert(base::has_row_for_each_member<FibreCurve, decltype(all)>,
+                "a member of FibreCurve has no row here");
+  return all;
+}
+
+const auto& muscle_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      member("name", &Muscle::name),
+      key(&Muscle::joint, {.name = "joint", .doc = "The joint whose bending makes it bulge."},
+          {.depends = true}),
+      key(&Muscle::parent,
+          {.name = "parent",
+           .doc = "The joint where the upper bone begins; where absent, the next joint above `joint`."},
+          {.depends = true}),
+      key(&Muscle::child,
+          {.name = "child",
+           .doc = "The joint where the lower bone ends; where absent, the next one below `joint` that moves "
+                  "the most skin."},
+          {.depends = true}),
+      key(&Muscle::bone,
+          {.name = "bone",
+           .doc = "The joint whose bone carries the muscle; where absent, that of the upper bone."},
+          {.depends = true}),
+      key(&Muscle::layer,
+          {.name = "layer", .doc = "Only flesh of this layer; where absent, of any that is not kinematic."},
+          {.depends = true}),
+      where_key(&Muscle::where, false, "Only what lies here; where absent, all along the bone."),
+      key(&Muscle::gain,
+          {.name = "gain", .doc = "How much it bulges, equation (17).", .range = between(-10.0, 10.0)}),
+      key(&Muscle::axis,
+          {.name = "axis",
+           .doc = "Where it bulges: flexion: on the side to which the joint folds, and thins on the other; "
+                  "plane-normal: along the normal of the plane of the two bones.",
+           .allowed = {"flexion", "plane-normal"}}),
+      key(&Muscle::activation,
+          {.name = "activation",
+           .doc =
+               "Of the joint's angle, less its value in the bind pose: cosine: (1 - cos)/2, which rises all "
+               "the way; sine: as printed, which turns back beyond 90 degrees.",
+           .allowed = {"cosine", "sine"}}),
+      key(&Muscle::curve,
+          {.name = "curve",
+           .doc = "Activation over the joint's angle in place of `activation`: [[degrees, value], ...].",
+           .range = between(-1e3, 1e3)}),
+      key(&Muscle::contraction,
+          {.name = "contraction",
+           .doc = "Activation over the clip's time, whatever the joint does: [[seconds, value], ...].",
+           .range = between(-1e5, 1e5)}),
+      key(&Muscle::contraction_channel,
+          {.name = "contraction_channel",
+           .doc = "Activation from the clip: a joint, translation or scale, and an axis, as "
+                  "flex.translation.x; its value at rest counts as 0."}),
+      key(&Muscle::twist, {.name = "twist",
+                           .doc = "Share of the bone's twist by which the fibres wind around it.",
+                           .range = between(-1.0, 1.0)}),
+      key(&Muscle::twist_joint,
+          {.name = "twist_joint",
+           .doc =
+               "The joint whose turn about the bone, relative to its parent, is the twist; where absent, the "
+               "one where the bone ends."},
+          {.depends = true})};
+  static_assert(base::has_row_for_each_member<Muscle, decltype(all)>, "a member of Muscle has no row here");
+  return all;
+}
+
+const auto& pin_rows() {
+  using namespace rows;
+  static const std::tuple all{member("name", &Pin::name), where_key(&Pin::where, true, "Which vertices.")};
+  static_assert(base::has_row_for_each_member<Pin, decltype(all)>, "a member of Pin has no row here");
+  return all;
+}
+
+const auto& probe_rows() {
+  using namespace rows;
+  static const std::tuple all{member("name", &ProbeSet::name),
+                              where_key(&ProbeSet::where, true, "Which vertices.")};
+  static_assert(base::has_row_for_each_member<ProbeSet, decltype(all)>,
+                "a member of ProbeSet has no row here");
+  return all;
+}
+
+const auto& force_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      member("name", &Force::name),
+      key(&Force::kind,
+          {.name = "kind",
+           .doc = "wind: a pressure on the whole surface; point: a force spread over vertices by mass.",
+           .allowed = {"wind", "point"},
+           .required = true}),
+      key(&Force::vector, {.name = "vector",
+                           .doc = "Direction and size: Pa for wind, N for point.",
+                           .range = between(-1e9, 1e9),
+                           .required = true}),
+      where_key(&Force::where, false, "point only, and needed there: which vertices."),
+      key(&Force::start,
+          {.name = "start", .doc = "Acts from this time on, s.", .range = between(-1e5, 1e30)}),
+      key(&Force::end, {.name = "end", .doc = "Acts before this time, s.", .range = between(-1e5, 1e30)})};
+  static_assert(base::has_row_for_each_member<Force, decltype(all)>, "a member of Force has no row here");
+  return all;
+}
+
+}  // namespace
+
+const Table& bone_table() {
+  static const Table table =
+      with_keys({.name = "bone",
+                 .doc = "A bone of a mesh without a skeleton: a segment that layers can be measured from."},
+                bone_rows());
+  return table;
+}
+void read_keys(const toml::table& table, BoneSegment& bone) {
+  read_rows(table, bone_rows(), bone);
+}
+Json json_of(const BoneSegment& bone) {
+  return json_of_rows(bone_rows(), bone);
+}
+
+const Table& skeleton_table() {
+  static const Table table = with_keys(
+      {.name = "skeleton",
+       .doc =
+           "Which joints are bones, and which flesh follows them. Where nothing is said, the skin decides."},
+      skeleton_rows());
+  return table;
+}
+void read_keys(const toml::table& table, SkeletonSettings& skeleton) {
+  read_rows(table, skeleton_rows(), skeleton);
+}
+Json json_of(const SkeletonSettings& skeleton) {
+  return json_of_rows(skeleton_rows(), skeleton);
+}
+
+const Table& fibre_curve_table() {
+  static const Table table =
+      with_keys({.name = "fibre_curve",
+                 .doc = "Fibres drawn as a line from origin to insertion: the fibre field follows it."},
+                fibre_curve_rows());
+  return table;
+}
+void read_keys(const toml::table& table, FibreCurve& fibre_curve) {
+  read_rows(table, fibre_curve_rows(), fibre_curve);
+}
+Json json_of(const FibreCurve& fibre_curve) {
+  return json_of_rows(fibre_curve_rows(), fibre_curve);
+}
+
+const Table& muscle_table() {
+  static const Table table = with_keys(
+      {.name = "muscle",
+       .doc =
+           "A muscle on a bone: it bulges as a joint bends, or as a curve tells it: equations (15) to (17)."},
+      muscle_rows());
+  return table;
+}
+void read_keys(const toml::table& table, Muscle& muscle) {
+  read_rows(table, muscle_rows(), muscle);
+}
+Json json_of(const Muscle& muscle) {
+  return json_of_rows(muscle_rows(), muscle);
+}
+
+const Table& pin_table() {
+  static const Table table =
+      with_keys({.name = "pin", .doc = "Vertices that are held where they are."}, pin_rows());
+  return table;
+}
+Json json_of(const Pin& pin) {
+  return json_of_rows(pin_rows(), pin);
+}
+
+const Table& probe_table() {
+  static const Table table = with_keys(
+      {.name = "probe", .doc = "Vertices whose mean position is written for each frame."}, probe_rows());
+  return table;
+}
+Json json_of(const ProbeSet& probe) {
+  return json_of_rows(probe_rows(), probe);
+}
+
+const Table& force_table() {
+  static const Table table = with_keys({.name = "force", .doc = "A force beside gravity."}, force_rows());
+  return table;
+}
+void read_keys(const toml::table& table, Force& force) {
+  read_rows(table, force_rows(), force);
+}
+Json json_of(const Force& force) {
+  return json_of_rows(force_rows(), force);
+}
+
+}  // namespace fascicle::scene

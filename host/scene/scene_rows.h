@@ -1,0 +1,204 @@
+// A key of the scene file and the member of scene.h that it sets, in one row. Of a tuple of such rows are
+// made the table of keys that files, --set and the schema are held against (scene_table.h), the reader, and
+// the manifest's copy. The key's type and its default are the member's.
+//
+// Beside each tuple stands static_assert(base::has_row_for_each_member<Owner, decltype(rows)>): a member that
+// has no row does not compile.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "host/base/fields.h"
+#include "host/scene/scene.h"
+#include "host/scene/scene_json.h"
+#include "host/scene/scene_table.h"
+#include "host/scene/scene_values.h"
+
+namespace fascicle::scene {
+
+// In the manifest.
+enum class Shown { always, where_set, never };
+
+struct RowTraits {
+  bool depends =
+      false;  // what holds where the key is absent is not the member's default, or is told by `doc`
+  bool by_hand = false;  // the reader of the struct reads it: it depends on more than the key's own text
+  Shown shown = Shown::always;  // where_set: not where the member has its default
+};
+
+// A key that sets a member. An enumeration's values, and false and true, are the words of `allowed`, in
+// order.
+template <class Owner, class T>
+struct KeyRow {
+  T Owner::*member;
+  Key key;
+  RowTraits traits;
+};
+// A member that no key sets by itself; the manifest has it as `name`.
+template <class Owner, class T>
+struct MemberRow {
+  const char* name;
+  T Owner::*member;
+  Shown shown;
+};
+// A key that sets no member by itself.
+struct LooseKey {
+  Key key;
+};
+
+namespace rows {
+
+inline constexpr double farthest = 1e6;  // metres; squares and cubes of it are far from float's end
+
+constexpr Range between(double minimum, double maximum) {
+  return {minimum, maximum, false};
+}
+constexpr Range positive(double maximum) {
+  return {0.0, maximum, true};
+}
+inline constexpr Range coordinate = between(-farthest, farthest);
+
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+template <class T>
+consteval KeyType type_of() {
+  if constexpr (is_optional<T>)
+    return type_of<typename T::value_type>();
+  else if constexpr (std::is_same_v<T, bool>)
+    return KeyType::boolean;
+  else if constexpr (std::is_floating_point_v<T>)
+    return KeyType::number;
+  else if constexpr (std::is_integral_v<T>)
+    return KeyType::integer;
+  else if constexpr (std::is_same_v<T, std::string> || std::is_enum_v<T>)
+    return KeyType::text;
+  else if constexpr (std::is_same_v<T, Vector3d>)
+    return KeyType::vector;
+  else if constexpr (std::is_same_v<T, std::array<std::uint32_t, 3>>)
+    return KeyType::integer_vector;
+  else if constexpr (std::is_same_v<T, std::vector<double>>)
+    return KeyType::numbers;
+  else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+    return KeyType::texts;
+  else if constexpr (std::is_same_v<T, std::vector<Vector3d>>)
+    return KeyType::points;
+  else if constexpr (std::is_same_v<T, KeyedCurve>)
+    return KeyType::curve;
+  else if constexpr (std::is_same_v<T, PerBone>)
+    return KeyType::named_numbers;
+  else
+    return std::is_same_v<T, Where> ? KeyType::tables : throw "no key has such a type";
+}
+
+template <class T>
+inline constexpr bool is_worded = std::is_enum_v<T> || std::is_same_v<T, bool>;
+
+template <class T>
+Json json_of_member(const Key& key, const T& value) {
+  if constexpr (is_worded<T>)
+    if (!key.allowed.empty()) return key.allowed[static_cast<std::size_t>(value)];
+  if constexpr (!std::is_enum_v<T>)
+    return json_of_value(value);
+  else
+    return nullptr;
+}
+
+// Whether the absence of a key can be said as a value.
+template <class T>
+inline constexpr bool has_default =
+    !is_optional<T> && (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string> ||
+                        std::is_same_v<T, Vector3d> || std::is_same_v<T, std::array<std::uint32_t, 3>>);
+
+template <class Owner, class T>
+KeyRow<Owner, T> key(T Owner::*member, Key described, RowTraits traits = {}) {
+  described.type = type_of<T>();
+  if (std::is_same_v<T, bool> && !described.allowed.empty()) described.type = KeyType::text;
+  if constexpr (has_default<T>)
+    if (!described.required && !traits.depends)
+      described.fallback = json_of_member(described, Owner{}.*member);
+  return {member, std::move(described), traits};
+}
+
+template <class Owner, class T>
+MemberRow<Owner, T> member(const char* name, T Owner::*place, Shown shown = Shown::always) {
+  return {name, place, shown};
+}
+
+inline LooseKey loose_key(Key described) {
+  return {std::move(described)};
+}
+
+template <class Owner>
+KeyRow<Owner, Where> where_key(Where Owner::*place, bool required, const char* doc) {
+  return key(place, {.name = "where", .doc = doc, .required = required, .table = &shape_table()},
+             {.by_hand = true});
+}
+
+template <class Row>
+inline constexpr bool has_member = requires(const Row& row) {
+  row.member;
+};
+template <class Row>
+inline constexpr bool has_key = requires(const Row& row) {
+  row.key;
+};
+
+}  // namespace rows
+
+// The keys of the rows, in order, into the table.
+template <class... Row>
+Table with_keys(Table table, const std::tuple<Row...>& rows_of_table) {
+  base::for_each_row(rows_of_table, [&](const auto& row) {
+    if constexpr (rows::has_key<std::decay_t<decltype(row)>>) table.keys.push_back(row.key);
+  });
+  return table;
+}
+
+// Reads the keys that are there into the members, all but those that are read by hand.
+template <class Owner, class... Row>
+void read_rows(const toml::table& table, const std::tuple<Row...>& rows_of_table, Owner& owner) {
+  base::for_each_row(rows_of_table, [&](const auto& row) {
+    using R = std::decay_t<decltype(row)>;
+    if constexpr (rows::has_member<R> && rows::has_key<R>) {
+      using T = std::decay_t<decltype(owner.*row.member)>;
+      if (row.traits.by_hand) return;
+      if constexpr (rows::is_worded<T>)
+        if (!row.key.allowed.empty())
+          return read_word(table, row.key,
+                           [&](std::size_t word) { owner.*row.member = static_cast<T>(word); });
+      if constexpr (!std::is_enum_v<T> && !std::is_same_v<T, Where>)
+        read(table, row.key.name.c_str(), owner.*row.member);
+    }
+  });
+}
+
+// The members, under their keys' names.
+template <class Owner, class... Row>
+Json json_of_rows(const std::tuple<Row...>& rows_of_table, const Owner& owner) {
+  Json object = Json::object();
+  base::for_each_row(rows_of_table, [&](const auto& row) {
+    using R = std::decay_t<decltype(row)>;
+    if constexpr (rows::has_member<R> && rows::has_key<R>) {
+      Json value = rows::json_of_member(row.key, owner.*row.member);
+      const bool is_set =
+          row.traits.shown == Shown::always || value != rows::json_of_member(row.key, Owner{}.*row.member);
+      if (row.traits.shown != Shown::never && is_set) object[row.key.name] = std::move(value);
+    } else if constexpr (rows::has_member<R>) {
+      if constexpr (!std::is_enum_v<std::decay_t<decltype(owner.*row.member)>>)
+        if (row.shown != Shown::never) object[row.name] = json_of_value(owner.*row.member);
+    }
+  });
+  return object;
+}
+
+}  // namespace fascicle::scene
