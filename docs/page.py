@@ -1,5 +1,18 @@
 """docs/paper.md from its numbers; nothing here measures."""
 
+import textwrap
+
+COLUMNS = 120
+
+
+def wrapped(text):
+    """Paragraphs of at most COLUMNS columns; tables, headings and pictures stay on their lines."""
+    lines = []
+    for line in text.split("\n"):
+        whole = len(line) <= COLUMNS or line.startswith(("|", "#", "!"))
+        lines += [line] if whole else textwrap.wrap(line, COLUMNS, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)
+
 
 def percent(share, digits=1):
     return f"{100 * share:.{digits}f} %"
@@ -156,4 +169,4 @@ def text(record):
              "Scenes are our own, so what is compared is what the paper claims, not its pixels.\n",
              figure_2(n["2"], assets), figure_3(n["3"]), figure_6(n["6"]), figure_7(n["7"]), figure_8(n["8"]), table_1(n["8"]), figure_9(n["9"], n["lag"]),
              figure_10(n["10"], assets), table_2(timings)]
-    return "\n".join(parts)
+    return wrapped("\n".join(parts))
