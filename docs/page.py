@@ -138,7 +138,7 @@ def figure_10(n, assets):
         parts += ["A man with a muscle of five lines ([examples/curling-man.toml](examples/curling-man.toml)), above, and without, below. Model: `mh_muscle.glb`, built from the MakeHuman base mesh, CC0; "
                   "it is not part of the project. Frames 0, 40 and 60. The muscle moves the skin by up to "
                   f"{millimetres(assets['curl']['skin moves by at most, m'])}, and over the curl the whole man's volume by {percent(assets['curl']['volume, mean difference'], 3)} in the mean.\n",
-                  picture("A man's left arm curls in three stills; above with a muscle, below without (model CC0, MakeHuman)", "biceps-curl.png"),
+                  picture("A man's left arm curls; above with a muscle, below without (model CC0, MakeHuman)", "biceps-curl.png"),
                   picture("The volume of the whole man over the curl, with the muscle and without", "biceps-curl-volume.svg")]
     return section("Figure 10: biceps", "an arm bends with the constraint at beta 0 (a, b) and 1 (c, d). At beta 1 the biceps builds, and the volume over the bend differs by 0.291 % in the mean.",
                    f"the built-in arm, beta {n['beta']:g}, to 160 degrees and back. The biceps stands up to {millimetres(n['biceps, rise, m'])} higher than without muscles. In the mean of the clip's frames the whole "
