@@ -145,7 +145,7 @@ def page(rows):
     for row in rows:
         if "picture" in row:
             title = f"{row['name']}, {row['clip']}" if row["clip"] else row["name"]
-            lines += ["", f"## {title}", "", f"![Worst frames, skinned and with flesh: {title}]({row['picture']})"]
+            lines += ["", f"## {title}", "", f"![Worst frames of {title}]({row['picture']})"]
     return "\n".join(lines) + "\n\n" + FOOT
 
 

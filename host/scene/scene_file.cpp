@@ -62,10 +62,10 @@ void read_stiffness(const toml::table& table, const std::string& path, bool impl
   }
   if (layer.kinematic)
     for (const char* key : {"frequency", "damping_ratio"})
-      refuse(key, "is that of a mode, and a kinematic layer has none; leave it out");
+      refuse(key, "is for a layer that swings, and a kinematic layer does not; leave it out");
   if (implicit && !layer.kinematic && !layer.youngs_modulus && !layer.frequency)
     fail(table.source(), path,
-         "lacks one of youngs_modulus, frequency, material, of which the implicit integrator takes one");
+         "has no stiffness; the implicit integrator takes one of youngs_modulus, frequency, material");
 }
 
 void read_sliding(const toml::table& table, const std::string& path, Layer& layer) {

@@ -528,7 +528,7 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
   EXPECT_EQ(refusal(with("frequency = 2.0\nleast_volume = 0.3\n" + where)), "no error");
   const std::string slides = refusal(with("kinematic = true\nsliding = true\n" + where));
   EXPECT_NE(slides.find("sliding: is for flesh that moves by itself"), std::string::npos) << slides;
-  EXPECT_NE(refusal(with("kinematic = true\nfrequency = 2.0\n" + where)).find("a kinematic layer has none"),
+  EXPECT_NE(refusal(with("kinematic = true\nfrequency = 2.0\n" + where)).find("a kinematic layer does not"),
             std::string::npos);
   const std::vector<std::pair<std::string, std::string>> refused{
       {"layers.fat.youngs_modulus=1e4", "layers.fat.youngs_modulus: takes solver.integrator = \"implicit\""},
