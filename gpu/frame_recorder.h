@@ -1,4 +1,4 @@
-// Records a frame's stages into submissions none of which runs long.
+// Records a frame's stages into submissions, none of which runs long: dispatch each stage, then finish.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ class FrameRecorder {
   FrameRecorder(Device::Impl& device, FrameSlot& slot, const SubmissionPace& pace,
                 const RecorderOptions& options);
 
-  // One invocation an item. What was recorded before is done before it, what comes later sees it.
+  // One invocation an item. It sees what was recorded before it; what is recorded later sees its result.
   void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items,
                 const shader::ImplicitStep& implicit = {});
 

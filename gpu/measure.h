@@ -10,8 +10,8 @@
 
 namespace fascicle::gpu {
 
-// Bytes a second, read plus written, that copies between two large buffers of the device move, its own or a
-// shader's; the best of a few.
+// Bytes a second, read plus written, of copies between two large buffers of the device: by the driver's copy
+// or by a shader's, the best of a few.
 double copy_rate(Device& device);
 
 // One stage of a substep over all of the model, as it runs when nobody probes.
@@ -20,7 +20,7 @@ struct StageTime {
   double nanoseconds;  // with the barrier behind it, mean of many in a row
 };
 // Without a skeleton: predict, region, iterate and integrate of an implicit model, region and update of an
-// explicit one. Empty where the device has no timestamps, and where it
+// explicit one. Empty where the device has no timestamps, or where a stage
 // takes several dispatches.
 std::vector<StageTime> stage_times(Device& device, const model::Model& model,
                                    const model::SolverOptions& options, const model::Drive& drive);
