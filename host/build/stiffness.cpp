@@ -144,7 +144,7 @@ bool needs_lowest_mode(const scene::Scene& scene, const scene::Layer& layer) {
 // (measured on bars): alpha is a stiffness a substep. This much of it only tells bodies apart, as flesh hangs
 // on bones: it gives a heavy man, a muscular man and a fox of 20,000 vertices 18, 23 and 13 substeps at 60
 // fps, with which their jumps and its gallop turn hardly more tetrahedra inside out than skinning does
-// (see docs/architecture.md, Tetrahedra that turn inside out).
+// (see docs/design/crushed-flesh.md).
 constexpr double explicit_stretch = 0.023;
 constexpr double earth_gravity = 9.81;
 // Fewer do not hold flesh, whatever alpha.
