@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency", "material",
                                                    "damping_ratio"};
-// Soft tissues bear the jump of a heavy man with it (docs/architecture.md).
+// Soft tissues bear the jump of a heavy man with it (docs/design/crushed-flesh.md).
 constexpr double least_volume_of_character = 0.3;
 constexpr std::array<const char*, 3> explicit_keys{"alpha", "alpha_outer", "alpha_attribute"};
 
