@@ -192,10 +192,11 @@ TEST(Docs, TheSiteHoldsEveryPage) {
   const Tree tree = read_tree();
   const auto config = std::ranges::find(tree.files, std::string("mkdocs.yml"), &Source::path);
   ASSERT_NE(config, tree.files.end());
-  for (const Source& page : tree.pages)
-    if (!page.path.starts_with("tests/"))
-      EXPECT_NE(config->text.find(" " + page.path + "\n"), std::string::npos)
-          << page.path << " is not in the menu of mkdocs.yml";
+  for (const Source& page : tree.pages) {
+    if (page.path.starts_with("tests/")) continue;
+    EXPECT_NE(config->text.find(" " + page.path + "\n"), std::string::npos)
+        << page.path << " is not in the menu of mkdocs.yml";
+  }
 }
 
 // The controls: each fault is seen once planted, and the same without it is not.
