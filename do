@@ -11,6 +11,7 @@
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
 #   ./do touches NAME [COMMIT]   count where a model array or a scene key is named, outside tests
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
+#   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -22,6 +23,7 @@ run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy"
 bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
+site_packages="mkdocs"
 
 need() {
   missing=""
@@ -131,13 +133,23 @@ gpu/model_buffers.cpp cpu_reference/lane_stages.h cpu_reference/lane_stages.cpp 
     cmake --preset release -B build/lint -DFASCICLE_TESTS=ON -DFASCICLE_BENCH=ON -DCMAKE_UNITY_BUILD=OFF >&2
     exec tests/house/lint.sh build/lint "$@"
     ;;
+  site)
+    need $site_packages
+    # The pages and what they link to, in the folders they have here, so that their links hold as they are.
+    rm -rf build/site-pages
+    git ls-files -co --exclude-standard -- '*.md' LICENSE docs ':!docs/*.py' ':!docs/*.json' ':!tests' |
+      while read -r file; do
+        [ ! -f "$file" ] || { mkdir -p "build/site-pages/$(dirname "$file")" && cp "$file" "build/site-pages/$file"; }
+      done
+    exec mkdocs build --strict --clean
+    ;;
   soak)
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,15s/^# \{0,1\}//p' "$0"
+    sed -n '2,16s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -1,5 +1,5 @@
-// CpuSolver: the float solver on the CPU, with the bits of VulkanSolver whatever the number of threads and
-// the vector instructions.
+// CpuSolver: the float solver on the CPU, with the bits of VulkanSolver for any number of threads and any
+// vector instructions. Submit a Drive for each frame and collect its positions (host/model/solver.h).
 #pragma once
 
 #include <memory>

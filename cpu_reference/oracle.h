@@ -1,6 +1,6 @@
-// Oracle: the method in double precision, written to be read beside the paper. It shares no arithmetic with
-// the kernels, and computes weights, centres and T from the rest data itself, so that a Model is tested
-// against it too.
+// Oracle: the method in double precision, written to be read beside the paper. Tests and `validate` step it
+// with the same drives as a float solver and compare. It shares no arithmetic with the kernels. It computes
+// weights, centres and T from the rest data itself, so that a Model is tested against it too.
 #pragma once
 
 #include <memory>

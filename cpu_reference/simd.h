@@ -13,10 +13,10 @@ namespace fascicle::cpu_reference {
 enum class Simd { automatic, scalar, baseline, sse4, avx2, avx512 };
 
 const char* name_of(Simd level);
-// None for a word that is no level.
+// Nothing for a word that is not a level.
 std::optional<Simd> simd_named(std::string_view name);
 
-// What this machine and this build have, ascending; scalar and baseline always.
+// The levels of this machine and this build, ascending. Scalar and baseline are always there.
 std::vector<Simd> available_simd();
 
 }  // namespace fascicle::cpu_reference

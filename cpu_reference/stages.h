@@ -1,7 +1,7 @@
 // The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Only indexing: the
-// arithmetic is in shaders/kernel. Ranges may run on any threads: what a stage reads of other vertices, an
-// earlier stage wrote (region and tie read positions, goal and update read transforms), and what it
-// writes over (rotations, velocities, positions) only the vertex itself reads in that stage.
+// arithmetic is in shaders/kernel. Call a stage for ranges that cover the body, on any threads, and wait for
+// all of them before the next stage. What a stage reads of other vertices, an earlier stage wrote; what it
+// overwrites (rotations, velocities, positions), only the vertex itself reads in that stage.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct SubstepInput {
   std::span<const shader::Response> responses;  // those of the step: n, or none
 };
 
-// Each takes the implicit integrator's way where the model is an implicit one; it alone has relax.
+// Each follows the integrator of the model. Only implicit models have relax.
 void rebase(const SubstepInput& in, Fields& fields, Range range);
 void skin(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void tie(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);

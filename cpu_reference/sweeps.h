@@ -1,15 +1,16 @@
-// Several passes over the body in one ("temporal blocking"): a substep follows the one before it, and within
-// each the vertices follow the regions, as closely as one-rings allow. So a part of the body that is in a
-// cache is taken on by several substeps, or iterations, before its memory is left.
+// Several passes over the body in one ("temporal blocking"). A pass is an explicit substep or an implicit
+// iteration. Each pass follows the one before it as closely as one-rings allow, and within a pass vertices
+// follow regions. So a part of the body takes several passes while it is in a cache.
 //
-// A region's map may be made as soon as the vertices of its one-ring have been moved by the pass before, and
-// a vertex may be moved as soon as the regions of its one-ring are done. One-rings are symmetric: those are
-// at once all the regions that read its position, and all vertices that take a region's map are those that
-// it reads. So passes work in place, and each reads what the pass before left, whatever the order.
+// A region's map may be made as soon as the pass before has moved the vertices of its one-ring. A vertex may
+// be moved as soon as the regions of its one-ring are done. One-rings are symmetric: these regions are all
+// that read the vertex's position, and only the vertices that a region reads take its map. So passes work in
+// place, and each reads what the pass before left, whatever the order.
 //
-// For threads the body is cut into tiles. In each, every pass does what needs nothing of other tiles: pass by
-// pass less, at both ends. Then joints do what is left between them, pass by pass more (trapezoids, Frigo and
-// Strumpen, "Cache oblivious stencil computations", ICS 2005).
+// For threads the body is cut into tiles. In a tile each pass covers fewer slices than the one before, at
+// both ends, so that it needs nothing of other tiles. Then joints cover the rest between tiles, each pass
+// more than the one before (trapezoids: Frigo and Strumpen, "Cache oblivious stencil computations", ICS
+// 2005).
 #pragma once
 
 #include <cstdint>
@@ -44,16 +45,16 @@ struct Sweeps {
   std::uint32_t passes() const { return empty() ? 0 : static_cast<std::uint32_t>(tiles.front().size()); }
 };
 
-// Smaller bodies stay in a processor's caches, and gain nothing; more passes bring little (bench/README.md).
+// Smaller bodies stay in a processor's caches and gain nothing. More passes gain little (bench/README.md).
 inline constexpr std::uint32_t fewest_swept_vertices = 50'000, most_swept_passes = 8;
 
-// Sweeps for so many threads; none where the body has fewer vertices than `fewest`, or where less than half
-// of the work would lie inside the tiles: then passes over the whole body do as well. The wider one-rings
-// reach and the more threads there are, the fewer passes.
+// Sweeps for so many threads. None where the body has fewer vertices than `fewest`, or where less than half
+// of the work would lie inside the tiles: then passes over the whole body are as fast. The wider one-rings
+// reach and the more threads there are, the fewer passes a sweep has.
 Sweeps make_sweeps(const model::Model& model, const Slices& slices, unsigned threads,
                    std::uint32_t fewest = fewest_swept_vertices);
 
-// At most as many passes as the tile has parts, and not none.
+// `passes`: at least one, and at most as many as the tile has parts.
 void run_tile(const Parts& tile, std::span<const Pass> passes);
 
 // Slices of regions, or of vertices, that all joints together have in a pass.

@@ -37,7 +37,7 @@ HEAD = """# Characters beside their skinning
 
 Written by `./do characters`, as is every picture here: each character of a folder of assets is baked with nothing
 but its file and a clip, and the six frames that look worst are drawn beside skinning alone, the worst first, no two
-of them neighbours. Look is the score of [metrics.csv](../../README.md#pictures): 1 is the limit, above it something
+of them neighbours. Look is the score of [metrics.csv](../guide.md#how-it-looks): 1 is the limit, above it something
 is seen that should not be. Lag is the largest root mean square of a layer's distance to skinning. Inverted are the
 most tetrahedra inside out in a frame, and the most that skinning alone turns.
 """
@@ -145,7 +145,7 @@ def page(rows):
     for row in rows:
         if "picture" in row:
             title = f"{row['name']}, {row['clip']}" if row["clip"] else row["name"]
-            lines += ["", f"## {title}", "", f"![Skinned and with flesh: the worst frames of {title}]({row['picture']})"]
+            lines += ["", f"## {title}", "", f"![Worst frames of {title}]({row['picture']})"]
     return "\n".join(lines) + "\n\n" + FOOT
 
 

@@ -1,5 +1,18 @@
 """docs/paper.md from its numbers; nothing here measures."""
 
+import textwrap
+
+COLUMNS = 120
+
+
+def wrapped(text):
+    """Paragraphs of at most COLUMNS columns; tables, headings and pictures stay on their lines."""
+    lines = []
+    for line in text.split("\n"):
+        whole = len(line) <= COLUMNS or line.startswith(("|", "#", "!"))
+        lines += [line] if whole else textwrap.wrap(line, COLUMNS, break_long_words=False, break_on_hyphens=False)
+    return "\n".join(lines)
+
 
 def percent(share, digits=1):
     return f"{100 * share:.{digits}f} %"
@@ -125,7 +138,7 @@ def figure_10(n, assets):
         parts += ["A man with a muscle of five lines ([examples/curling-man.toml](examples/curling-man.toml)), above, and without, below. Model: `mh_muscle.glb`, built from the MakeHuman base mesh, CC0; "
                   "it is not part of the project. Frames 0, 40 and 60. The muscle moves the skin by up to "
                   f"{millimetres(assets['curl']['skin moves by at most, m'])}, and over the curl the whole man's volume by {percent(assets['curl']['volume, mean difference'], 3)} in the mean.\n",
-                  picture("A man's left arm curls in three stills; above with a muscle, below without (model CC0, MakeHuman)", "biceps-curl.png"),
+                  picture("A man's left arm curls; above with a muscle, below without (model CC0, MakeHuman)", "biceps-curl.png"),
                   picture("The volume of the whole man over the curl, with the muscle and without", "biceps-curl-volume.svg")]
     return section("Figure 10: biceps", "an arm bends with the constraint at beta 0 (a, b) and 1 (c, d). At beta 1 the biceps builds, and the volume over the bend differs by 0.291 % in the mean.",
                    f"the built-in arm, beta {n['beta']:g}, to 160 degrees and back. The biceps stands up to {millimetres(n['biceps, rise, m'])} higher than without muscles. In the mean of the clip's frames the whole "
@@ -156,4 +169,4 @@ def text(record):
              "Scenes are our own, so what is compared is what the paper claims, not its pixels.\n",
              figure_2(n["2"], assets), figure_3(n["3"]), figure_6(n["6"]), figure_7(n["7"]), figure_8(n["8"]), table_1(n["8"]), figure_9(n["9"], n["lag"]),
              figure_10(n["10"], assets), table_2(timings)]
-    return "\n".join(parts)
+    return wrapped("\n".join(parts))

@@ -1,4 +1,5 @@
-// Vulkan instance and devices. Vulkan is loaded at run time by volk: the program starts without it.
+// Vulkan instance and devices. Vulkan is loaded at run time by volk, so the program starts without it. Use:
+// choose from list_devices, open a Device by its index, ask for self_test, then make_vulkan_solver.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +11,8 @@
 
 namespace fascicle::gpu {
 
-// A Vulkan call that failed ("vkCreateBuffer(...): VK_ERROR_OUT_OF_DEVICE_MEMORY"), or a device that will not
-// do.
+// A Vulkan call that failed ("vkCreateBuffer(...): VK_ERROR_OUT_OF_DEVICE_MEMORY"), or a device that cannot
+// run the solver.
 struct DeviceError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -37,8 +38,7 @@ std::vector<DeviceInfo> list_devices(std::string* why_none = nullptr);
 struct DeviceOptions {
   bool validation = false;  // Khronos validation layer with synchronization validation
   std::function<void(const std::string&)> on_validation_message = {};
-  std::string pipelines =
-      {};  // Device::pipelines() of an earlier run; what is of another device is left alone
+  std::string pipelines = {};  // Device::pipelines() of an earlier run; those of another device are ignored
 };
 
 // A device opened for compute. Move-only inside; see device_impl.h for the room's own use.

@@ -1,6 +1,6 @@
-// A VulkanSolver made wrong or slow on purpose, and watched, for the tests that show that its safeguards are
-// needed and do what they promise. All such switches are here. Nothing outside tests/ includes this header (a
-// test sees to it), and a solver made by make_vulkan_solver has none of them.
+// A VulkanSolver made wrong or slow on purpose, for tests that show that its safeguards are needed and work.
+// All such switches are here. Only tests/ may include this header, which a test checks. A solver made by
+// make_vulkan_solver has none of the switches.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Records a frame's stages into submissions none of which runs long.
+// Records a frame's stages into submissions, none of which runs long: dispatch each stage, then finish.
 #pragma once
 
 #include <cstdint>

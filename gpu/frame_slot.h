@@ -13,7 +13,7 @@
 
 namespace fascicle::gpu {
 
-// Frames that may be under way at once; more hide no more of the time that the host takes.
+// Frames in flight at most. With more, the host's time is hidden no better.
 inline constexpr std::size_t most_frames_in_flight = 4;
 
 // Bytes of device memory that the results of one frame take, if all of them are read.

@@ -10,8 +10,8 @@
 
 namespace fascicle::gpu {
 
-// Bytes a second, read plus written, that copies between two large buffers of the device move, its own or a
-// shader's; the best of a few.
+// Bytes a second, read plus written, of copies between two large buffers of the device: by the driver's copy
+// or by a shader's, the best of a few.
 double copy_rate(Device& device);
 
 // One stage of a substep over all of the model, as it runs when nobody probes.

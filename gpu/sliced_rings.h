@@ -14,7 +14,7 @@ namespace fascicle::gpu {
 struct SlicedRings {
   std::vector<std::uint32_t> slice;  // first entry of each slice
   // Where all neighbours lie near (is_near): neighbour and share in one word each, as shaders/buffers.h says,
-  // and no ring. Else the neighbours, and the shares' bits. 0 where nothing stands.
+  // and no ring. Else the neighbours, and the shares' bits. Unused entries are 0.
   std::vector<std::uint32_t> ring, share_taken, share_given;
 };
 

@@ -1,4 +1,5 @@
-// VulkanSolver: the float solver in compute shaders.
+// VulkanSolver: the float solver in compute shaders. Make one for a model that check_model has passed, then
+// submit a Drive for each frame and collect its positions, as host/model/solver.h says.
 #pragma once
 
 #include <memory>

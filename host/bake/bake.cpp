@@ -413,8 +413,9 @@ void Run::refuse_not_finite(const model::Frame& frame) {
   const double time = scene_.start + static_cast<double>(frame.index) / scene_.fps;
   progress_.message = "frame " + number_text(frame.index) + " (" + number_text(time) + " s): vertex " +
                       number_text(model_.source_vertex[first]) + " of layer " +
-                      model_.layers.at(model_.layer_of(first)).name + " left the finite numbers, one of " +
-                      number_text(count) + "; try more substeps, a lower alpha or more damping";
+                      model_.layers.at(model_.layer_of(first)).name +
+                      " has a position that is not a finite number, as have " + number_text(count) +
+                      " in all; try more substeps, a lower alpha or more damping";
   save_manifest(Status::not_finite);
   throw NotFinite(progress_.message);
 }

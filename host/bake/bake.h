@@ -1,4 +1,4 @@
-// The frame loop: solver in, files out, resumable.
+// The frame loop. Give it a scene, its model and a solver; it writes a folder and can be resumed.
 #pragma once
 
 #include <atomic>
@@ -57,7 +57,7 @@ struct BakeOptions {
   GlbOptions glb = {};
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
   bool usd_skel = false;           // usda: skinning alone beside the points
-  bool overwrite = false;          // removes what a bake made in the folder, and nothing else
+  bool overwrite = false;          // removes only what a bake made in the folder
   bool resume = false;             // goes on from the last checkpoint; starts afresh where there is none
   std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
   double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
@@ -68,13 +68,13 @@ struct BakeOptions {
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
-  // A store of starts, by a key of hex digits: where the scene was baked before, what comes before frame 0 is
-  // not stepped again. The bits are the same. Nothing is kept without them.
+  // A store of states at frame 0, by a key of hex digits: a scene that was baked before need not step again
+  // what comes before frame 0. The bits are the same. Without these functions nothing is kept.
   std::function<std::optional<std::string>(const std::string& key)> find_start;
   std::function<void(const std::string& key, std::string_view bytes)> keep_start;
 };
 
-// Regions whose stretch of equation (17) had to be kept in [0.25, 4]: their most in one frame, and that
+// Regions whose stretch of equation (17) was limited to [0.25, 4]: the largest number in one frame, and that
 // frame.
 struct ClampedMuscles {
   std::uint64_t regions = 0, frame = 0;
@@ -102,9 +102,9 @@ std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles)
 // Names accepted in BakeOptions::formats.
 const std::vector<std::string>& format_names();
 
-// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. Whatever
-// ends it early, the frame cache keeps every whole frame, there is a checkpoint to go on from, and the
-// manifest says why it ended and how far it came.
+// Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. If it ends
+// early, the frame cache keeps every whole frame, a checkpoint is there to resume from, and the manifest says
+// why the bake ended and in which frame.
 BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
                 const BakeOptions& options);
 

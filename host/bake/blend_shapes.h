@@ -1,5 +1,5 @@
-// What the blend shapes of a character do to its baked surface. The flesh knows nothing of them: they move
-// the render mesh after it was embedded.
+// What the blend shapes of a character do to its baked surface. They move the render mesh after it was
+// embedded. The flesh does not feel them.
 #pragma once
 
 #include <cstdint>

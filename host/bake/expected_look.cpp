@@ -253,10 +253,11 @@ std::string expected_look_warning(const scene::Scene& scene, const model::Model&
                                   const ExpectedLook& expected) {
   const auto& character = std::get<scene::Character>(scene.geometry);
   const std::string layer = "layers." + model.layers[expected.layer].name;
-  return layer + ": is softer than this clip bears: the flesh at joint \"" +
+  return layer + ": is too soft for this clip: the flesh at joint \"" +
          character.skeleton[expected.joint].name + "\" is expected to swing to " +
-         short_text(expected.score) + " of what looks right, in frame " + number_text(expected.frame) + "; " +
-         short_text(std::ceil(10.0 * expected.stiffer) / 10.0) + " times stiffer layers would do (" +
+         short_text(expected.score) + " times the limit of what looks right, in frame " +
+         number_text(expected.frame) + "; " + short_text(std::ceil(10.0 * expected.stiffer) / 10.0) +
+         " times stiffer layers would be enough (" +
          (model.is_implicit() ? "--softness, or " + layer + ".youngs_modulus" : layer + ".alpha") +
          "), or more damping, or a lower " + layer + ".inertia_scale";
 }

@@ -1,12 +1,12 @@
-// What the look of a bake will come to, before it is baked: how far the clip will swing the flesh of each
-// joint.
+// An estimate of a bake's look before it is baked: how far the clip will swing the flesh of each joint.
+// `bake` warns where it is over the limit, and `--dry-run` prints it.
 //
-// Flesh on a bone is a column that its own weight shears, as deep as the skin lies from what follows the
-// skeleton: under an acceleration a its skin moves by a c, c = integral of rho (D - s)/G over the depth s, G
-// a third of Young's modulus. So much, and the damping of its layers, makes of each joint's flesh an
-// oscillator, which is stepped through the clip. Its largest swing over the thickness there is what
-// LookMeasure::distance will see of motion. Where flesh and skinning differ at rest in a pose, as at a raised
-// upper arm, it sees more. docs/architecture.md has estimates beside what was then measured.
+// Flesh on a bone is a column, as deep as the skin lies from what follows the skeleton, and its own weight
+// shears it. Under an acceleration a its skin moves by a c, c = integral of rho (D - s)/G over the depth s, G
+// a third of Young's modulus. With the damping of the layers this makes an oscillator of each joint's flesh,
+// which is stepped through the clip. Its largest swing over the thickness there estimates what motion adds to
+// LookMeasure::distance, which also sees where flesh and skinning differ at rest in a pose, as at a raised
+// upper arm. docs/design/crushed-flesh.md compares estimates with what was then measured.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct ExpectedLook {
   std::uint32_t joint = 0;  // whose flesh swings furthest
   std::uint64_t frame = 0;  // in which it will
   std::uint32_t layer = 0;  // that yields most there
-  double stiffer = 1.0;     // by so much stiffer layers score 1 at most; 1 where they do already
+  double stiffer = 1.0;     // layers stiffer by this factor score at most 1; 1 if they do already
 };
 
 // Nothing where there is no look to take, or no free flesh. Goes through all substeps of one cycle.

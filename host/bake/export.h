@@ -1,4 +1,4 @@
-// From a finished bake to further formats: the same sinks, fed from the frame cache, give the same bytes.
+// Writes a finished bake in further formats: sinks are fed from its frame cache and give the same bytes.
 #pragma once
 
 #include <atomic>

@@ -1,8 +1,8 @@
 // How much of the skeleton's acceleration flesh feels, and where that is bounded.
 //
-// Keys may leap: a limb that a key puts elsewhere within a frame, or a rig that flips. Flesh cannot follow,
-// and no artist meant the blow. So of a joint's acceleration flesh feels at most the bound, and is carried
-// along with the rest, as over a cut.
+// Keys may leap: a key puts a limb elsewhere within a frame, or a rig flips. Flesh cannot follow, and no
+// artist meant the blow. So flesh feels at most the bound of a joint's acceleration, and the rest carries it
+// along, as a cut does.
 //
 // A joint's acceleration is the largest at the corners of the box around the free vertices that follow it
 // most, by the second difference of its poses: joints whose flesh is all kinematic throw none.
@@ -18,7 +18,7 @@
 namespace fascicle::bake {
 
 // 1/s^2, times the body's extent: the bound where the scene has none. Clips take the same time whatever the
-// size, so accelerations grow with it. See docs/architecture.md for what clips have.
+// size, so accelerations grow with it. docs/design/crushed-flesh.md has those of some clips.
 inline constexpr double default_acceleration_limit = 200.0;
 
 // The joint that vertex i follows most; the first of several.

@@ -1,4 +1,4 @@
-// The state of frame 0 as bytes: who bakes a scene again need not step again what comes before it.
+// The state of frame 0 as bytes, so that baking a scene again need not step again what comes before it.
 #pragma once
 
 #include <optional>

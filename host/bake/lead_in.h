@@ -18,14 +18,14 @@ struct LeadInSummary {
   std::uint64_t settle_frames = 0;
   std::optional<double> settled_speed;  // m/s, root mean square over the free vertices, after settling
   std::uint64_t cycles = 0;
-  bool was_kept = false;       // not stepped now: an earlier bake's
+  bool was_kept = false;       // taken from an earlier bake, not stepped now
   std::optional<double> jump;  // m: how far a vertex ended from where it began in the last of them
 };
 
 struct LeadIn {
   LeadInSummary summary;
   model::State state;    // before frame 1; its frame is 0
-  bool stopped = false;  // `stop` said so; the state is of no use
+  bool stopped = false;  // `stop` asked for it; the state is then unusable
 };
 
 // Steps the solver through all of it. The same bits on every exact device; the solver's own state is that

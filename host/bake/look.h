@@ -1,6 +1,6 @@
-// How a frame looks beside skinning: what an eye would object to, as numbers over limits. 1 is the limit,
-// above is red. All of it is measured on the render mesh as the flesh has it and as skinning alone would, in
-// double, and depends on nothing but the frames.
+// How a frame looks beside skinning: what a viewer would object to, as numbers over their limits. 1 is the
+// limit, above is too much. Everything is measured in double on the render mesh, once with flesh and once by
+// skinning alone, and depends only on the frames.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ namespace fascicle::bake {
 // distance  of the skin from skinning, over the body's thickness there at rest: of the worst joint half of
 //           its skin, or a tenth, whichever is further over its limit.
 // rigid     parts that the rig moves rigidly: their strain from rest. 90th percentile of the worst part.
-// jump      skin changes its pace relative to skinning from one frame to the next, by a share of the body's
+// jump      how much skin's speed relative to skinning changes from one frame to the next, by the body's
 //           thickness: |d(k) - 2 d(k-1) + d(k-2)|, of the worst joint half of its skin. 0 in frames 0 and 1.
 //           A change of velocity moves skin by it times the length of a frame, so below 60 frames a second
 //           the limit grows with that length.

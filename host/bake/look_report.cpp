@@ -64,7 +64,7 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
           "--cage-detail, or raise youngs_modulus of its layer";
       break;
     case LookMeasure::crossing:
-      seen = value + " triangles, most at " + at + ", go through others that skinning keeps apart";
+      seen = value + " triangles, most at " + at + ", cross others that skinning keeps apart";
       help = "the flesh is too soft for this motion: raise youngs_modulus of its layer, or damping";
       break;
     case LookMeasure::distance:
@@ -75,14 +75,13 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
       break;
     case LookMeasure::rigid:
       seen = "a part that only " + at + " moves is strained by " + value;
-      help = "it is taken for flesh: name the joint in [skeleton] kinematic";
+      help = "the bake treats it as flesh: name the joint in [skeleton] kinematic";
       break;
     case LookMeasure::jump:
-      seen = "the skin at " + at + " changes its pace by " + value + " of the body's thickness in one frame";
+      seen = "the skin at " + at + " jumps by " + value + " of the body's thickness within one frame";
       help =
-          "the clip's motion breaks there, or the flesh is too soft for it: look at the clip's keys, or "
-          "lower "
-          "inertia_scale of its layer";
+          "the clip jumps there, or the flesh is too soft for it: look at the clip's keys, or "
+          "lower inertia_scale of its layer";
       break;
     case LookMeasure::inverted:
       seen = value + " tetrahedra, most at " + at + ", are inside out";

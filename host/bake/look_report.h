@@ -1,4 +1,4 @@
-// What a finished bake's look comes to: the worst of it, and a warning for each cause that is over its limit.
+// Summary of a finished bake's look: the worst frame, and a warning for each cause that is over its limit.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// manifest.json: everything about a bake that its files do not say.
+// manifest.json: everything about a bake that its other files do not hold.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The seam between the frame loop and what is written: one sink a format.
+// The seam between the frame loop and the formats. Each format is a sink: begin, write each frame, finish.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct GlbOptions {
 
 struct SurfaceObjects;
 
-// What is to be said of finished files.
+// What the user is told about finished files.
 struct SinkReport {
   std::vector<std::string> notes, warnings;
 };

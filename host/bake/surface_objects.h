@@ -37,7 +37,7 @@ struct SurfaceObject {
   std::string identifier;                            // the name in letters, digits and _, unique
   std::uint32_t first_vertex = 0, vertex_count = 0;  // a stretch of the surface's
   std::vector<std::uint32_t> triangle;               // 3 a triangle, vertices counted from the object's first
-  std::vector<FaceSet> face_sets;                    // triangles without a material are in none
+  std::vector<FaceSet> face_sets;                    // no set holds triangles without material
   std::vector<float> uvs;                            // 2 a vertex, v up; empty: none
 };
 

@@ -1,6 +1,6 @@
-// Body: what all geometry becomes before it is numbered and flattened: a tetrahedral mesh in metres, the
-// render mesh that rides on it and, for a character, the skin weights of every vertex. After it, nothing asks
-// where a mesh came from.
+// Body: all geometry becomes one before it is numbered and flattened. It holds a tetrahedral mesh in metres,
+// the render mesh that rides on it and, for a character, the skin weights of every vertex. What comes after
+// it does not depend on where a mesh came from.
 #pragma once
 
 #include <array>

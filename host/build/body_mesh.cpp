@@ -132,8 +132,8 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   if (scene.body.vertices && body.mesh.vertices.size() > 2 * std::size_t{*scene.body.vertices})
     warn_of_flesh(report,
                   "the kept skin alone has " + std::to_string(surface.vertices.size()) +
-                      " vertices, so that only the inside could follow the resolution asked for; set cage = "
-                      "\"wrap\" to remesh it");
+                      " vertices; only the inside could follow the resolution that was asked for. Set cage = "
+                      "\"wrap\" to remesh the skin");
   return body;
 }
 

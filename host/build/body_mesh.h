@@ -1,5 +1,5 @@
-// The tetrahedral mesh of a surface or a character, and how it lies to the skin that it was made from: either
-// it keeps the welded skin as its boundary, or it is a cage around it, whose vertices lie anywhere near.
+// The tetrahedral mesh of a surface or a character, and how it relates to the skin that it was made from. It
+// either keeps the welded skin as its boundary, or is a cage around it, with vertices of its own.
 #pragma once
 
 #include <array>
@@ -32,8 +32,9 @@ struct BodyMesh {
   // the limb whose tetrahedra it belongs to. What is looked up by place alone (weights, bones) may be the
   // other limb's; looked up through the anchor it is not.
   std::vector<SkinPoint> anchor;
-  // Of a cage. For each vertex of the welded skin, the tetrahedron of its own side that holds it, or comes
-  // nearest to: its least barycentric coordinate there is negative by as much as the skin sticks out.
+  // Of a cage. For each vertex of the welded skin, the tetrahedron of its own side that holds it or is
+  // nearest to it. Its least barycentric coordinate there is negative where the skin sticks out, by how far
+  // it does.
   std::vector<std::uint32_t> home;
 };
 

@@ -1,4 +1,4 @@
-// build_model: from what the artist said to the flat arrays a solver eats.
+// build_model turns a Scene into the flat arrays of a Model. Warnings and measurements go to its Report.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace fascicle::build {
 struct Warning {
   std::string text;
   std::vector<std::uint32_t> vertices;  // of the tetrahedral mesh; the first few where there are many
-  bool is_of_flesh = false;             // means nothing where nothing is soft
+  bool is_of_flesh = false;             // of no concern to a body without soft flesh
 };
 
 // What a joint of the skeleton was taken for (bone_choice.h).

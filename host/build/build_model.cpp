@@ -119,9 +119,9 @@ void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& mode
   warn_of_flesh(
       report,
       counted(regions.size(), "vertex lies", "vertices lie") +
-          " among tetrahedra so much smaller, flatter or softer than the rest that the region around never "
-          "turns (vertex " +
-          list_of(regions) + "); even out the mesh there, or alpha",
+          " among tetrahedra that are so much smaller, flatter or softer than the rest that the region "
+          "around never turns (vertex " +
+          list_of(regions) + "); make the mesh or alpha more even there",
       regions);
 }
 

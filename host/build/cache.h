@@ -13,8 +13,8 @@ namespace fascicle::build {
 // ~/.cache/fascicle; empty where none of these can be told.
 std::filesystem::path default_cache_folder();
 
-// Nothing here fails loudly: a cache that cannot be read or written is a slower one. Entries appear whole or
-// not at all, carry a checksum, and several processes may use one folder.
+// Nothing here throws: a cache that cannot be read or written only makes the program slower. Entries appear
+// whole or not at all and carry a checksum. Several processes may use one folder.
 class Cache {
  public:
   static constexpr std::uint64_t default_limit = std::uint64_t{2} << 30;  // bytes

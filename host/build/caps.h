@@ -3,9 +3,9 @@
 // bone.
 //
 // An end is a loop of edges with an odd number of triangles; it is closed by the triangulation of least area.
-// Two kinds stay open. The outline of a sheet, as of a cape or a lock of hair: closing it would add most of
-// the sheet's own area again. And the hem of something that hangs around several limbs, each whole by itself,
-// as a skirt around legs: a lid would join them. Where a limb of them ends inside, open too, it goes on there
+// Two kinds stay open. One is the outline of a sheet, such as a cape or a lock of hair: closing it would add
+// most of the sheet's own area again. The other is a hem around several limbs, each whole by itself, such as
+// a skirt around legs: a lid would join them. If one of these limbs ends inside, open too, the limb continues
 // in what hangs around it, and the hem is closed.
 #pragma once
 

@@ -195,10 +195,11 @@ RenderMesh embed_surface(const scene::SurfaceMesh& surface, const WeldedSurface&
                               " of a tetrahedron's height (vertex " + list_of(outside) +
                               " of the file); ask for a smaller resolution (edge length)");
   if (!astray.empty())
-    warn_of_flesh(report,
-                  counted(astray.size(), "vertex of the skin rides", "vertices of the skin ride") +
-                      " on flesh that other joints move (vertex " + list_of(astray) +
-                      " of the file): a part inside another, or a cage too coarse to tell parts apart");
+    warn_of_flesh(
+        report,
+        counted(astray.size(), "vertex of the skin rides", "vertices of the skin ride") +
+            " on flesh that other joints move (vertex " + list_of(astray) +
+            " of the file); one part may lie inside another, or the cage is too coarse to tell them apart");
   return render;
 }
 

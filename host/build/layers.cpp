@@ -108,8 +108,8 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
     warn_of_flesh(
         report,
         key + "the bones of " + names +
-            " hang apart from the rest: no bone layer leads to them through the flesh; name the joints "
-            "between in skeleton.bones, or ask for a finer mesh",
+            " are cut off from the rest: no chain of bone vertices joins them through the flesh; name the "
+            "joints between in skeleton.bones, or ask for a finer mesh",
         numbers_of(found.island_vertex, source_vertex));
   }
 }

@@ -23,7 +23,7 @@ struct Layering {
 // layer's vertices have to the greatest (with the distance from the bone, where the layer is made by that),
 // and is multiplied by what is painted.
 //
-// Throws scene::SceneError for vertices that no layer takes, and for pins and kinematic layers that hold no
+// Throws scene::SceneError for vertices that no layer takes, and for pins and kinematic layers without a
 // vertex; any other empty layer is a warning. `source_vertex` turns vertices into the numbers that messages
 // use.
 Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& measures, const OneRings& rings,

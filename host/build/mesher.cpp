@@ -42,11 +42,11 @@ void check_time(const ProcessResult& result, const ProcessLimits& limits, const 
     throw SceneError(what + " took longer than the " + seconds + " of processor time allowed; " + cure);
   if (result.end == ProcessEnd::stalled)
     throw SceneError(what + " stood still for " + seconds +
-                     ": the mesher got no processor time; see what holds up this machine, and try again");
+                     ": the mesher got no processor time; see what keeps this machine busy, and try again");
 }
 
 void fail_result(const std::string& what) {
-  throw SceneError(std::string(mesher_name) + " gave back a mesh that cannot be used: " + what +
+  throw SceneError(std::string(mesher_name) + " returned a mesh that cannot be used: " + what +
                    "; remesh the surface, or check that it belongs to this version of fascicle");
 }
 

@@ -224,9 +224,9 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
     if (asked == part.vertices.size())
       report.reason = "asked for";
     else if (!is_found)
-      report.reason = "asked for, in a part that is soft elsewhere";
+      report.reason = "asked for; the rest of its part is soft";
     else if (all_hard)
-      report.reason = "one joint moves it, and so it is with every part: a robot, which has no flesh";
+      report.reason = "one joint moves it, as one moves every part: this is a robot, which has no flesh";
     else
       report.reason = (part.is_hard ? "a part of its own that one joint moves"
                                     : "a part of its own that one blend of joints moves") +

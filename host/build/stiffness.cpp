@@ -130,10 +130,9 @@ double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const 
                            "youngs_modulus and damping");
   }
   if (!lowest->settled)
-    warn(report,
-         "layers." + layer.name +
-             ": the search for its lowest mode did not settle, so its frequency may lie lower than it "
-             "says; state youngs_modulus, and substeps as a number");
+    warn(report, "layers." + layer.name +
+                     ": the search for its lowest mode did not converge, so the layer may be softer than its "
+                     "frequency says; state youngs_modulus instead, and substeps as a number");
   return lowest->square;
 }
 
@@ -145,7 +144,7 @@ bool needs_lowest_mode(const scene::Scene& scene, const scene::Layer& layer) {
 // (measured on bars): alpha is a stiffness a substep. This much of it only tells bodies apart, as flesh hangs
 // on bones: it gives a heavy man, a muscular man and a fox of 20,000 vertices 18, 23 and 13 substeps at 60
 // fps, with which their jumps and its gallop turn hardly more tetrahedra inside out than skinning does
-// (see docs/architecture.md, Tetrahedra that turn inside out).
+// (see docs/design/crushed-flesh.md).
 constexpr double explicit_stretch = 0.023;
 constexpr double earth_gravity = 9.81;
 // Fewer do not hold flesh, whatever alpha.
@@ -175,9 +174,10 @@ void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Repor
   bool is_soft = false;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) is_soft = is_soft || !model.is_kinematic(i);
   if (is_soft && needed > most_explicit_auto_substeps)
-    warn(report, "solver.substeps: alpha would mean what it does at other frame rates and spacings with " +
+    warn(report, "solver.substeps: alpha needs " +
                      std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) +
-                     " substeps; \"auto\" takes " + std::to_string(most_explicit_auto_substeps) +
+                     " substeps to mean the same as at other frame rates and spacings; \"auto\" takes " +
+                     std::to_string(most_explicit_auto_substeps) +
                      " at most, so flesh will be softer; raise fps, or take a coarser mesh");
 }
 
@@ -293,14 +293,13 @@ void choose_steps(scene::Scene& scene, const model::Model& model, Report& report
   needed = std::ceil(needed);
   scene.solver.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_auto_substeps}));
   if (needed > most_auto_substeps)
-    warn(
-        report,
-        "layers." + stiffest + ": is so stiff that it would take " +
-            std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) + " substeps of " +
-            std::to_string(scene.solver.iterations) + " iterations; \"auto\" takes " +
-            std::to_string(most_auto_substeps) +
-            " at most, so it will move more slowly than it should, to the same rest; set solver.substeps, or "
-            "make it softer");
+    warn(report,
+         "layers." + stiffest + ": is so stiff that it would take " +
+             std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) + " substeps of " +
+             std::to_string(scene.solver.iterations) + " iterations; \"auto\" takes " +
+             std::to_string(most_auto_substeps) +
+             " at most. It will come to rest where it should, but move more slowly; set solver.substeps, or "
+             "make it softer");
 }
 
 }  // namespace fascicle::build

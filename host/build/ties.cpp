@@ -239,7 +239,7 @@ void write_ties(const scene::Scene& scene, Model& model, Report& report) {
     warn_of_flesh(
         report,
         counted(too_low.size(), "vertex of a layer that slides lies", "vertices of layers that slide lie") +
-            " so near to the flesh below that nothing ties it to that (vertex " + list_of(too_low) + ")",
+            " too near to the flesh below to be tied to it (vertex " + list_of(too_low) + ")",
         too_low);
   warn_of_loose_parts(model, slides, report);
 }

@@ -132,10 +132,11 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
     for (const std::uint32_t corner : t) used[corner] = 1;
     welded.surface.triangles.push_back(t);
   }
-  if (welded.surface.triangles.empty()) fail(source, "mesh: every triangle has two corners in one place");
+  if (welded.surface.triangles.empty())
+    fail(source, "mesh: every triangle has two corners at the same place");
   if (collapsed > 0)
     warn_of_flesh(report, counted(collapsed, "triangle has", "triangles have") +
-                              " two corners in one place and " + (collapsed == 1 ? "was" : "were") +
+                              " two corners at the same place and " + (collapsed == 1 ? "was" : "were") +
                               " left out of the body");
 
   std::vector<std::uint32_t> number(surface.vertices.size(), 0);

@@ -193,7 +193,7 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
   std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
-                     number_text(drives.acceleration_limit(), 3) + " m/s^2, which is all that it feels: ";
+                     number_text(drives.acceleration_limit(), 3) + " m/s^2; flesh feels no more than that: ";
   for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
     text += (k == 0 ? "joint " : ", ") + skeleton[thrown[k].joint].name + " by " +
             number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +
@@ -288,11 +288,13 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const bake::BakeResult result = bake::bake(scene, built.model, *simulation.solver, options);
   log.clear_bar();
   if (result.clamped.regions > 0)
-    log.warning("muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
-                std::to_string(result.clamped.frame) +
-                " would bulge or thin by more than four times and were kept there; a lower gain avoids it");
+    log.warning(
+        "muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
+        std::to_string(result.clamped.frame) +
+        " would bulge or thin by more than a factor of four and were limited to it; a lower gain avoids it");
   for (const std::string& image : result.missing_images)
-    log.warning("the character's image " + image + " is not there; character.glb has a white pixel for it");
+    log.warning("the character's image " + image +
+                " was not found; character.glb has a white pixel in its place");
   if (result.interrupted) {
     log.warning("interrupted after frame " + std::to_string(result.frames_done) + " of " +
                 std::to_string(scene::frame_count(scene)) +
@@ -313,8 +315,8 @@ void add_bake(CLI::App& app, Command& command) {
   const auto arguments = std::make_shared<BakeArguments>();
   add_scene_options(
       *subcommand, arguments->scene,
-      std::string("Scene file, mesh, character or built-in name; without it ") + scene::default_scene, false);
-  subcommand->add_option("-o,--output", arguments->folder, "Folder to write; without it out/NAME")
+      std::string("Scene file, mesh, character or built-in name; default: ") + scene::default_scene, false);
+  subcommand->add_option("-o,--output", arguments->folder, "Folder to write; default: out/NAME")
       ->option_text("DIR");
   std::string formats;
   for (const std::string& name : bake::format_names()) formats += (formats.empty() ? "" : ",") + name;

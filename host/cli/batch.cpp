@@ -137,8 +137,8 @@ class Batch {
                                   scene::nearest_name_hint(format, names));
       if (!arguments_.overwrite && !arguments_.resume && bake::holds_bake(folder_of(job)))
         throw bake::FolderInUse(folder_of(job).string() +
-                                ": holds a bake; --resume goes on with all that is not done, --overwrite "
-                                "starts all again");
+                                ": holds a bake; --resume bakes what is not done, --overwrite "
+                                "bakes all again");
     }
   }
 
@@ -324,7 +324,7 @@ void add_batch(CLI::App& app, Command& command) {
   subcommand
       ->add_option(
           "--device", arguments->devices,
-          "Devices to share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; cpu without it")
+          "Devices to share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; default: cpu")
       ->option_text("LIST");
   subcommand
       ->add_option("--threads", arguments->threads, "Threads of each CPU bake; 0 takes one for each core")

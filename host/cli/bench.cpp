@@ -261,11 +261,11 @@ class Bench {
     if (!arguments_.csv.empty()) write_bench_csv(arguments_.csv, results_);
     if (arguments_.against.empty()) return;
     if (before_.processor != results_.machine.processor)
-      log_.warning(arguments_.against + " is of another processor, " + before_.processor +
-                   ": what differs says nothing of the program");
+      log_.warning(arguments_.against + " was measured on another processor, " + before_.processor +
+                   "; differences in time say nothing about the program");
     const BenchComparison comparison = compare_bench(results_, before_);
     std::cout << "against " << arguments_.against << "\n" << comparison.text;
-    if (comparison.text.empty()) std::cout << "  it has no row of this run\n";
+    if (comparison.text.empty()) std::cout << "  it has no row that matches this run\n";
     if (comparison.slower > 0) log_.warning(std::to_string(comparison.slower) + " rows became slower");
   }
 
@@ -301,9 +301,8 @@ void add_bench(CLI::App& app, Command& command) {
   const auto arguments = std::make_shared<BenchArguments>();
   subcommand->add_flag("--quick", arguments->quick, "19,000 vertices and few rounds: under a minute");
   subcommand
-      ->add_option(
-          "--vertices", arguments->vertices,
-          "About how many vertices, several separated by commas; without it 5000,19000,105000,1000000")
+      ->add_option("--vertices", arguments->vertices,
+                   "About how many vertices, several separated by commas; default: 5000,19000,105000,1000000")
       ->delimiter(',')
       ->check(CLI::Range(12U, 20000000U).description(""))
       ->option_text("LIST");
@@ -311,31 +310,30 @@ void add_bench(CLI::App& app, Command& command) {
       ->add_option(
           "--devices", arguments->devices,
           "What to time: cpu, cpu:LEVEL (its vector instructions), vulkan, vulkan:N, separated by commas; "
-          "cpu without it")
+          "default: cpu")
       ->option_text("LIST");
   subcommand
-      ->add_option(
-          "--threads", arguments->threads,
-          "Threads of the CPU solver, several separated by commas; without it 1 and one for each core")
+      ->add_option("--threads", arguments->threads,
+                   "Threads of the CPU solver, several separated by commas; default: 1 and one for each core")
       ->delimiter(',')
       ->check(CLI::Range(1U, 1024U).description(""))
       ->option_text("LIST");
-  subcommand->add_option("--integrator", arguments->integrator, "explicit, implicit or both; both without it")
+  subcommand->add_option("--integrator", arguments->integrator, "explicit, implicit or both; default: both")
       ->check(CLI::IsMember({"explicit", "implicit", "both"}).description(""))
       ->option_text("NAME");
   subcommand
       ->add_option("--meshes", arguments->meshes,
                    "regular, filled (what the mesher makes of the same bar's surface) or both, separated by "
-                   "commas; regular without it")
+                   "commas; default: regular")
       ->delimiter(',')
       ->check(CLI::IsMember({name_of(BenchMesh::regular), name_of(BenchMesh::filled)}).description(""))
       ->option_text("LIST");
-  subcommand->add_option("--rounds", arguments->rounds, "Samples of each, taken in turn; 7 without it")
+  subcommand->add_option("--rounds", arguments->rounds, "Samples of each, taken in turn; default: 7")
       ->check(CLI::Range(1U, 1000U).description(""))
       ->option_text("N");
   subcommand->add_flag(
       "--peers,!--no-peers", arguments->peers,
-      "Time Bullet on the same bar where fascicle-bench-bullet is there, or not; on without it");
+      "Time Bullet on the same bar where fascicle-bench-bullet is there, or not; default: on");
   subcommand->add_option("--json", arguments->json, "Write the results as JSON")->option_text("FILE");
   subcommand->add_option("--csv", arguments->csv, "Write the results as CSV")->option_text("FILE");
   subcommand->add_option("--against", arguments->against, "Say what became slower since a --json FILE")

@@ -152,7 +152,7 @@ BenchBefore read_bench_json(const std::filesystem::path& file) {
                                   entry.at("ns_least").get<double>()};
     }
   } catch (const Json::exception& error) {
-    throw bake::BakeError(file.string() + ": is no result of fascicle bench (" + error.what() +
+    throw bake::BakeError(file.string() + ": is not a result of fascicle bench (" + error.what() +
                           "); name a file that --json wrote");
   }
   return before;

@@ -47,7 +47,7 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
 
 void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
   auto* stride =
-      subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; 1 without it");
+      subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; default: 1");
   stride->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""))->option_text("N");
   subcommand
       .add_option("--glb-error", glb.error,
@@ -109,17 +109,17 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       ->option_text("X");
   subcommand
       .add_option("--exaggerate", overrides.exaggerate,
-                  "How many times as far flesh trails and jiggles; 0 leaves it to gravity and forces")
+                  "How many times as far flesh trails and jiggles; at 0 only gravity and forces move it")
       ->option_text("X");
   subcommand
       .add_option("--only", overrides.only,
-                  "Simulate the flesh of this joint and of those below it, and no other; repeatable")
+                  "Simulate only the flesh of this joint and of those below it; repeatable")
       ->allow_extra_args(false)
       ->take_all()
       ->option_text("JOINT");
   subcommand.add_flag(
       "--no-cache", arguments.no_cache,
-      "Neither use nor keep filled bodies, what comes before the first frame and compiled shaders "
+      "Do not use or fill the cache of filled bodies, states before the first frame and compiled shaders "
       "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
   subcommand
       .add_option(
@@ -176,7 +176,7 @@ void refuse_unwritable(const std::string& option, const std::string& file, bool 
     folder = folder.parent_path();
   if (!std::filesystem::is_directory(folder, ignored) || ::access(folder.c_str(), W_OK) != 0)
     throw bake::BakeError(option + " " + file + ": " + folder.string() +
-                          " is no folder that can be written to; choose another");
+                          " is not a folder that can be written to; choose another");
 }
 
 scene::Scene load(const SceneArguments& arguments) {

@@ -54,7 +54,7 @@ class CountingSolver : public model::Solver {
 void check_finite(const model::Frame& frame, std::uint64_t number, const std::string& device) {
   for (std::size_t k = 0; k < frame.positions.size(); ++k)
     if (!std::isfinite(frame.positions[k]))
-      throw bake::NotFinite("the simulation left the finite numbers on " + device + " in frame " +
+      throw bake::NotFinite("positions are no longer finite numbers on " + device + " in frame " +
                             std::to_string(number) + " at vertex " + std::to_string(k / 3) +
                             "; use more substeps, a lower alpha or smaller forces");
 }

@@ -202,8 +202,9 @@ ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& 
     log.warning(refusal);
   }
   if (automatic)
-    return ChosenDevice::cpu(threads, Simd::automatic,
-                             refusal.empty() ? "auto: no real GPU" : "auto: no GPU that will do");
+    return ChosenDevice::cpu(
+        threads, Simd::automatic,
+        refusal.empty() ? "auto: no real GPU" : "auto: no GPU can run this scene exactly");
   if (request.index && !devices.empty())
     throw NoSuchDevice("there is no device vulkan:" + std::to_string(*request.index) + ", only " +
                        std::to_string(devices.size()) + " (0 to " + std::to_string(devices.size() - 1) +

@@ -52,7 +52,7 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
   const bake::ExportResult result = bake::export_bake(options);
   log.clear_bar();
   if (result.interrupted) {
-    log.warning("interrupted; what was there before is as it was");
+    log.warning("interrupted; the files that were there before are unchanged");
     return ExitCode::interrupted;
   }
   log_report(result.report, log);
@@ -79,7 +79,7 @@ void add_export(CLI::App& app, Command& command) {
       ->take_all()
       ->check(CLI::IsMember(bake::format_names()).description(""))
       ->option_text("LIST");
-  subcommand->add_option("-o,--output", arguments->folder, "Folder to write; without it the bake's own")
+  subcommand->add_option("-o,--output", arguments->folder, "Folder to write; default: the bake's own")
       ->option_text("DIR");
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace files of the same names");
   subcommand

@@ -285,7 +285,7 @@ void add_render(CLI::App& app, Command& command) {
                    "NAME.png for one picture, else a folder for one a frame")
       ->required()
       ->option_text("PATH");
-  subcommand->add_option("--frame", arguments->frame, "The frame of one picture; without it the last")
+  subcommand->add_option("--frame", arguments->frame, "The frame of one picture; default: the last")
       ->option_text("N");
   const std::map<std::string, render::Mode> modes{{"shaded", render::Mode::shaded},
                                                   {"layers", render::Mode::layers},
@@ -319,7 +319,7 @@ void add_render(CLI::App& app, Command& command) {
       ->check(CLI::Range(0.1, 100.0).description(""))
       ->option_text("FACTOR");
   subcommand->add_flag("--follow", arguments->follow, "The camera goes along with the body");
-  subcommand->add_option("--size", arguments->size, "Pixels; without it as the motion needs")
+  subcommand->add_option("--size", arguments->size, "Pixels; default: as the motion needs")
       ->option_text("WxH");
   subcommand
       ->add_option("--sheet", arguments->sheet,

@@ -87,7 +87,7 @@ int run(int argc, const char* const* argv) {
                        "Print the version and end");
   app.require_subcommand(1);
   app.footer(
-      "Exit status: 0 done, 2 bad usage, 3 bad input, 4 no such device, 5 the simulation left the finite "
+      "Exit status: 0 done, 2 bad usage, 3 bad input, 4 no such device, 5 positions are no longer finite "
       "numbers,\n"
       "6 validation found a difference, 75 interrupted (go on with --resume), 1 anything else.");
   add_bake(app, command);

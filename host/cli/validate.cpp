@@ -227,9 +227,9 @@ void add_validate(CLI::App& app, Command& command) {
       ->add_option("--devices", arguments->devices,
                    "What to compare with the first: cpu, cpu:LEVEL (its vector instructions), vulkan, "
                    "vulkan:N, separated "
-                   "by commas; without it cpu,vulkan")
+                   "by commas; default: cpu,vulkan")
       ->option_text("LIST");
-  subcommand->add_option("--frames", arguments->frames, "Frames to run; without it all of the scene's")
+  subcommand->add_option("--frames", arguments->frames, "Frames to run; default: all of the scene's")
       ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}).description(""))
       ->option_text("N");
   subcommand
@@ -238,7 +238,7 @@ void add_validate(CLI::App& app, Command& command) {
       ->option_text("N");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
   subcommand->add_flag("--oracle,!--no-oracle", arguments->oracle,
-                       "Measure the distance to the oracle, or not; on without it");
+                       "Measure the distance to the oracle, or not; default: on");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
     command.run = [arguments](Log& log) { return validate_scene(*arguments, log); };

@@ -102,7 +102,8 @@ std::string glb_from(const fs::path& input) {
   }
   Character character = character_of(*scene, extension == "fbx");
   const std::string glb = glb_of(character, input);
-  if (glb.size() > largest_file) throw Failure(unreadable, "comes to more bytes than are read");
+  if (glb.size() > largest_file)
+    throw Failure(unreadable, "would be larger than the largest glTF that is read");
   return glb;
 }
 

@@ -236,7 +236,7 @@ std::optional<PlacedMesh> add_mesh(Character& character, std::size_t node, Docum
   }
   if (!lost.empty())
     character.notes.push_back("the skin of `" + shown.name + "` names a bone `" + lost +
-                              "` that is no node; its weights are left out");
+                              "`, which is not a node; its weights are left out");
   if (primitives.empty()) return std::nullopt;
   json mesh = {{"name", shown.name}, {"primitives", primitives}};
   if (shapes > 0) {

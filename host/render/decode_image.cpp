@@ -29,7 +29,7 @@ DecodedImage decode_png(std::span<const unsigned char> bytes) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0) {
-    image.flaw = std::string("is no PNG that can be read: ") + png.message;
+    image.flaw = std::string("is not a readable PNG: ") + png.message;
     return image;
   }
   if (!fits(png.width, png.height)) {
@@ -115,7 +115,7 @@ DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
   if (!is_read) {
     (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
                                             reader.message.data());
-    image.flaw = std::string("is no JPEG that can be read: ") + reader.message.data();
+    image.flaw = std::string("is not a readable JPEG: ") + reader.message.data();
   } else if (image.flaw.empty()) {
     if (reader.errors.manager.num_warnings > 0)
       image.flaw = "is a damaged JPEG; what can be read of it is drawn";

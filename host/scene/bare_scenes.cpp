@@ -42,8 +42,8 @@ constexpr double pressures_of_mesh = 60.0, paces_of_mesh = 1.6, gravity = 9.81;
 
 // Of a character, whose flesh hangs on its bones everywhere: clips take the same time whatever the size, so
 // that flesh must bear accelerations that grow with it. A wave through its muscles crosses it in so many
-// seconds; then flesh turns no more tetrahedra inside out than skinning does (docs/architecture.md,
-// Tetrahedra that turn inside out). Fat has the paper's 0.3 of muscle.
+// seconds; then flesh turns no more tetrahedra inside out than skinning does (docs/design,
+// crushed-flesh.md). Fat has the paper's 0.3 of muscle.
 constexpr double seconds_across = 0.12, fat_of_muscle = 0.3;
 
 std::string rounded(double value) {

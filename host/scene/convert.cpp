@@ -33,7 +33,7 @@ std::string what_failed(const ProcessResult& result, const ProcessLimits& limits
     return "took longer to convert than the " + seconds + " of processor time allowed";
   if (result.end == ProcessEnd::stalled)
     return "was not converted: the converter got no processor time for " + seconds +
-           "; see what holds up this machine";
+           "; see what keeps this machine busy";
   if (result.end == ProcessEnd::signalled)
     return "cannot be read: the converter crashed on it (signal " + std::to_string(result.code) + ")";
   if (result.code == out_of_memory)

@@ -179,7 +179,7 @@ void GltfCheck::draco_primitive(std::size_t mesh, std::size_t number, const std:
   std::uint64_t vertices = 0;
   for (const auto& [name, id] : ids.value->items()) {
     const json* named = member(attributes, name.c_str());
-    if (named == nullptr) fail(ids.pointer + "/" + name, "is no attribute of the primitive");
+    if (named == nullptr) fail(ids.pointer + "/" + name, "is not an attribute of the primitive");
     const std::size_t accessor = accessor_of(*named, attributes.pointer + "/" + name);
     const GltfPlace of{&file_.document["accessors"][accessor], "/accessors/" + std::to_string(accessor)};
     const std::uint64_t count = required_whole(of, "count");

@@ -176,7 +176,7 @@ class LooksReader {
       const auto text = uri.get<std::string>();
       if (text.starts_with("data:")) {
         bytes = bytes_of_data_uri(text);
-        why = "is no base64";
+        why = "is not base64";
       } else {
         try {
           std::vector<fs::path> ignored;

@@ -102,8 +102,8 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
     check_regular(path);
     scene.geometry = read_surface_mesh(path);
   } else {
-    throw InputFileError(path.string() +
-                         " is no mesh file; it may be .mesh .node .ele .msh .vtu .off .obj .ply .stl");
+    throw InputFileError(
+        path.string() + " is not a mesh file; mesh files are .mesh .node .ele .msh .vtu .off .obj .ply .stl");
   }
   const std::string extension = lower_extension(path);
   if (extension == ".node" || extension == ".ele") {
@@ -120,7 +120,8 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
 void load_character(const std::filesystem::path& path, Scene& scene) {
   if (const std::string advice = conversion_advice(path); !advice.empty()) throw InputFileError(advice);
   if (!reads_as_character(path))
-    throw InputFileError(path.string() + " is no character; it may be .glb, .gltf, .vrm, .fbx or .dae");
+    throw InputFileError(path.string() +
+                         " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
   scene.geometry = read_gltf(path, &files);

@@ -95,7 +95,8 @@ std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
           .set = texts_at(table, path, "set"),
           .formats = texts_at(table, path, "format")};
   if (job.scene.empty()) fail(table.source(), path, "lacks scene");
-  if (job.name.empty()) fail(table.source(), path, "has a name that is no file's; use letters and digits");
+  if (job.name.empty())
+    fail(table.source(), path, "has a name that cannot be a file's; use letters and digits");
   if (std::filesystem::is_regular_file(folder / job.scene)) job.scene = (folder / job.scene).string();
   if (job.formats.empty()) job.formats = formats;
 
@@ -143,7 +144,7 @@ Jobs read_jobs(const std::filesystem::path& file) {
       if (job.name.front() == '.' || job.name.size() > longest_job_name || job.name == batch_summary)
         fail(name->source(), path,
              "makes a bake called " + job.name +
-                 ", which is no name for its folder; name it otherwise, in 200 letters");
+                 ", which cannot be the name of its folder; choose another, of at most 200 letters");
       std::string lower = job.name;
       for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
       if (!names.insert(lower).second)

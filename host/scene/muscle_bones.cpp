@@ -189,7 +189,7 @@ ContractionChannel contraction_channel(const Character& character, const Muscle&
   const auto refuse = [&] {
     finder.refuse("contraction_channel",
                   "\"" + text +
-                      "\" is no channel; take a joint, translation or scale, and an axis, as "
+                      "\" is not a channel; take a joint, translation or scale, and an axis, as "
                       "\"flex.translation.x\"");
   };
   const std::size_t axis = text.rfind('.');

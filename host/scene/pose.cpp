@@ -71,7 +71,7 @@ const Clip* find_clip(const Character& character, const std::string& name) {
                      "; give the number or the whole name");
   }
   if (clips.empty())
-    throw SceneError("the character has no clip `" + name + "`, nor any other; leave the clip out");
+    throw SceneError("the character has no clip `" + name + "`; it has no clips. Leave the clip out");
   std::vector<std::string> names;
   for (const Clip& clip : clips) {
     names.push_back(clip.name);

@@ -192,7 +192,7 @@ void check_named_tables(const toml::node& node, const Key& key, const std::strin
     const std::string inner = join_path(path, name->str());
     if (!is_valid_name(name->str())) {
       fail(name->source(), inner,
-           "is no name; names have 1 to " + std::to_string(longest_name) + " letters, digits, _ and -");
+           "is not a name; names have 1 to " + std::to_string(longest_name) + " letters, digits, _ and -");
     }
     const auto* table = value->as_table();
     if (table == nullptr) {
@@ -313,7 +313,7 @@ void fail(const toml::source_region& source, std::string_view path, std::string_
 void fail_unknown(const toml::source_region& source, std::string_view path, std::string_view name,
                   const std::vector<std::string>& names) {
   const std::string hint = nearest_name_hint(name, names);
-  const std::string there_is = names.empty()  ? "; there is none here"
+  const std::string there_is = names.empty()  ? "; no name is known here"
                                : hint.empty() ? "; known here: " + list(names)
                                               : hint + " Known here: " + list(names);
   fail(source, join_path(path, name.substr(0, longest_name)), "unknown" + there_is);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency", "material",
                                                    "damping_ratio"};
-// Soft tissues bear the jump of a heavy man with it (docs/architecture.md).
+// Soft tissues bear the jump of a heavy man with it (docs/design/crushed-flesh.md).
 constexpr double least_volume_of_character = 0.3;
 constexpr std::array<const char*, 3> explicit_keys{"alpha", "alpha_outer", "alpha_attribute"};
 
@@ -59,10 +59,10 @@ void fix_stiffness(const toml::table& table, const std::string& path, bool impli
   }
   if (layer.kinematic)
     for (const char* key : {"frequency", "damping_ratio"})
-      refuse(key, "is that of a mode, and a kinematic layer has none; leave it out");
+      refuse(key, "is for a layer that swings, and a kinematic layer does not; leave it out");
   if (implicit && !layer.kinematic && !layer.youngs_modulus && !layer.frequency)
     fail(table.source(), path,
-         "lacks one of youngs_modulus, frequency, material, of which the implicit integrator takes one");
+         "has no stiffness; the implicit integrator takes one of youngs_modulus, frequency, material");
 }
 
 void check_sliding(const toml::table& table, const std::string& path, const Layer& layer) {

@@ -104,17 +104,16 @@ void read_motion(const toml::table& root, Scene& scene) {
     if (!motion.cuts.empty()) refuse("cuts", "takes a [character], whose clip it cuts; leave it out");
   }
   if (motion.seamless && motion.loop > 1)
-    refuse("loop", "stands beside seamless, which writes one cycle; leave one of them out");
+    refuse("loop", "contradicts seamless, which writes one cycle; leave one of them out");
   if (motion.seamless && motion.hold > 0.0)
-    refuse("hold", "stands beside seamless, whose end is its beginning; leave one of them out");
+    refuse("hold", "contradicts seamless, whose end is its beginning; leave one of them out");
   if (motion.handles > 0 && (motion.seamless || motion.loop > 1))
-    refuse("handles", "stands beside seamless or loop, whose clip goes on by itself; leave one of them out");
+    refuse("handles", "contradicts seamless and loop, whose clip goes on by itself; leave one of them out");
   if (motion.interpolation == KeyInterpolation::smooth) smooth_played_clip(scene);
   add_handles(scene);
   const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
   if (frames > most_frames)
-    fail(table.source(), "motion",
-         "loop and hold make more than 10 million frames; make them less, or lower fps");
+    fail(table.source(), "motion", "loop and hold make more than 10 million frames; lower loop, hold or fps");
 }
 
 }  // namespace fascicle::scene

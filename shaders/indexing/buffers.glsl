@@ -47,7 +47,9 @@ layout(std430, binding = buffer_skin_joint) readonly buffer SkinJointBuffer { ui
 layout(std430, binding = buffer_skin_weight) readonly buffer SkinWeightBuffer { float skin_weight[]; };
 layout(std430, binding = buffer_force_offset) readonly buffer ForceOffsetBuffer { uint force_offset[]; };
 layout(std430, binding = buffer_force_index) readonly buffer ForceIndexBuffer { uint force_index[]; };
-layout(std430, binding = buffer_force_coefficient) readonly buffer ForceCoefficientBuffer { float force_coefficient[]; };
+layout(std430, binding = buffer_force_coefficient) readonly buffer ForceCoefficientBuffer {
+  float force_coefficient[];
+};
 layout(std430, binding = buffer_surface_vertex) readonly buffer SurfaceVertexBuffer { uvec4 surface_vertex[]; };
 layout(std430, binding = buffer_surface_weight) readonly buffer SurfaceWeightBuffer { vec4 surface_weight[]; };
 

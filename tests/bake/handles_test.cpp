@@ -71,7 +71,7 @@ TEST(Handles, DoNotStandBesideCycles) {
       arm_scene("[motion]\n" + other + "\nhandles = 2\n");
       ADD_FAILURE() << other;
     } catch (const scene::SceneError& error) {
-      EXPECT_NE(std::string(error.what()).find("motion.handles: stands beside seamless or loop"),
+      EXPECT_NE(std::string(error.what()).find("motion.handles: contradicts seamless and loop"),
                 std::string::npos)
           << error.what();
     }

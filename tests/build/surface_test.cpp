@@ -82,7 +82,7 @@ TEST(Weld, RefusesMalformedSurfacesWithIds) {
   refusal([](SurfaceMesh& m) { m.triangles[5][1] = 8; }, "triangle 5 ");
   refusal([](SurfaceMesh& m) { m.vertices[3][2] = std::numeric_limits<double>::quiet_NaN(); }, "vertex 3 ");
   refusal([](SurfaceMesh& m) { std::fill(m.vertices.begin(), m.vertices.end(), Vector3d(1, 2, 3)); },
-          "in one place");
+          "at the same place");
 }
 
 TEST(Bones, GivePointsInsideAndApart) {

@@ -1,8 +1,18 @@
-// README, --help and the code agree: the README's commands are run, its scene file is parsed, and the
-// subcommands of ./do it names exist.
+// The pages and the program agree: every command of README and docs is run, or is of a kind that is named
+// here with the reason why not; every scene file is parsed; every option that a page names exists.
+//
+// A page's commands run from top to bottom in a folder of their own. It holds man.glb, a character, and
+// blob.obj, a closed surface. A ```toml block whose first line is "# NAME.toml" is written there under that
+// name.
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -16,106 +26,262 @@ namespace fascicle::tests {
 
 namespace {
 
-std::string text_of(const std::filesystem::path& path) {
+namespace fs = std::filesystem;
+
+const fs::path readme_root(FASCICLE_SOURCE_DIR);
+
+std::string text_of(const fs::path& path) {
   std::ifstream file(path);
   EXPECT_TRUE(file) << path;
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// The lines of all fenced blocks of one language.
-std::vector<std::string> fenced(const std::string& language) {
-  std::istringstream readme(text_of(std::filesystem::path(FASCICLE_SOURCE_DIR) / "README.md"));
+struct Fenced {
+  std::string language;
   std::vector<std::string> lines;
-  bool inside = false;
-  for (std::string line; std::getline(readme, line);) {
-    if (line.rfind("```", 0) == 0)
-      inside = !inside && line == "```" + language;
-    else if (inside)
-      lines.push_back(line);
-  }
-  return lines;
-}
-
-class Readme : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("fascicle-readme-" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_ / "out");
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_;
 };
 
-TEST_F(Readme, CommandsRun) {
-  // The list that the batch command names.
-  std::ofstream jobs(folder_ / "jobs.toml");
-  bool is_jobs = false;
-  for (const std::string& line : fenced("toml")) {
-    is_jobs = (is_jobs && line != "[scene]" && line != "[bar]" && line != "[character]") ||
-              line.starts_with("output = ");
-    if (is_jobs) jobs << line << "\n";
-  }
-  jobs.close();
-  std::size_t ran = 0;
-  for (const std::string& line : fenced("sh")) {
-    if (line.rfind("fascicle ", 0) != 0) continue;
-    const std::string command = "cd '" + folder_.string() + "' && PATH='" + FASCICLE_BINARY_DIR +
-                                "':\"$PATH\" && { " + line.substr(0, line.find("  #")) + "; } > log 2>&1";
-    if (line.find("vulkan") != std::string::npos && !std::getenv("FASCICLE_REQUIRE_VULKAN") &&
-        std::system((std::string(FASCICLE_BINARY_DIR) + "/fascicle devices | grep -q vulkan:").c_str()) !=
-            0) {
-      ADD_FAILURE() << "no Vulkan device: README's '" << line << "' was NOT run";
-      continue;
+std::vector<Fenced> fenced(const std::string& text) {
+  std::istringstream page(text);
+  std::vector<Fenced> blocks;
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("```")) {
+      inside = !inside;
+      if (inside) blocks.push_back({line.substr(3), {}});
+    } else if (inside) {
+      blocks.back().lines.push_back(line);
     }
-    const int status = std::system(command.c_str());
-    EXPECT_EQ(status, 0) << line << "\n" << text_of(folder_ / "log");
-    ++ran;
   }
-  EXPECT_GE(ran, 8u) << "README's commands were not found";
+  return blocks;
 }
 
-TEST_F(Readme, ScriptKnowsItsSubcommands) {
-  const std::string script = text_of(std::filesystem::path(FASCICLE_SOURCE_DIR) / "do");
-  std::size_t seen = 0;
-  for (const std::string& line : fenced("sh")) {
-    if (line.rfind("./do ", 0) != 0) continue;
-    std::istringstream words(line.substr(5));
-    std::string subcommand;
-    words >> subcommand;
-    EXPECT_NE(script.find("\n  " + subcommand + ")"), std::string::npos) << line;
-    ++seen;
-  }
-  EXPECT_EQ(seen, 2u) << "the first screen shows two commands";
+// README and every page below docs, and those beside the code, by path from the root.
+std::vector<std::string> pages() {
+  std::vector<std::string> found{"README.md", "CONTRIBUTING.md", "bench/README.md"};
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(readme_root / "docs"))
+    if (entry.path().extension() == ".md")
+      found.push_back(entry.path().lexically_relative(readme_root).generic_string());
+  std::ranges::sort(found);
+  return found;
 }
 
-TEST_F(Readme, SceneFilesAreSome) {
-  // A new file begins with [scene], or with a second body.
-  std::vector<std::string> texts;
-  bool has_body = true;
-  bool is_jobs = false;
-  for (const std::string& line : fenced("toml")) {
-    const bool is_body = line.starts_with("[bar]") || line.starts_with("[character]");
-    // The list of a batch is none.
-    is_jobs = (is_jobs && !is_body && line != "[scene]") || line.starts_with("output = ");
-    if (is_jobs) continue;
-    if (line == "[scene]" || (is_body && has_body)) {
-      texts.emplace_back();
-      has_body = false;
+enum class Kind { run, script, other, unknown };
+
+// Commands that cannot be run by a test, by their beginning, and why.
+struct NotRun {
+  std::string_view beginning, reason;
+};
+constexpr std::array not_run{
+    NotRun{"blender ", "opens a window; tests/readers runs Blender without one"},
+    NotRun{"usdcat ", "USD's own program, which Debian 12 does not have"},
+    NotRun{"cmake ", "configures another build; ./do does the same"},
+    NotRun{"fascicle-convert ",
+           "its input would be an FBX file, of which the project has none; see test_convert"},
+};
+
+Kind kind_of(const std::string& command) {
+  if (command.starts_with("fascicle ")) return Kind::run;
+  // These build, or take minutes. That their subcommand exists is asked.
+  if (command.starts_with("./do ")) return Kind::script;
+  for (const NotRun& kind : not_run)
+    if (command.starts_with(kind.beginning)) return Kind::other;
+  return Kind::unknown;
+}
+
+// Without the comment behind it.
+std::string command_of(const std::string& line) {
+  const std::size_t comment = line.find(" #");
+  std::string command = line.substr(0, comment);
+  while (command.ends_with(' ')) command.pop_back();
+  return command;
+}
+
+bool script_knows(const std::string& script, const std::string& command) {
+  std::istringstream words(command.substr(5));
+  std::string subcommand;
+  words >> subcommand;
+  return std::regex_search(script, std::regex("\n  ([a-z]+ \\| )*" + subcommand + "( \\| [a-z]+)*\\)"));
+}
+
+// What `fascicle ...` prints and ends with, run in a folder.
+struct Ended {
+  int status = 0;
+  std::string output;
+};
+Ended run_in(const fs::path& folder, const std::string& command) {
+  const fs::path log = folder / "log";
+  const std::string line = "cd '" + folder.string() + "' && export FASCICLE_CACHE_DIR='" +
+                           (folder / "cache").string() + "' PATH='" + FASCICLE_BINARY_DIR +
+                           "':\"$PATH\" && { " + command + "; } > '" + log.string() + "' 2>&1";
+  const int status = std::system(line.c_str());
+  return {status, text_of(log)};
+}
+
+// A cube of 0.2 m.
+constexpr const char* cube_obj =
+    "v 0 0 0\nv .2 0 0\nv .2 .2 0\nv 0 .2 0\nv 0 0 .2\nv .2 0 .2\nv .2 .2 .2\nv 0 .2 .2\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+class Pages : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    std::string name = GetParam();
+    std::ranges::replace(name, '/', '-');
+    folder_ = fs::temp_directory_path() / ("fascicle-pages-" + std::to_string(getpid()) + "-" + name);
+    fs::create_directories(folder_ / "out");
+    text_ = text_of(readme_root / GetParam());
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void put_files() const {
+    std::ofstream(folder_ / "blob.obj") << cube_obj;
+    const Ended made = run_in(folder_,
+                              "fascicle bake arm -o made --end 0.1 && "
+                              "sed 's/\"curl (baked)\"/\"curl\"        /' made/character.glb > man.glb");
+    ASSERT_EQ(made.status, 0) << made.output;
+    for (const Fenced& block : fenced(text_)) {
+      if (block.language != "toml" || block.lines.empty()) continue;
+      const std::string& first = block.lines.front();
+      if (!first.starts_with("# ") || !first.ends_with(".toml")) continue;
+      std::ofstream file(folder_ / first.substr(2));
+      for (const std::string& line : block.lines) file << line << "\n";
     }
-    has_body = has_body || is_body;
-    ASSERT_FALSE(texts.empty()) << line;
-    texts.back() += line + "\n";
   }
-  std::vector<scene::Scene> scenes;
-  for (const std::string& text : texts) {
-    std::ofstream(folder_ / "readme.toml") << text;
-    scenes.push_back(scene::load_scene((folder_ / "readme.toml").string()));
+
+  fs::path folder_;
+  std::string text_;
+};
+
+TEST_P(Pages, CommandsRun) {
+  const std::string script = text_of(readme_root / "do");
+  bool has_files = false;
+  for (const Fenced& block : fenced(text_)) {
+    if (block.language != "sh") continue;
+    for (const std::string& line : block.lines) {
+      const std::string command = command_of(line);
+      switch (kind_of(command)) {
+        case Kind::unknown:
+          ADD_FAILURE() << GetParam() << ": no test runs '" << line
+                        << "', and `not_run` has no reason for it";
+          break;
+        case Kind::other:
+          break;
+        case Kind::script:
+          EXPECT_TRUE(script_knows(script, command)) << line;
+          break;
+        case Kind::run:
+          if (!has_files) put_files();
+          has_files = true;
+          if (command.find("vulkan") != std::string::npos && !std::getenv("FASCICLE_REQUIRE_VULKAN") &&
+              run_in(folder_, "fascicle devices | grep -q vulkan:").status != 0) {
+            ADD_FAILURE() << "no Vulkan device: '" << line << "' was NOT run";
+            break;
+          }
+          const Ended ended = run_in(folder_, command);
+          EXPECT_EQ(ended.status, 0) << GetParam() << ": " << line << "\n" << ended.output;
+          break;
+      }
+    }
   }
-  ASSERT_EQ(scenes.size(), 2u);
-  EXPECT_EQ(scenes[0].layers.size(), 2u);
-  EXPECT_EQ(scenes[0].forces.size(), 1u);
-  EXPECT_EQ(scenes[1].layers.size(), 3u);
-  EXPECT_EQ(scenes[1].muscles.size(), 1u);
+}
+
+// A block of TOML is a list of jobs, a whole scene, or a file by its name.
+TEST_P(Pages, SceneFilesAreSome) {
+  for (const Fenced& block : fenced(text_)) {
+    if (block.language != "toml") continue;
+    std::string scene;
+    bool is_jobs = false, has_file = false;
+    for (const std::string& line : block.lines) {
+      is_jobs = is_jobs || line.starts_with("[job.");
+      has_file = has_file || line.starts_with("file = ");
+      scene += line + "\n";
+    }
+    if (is_jobs) continue;  // read by the page's own command
+    if (has_file) {
+      put_files();
+    }
+    std::ofstream(folder_ / "page.toml") << scene;
+    EXPECT_NO_THROW(scene::load_scene((folder_ / "page.toml").string())) << GetParam() << "\n" << scene;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Docs, Pages, testing::ValuesIn(pages()), [](const auto& page) {
+  std::string name = page.param;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return name;
+});
+
+// The subcommands and options that the program has, from its own help.
+std::set<std::string> words_of_help(const fs::path& folder) {
+  std::set<std::string> words;
+  static const std::regex option(R"(--[a-z][a-z-]*)");
+  static const std::regex subcommand(R"(\n  ([a-z]+)  )");
+  const std::string help = run_in(folder, "fascicle --help").output;
+  std::string all = help;
+  for (std::sregex_iterator found(help.begin(), help.end(), subcommand), end; found != end; ++found) {
+    words.insert(found->str(1));
+    all += run_in(folder, "fascicle " + found->str(1) + " --help").output;
+  }
+  for (std::sregex_iterator found(all.begin(), all.end(), option), end; found != end; ++found)
+    words.insert(found->str());
+  return words;
+}
+
+// Subcommands after `fascicle` and options, inside `code` of a page, that are not among the words.
+std::vector<std::string> unknown_words(const std::string& page, const std::set<std::string>& words) {
+  static const std::regex code(R"(`([^`\n]+)`)");
+  static const std::regex subcommand(R"(^fascicle ([a-z]+))");
+  static const std::regex option(R"((^| )(--[a-z][a-z-]*))");
+  std::vector<std::string> unknown;
+  for (std::sregex_iterator found(page.begin(), page.end(), code), end; found != end; ++found) {
+    const std::string text = found->str(1);
+    if (text.starts_with("cmake ") || text.starts_with("./do ") || text.starts_with("apt")) continue;
+    std::smatch word;
+    if (std::regex_search(text, word, subcommand) && !words.contains(word.str(1))) unknown.push_back(text);
+    for (std::sregex_iterator name(text.begin(), text.end(), option); name != end; ++name)
+      if (!words.contains(name->str(2))) unknown.push_back(text);
+  }
+  return unknown;
+}
+
+TEST(Readme, OptionsThatPagesNameExist) {
+  const fs::path folder = fs::temp_directory_path() / ("fascicle-options-" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  const std::set<std::string> words = words_of_help(folder);
+  fs::remove_all(folder);
+  ASSERT_TRUE(words.contains("bake") && words.contains("--softness")) << "the help was not understood";
+  for (const std::string& page : pages()) {
+    if (page == "bench/README.md") continue;  // also names options of Google Benchmark and of a script
+    for (const std::string& text : unknown_words(text_of(readme_root / page), words))
+      ADD_FAILURE() << page << ": `" << text << "`";
+  }
+}
+
+TEST(Readme, IsShort) {
+  const std::string text = text_of(readme_root / "README.md");
+  EXPECT_LE(std::ranges::count(text, '\n'), 150);
+  std::size_t commands = 0, scripts = 0;
+  for (const Fenced& block : fenced(text))
+    for (const std::string& line : block.lines) {
+      commands += kind_of(line) == Kind::run;
+      scripts += kind_of(line) == Kind::script;
+    }
+  EXPECT_GE(commands, 8u);
+  EXPECT_EQ(scripts, 2u) << "the first screen shows two commands";
+}
+
+// The controls: a command of no known kind, an option and a subcommand that are not there are seen.
+TEST(Readme, WhatIsWrongIsSeen) {
+  EXPECT_EQ(kind_of("rm -rf out"), Kind::unknown);
+  EXPECT_EQ(kind_of("fascicle bake arm"), Kind::run);
+  EXPECT_EQ(command_of("fascicle devices   # all of them"), "fascicle devices");
+  EXPECT_FALSE(script_knows("\n  bake)\n", "./do fly"));
+  EXPECT_TRUE(script_knows("\n  bench | kernels)\n", "./do kernels --x"));
+  const std::set<std::string> words{"bake", "--end"};
+  EXPECT_TRUE(unknown_words("see `fascicle bake X --end 1` and `--end`", words).empty());
+  EXPECT_EQ(unknown_words("`fascicle fly`, `fascicle bake --ende`, `--star`", words).size(), 3u);
 }
 
 }  // namespace

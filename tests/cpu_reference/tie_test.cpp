@@ -251,7 +251,7 @@ TEST(Tie, SkinIsFreeAlongTheFleshAndHeldAcrossIt) {
   }
 }
 
-// Springs read where the substep begins would feed their own oscillation under BDF2 (architecture.md): a
+// Springs read where the substep begins would feed their own oscillation under BDF2 (sliding-skin.md): a
 // shaken body comes to rest, without any damping but the integrator's.
 TEST(Tie, TheImplicitIntegratorFeedsNoOscillation) {
   const Model m = make_implicit(bar_with_skin(), 2e3);

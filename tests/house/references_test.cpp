@@ -61,7 +61,7 @@ TEST(References, LeadToWhatIsThere) {
       paths.insert(path.generic_string());
   ASSERT_TRUE(paths.contains("README.md") && paths.contains("docs/architecture.md") && paths.contains("do"));
   for (const Source& file : files) {
-    if (file.path == "tests/house/references_test.cpp") continue;  // its controls lead nowhere
+    if (file.path.starts_with("tests/house/")) continue;  // controls of these tests lead nowhere
     for (const std::string& missing : missing_references(file, paths)) ADD_FAILURE() << missing;
   }
 }

@@ -474,8 +474,8 @@ TEST(Converter, that_takes_too_long_or_too_much_is_said_to) {
   for (const auto& [script, words] :
        {std::pair{"while :; do :; done", "took longer to convert than the 0.3 s of processor time allowed"},
         std::pair{"exec 2>&-; sleep 600",
-                  "was not converted: the converter got no processor time for 0.3 s; see what holds up this "
-                  "machine"},
+                  "was not converted: the converter got no processor time for 0.3 s; see what keeps this "
+                  "machine busy"},
         std::pair{"exit 6", "cannot be read: it needs more than 1.5 GiB of memory"},
         std::pair{"kill -SEGV $$", "cannot be read: the converter crashed on it (signal 11)"}})
     EXPECT_EQ(said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2})

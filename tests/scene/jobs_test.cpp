@@ -83,11 +83,11 @@ TEST_F(ReadJobs, RefusesWithLineAndKey) {
       {"[job.a]\nscene = \"jump\"\nclips = \"walk\"\n", ":3: job.a.clips: takes a list of texts"},
       {"[job.a]\nscene = \"jump\"\nvary = 2\n", ":3: job.a.vary: is a table"},
       {"[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.fps\" = 3\n", "takes a list of values"},
-      {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that is no file's"},
+      {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that cannot be a file's"},
       {"[job.\"a b\"]\nscene = \"jump\"\n[job.a_b]\nscene = \"arm\"\n", "makes a second bake called a_b"},
-      {"[job.\"..\"]\nscene = \"jump\"\n", "which is no name for its folder"},
-      {"[job.\"batch.json\"]\nscene = \"jump\"\n", "which is no name for its folder"},
-      {"[job." + std::string(300, 'a') + "]\nscene = \"jump\"\n", "which is no name for its folder"},
+      {"[job.\"..\"]\nscene = \"jump\"\n", "which cannot be the name of its folder"},
+      {"[job.\"batch.json\"]\nscene = \"jump\"\n", "which cannot be the name of its folder"},
+      {"[job." + std::string(300, 'a') + "]\nscene = \"jump\"\n", "which cannot be the name of its folder"},
       {"[job.A]\nscene = \"jump\"\n[job.a]\nscene = \"arm\"\n", "makes a second bake called a"},
       {"[job.a\n", "TOML"}};
   for (const auto& [text, reason] : refused)
