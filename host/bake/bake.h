@@ -68,6 +68,8 @@ struct BakeOptions {
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
+  // Called before each frame that is stepped before frame 0.
+  std::function<void()> on_lead_in;
   // A store of starts, by a key of hex digits: where the scene was baked before, what comes before frame 0 is
   // not stepped again. The bits are the same. Nothing is kept without them.
   std::function<std::optional<std::string>(const std::string& key)> find_start;

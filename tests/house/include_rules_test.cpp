@@ -84,7 +84,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
 // A header of the C++ library has no dot; of POSIX these are used, some under the names of C's for what POSIX
 // adds to them, and of glibc malloc.h.
 bool is_system_header(const std::string& header) {
-  static const std::set<std::string> posix{"dlfcn.h",  "fcntl.h", "malloc.h", "poll.h",   "pthread.h",
+  static const std::set<std::string> posix{"dlfcn.h",  "fcntl.h", "link.h", "malloc.h", "poll.h",   "pthread.h",
                                            "signal.h", "spawn.h", "stdlib.h", "string.h", "unistd.h"};
   if (header.find('.') == std::string::npos) return header.find('/') == std::string::npos;
   return posix.contains(header) || header.starts_with("sys/");
