@@ -8,6 +8,7 @@
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
+#   ./do package [DIR]    build the Debian packages, and check what is in them
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
@@ -104,6 +105,16 @@ case $command in
     need python3
     exec python3 -B bench/plot.py "$@"
     ;;
+  package)
+    need $build_packages dpkg-dev
+    out=$PWD/${1:-build/package/packages}
+    case ${1:-} in /*) out=$1 ;; esac
+    cmake --preset release -B build/package -DCMAKE_INSTALL_PREFIX=/usr -DFASCICLE_TESTS=OFF >&2
+    cmake --build build/package >&2
+    mkdir -p "$out"
+    (cd build/package && cpack -B "$out") >&2
+    exec tests/library/check_packages.sh "$out"
+    ;;
   lint)
     need $build_packages $test_packages $bench_packages $lint_packages
     # Source by source, as clang-tidy reads them.
@@ -116,7 +127,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,13s/^# \{0,1\}//p' "$0"
+    sed -n '2,14s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac
