@@ -91,7 +91,8 @@ typedef enum fascicle_phase {
   FASCICLE_PHASE_FRAMES = 2   /* after each frame: done of total */
 } fascicle_phase;
 
-/* Returns 0 to go on. Anything else cancels: the call returns FASCICLE_CANCELLED before the next frame. */
+/* Returns 0 to go on. Anything else cancels: the call returns FASCICLE_CANCELLED when the frames that are
+ * under way are done. */
 typedef int fascicle_progress_function(void* user, fascicle_phase phase, uint64_t done, uint64_t total);
 
 /* ---- Scenes

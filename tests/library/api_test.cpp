@@ -292,9 +292,12 @@ TEST(CApi, ACancelledBakeGoesOnToTheSameBits) {
   EXPECT_FAILS(fascicle_bake_run(scene, &options, &bake), FASCICLE_CANCELLED, "before the model was built");
   EXPECT_EQ(bake, nullptr);
   watched.cancel_at = 3;
-  EXPECT_FAILS(fascicle_bake_run(scene, &options, &bake), FASCICLE_CANCELLED, "cancelled after frame 3 of 6");
+  EXPECT_FAILS(fascicle_bake_run(scene, &options, &bake), FASCICLE_CANCELLED,
+               " of 6; the same bake with options.resume");
   ASSERT_NE(bake, nullptr);
-  EXPECT_EQ(fascicle_bake_frames(bake), 3u);
+  // A frame may be under way when the one before it is told of.
+  EXPECT_GE(fascicle_bake_frames(bake), 3u);
+  EXPECT_LT(fascicle_bake_frames(bake), 6u);
   EXPECT_NE(fascicle_bake_position_hash(bake), hash);
   fascicle_bake_destroy(bake);
   watched.cancel_at = ~std::uint64_t{0};
@@ -326,7 +329,9 @@ TEST(CApi, BadBakeOptionsAreRefused) {
   refused(FASCICLE_BAD_ARGUMENT, "\"gpu\"", [](Options& o) { o.device = "gpu"; });
   refused(FASCICLE_NO_SUCH_DEVICE, "", [](Options& o) { o.device = "vulkan:77"; });
   refused(FASCICLE_BAD_ARGUMENT, "struct_size", [](Options& o) { o.struct_size = 3; });
-  refused(FASCICLE_BAD_INPUT, "options.folder", [](Options& o) { o.folder = "/proc/none/out"; });
+  std::ofstream(folder / "file") << "no folder";
+  const std::string below = folder / "file/out";
+  refused(FASCICLE_BAD_INPUT, "options.folder", [&](Options& o) { o.folder = below.c_str(); });
   fascicle_scene_destroy(scene);
 }
 

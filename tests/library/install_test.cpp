@@ -44,6 +44,22 @@ TEST(Library, HasASoname) {
   EXPECT_NE(ran.out.find("[libfascicle.so.0]"), std::string::npos) << ran.out;
 }
 
+// Every program text on the page is in the examples, word for word.
+TEST(Library, ThePageShowsTheExamples) {
+  const std::string docs = FASCICLE_SOURCE_DIR "/docs/";
+  const std::string page = run_in_shell("cat " + docs + "library.md").out;
+  const std::string examples = run_in_shell("cat " + docs + "examples/library/*").out;
+  std::size_t count = 0;
+  for (const char* language : {"```c\n", "```cpp\n", "```cmake\n"})
+    for (std::size_t at = page.find(language); at != std::string::npos;
+         at = page.find(language, at + 1), ++count) {
+      const std::size_t begin = at + std::string(language).size();
+      const std::string block = page.substr(begin, page.find("```", begin) - begin);
+      EXPECT_NE(examples.find(block), std::string::npos) << block;
+    }
+  EXPECT_GE(count, 6u);
+}
+
 std::string only_line(const std::string& text) {
   return text.substr(0, text.find('\n'));
 }

@@ -16,7 +16,7 @@ namespace {
 // A made arm of few vertices that curls; a substep a frame, so that the clip's poses are all there is to
 // know.
 const fascicle::scene& arm() {
-  static const fascicle::scene scene("arm", {.set = {"solver.substeps=1", "motion.preroll=0.0"}, .end = 0.2});
+  static const fascicle::scene scene("arm", {.set = {"solver.substeps=1", "motion.preroll=0.0"}, .end = 1.0});
   return scene;
 }
 
