@@ -43,7 +43,7 @@ holds fascicle-mesher usr/bin/fascicle-mesher usr/share/doc/fascicle-mesher/copy
 depends fascicle libc6 libstdc++6 libpng !libtet !libgmp
 depends libfascicle0 libc6 libdraco !libtet !libgmp !libpng
 depends libfascicle-dev 'libfascicle0 (= '
-depends fascicle-mesher libtet1.5 libgmp10
+depends fascicle-mesher libtet1.5
 grep -q "Affero" <<TEXT || fail "the mesher's copyright is not its own"
 $(dpkg-deb --fsys-tarfile fascicle-mesher_*.deb | tar -xO ./usr/share/doc/fascicle-mesher/copyright)
 TEXT
