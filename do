@@ -9,6 +9,7 @@
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do package [DIR]    build the Debian packages, and check what is in them
+#   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
@@ -115,6 +116,11 @@ case $command in
     (cd build/package && cpack -B "$out") >&2
     exec tests/library/check_packages.sh "$out"
     ;;
+  try-packages)
+    need debootstrap
+    [ -d build/package/packages ] || "$0" package
+    exec tests/library/try_packages.sh build/package/packages
+    ;;
   lint)
     need $build_packages $test_packages $bench_packages $lint_packages
     # Source by source, as clang-tidy reads them.
@@ -127,7 +133,7 @@ case $command in
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,14s/^# \{0,1\}//p' "$0"
+    sed -n '2,15s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

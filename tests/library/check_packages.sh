@@ -40,6 +40,8 @@ holds libfascicle-dev usr/include/fascicle/fascicle.h usr/include/fascicle/fasci
   'usr/lib/[^/]*/pkgconfig/fascicle.pc' usr/share/doc/libfascicle-dev/copyright
 holds fascicle-mesher usr/bin/fascicle-mesher usr/share/doc/fascicle-mesher/copyright
 
+dpkg-deb --ctrl-tarfile libfascicle0_*.deb | tar -xO ./shlibs | grep -q '^libfascicle 0 libfascicle0 (>= ' ||
+  fail "libfascicle0 does not tell its dependants of itself"
 depends fascicle libc6 libstdc++6 libpng !libtet !libgmp
 depends libfascicle0 libc6 libdraco !libtet !libgmp !libpng
 depends libfascicle-dev 'libfascicle0 (= '
