@@ -10,6 +10,8 @@
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
 #   ./do touches NAME [COMMIT]   count where a model array or a scene key is named, outside tests
+#   ./do package [DIR]    build the Debian packages, and check what is in them
+#   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
@@ -127,6 +129,21 @@ gpu/model_buffers.cpp cpu_reference/lane_stages.h cpu_reference/lane_stages.cpp 
     need python3
     exec python3 -B bench/plot.py "$@"
     ;;
+  package)
+    need $build_packages dpkg-dev
+    out=$PWD/${1:-build/package/packages}
+    case ${1:-} in /*) out=$1 ;; esac
+    cmake --preset release -B build/package -DCMAKE_INSTALL_PREFIX=/usr -DFASCICLE_TESTS=OFF >&2
+    cmake --build build/package >&2
+    mkdir -p "$out"
+    (cd build/package && cpack -B "$out") >&2
+    exec tests/library/check_packages.sh "$out"
+    ;;
+  try-packages)
+    need debootstrap
+    [ -d build/package/packages ] || "$0" package
+    exec tests/library/try_packages.sh build/package/packages
+    ;;
   lint)
     need $build_packages $test_packages $bench_packages $lint_packages
     # Source by source, as clang-tidy reads them.
@@ -149,7 +166,7 @@ gpu/model_buffers.cpp cpu_reference/lane_stages.h cpu_reference/lane_stages.cpp 
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,16s/^# \{0,1\}//p' "$0"
+    sed -n '2,17s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

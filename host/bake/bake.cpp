@@ -260,8 +260,10 @@ model::State Run::lead_to_start() {
         progress_.lead_in.was_kept = true;
         return std::move(kept->state);
       }
-  LeadIn led = lead_in(scene_, model_, drives_, solver_,
-                       [&] { return options_.interrupted != nullptr && options_.interrupted->load(); });
+  LeadIn led = lead_in(scene_, model_, drives_, solver_, [&] {
+    if (options_.on_lead_in) options_.on_lead_in();
+    return options_.interrupted != nullptr && options_.interrupted->load();
+  });
   if (is_long && !led.stopped && options_.keep_start) options_.keep_start(key, start_bytes(led, identity_));
   interrupted_ = led.stopped;
   progress_.lead_in = led.summary;

@@ -68,6 +68,8 @@ struct BakeOptions {
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
+  // Called before each frame that is stepped before frame 0.
+  std::function<void()> on_lead_in;
   // A store of states at frame 0, by a key of hex digits: a scene that was baked before need not step again
   // what comes before frame 0. The bits are the same. Without these functions nothing is kept.
   std::function<std::optional<std::string>(const std::string& key)> find_start;

@@ -11,9 +11,8 @@
 
 #include "host/bake/felt_acceleration.h"
 #include "host/bake/muscle_drive.h"
-#include "host/bake/pose_blend.h"
+#include "host/bake/pose_bones.h"
 #include "host/bake/timeline.h"
-#include "host/model/rotation.h"
 #include "host/scene/trigonometry.h"
 
 namespace fascicle::bake {
@@ -26,7 +25,9 @@ struct DriveSource::Impl {
   double h() const { return 1.0 / (static_cast<double>(substeps) * scene.fps); }
   Vector3d rest_origin() const { return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]}; }
   Vector3d origin(std::uint64_t count);  // of the pose at the end of substep `count`
-  void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const;
+  void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const {
+    if (timeline) bake::append_bones(scene, model, pose, origin, to);
+  }
   void append_pose(const Pose& pose, const Vector3d& origin, double time);
   void append_forces(double time);
   void clear();
@@ -55,20 +56,6 @@ struct DriveSource::Impl {
   std::vector<model::Cut> cuts;
 };
 
-namespace {
-
-std::array<double, 3> array_of(const Vector3d& v) {
-  return {v[0], v[1], v[2]};
-}
-
-// g - R g with R the rotation of a joint's map: what has become of gravity in the joint's frame.
-Vector3d change_of_gravity(const Eigen::Matrix4d& map, const Vector3d& gravity) {
-  const auto turned = model::multiply(model::nearest_rotation(rows_of(map)), array_of(gravity));
-  return gravity - Vector3d(turned[0], turned[1], turned[2]);
-}
-
-}  // namespace
-
 DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
     : scene(s), model(m), substeps(s.solver.substeps) {
   const auto must_fit = [](const char* what, std::size_t of_scene, std::size_t of_model) {
@@ -91,30 +78,7 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
 
 Vector3d DriveSource::Impl::origin(std::uint64_t count) {
   if (!timeline) return rest_origin();
-  // The unit is a power of two: rounding to it is exact, and so are differences of origins.
-  const Vector3d units = timeline->root(timeline->pose(count)) / model.unit;
-  return (units + Vector3d::Constant(0.5)).array().floor().matrix() * model.unit;
-}
-
-// A pose is in the file's metres; scale makes it the scene's, unit and origin the solver's. With rest
-// positions x = (p - rest_origin) / unit a map p -> L p + t becomes x -> L x + (L rest_origin + t - origin) /
-// unit.
-void DriveSource::Impl::append_bones(const Pose& pose, const Vector3d& origin,
-                                     std::vector<shader::Bone>& to) const {
-  if (!timeline) return;
-  const auto& character = std::get<scene::Character>(scene.geometry);
-  for (std::size_t j = 0; j < pose.size(); ++j) {
-    const Eigen::Matrix4d map = pose[j] * character.skeleton[j].inverse_bind;
-    const Eigen::Matrix3d l = map.topLeftCorner<3, 3>();
-    const Vector3d t = (l * rest_origin() + map.topRightCorner<3, 1>() * scene.scale - origin) / model.unit;
-    Vector3d g = Vector3d::Zero();
-    if (scene.motion.rest == scene::Rest::sculpted) g = change_of_gravity(map, scene.gravity) / model.unit;
-    const auto f = [](double x) { return static_cast<float>(x); };
-    to.push_back({f(l(0, 0)), f(l(0, 1)), f(l(0, 2)), f(t[0]),  //
-                  f(l(1, 0)), f(l(1, 1)), f(l(1, 2)), f(t[1]),  //
-                  f(l(2, 0)), f(l(2, 1)), f(l(2, 2)), f(t[2]),  //
-                  f(g[0]), f(g[1]), f(g[2]), 0.0f});
-  }
+  return whole_units(timeline->root(timeline->pose(count)), model.unit);
 }
 
 // A substep's end: the bones, and what the pose at this time of the clip makes of the muscles.

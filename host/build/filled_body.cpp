@@ -129,7 +129,7 @@ bool is_usable_render(const RenderMesh& render, std::size_t vertices, std::size_
 std::optional<std::string> hash_of_programs(const BuildOptions& options) {
   try {
     scene::ContentHash hash;
-    for (const fs::path& path : {fs::path("/proc/self/exe"), mesher_path(options)}) {
+    for (const fs::path& path : {scene::own_module(), mesher_path(options)}) {
       const scene::File file(path, scene::FileMode::read);
       std::vector<char> bytes(static_cast<std::size_t>(file.size()));
       if (!file.read_at(0, bytes)) return std::nullopt;

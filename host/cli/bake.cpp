@@ -11,15 +11,12 @@
 #include "host/bake/drive_source.h"
 #include "host/bake/folder.h"
 #include "host/bake/formats.h"
-#include "host/build/cache.h"
-#include "host/build/filled_body.h"
 #include "host/cli/command.h"
-#include "host/cli/device_choice.h"
 #include "host/cli/interrupt.h"
-#include "host/cli/open_ends.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
-#include "host/scene/content_hash.h"
+#include "host/pipeline/bake_scene.h"
+#include "host/pipeline/device_choice.h"
 #include "host/scene/pose.h"
 
 namespace fascicle::cli {
@@ -171,140 +168,56 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_how_to_look(arguments, result.files);
 }
 
-// What is to be said of the clip before anything is built; empty: nothing.
-std::string warning_of_clip(const scene::Scene& scene) {
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
-  if (character == nullptr || !character->clips.empty()) return "";
-  const std::uint64_t frames = scene::frame_count(scene);
-  return "the character has no clip: " +
-         (frames == 1 ? std::string("its rest pose is baked, in one frame")
-                      : "its skeleton stands still for " + count_text(frames) + " frames") +
-         "; export it with an animation, or give --end for a longer bake";
-}
-
-// Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
-std::string warning_of_throws(const scene::Scene& scene, const model::Model& model) {
-  constexpr std::size_t most_named = 4;
-  std::uint32_t soft = 0;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
-  if (soft == 0) return "";  // a robot, which feels nothing
-  bake::DriveSource drives(scene, model);
-  const std::vector<bake::DriveSource::Thrown> thrown = drives.thrown();
-  if (thrown.empty()) return "";
-  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
-  std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
-                     number_text(drives.acceleration_limit(), 3) + " m/s^2; flesh feels no more than that: ";
-  for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
-    text += (k == 0 ? "joint " : ", ") + skeleton[thrown[k].joint].name + " by " +
-            number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +
-            std::to_string(thrown[k].frame) + ")";
-  if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
-  return text + "; look for keys that leap there";
-}
-
-std::optional<bake::ExpectedLook> expected_look_of(const scene::Scene& scene, const model::Model& model) {
-  bake::DriveSource drives(scene, model);
-  return bake::expected_look(scene, model, drives);
-}
-
-// Beside the filled bodies, under what these programs make of it.
-void keep_starts(bake::BakeOptions& options) {
-  build::BuildOptions paths;
-  const std::optional<std::string> programs = build::hash_of_programs(paths);
-  if (!programs) return;
-  const build::Cache cache(build::default_cache_folder());
-  const auto name = [programs = *programs](const std::string& key) {
-    scene::ContentHash hash;
-    hash.add(std::string_view("start"));
-    hash.add(std::string_view(programs));
-    hash.add(std::string_view(key));
-    return hash.text();
-  };
-  options.find_start = [cache, name](const std::string& key) { return cache.find(name(key)); };
-  options.keep_start = [cache, name](const std::string& key, std::string_view bytes) {
-    cache.put(name(key), bytes);
-  };
-}
-
 ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (arguments.scene.name.empty()) {
     arguments.scene.name = scene::default_scene;
     if (arguments.formats.empty()) arguments.formats = {"pc2", "vtu"};
     log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
   }
-  DeviceRequest request = parse_device(arguments.device);
-  request.keeps_pipelines = !arguments.scene.no_cache;
+  const DeviceRequest device = parse_device(arguments.device);
   scene::Scene scene = load(arguments.scene);
   if (const auto* character = std::get_if<scene::Character>(&scene.geometry);
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
     log.info("clip: " + scene::clip_name(scene) + ", the first of " +
              std::to_string(character->clips.size()) + " (fascicle inspect lists them, --clip chooses)");
-  const std::uint64_t handles = scene.motion.handles;
-  const std::uint64_t first_number = bake::first_written(arguments.first_number.value_or(handles), handles);
-  const std::string of_clip = warning_of_clip(scene);
-  if (!of_clip.empty()) log.warning(of_clip);
   if (arguments.folder.empty()) arguments.folder = (fs::path("out") / scene.name).string();
-  // Before the work of building, not after it.
-  if (!arguments.dry_run && !arguments.overwrite && !arguments.resume && bake::holds_bake(arguments.folder))
-    throw bake::FolderInUse(
-        arguments.folder +
-        ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
   if (!arguments.dry_run) refuse_unwritable("-o", (fs::path(arguments.folder) / "").string(), true);
-  const Built built = build(scene, log, arguments.scene.no_cache);
-  log_warnings(built.report, log);
-  const std::string of_throws = warning_of_throws(scene, built.model);
-  if (!of_throws.empty()) log.warning(of_throws);
-  const std::optional<bake::ExpectedLook> expected = expected_look_of(scene, built.model);
-  const std::string of_look =
-      expected && expected->score > 1.0 ? bake::expected_look_warning(scene, built.model, *expected) : "";
-  if (!of_look.empty()) log.warning(of_look);
-  const Simulation simulation =
-      choose_simulation(request, arguments.threads, built.model, solver_options(scene), log);
+  Progress progress(log, "baking", scene::frame_count(scene));
+  BakeRequest request;
+  request.folder = arguments.folder;
+  request.formats = arguments.formats;
+  request.glb = arguments.glb;
+  request.first_number = arguments.first_number;
+  request.usd_skel = arguments.usd_skel;
+  request.overwrite = arguments.overwrite;
+  request.resume = arguments.resume;
+  request.writes_nothing = arguments.dry_run;
+  request.device = device;
+  request.threads = arguments.threads;
+  request.build = build_options(arguments.scene.no_cache);
+  request.interrupted = &catch_interrupts();
+  request.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
+  const Say say = say_on(log);
+  const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
+  const PreparedBake& prepared = *made;
   if (arguments.dry_run) {
-    print_estimate(arguments, scene, built, simulation, expected);
+    print_estimate(arguments, prepared.scene, prepared.built, prepared.simulation, prepared.expected);
     return ExitCode::done;
   }
 
-  if (const std::string size = glb_size_text(arguments, scene, built.model); !size.empty())
+  if (const std::string size = glb_size_text(arguments, prepared.scene, prepared.built.model); !size.empty())
     log.info("surface.glb: " + size);
-  Progress progress(log, "baking", scene::frame_count(scene));
-  bake::BakeOptions options;
-  options.folder = arguments.folder;
-  options.formats = arguments.formats;
-  options.glb = arguments.glb;
-  options.first_number = first_number;
-  options.usd_skel = arguments.usd_skel;
-  options.overwrite = arguments.overwrite;
-  options.resume = arguments.resume;
-  options.device = simulation.device.description();
-  for (const build::Warning& warning : built.report.warnings) options.warnings.push_back(warning.text);
-  options.expected_look = expected;
-  for (const std::string& text : {of_clip, of_throws, of_look})
-    if (!text.empty()) options.warnings.push_back(text);
-  options.open_ends = open_ends_of(built.report);
-  options.interrupted = &catch_interrupts();
-  options.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
-  if (!arguments.scene.no_cache) keep_starts(options);
-  const bake::BakeResult result = bake::bake(scene, built.model, *simulation.solver, options);
+  const bake::BakeResult result = run_bake(prepared, request);
   log.clear_bar();
-  if (result.clamped.regions > 0)
-    log.warning(
-        "muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
-        std::to_string(result.clamped.frame) +
-        " would bulge or thin by more than a factor of four and were limited to it; a lower gain avoids it");
-  for (const std::string& image : result.missing_images)
-    log.warning("the character's image " + image +
-                " was not found; character.glb has a white pixel in its place");
+  say_result(result, say);
   if (result.interrupted) {
     log.warning("interrupted after frame " + std::to_string(result.frames_done) + " of " +
-                std::to_string(scene::frame_count(scene)) +
+                std::to_string(scene::frame_count(prepared.scene)) +
                 "; the same command with --resume (and without --overwrite) goes on");
     return ExitCode::interrupted;
   }
-  if (result.look)
-    for (const std::string& warning : result.look->warnings) log.warning(warning);
-  log_report(result.report, log);
-  print_result(arguments, scene, built.model, options.device, result);
+  print_result(arguments, prepared.scene, prepared.built.model, prepared.simulation.device.description(),
+               result);
   return ExitCode::done;
 }
 

@@ -18,9 +18,9 @@
 #include "host/bake/manifest.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/command.h"
-#include "host/cli/device_choice.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/text.h"
+#include "host/pipeline/device_choice.h"
 #include "host/scene/jobs.h"
 #include "host/scene/scene_table.h"
 

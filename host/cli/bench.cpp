@@ -13,9 +13,10 @@
 #include "host/cli/bench_peers.h"
 #include "host/cli/bench_results.h"
 #include "host/cli/command.h"
-#include "host/cli/device_choice.h"
 #include "host/cli/text.h"
 #include "host/model/validate.h"
+#include "host/pipeline/bake_scene.h"
+#include "host/pipeline/device_choice.h"
 
 namespace fascicle::cli {
 namespace {
@@ -152,8 +153,8 @@ class Bench {
     for (const DeviceRequest& request : requests) {
       const bool is_cpu = request.kind == DeviceRequest::Kind::cpu;
       for (const unsigned threads : is_cpu ? arguments_.threads : std::vector<unsigned>{1}) {
-        devices_.push_back(
-            std::make_unique<ChosenDevice>(choose_device(without_kept_pipelines(request), threads, log_)));
+        devices_.push_back(std::make_unique<ChosenDevice>(
+            choose_device(without_kept_pipelines(request), threads, say_on(log_))));
         const ChosenDevice& device = *devices_.back();
         std::unique_ptr<model::Solver> solver = device.make_solver(body.model, body.options);
         const auto scalar =

@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/cli/device_choice.h"
+#include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
+#include "host/pipeline/device_choice.h"
 
 namespace fascicle::cli {
 

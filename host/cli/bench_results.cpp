@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/bake.h"
+#include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
 
 namespace fascicle::cli {

@@ -1,32 +1,13 @@
 #include "host/cli/command.h"
 
-#include <filesystem>
 #include <map>
 #include <vector>
 
-#include <unistd.h>
-
 #include "host/bake/bake.h"
 #include "host/build/cache.h"
-#include "host/build/stiffness.h"
-#include "host/cli/text.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::cli {
-namespace {
-
-constexpr std::size_t warning_vertices_shown = 8;
-
-}  // namespace
-
-std::string warning_text(const build::Warning& warning) {
-  if (warning.vertices.empty()) return warning.text;
-  std::string text = warning.text + " (vertices";
-  for (std::size_t k = 0; k < warning.vertices.size() && k < warning_vertices_shown; ++k)
-    text += " " + std::to_string(warning.vertices[k]);
-  return text + (warning.vertices.size() > warning_vertices_shown ? " ...)" : ")");
-}
-
 std::string nearest_scene_hint(const std::string& name) {
   std::vector<std::string> names;
   for (const scene::BuiltinScene& scene : scene::builtin_scenes()) names.push_back(scene.name);
@@ -168,17 +149,6 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       ->option_text("SIZE");
 }
 
-void refuse_unwritable(const std::string& option, const std::string& file, bool folders) {
-  if (file.empty()) return;
-  std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  std::error_code ignored;
-  while (folders && !std::filesystem::exists(folder, ignored) && folder.has_relative_path())
-    folder = folder.parent_path();
-  if (!std::filesystem::is_directory(folder, ignored) || ::access(folder.c_str(), W_OK) != 0)
-    throw bake::BakeError(option + " " + file + ": " + folder.string() +
-                          " is not a folder that can be written to; choose another");
-}
-
 scene::Scene load(const SceneArguments& arguments) {
   try {
     return scene::load_scene(arguments.name, arguments.overrides);
@@ -192,37 +162,17 @@ scene::Scene load(const SceneArguments& arguments) {
 }
 
 Built build(scene::Scene& scene, Log& log, bool no_cache) {
-  Built built;
+  return build_scene(scene, build_options(no_cache), say_on(log));
+}
+
+build::BuildOptions build_options(bool no_cache) {
   build::BuildOptions options;
   if (!no_cache) options.cache = build::default_cache_folder();
-  built.model = build::build_model(scene, built.report, options);
-  build::choose_steps(scene, built.model, built.report);
-  if (built.report.body_from_cache) log.detail("the filled body came from " + options.cache.string());
-  log.detail("model: " + count_text(built.report.vertices) + " vertices, " +
-             count_text(built.report.tetrahedra) + " tetrahedra, built in " +
-             duration_text(built.report.seconds));
-  return built;
+  return options;
 }
 
 void log_warnings(const build::Report& report, Log& log) {
-  for (const build::Warning& warning : report.warnings) log.warning(warning_text(warning));
-}
-
-model::SolverOptions solver_options(const scene::Scene& scene) {
-  model::SolverOptions options;
-  if (scene.solver.integrator == model::name_of(model::Integrator::implicit_step))
-    options.integrator = model::Integrator::implicit_step;
-  else if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
-    throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
-                            "\"; use \"explicit\" or \"implicit\"");
-  options.iterations = scene.solver.iterations;
-  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
-    if (scene.solver.rotation == model::name_of(rotation)) {
-      options.rotation = rotation;
-      return options;
-    }
-  throw scene::SceneError(scene.source + ": solver.rotation: there is no \"" + scene.solver.rotation +
-                          "\"; use \"qcp\" or \"mueller2016\"");
+  say_warnings(report, say_on(log));
 }
 
 }  // namespace fascicle::cli

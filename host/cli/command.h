@@ -11,8 +11,7 @@
 #include "host/build/build.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
-#include "host/model/model.h"
-#include "host/model/solver.h"
+#include "host/pipeline/build_scene.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::cli {
@@ -34,6 +33,7 @@ void add_devices(CLI::App& app, Command& command);
 void add_scenes(CLI::App& app, Command& command);
 void add_schema(CLI::App& app, Command& command);
 void add_render(CLI::App& app, Command& command);
+void add_manual(CLI::App& app, Command& command);
 
 // -q, -v, --log-format
 void add_log_options(CLI::App& subcommand, LogOptions& log);
@@ -56,32 +56,18 @@ struct SceneArguments {
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
                        bool required);
 
-// Throws bake::BakeError where the file of an option could not be made, so that it is told before the work
-// and not after it. Empty: none was asked for. `folders`: those that are missing will be made.
-void refuse_unwritable(const std::string& option, const std::string& file, bool folders = false);
-
 // Throws scene::SceneError; UsageError where the scene is good and an override is not.
 scene::Scene load(const SceneArguments& arguments);
 
-// The model with what was found on the way.
-struct Built {
-  model::Model model;
-  build::Report report;
-};
 // Sets the scene's substeps where it says "auto".
 Built build(scene::Scene& scene, Log& log, bool no_cache = false);
+build::BuildOptions build_options(bool no_cache);
 
 // The build's warnings, for commands whose result does not hold them.
 void log_warnings(const build::Report& report, Log& log);
 
-// The warning with the first of its vertices.
-std::string warning_text(const build::Warning& warning);
-
 // "; did you mean NAME?", or empty if no built-in scene has a name like it.
 std::string nearest_scene_hint(const std::string& name);
-
-// Throws scene::SceneError for names no solver has.
-model::SolverOptions solver_options(const scene::Scene& scene);
 
 // The whole command line; returns the exit status.
 int run(int argc, const char* const* argv);

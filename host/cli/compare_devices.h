@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "host/cli/device_choice.h"
+#include "host/cli/exit_codes.h"
 #include "host/model/model.h"
 #include "host/model/validate.h"
+#include "host/pipeline/device_choice.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::cli {

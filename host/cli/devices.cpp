@@ -6,8 +6,8 @@
 
 #include "gpu/device.h"
 #include "host/cli/command.h"
-#include "host/cli/device_choice.h"
 #include "host/cli/text.h"
+#include "host/pipeline/device_choice.h"
 
 namespace fascicle::cli {
 namespace {

@@ -1,9 +1,14 @@
-// What the executable's exit status means, and the two errors that only the command line can make.
+// What the executable's exit status means.
 #pragma once
 
-#include <stdexcept>
+#include "host/pipeline/errors.h"
+
+namespace fascicle::pipeline {}
 
 namespace fascicle::cli {
+
+// The command line says in its own words what host/pipeline does.
+using namespace pipeline;
 
 enum class ExitCode : int {
   done = 0,
@@ -14,16 +19,6 @@ enum class ExitCode : int {
   not_finite = 5,      // the simulation left the finite numbers
   difference = 6,      // validation found one
   interrupted = 75     // by SIGINT or SIGTERM; --resume goes on (the value is sysexits.h's EX_TEMPFAIL)
-};
-
-// An option that cannot be followed. what() says what to do.
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-// A device that was asked for and is not there, or will not do.
-struct NoSuchDevice : std::runtime_error {
-  using std::runtime_error::runtime_error;
 };
 
 }  // namespace fascicle::cli

@@ -9,6 +9,7 @@
 #include "host/cli/model_vtu.h"
 #include "host/cli/open_ends.h"
 #include "host/cli/text.h"
+#include "host/pipeline/bake_scene.h"
 #include "host/scene/muscle_bones.h"
 #include "host/scene/pose.h"
 

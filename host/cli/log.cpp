@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
 
 namespace fascicle::cli {
@@ -139,6 +140,22 @@ std::string advance_text(const Advance& advance, unsigned width) {
   if (advance.rate > 0.0) text += "  " + number_text(advance.rate, 3) + " frames/s";
   if (advance.seconds_left >= 0.0) text += "  " + duration_text(advance.seconds_left) + " left";
   return text;
+}
+
+pipeline::Say say_on(Log& log) {
+  return [&log](pipeline::Severity severity, const std::string& message) {
+    switch (severity) {
+      case pipeline::Severity::detail:
+        log.detail(message);
+        break;
+      case pipeline::Severity::info:
+        log.info(message);
+        break;
+      case pipeline::Severity::warning:
+        log.warning(message);
+        break;
+    }
+  };
 }
 
 }  // namespace fascicle::cli

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "host/pipeline/messages.h"
+
 namespace fascicle::cli {
 
 enum class Verbosity { quiet, normal, verbose };
@@ -58,6 +60,9 @@ class Log {
   std::chrono::steady_clock::time_point start_, stated_;
   std::string last_state_;
 };
+
+// What host/pipeline has to say, on this log, which must outlive it.
+pipeline::Say say_on(Log& log);
 
 // "baking  [######------]  50 %  frame 60/120  35.1 frames/s  1.71 s left"; without the bar if `width` is 0.
 std::string advance_text(const Advance& advance, unsigned width);

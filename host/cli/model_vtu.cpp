@@ -9,8 +9,6 @@
 namespace fascicle::cli {
 namespace {
 
-using bake::number_text;
-
 // One <DataArray>; `value(item, component)` gives the numbers.
 template <class Value>
 void append_data(std::string& out, const std::string& type, const std::string& name, std::size_t items,
@@ -19,7 +17,7 @@ void append_data(std::string& out, const std::string& type, const std::string& n
          std::to_string(components) + "\" format=\"ascii\">\n";
   for (std::size_t item = 0; item < items; ++item)
     for (std::size_t component = 0; component < components; ++component) {
-      out += number_text(value(item, component));
+      out += bake::number_text(value(item, component));
       out += component + 1 < components ? ' ' : '\n';
     }
   out += "</DataArray>\n";

@@ -1,4 +1,4 @@
-// Where a character's skin is open and what its cage made of that, for inspect and the manifest.
+// Where a character's skin is open and what its cage made of that, for inspect.
 #pragma once
 
 #include <string>
@@ -6,11 +6,8 @@
 #include <vector>
 
 #include "host/bake/bake.h"
-#include "host/build/build.h"
 
 namespace fascicle::cli {
-
-std::vector<bake::OpenEndEntry> open_ends_of(const build::Report& report);
 
 // One row for each joint and fate: how many, and how wide the widest is.
 std::vector<std::pair<std::string, std::string>> rows_of(const std::vector<bake::OpenEndEntry>& ends);

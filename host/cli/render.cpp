@@ -22,6 +22,7 @@
 #include "host/cli/render_arguments.h"
 #include "host/cli/text.h"
 #include "host/cli/worst_frames.h"
+#include "host/pipeline/bake_scene.h"
 #include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
 #include "host/render/colour.h"

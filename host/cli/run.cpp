@@ -100,6 +100,7 @@ int run(int argc, const char* const* argv) {
   add_devices(app, command);
   add_scenes(app, command);
   add_schema(app, command);
+  add_manual(app, command);
 
   try {
     app.parse(argc, argv);

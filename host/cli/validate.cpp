@@ -7,9 +7,9 @@
 
 #include "host/cli/command.h"
 #include "host/cli/compare_devices.h"
-#include "host/cli/device_choice.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
+#include "host/pipeline/device_choice.h"
 
 namespace fascicle::cli {
 namespace {
@@ -188,7 +188,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   log_warnings(built.report, log);
   std::vector<ChosenDevice> devices;
   for (const DeviceRequest& request : requests) {
-    devices.push_back(choose_device(request, arguments.threads, log));
+    devices.push_back(choose_device(request, arguments.threads, say_on(log)));
     log.info("device: " + devices.back().text());
   }
   const std::uint64_t all = scene::frame_count(scene);

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <system_error>
 
+#include <dlfcn.h>
+#include <link.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -49,14 +51,27 @@ bool is_program(const fs::path& path) {
   return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
 }
 
-fs::path own_folder() {
+fs::path own_module() {
+  Dl_info info{};
+  link_map* module = nullptr;
+  // The executable itself has no name in the list of what is loaded.
+  if (::dladdr1(reinterpret_cast<const void*>(&own_module), &info, reinterpret_cast<void**>(&module),
+                RTLD_DL_LINKMAP) != 0 &&
+      module != nullptr && module->l_name != nullptr && module->l_name[0] != '\0')
+    return fs::absolute(module->l_name);
   std::error_code error;
   const fs::path own = fs::read_symlink("/proc/self/exe", error);
-  return error ? fs::path() : own.parent_path();
+  return error ? fs::path() : own;
+}
+
+fs::path own_folder() {
+  return own_module().parent_path();
 }
 
 fs::path find_helper(const std::string& name) {
-  if (const fs::path own = own_folder(); !own.empty() && is_program(own / name)) return own / name;
+  if (const fs::path own = own_folder(); !own.empty())
+    for (const fs::path& folder : {own, own.parent_path() / "bin", own.parent_path().parent_path() / "bin"})
+      if (is_program(folder / name)) return folder / name;
   const char* search_path = std::getenv("PATH");
   const std::string folders = search_path == nullptr ? "" : search_path;
   for (std::size_t start = 0; start < folders.size();) {

@@ -22,9 +22,13 @@ class TemporaryFolder {
 };
 
 bool is_program(const std::filesystem::path& path);
-// The folder of this executable; empty where the system does not say.
+// The file that holds this code: the executable, or the shared library that another program has loaded; empty
+// where the system does not say.
+std::filesystem::path own_module();
+// Its folder, or empty.
 std::filesystem::path own_folder();
-// The program of this name beside this executable, or the first on PATH; empty where there is none.
+// The program of this name beside that file, in the folder `bin` beside its folder or one above (where a
+// library is installed), or the first on PATH; empty where there is none.
 std::filesystem::path find_helper(const std::string& name);
 
 // The last line that the helper wrote, without its name, for a message of one line; or nothing.

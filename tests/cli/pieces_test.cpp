@@ -7,7 +7,7 @@
 
 #include "host/cli/child_bake.h"
 #include "host/cli/compare_devices.h"
-#include "host/cli/device_choice.h"
+#include "host/pipeline/device_choice.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
 #include "host/cli/text.h"

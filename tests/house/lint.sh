@@ -4,7 +4,7 @@
 set -eu
 build=$1
 most=${2:-100000}
-files=$(git ls-files '*.cpp' '*.h')
+files=$(git ls-files '*.cpp' '*.hpp' '*.h' '*.c')
 echo "clang-format"
 # shellcheck disable=SC2086
 clang-format --dry-run -Werror $files

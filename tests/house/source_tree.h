@@ -12,7 +12,7 @@ struct Source {
   std::string text;
 };
 
-// Every .h .c .cpp .inc .comp .glsl file of the rooms, by path.
+// Every .h .hpp .c .cpp .inc .comp .glsl file of the rooms, by path.
 std::vector<Source> read_sources(const std::filesystem::path& root);
 
 // Every file that belongs to the repository, by path; of pictures and other bytes the text is empty.

@@ -1,4 +1,4 @@
-#include "host/cli/text.h"
+#include "host/pipeline/text.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace fascicle::cli {
+namespace fascicle::pipeline {
 namespace {
 
 template <class... Arguments>
@@ -63,4 +63,4 @@ std::string columns_text(const std::vector<std::pair<std::string, std::string>>&
   return text;
 }
 
-}  // namespace fascicle::cli
+}  // namespace fascicle::pipeline

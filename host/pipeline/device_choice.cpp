@@ -1,4 +1,4 @@
-#include "host/cli/device_choice.h"
+#include "host/pipeline/device_choice.h"
 
 #include <algorithm>
 #include <charconv>
@@ -11,9 +11,8 @@
 #include "gpu/vulkan_solver.h"
 #include "host/bake/version.h"
 #include "host/build/cache.h"
-#include "host/cli/exit_codes.h"
 
-namespace fascicle::cli {
+namespace fascicle::pipeline {
 namespace {
 
 using cpu_reference::Simd;
@@ -121,15 +120,16 @@ ChosenDevice ChosenDevice::cpu(unsigned threads, Simd simd, std::string why) {
   return chosen;
 }
 
-ChosenDevice ChosenDevice::vulkan(const gpu::DeviceInfo& info, bool keeps_pipelines, std::string why) {
+ChosenDevice ChosenDevice::vulkan(const gpu::DeviceInfo& info, const DeviceRequest& request,
+                                  std::string why) {
   ChosenDevice chosen;
   chosen.label_ = "vulkan:" + std::to_string(info.index);
   chosen.why_ = std::move(why);
-  chosen.keeps_pipelines_ = keeps_pipelines;
+  chosen.keeps_pipelines_ = request.keeps_pipelines;
+  chosen.cache_ = request.cache.empty() ? build::default_cache_folder() : request.cache;
   gpu::DeviceOptions options;
-  if (keeps_pipelines)
-    options.pipelines =
-        build::Cache(build::default_cache_folder()).find(key_of_pipelines(info)).value_or(std::string());
+  if (request.keeps_pipelines)
+    options.pipelines = build::Cache(chosen.cache_).find(key_of_pipelines(info)).value_or(std::string());
   chosen.device_ = std::make_unique<gpu::Device>(info.index, options);
   chosen.description_.solver = "vulkan";
   chosen.description_.name = info.name;
@@ -167,7 +167,7 @@ std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& mod
     const std::string before = pipelines();
     std::unique_ptr<model::Solver> solver = gpu::make_vulkan_solver(*device_, model, options);
     if (const std::string after = pipelines(); after != before)
-      build::Cache(build::default_cache_folder()).put(key_of_pipelines(device_->info()), after);
+      build::Cache(cache_).put(key_of_pipelines(device_->info()), after);
     return solver;
   } catch (const gpu::DeviceError& error) {
     throw NoSuchDevice(label_ + " (" + description_.name + ") cannot run this scene: " + error.what() +
@@ -175,7 +175,7 @@ std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& mod
   }
 }
 
-ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& log) {
+ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, const Say& say) {
   if (request.kind == DeviceRequest::Kind::cpu) return ChosenDevice::cpu(threads, request.simd, "");
   const bool automatic = request.kind == DeviceRequest::Kind::automatic;
 
@@ -192,14 +192,14 @@ ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& 
         why = "auto: a GPU that passes the self-test";
       else if (!request.index)
         why = info.software ? "no real GPU; the first software device" : "the first real GPU";
-      ChosenDevice chosen = ChosenDevice::vulkan(info, request.keeps_pipelines, why);
+      ChosenDevice chosen = ChosenDevice::vulkan(info, request, why);
       if (!automatic || chosen.description().exact) return chosen;
       refusal = label + " is not exact: " + chosen.why_not_exact();
     } catch (const gpu::DeviceError& error) {
       refusal = label + ": " + error.what();
       if (request.index) throw NoSuchDevice(refusal);
     }
-    log.warning(refusal);
+    say_warning(say, refusal);
   }
   if (automatic)
     return ChosenDevice::cpu(
@@ -216,18 +216,18 @@ ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& 
 }
 
 Simulation choose_simulation(const DeviceRequest& request, unsigned threads, const model::Model& model,
-                             const model::SolverOptions& options, Log& log) {
-  ChosenDevice device = choose_device(request, threads, log);
+                             const model::SolverOptions& options, const Say& say) {
+  ChosenDevice device = choose_device(request, threads, say);
   std::unique_ptr<model::Solver> solver;
   try {
     solver = device.make_solver(model, options);
   } catch (const NoSuchDevice& error) {
     if (request.kind != DeviceRequest::Kind::automatic) throw;
-    log.warning(error.what());
+    say_warning(say, error.what());
     device = ChosenDevice::cpu(threads, Simd::automatic, "auto: the scene does not fit the GPU");
     solver = device.make_solver(model, options);
   }
-  log.info("device: " + device.text());
+  say_info(say, "device: " + device.text());
   return {std::move(device), std::move(solver)};
 }
 
@@ -252,4 +252,4 @@ std::string float_controls_text(const gpu::DeviceInfo& info) {
          ", denormals kept: " + yes_no(info.denorm_preserve);
 }
 
-}  // namespace fascicle::cli
+}  // namespace fascicle::pipeline

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,17 +12,19 @@
 #include "cpu_reference/simd.h"
 #include "gpu/device.h"
 #include "host/bake/bake.h"
-#include "host/cli/log.h"
 #include "host/model/solver.h"
+#include "host/pipeline/errors.h"
+#include "host/pipeline/messages.h"
 
-namespace fascicle::cli {
+namespace fascicle::pipeline {
 
 struct DeviceRequest {
   enum class Kind { automatic, cpu, vulkan };
   Kind kind = Kind::automatic;
   std::optional<std::uint32_t> index = std::nullopt;          // of vulkan:N
   cpu_reference::Simd simd = cpu_reference::Simd::automatic;  // of cpu:LEVEL
-  bool keeps_pipelines = true;  // uses and keeps compiled shaders in build::default_cache_folder()
+  bool keeps_pipelines = true;                                // uses and keeps compiled shaders
+  std::filesystem::path cache = {};                           // where; empty: build::default_cache_folder()
 };
 
 // "auto", "cpu", "cpu:LEVEL" (the instructions to use, see simd.h), "vulkan", "vulkan:N". Throws UsageError.
@@ -42,7 +45,7 @@ class ChosenDevice {
   // Throws NoSuchDevice where the machine lacks the instructions.
   static ChosenDevice cpu(unsigned threads, cpu_reference::Simd simd, std::string why);
   // Opens it and runs its self-test. Throws gpu::DeviceError.
-  static ChosenDevice vulkan(const gpu::DeviceInfo& info, bool keeps_pipelines, std::string why);
+  static ChosenDevice vulkan(const gpu::DeviceInfo& info, const DeviceRequest& request, std::string why);
 
   // "cpu", "cpu:LEVEL" or "vulkan:N"
   const std::string& label() const { return label_; }
@@ -66,20 +69,21 @@ class ChosenDevice {
   cpu_reference::Simd simd_ = cpu_reference::Simd::automatic;
   std::unique_ptr<gpu::Device> device_;  // null: the CPU
   bool keeps_pipelines_ = false;
+  std::filesystem::path cache_;
 };
 
 // Takes a device. automatic: the first real GPU that passes its self-test, else the CPU. Throws NoSuchDevice.
 // `threads` 0: one for each core.
-ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, Log& log);
+ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, const Say& say);
 
 // The same and its solver for one model, so that automatic can go on to the CPU where the model does not fit
-// the GPU. Says on the log what was taken.
+// the GPU. Says what was taken.
 struct Simulation {
   ChosenDevice device;
   std::unique_ptr<model::Solver> solver;
 };
 Simulation choose_simulation(const DeviceRequest& request, unsigned threads, const model::Model& model,
-                             const model::SolverOptions& options, Log& log);
+                             const model::SolverOptions& options, const Say& say);
 
 // The processor's model name and number of cores.
 std::string processor_name();
@@ -87,4 +91,4 @@ unsigned processor_threads();
 // "rounding to nearest even: yes, signed zero, infinity and NaN kept: yes, denormals kept: no"
 std::string float_controls_text(const gpu::DeviceInfo& info);
 
-}  // namespace fascicle::cli
+}  // namespace fascicle::pipeline

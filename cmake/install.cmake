@@ -1,0 +1,64 @@
+# cmake --install: the programs, the shared library, and what another project needs to use it. Each file belongs to a
+# component, which is a Debian package too (cmake/packages.cmake).
+include(CMakePackageConfigHelpers)
+
+install(TARGETS fascicle RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(TARGETS fascicle-mesher RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT mesher)
+if(TARGET fascicle-convert)
+  install(TARGETS fascicle-convert RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+endif()
+
+if(TARGET fascicle_library)
+  set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/fascicle)
+  install(TARGETS fascicle_library EXPORT fascicle_targets
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT development)
+  install(FILES
+    include/fascicle/export.h include/fascicle/fascicle.h include/fascicle/fascicle.hpp include/fascicle/solver.h
+    include/fascicle/version.h
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fascicle COMPONENT development)
+  install(EXPORT fascicle_targets NAMESPACE fascicle:: FILE fascicle-targets.cmake
+    DESTINATION ${config_folder} COMPONENT development)
+  configure_package_config_file(cmake/fascicle-config.cmake.in ${CMAKE_BINARY_DIR}/fascicle-config.cmake
+    INSTALL_DESTINATION ${config_folder})
+  # Before 1.0 another minor version is another interface.
+  write_basic_package_version_file(${CMAKE_BINARY_DIR}/fascicle-config-version.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES ${CMAKE_BINARY_DIR}/fascicle-config.cmake ${CMAKE_BINARY_DIR}/fascicle-config-version.cmake
+    DESTINATION ${config_folder} COMPONENT development)
+  # From its own place, so that a prefix may be moved.
+  file(RELATIVE_PATH pc_prefix /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
+  configure_file(cmake/fascicle.pc.in ${CMAKE_BINARY_DIR}/fascicle.pc @ONLY)
+  install(FILES ${CMAKE_BINARY_DIR}/fascicle.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endif()
+
+# The manual page and the completions are what the program says of itself.
+set(manual_folder ${CMAKE_BINARY_DIR}/manual)
+add_custom_command(
+  OUTPUT ${manual_folder}/fascicle.1 ${manual_folder}/fascicle ${manual_folder}/_fascicle ${manual_folder}/fascicle.fish
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${manual_folder}
+  COMMAND fascicle manual man > ${manual_folder}/fascicle.1
+  COMMAND fascicle manual bash > ${manual_folder}/fascicle
+  COMMAND fascicle manual zsh > ${manual_folder}/_fascicle
+  COMMAND fascicle manual fish > ${manual_folder}/fascicle.fish
+  DEPENDS fascicle
+  VERBATIM)
+add_custom_target(fascicle_manual ALL DEPENDS ${manual_folder}/fascicle.1)
+# zsh looks for what /usr holds in a folder of its own.
+set(zsh_folder site-functions)
+if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+  set(zsh_folder vendor-completions)
+endif()
+install(FILES ${manual_folder}/fascicle.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+install(FILES ${manual_folder}/fascicle DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+  COMPONENT program)
+install(FILES ${manual_folder}/_fascicle DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/${zsh_folder} COMPONENT program)
+install(FILES ${manual_folder}/fascicle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
+  COMPONENT program)
+
+# Every package carries its own licence.
+set(doc_folder ${CMAKE_INSTALL_DATADIR}/doc)
+install(FILES LICENSE DESTINATION ${doc_folder}/fascicle RENAME copyright COMPONENT program)
+install(FILES LICENSE DESTINATION ${doc_folder}/libfascicle${PROJECT_VERSION_MAJOR} RENAME copyright COMPONENT library)
+install(FILES LICENSE DESTINATION ${doc_folder}/libfascicle-dev RENAME copyright COMPONENT development)
+install(DIRECTORY docs/examples/library/ DESTINATION ${doc_folder}/libfascicle-dev/examples COMPONENT development)
+install(FILES host/mesher/COPYING DESTINATION ${doc_folder}/fascicle-mesher RENAME copyright COMPONENT mesher)
+include(cmake/packages.cmake)

@@ -1,0 +1,90 @@
+// What every function of the C API begins and ends with: no exception crosses, and arguments are checked.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/pipeline/messages.h"
+#include "include/fascicle/fascicle.h"
+
+namespace fascicle::api {
+
+// FASCICLE_BAD_ARGUMENT. what() says which argument and what it must be.
+struct BadArgument : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+// FASCICLE_CANCELLED.
+struct Cancelled : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Keeps the message for fascicle_last_message and returns the status.
+fascicle_status failed(fascicle_status status, const std::string& message) noexcept;
+// The same of the exception that is being handled.
+fascicle_status failed_by_exception() noexcept;
+
+template <class Work>
+fascicle_status guarded(Work&& work) noexcept {
+  try {
+    work();
+    return FASCICLE_OK;
+  } catch (...) {
+    return failed_by_exception();
+  }
+}
+
+// The same of a function that makes a handle: `out` is null unless it succeeds.
+template <class Handle, class Work>
+fascicle_status guarded_make(Handle** out, Work&& work) noexcept {
+  if (out == nullptr) return failed(FASCICLE_BAD_ARGUMENT, "the pointer that is to get the handle is null");
+  *out = nullptr;
+  return guarded([&] { *out = work().release(); });
+}
+
+template <class Pointer>
+const Pointer& must_have(const Pointer& pointer, const char* name) {
+  if (pointer == nullptr) throw BadArgument(std::string(name) + " is null");
+  return pointer;
+}
+
+// Options as this library knows them: what the caller's headers did not have stays at its default. Each
+// struct has its fascicle_..._init, given here.
+template <class Options>
+Options taken(const Options* given, void (*init)(Options*, std::size_t), const char* name) {
+  Options options;
+  init(&options, sizeof options);
+  if (given == nullptr) return options;
+  if (given->struct_size < sizeof(std::size_t) || given->struct_size > sizeof options)
+    throw BadArgument(std::string(name) + ".struct_size is " + std::to_string(given->struct_size) +
+                      ", and this library knows at most " + std::to_string(sizeof options) +
+                      "; make it by its _default(), with headers no newer than the library");
+  std::memcpy(&options, given, given->struct_size);
+  options.struct_size = sizeof options;
+  return options;
+}
+
+// What an _init does: as much of `defaults` as the caller's headers have.
+template <class Options>
+void fill(Options* options, std::size_t struct_size, Options defaults) {
+  if (options == nullptr) return;
+  std::memset(static_cast<void*>(options), 0, struct_size);
+  defaults.struct_size = struct_size;
+  std::memcpy(options, &defaults, std::min(struct_size, sizeof defaults));
+}
+
+// Null gives "".
+inline std::string text_of(const char* text) {
+  return text == nullptr ? std::string() : std::string(text);
+}
+// `count` texts. Throws BadArgument where one is null.
+std::vector<std::string> texts_of(const char* const* texts, std::size_t count, const char* name);
+// NULL: the program's; "": none.
+std::filesystem::path cache_of(const char* cache);
+pipeline::Say say_to(fascicle_log_function* log, void* user);
+
+}  // namespace fascicle::api

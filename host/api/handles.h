@@ -1,0 +1,71 @@
+// What stands behind the C API's handles. Each shares what it needs, so that they may be destroyed in any
+// order.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/bake/bake.h"
+#include "host/bake/drive_source.h"
+#include "host/bake/pose_drive.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/pipeline/device_choice.h"
+#include "host/scene/scene.h"
+#include "include/fascicle/fascicle.h"
+
+namespace fascicle::api {
+
+// A model with the scene that it was built of, whose substeps are chosen; without one where it was given as
+// arrays.
+struct Body {
+  std::optional<scene::Scene> scene;
+  model::Model model;
+  model::SolverOptions options;
+  std::vector<fascicle_array> arrays;  // views into the model and into `texts`
+  std::deque<std::string> bytes;       // of what the model does not hold in one piece
+};
+
+// Fills `arrays`; the body must not move afterwards.
+void list_arrays(Body& body);
+// The inverse. Throws BadArgument for names, types and counts that fit no model.
+model::Model model_of_arrays(const fascicle_array* arrays, std::size_t count);
+
+}  // namespace fascicle::api
+
+struct fascicle_scene {
+  fascicle::scene::Scene scene;
+};
+
+struct fascicle_bake {
+  fascicle::bake::BakeResult result;
+  std::vector<std::string> files;
+};
+
+struct fascicle_device {
+  std::shared_ptr<fascicle::pipeline::ChosenDevice> device;
+  std::string text;
+};
+
+struct fascicle_model {
+  std::shared_ptr<const fascicle::api::Body> body;
+};
+
+struct fascicle_solver {
+  enum class Driven { no, by_clip, by_poses, by_drives };
+
+  std::shared_ptr<const fascicle::api::Body> body;
+  std::shared_ptr<fascicle::pipeline::ChosenDevice> device;  // outlives the solver
+  std::unique_ptr<fascicle::model::Solver> solver;
+  fascicle::model::SolverOptions options;
+  std::optional<fascicle::bake::DriveSource> clip;
+  std::optional<fascicle::bake::PoseDrive> poses;
+  Driven driven = Driven::no;
+  std::uint64_t frame = 0;
+  double time = 0.0;               // s, of the scene, at the frame's end
+  fascicle::model::Frame shown{};  // the frame that it is at
+};

@@ -1,0 +1,304 @@
+// Solvers of the C API.
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "host/api/boundary.h"
+#include "host/api/handles.h"
+#include "host/api/solver_state.h"
+#include "host/bake/lead_in.h"
+#include "host/bake/surface.h"
+#include "host/bake/text.h"
+#include "host/model/validate.h"
+
+namespace fascicle::api {
+namespace {
+
+using Driven = fascicle_solver::Driven;
+
+const scene::Scene& scene_of(const fascicle_solver& solver) {
+  if (!solver.body->scene)
+    throw BadArgument("the model was made of arrays and has no scene; step it by fascicle_solver_step_drive");
+  return *solver.body->scene;
+}
+
+bake::DriveSource& clip_of(fascicle_solver& solver) {
+  if (!solver.clip) solver.clip.emplace(scene_of(solver), solver.body->model);
+  return *solver.clip;
+}
+
+bake::PoseDrive& poses_of(fascicle_solver& solver) {
+  if (!solver.poses) solver.poses.emplace(scene_of(solver), solver.body->model);
+  return *solver.poses;
+}
+
+void step(fascicle_solver& solver, const model::Drive& drive) {
+  const model::Read what{
+      .positions = true, .velocities = true, .surface = solver.body->model.surface_count() > 0};
+  solver.solver->submit(drive, what);
+  solver.shown = solver.solver->collect();
+  ++solver.frame;
+  for (const float x : solver.shown.positions)
+    if (!std::isfinite(x))
+      throw bake::NotFinite("frame " + std::to_string(solver.frame) +
+                            " left the finite numbers; take more substeps or softer layers");
+}
+
+bake::Pose pose_of(const double* joints, std::size_t joint_count) {
+  bake::Pose pose(joint_count);
+  for (std::size_t j = 0; j < joint_count; ++j)
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) {
+        const double x = joints[16 * j + static_cast<std::size_t>(4 * row + column)];
+        if (!std::isfinite(x)) throw BadArgument("joint " + std::to_string(j) + " of the pose is not finite");
+        pose[j](row, column) = x;
+      }
+  return pose;
+}
+
+void check_count(std::size_t given, std::size_t wanted, const char* what) {
+  if (given != wanted)
+    throw BadArgument(std::string(what) + " is " + std::to_string(given) + "; it must be " +
+                      std::to_string(wanted));
+}
+
+// `width` floats each; both structs are of floats alone.
+template <class Item>
+std::vector<Item> items_of(const float* values, std::size_t count, const char* name) {
+  static_assert(std::is_trivially_copyable_v<Item>);
+  if (count > 0) must_have(values, name);
+  std::vector<Item> items(count);
+  if (count > 0) std::memcpy(static_cast<void*>(items.data()), values, count * sizeof(Item));
+  return items;
+}
+
+void copy_world(const std::vector<float>& positions, const fascicle_solver& solver, float* metres,
+                std::size_t count) {
+  check_count(count, positions.size(), "count");
+  if (count > 0) must_have(metres, "metres");
+  const std::vector<float> world =
+      bake::world_positions(positions, solver.body->model.unit, solver.shown.origin);
+  std::copy(world.begin(), world.end(), metres);
+}
+
+model::SolverOptions with(model::SolverOptions options, const fascicle_solver_options& given) {
+  if (given.iterations > 0) options.iterations = given.iterations;
+  if (given.rotation == nullptr) return options;
+  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
+    if (std::string(model::name_of(rotation)) == given.rotation) {
+      options.rotation = rotation;
+      return options;
+    }
+  throw BadArgument("options.rotation: there is no \"" + std::string(given.rotation) +
+                    "\"; use \"qcp\" or \"mueller2016\"");
+}
+
+}  // namespace
+
+void show(fascicle_solver& solver, const model::State& state) {
+  solver.shown = {};
+  solver.shown.index = state.frame;
+  solver.shown.origin = state.origin;
+  solver.shown.positions = state.positions;
+  solver.shown.velocities = state.velocities;
+  solver.shown.surface = bake::embed(solver.body->model, state.positions);
+}
+
+}  // namespace fascicle::api
+
+using namespace fascicle;
+using Driven = fascicle_solver::Driven;
+
+void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size) {
+  api::fill(options, struct_size, fascicle_solver_options{});
+}
+
+void fascicle_pose_init(fascicle_pose* pose, size_t struct_size) {
+  fascicle_pose defaults{};
+  defaults.pose_count = 1;
+  defaults.time = std::numeric_limits<double>::quiet_NaN();
+  api::fill(pose, struct_size, defaults);
+}
+
+void fascicle_drive_init(fascicle_drive* drive, size_t struct_size) {
+  fascicle_drive defaults{};
+  defaults.substeps = 1;
+  api::fill(drive, struct_size, defaults);
+}
+
+fascicle_status fascicle_solver_create(const fascicle_model* model, const fascicle_device* device,
+                                       const fascicle_solver_options* options, fascicle_solver** solver) {
+  return api::guarded_make(solver, [&] {
+    api::must_have(model, "model");
+    const auto taken = api::taken(options, fascicle_solver_options_init, "options");
+    auto made = std::make_unique<fascicle_solver>();
+    made->body = model->body;
+    made->options = api::with(model->body->options, taken);
+    if (device != nullptr) {
+      made->device = device->device;
+      made->solver = made->device->make_solver(made->body->model, made->options);
+    } else {
+      pipeline::Simulation chosen = pipeline::choose_simulation({}, 0, made->body->model, made->options, {});
+      made->device = std::make_shared<pipeline::ChosenDevice>(std::move(chosen.device));
+      made->solver = std::move(chosen.solver);
+    }
+    const model::State rest = model::rest_state(made->body->model);
+    made->solver->load(rest);
+    if (made->body->scene) made->time = made->body->scene->start;
+    api::show(*made, rest);
+    return made;
+  });
+}
+
+void fascicle_solver_destroy(fascicle_solver* solver) {
+  delete solver;
+}
+
+fascicle_status fascicle_solver_start_clip(fascicle_solver* solver, fascicle_progress_function* progress,
+                                           void* user) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    bake::DriveSource& clip = api::clip_of(*solver);
+    std::uint64_t done = 0;
+    const bake::LeadIn led = bake::lead_in(
+        *solver->body->scene, solver->body->model, clip, *solver->solver,
+        [&] { return progress != nullptr && progress(user, FASCICLE_PHASE_LEAD_IN, done++, 0) != 0; });
+    if (led.stopped) {
+      solver->driven = Driven::no;
+      throw api::Cancelled("cancelled before frame 0");
+    }
+    solver->solver->load(led.state);
+    solver->driven = Driven::by_clip;
+    solver->frame = 0;
+    solver->time = solver->body->scene->start;
+    api::show(*solver, led.state);
+  });
+}
+
+fascicle_status fascicle_solver_step_clip(fascicle_solver* solver) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    if (solver->driven != Driven::by_clip)
+      throw api::BadArgument("the solver does not follow its clip; call fascicle_solver_start_clip first");
+    api::step(*solver, api::clip_of(*solver).drive(solver->frame + 1));
+    solver->time += 1.0 / solver->body->scene->fps;
+  });
+}
+
+fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double* joints, size_t count) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    bake::PoseDrive& poses = api::poses_of(*solver);
+    const std::size_t joint_count = solver->body->model.joint_count;
+    api::check_count(count, 16 * joint_count, "count");
+    if (count > 0) api::must_have(joints, "joints");
+    const model::State state = poses.start(api::pose_of(joints, joint_count));
+    solver->solver->load(state);
+    solver->driven = Driven::by_poses;
+    solver->frame = 0;
+    solver->time = solver->body->scene->start;
+    api::show(*solver, state);
+  });
+}
+
+fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicle_pose* pose) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    bake::PoseDrive& poses = api::poses_of(*solver);
+    if (solver->driven != Driven::by_poses)
+      throw api::BadArgument("the solver does not follow poses; call fascicle_solver_start_pose first");
+    const auto taken = api::taken(pose, fascicle_pose_init, "pose");
+    const std::size_t joint_count = solver->body->model.joint_count;
+    std::vector<bake::Pose> given;
+    if (joint_count > 0) {
+      api::must_have(taken.joints, "pose.joints");
+      for (std::size_t k = 0; k < taken.pose_count; ++k)
+        given.push_back(api::pose_of(taken.joints + 16 * k * joint_count, joint_count));
+    }
+    const double time = std::isnan(taken.time) ? solver->time + 1.0 / solver->body->scene->fps : taken.time;
+    if (!std::isfinite(time)) throw api::BadArgument("pose.time is not finite");
+    api::step(*solver, poses.drive(given, time, taken.jumps != 0));
+    solver->time = time;
+  });
+}
+
+fascicle_status fascicle_solver_clip_pose(fascicle_solver* solver, uint64_t frame, double* joints,
+                                          size_t count) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    const bake::Pose pose = api::clip_of(*solver).joints(frame);
+    api::check_count(count, 16 * pose.size(), "count");
+    if (count > 0) api::must_have(joints, "joints");
+    for (std::size_t j = 0; j < pose.size(); ++j)
+      for (int k = 0; k < 16; ++k) joints[16 * j + static_cast<std::size_t>(k)] = pose[j](k / 4, k % 4);
+  });
+}
+
+fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascicle_drive* drive) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    api::must_have(drive, "drive");
+    const auto taken = api::taken(drive, fascicle_drive_init, "drive");
+    const auto bones = api::items_of<shader::Bone>(taken.bones, taken.bone_count, "drive.bones");
+    const auto muscles = api::items_of<shader::Muscle>(taken.muscles, taken.muscle_count, "drive.muscles");
+    const auto forces = api::items_of<shader::Force>(taken.forces, taken.force_count, "drive.forces");
+    const auto decay = api::items_of<float>(taken.decay, taken.decay_count, "drive.decay");
+    model::Drive made;
+    made.substeps = taken.substeps;
+    made.h = taken.h;
+    for (std::size_t a = 0; a < 3; ++a) {
+      made.origin[a] = taken.origin[a];
+      made.origin_shift[a] = taken.origin_shift[a];
+      made.gravity[a] = taken.gravity[a];
+    }
+    made.bones = bones;
+    made.muscles = muscles;
+    made.forces = forces;
+    made.decay = decay;
+    if (!(made.h > 0.0 && std::isfinite(made.h))) throw api::BadArgument("drive.h must be above 0, s");
+    model::check_drive(solver->body->model, made);
+    api::step(*solver, made);
+    solver->driven = Driven::by_drives;
+    solver->time += taken.h * taken.substeps;
+  });
+}
+
+fascicle_status fascicle_solver_frame(const fascicle_solver* solver, fascicle_frame* frame) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    api::must_have(frame, "frame");
+    const model::Frame& shown = solver->shown;
+    *frame = {};
+    frame->index = solver->frame;
+    frame->unit = solver->body->model.unit;
+    std::copy(shown.origin.begin(), shown.origin.end(), frame->origin);
+    frame->vertex_count = shown.positions.size() / 3;
+    frame->surface_vertex_count = shown.surface.size() / 3;
+    frame->positions = shown.positions.data();
+    frame->velocities = shown.velocities.data();
+    frame->surface = shown.surface.empty() ? nullptr : shown.surface.data();
+  });
+}
+
+fascicle_status fascicle_solver_positions(const fascicle_solver* solver, float* metres, size_t count) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    api::copy_world(solver->shown.positions, *solver, metres, count);
+  });
+}
+
+fascicle_status fascicle_solver_surface(const fascicle_solver* solver, float* metres, size_t count) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    api::copy_world(solver->shown.surface, *solver, metres, count);
+  });
+}
+
+fascicle_status fascicle_solver_position_hash(const fascicle_solver* solver, char text[17]) {
+  return api::guarded([&] {
+    api::must_have(solver, "solver");
+    api::must_have(text, "text");
+    const std::string hash = bake::hash_text(model::position_hash(solver->shown));
+    std::memcpy(text, hash.c_str(), std::min<std::size_t>(hash.size() + 1, 17));
+  });
+}

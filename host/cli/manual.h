@@ -1,0 +1,16 @@
+// The manual page and the shells' completions, made from the options themselves.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace fascicle::cli {
+
+// fascicle(1), in man's macros (groff_man(7)).
+std::string manual_page(const CLI::App& app);
+std::string bash_completion(const CLI::App& app);
+std::string zsh_completion(const CLI::App& app);
+std::string fish_completion(const CLI::App& app);
+
+}  // namespace fascicle::cli

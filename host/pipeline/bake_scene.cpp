@@ -1,0 +1,154 @@
+#include "host/pipeline/bake_scene.h"
+
+#include <algorithm>
+#include <variant>
+
+#include <unistd.h>
+
+#include "host/bake/drive_source.h"
+#include "host/bake/folder.h"
+#include "host/build/cache.h"
+#include "host/build/filled_body.h"
+#include "host/pipeline/text.h"
+#include "host/scene/content_hash.h"
+
+namespace fascicle::pipeline {
+namespace {
+
+// What is to be said of the clip before anything is built; empty: nothing.
+std::string warning_of_clip(const scene::Scene& scene) {
+  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  if (character == nullptr || !character->clips.empty()) return "";
+  const std::uint64_t frames = scene::frame_count(scene);
+  return "the character has no clip: " +
+         (frames == 1 ? std::string("its rest pose is baked, in one frame")
+                      : "its skeleton stands still for " + count_text(frames) + " frames") +
+         "; export it with an animation, or give --end for a longer bake";
+}
+
+// Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
+std::string warning_of_throws(const scene::Scene& scene, const model::Model& model) {
+  constexpr std::size_t most_named = 4;
+  std::uint32_t soft = 0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
+  if (soft == 0) return "";  // a robot, which feels nothing
+  bake::DriveSource drives(scene, model);
+  const std::vector<bake::DriveSource::Thrown> thrown = drives.thrown();
+  if (thrown.empty()) return "";
+  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
+  std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
+                     number_text(drives.acceleration_limit(), 3) + " m/s^2; flesh feels no more than that: ";
+  for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
+    text += (k == 0 ? "joint " : ", ") + skeleton[thrown[k].joint].name + " by " +
+            number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +
+            std::to_string(thrown[k].frame) + ")";
+  if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
+  return text + "; look for keys that leap there";
+}
+
+std::optional<bake::ExpectedLook> expected_look_of(const scene::Scene& scene, const model::Model& model) {
+  bake::DriveSource drives(scene, model);
+  return bake::expected_look(scene, model, drives);
+}
+
+// Beside the filled bodies, under what these programs make of it.
+void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
+  const std::optional<std::string> programs = build::hash_of_programs(paths);
+  if (!programs) return;
+  const build::Cache cache(paths.cache);
+  const auto name = [programs = *programs](const std::string& key) {
+    scene::ContentHash hash;
+    hash.add(std::string_view("start"));
+    hash.add(std::string_view(programs));
+    hash.add(std::string_view(key));
+    return hash.text();
+  };
+  options.find_start = [cache, name](const std::string& key) { return cache.find(name(key)); };
+  options.keep_start = [cache, name](const std::string& key, std::string_view bytes) {
+    cache.put(name(key), bytes);
+  };
+}
+
+}  // namespace
+
+std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest& request, const Say& say) {
+  auto made = std::make_unique<PreparedBake>();
+  PreparedBake& prepared = *made;
+  const std::uint64_t handles = scene.motion.handles;
+  prepared.first_number = bake::first_written(request.first_number.value_or(handles), handles);
+  const auto warn = [&](const std::string& text) {
+    if (text.empty()) return;
+    say_warning(say, text);
+    prepared.warnings.push_back(text);
+  };
+  warn(warning_of_clip(scene));
+  // Before the work of building, not after it.
+  if (!request.writes_nothing && !request.overwrite && !request.resume && bake::holds_bake(request.folder))
+    throw bake::FolderInUse(
+        request.folder.string() +
+        ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
+  prepared.built = build_scene(scene, request.build, say);
+  const Built& built = prepared.built;
+  say_warnings(built.report, say);
+  warn(warning_of_throws(scene, built.model));
+  prepared.expected = expected_look_of(scene, built.model);
+  if (prepared.expected && prepared.expected->score > 1.0)
+    warn(bake::expected_look_warning(scene, built.model, *prepared.expected));
+  DeviceRequest device = request.device;
+  device.keeps_pipelines = !request.build.cache.empty();
+  device.cache = request.build.cache;
+  prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
+  prepared.scene = std::move(scene);
+  return made;
+}
+
+bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& request) {
+  bake::BakeOptions options;
+  options.folder = request.folder;
+  options.formats = request.formats;
+  options.glb = request.glb;
+  options.first_number = prepared.first_number;
+  options.usd_skel = request.usd_skel;
+  options.overwrite = request.overwrite;
+  options.resume = request.resume;
+  options.device = prepared.simulation.device.description();
+  for (const build::Warning& warning : prepared.built.report.warnings)
+    options.warnings.push_back(warning.text);
+  options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
+  options.expected_look = prepared.expected;
+  options.open_ends = open_ends_of(prepared.built.report);
+  options.interrupted = request.interrupted;
+  options.on_frame = request.on_frame;
+  options.on_lead_in = request.on_lead_in;
+  if (!request.build.cache.empty()) keep_starts(request.build, options);
+  return bake::bake(prepared.scene, prepared.built.model, *prepared.simulation.solver, options);
+}
+
+void say_result(const bake::BakeResult& result, const Say& say) {
+  if (result.clamped.regions > 0)
+    say_warning(say, "muscles: " + std::to_string(result.clamped.regions) + " regions in frame " +
+                         std::to_string(result.clamped.frame) +
+                         " would bulge or thin by more than a factor of four and were limited to it; a lower "
+                         "gain avoids it");
+  for (const std::string& image : result.missing_images)
+    say_warning(say, "the character's image " + image +
+                         " was not found; character.glb has a white pixel in its place");
+  if (result.interrupted) return;
+  if (result.look)
+    for (const std::string& warning : result.look->warnings) say_warning(say, warning);
+  for (const std::string& note : result.report.notes) say_info(say, note);
+  for (const std::string& warning : result.report.warnings) say_warning(say, warning);
+}
+
+void refuse_unwritable(const std::string& option, const std::string& file, bool folders) {
+  if (file.empty()) return;
+  std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  std::error_code ignored;
+  while (folders && !std::filesystem::exists(folder, ignored) && folder.has_relative_path())
+    folder = folder.parent_path();
+  if (!std::filesystem::is_directory(folder, ignored) || ::access(folder.c_str(), W_OK) != 0)
+    throw bake::BakeError(option + " " + file + ": " + folder.string() +
+                          " is not a folder that can be written to; choose another");
+}
+
+}  // namespace fascicle::pipeline

@@ -1,0 +1,74 @@
+#include "host/pipeline/build_scene.h"
+
+#include <algorithm>
+#include <array>
+
+#include "host/build/stiffness.h"
+#include "host/pipeline/text.h"
+
+namespace fascicle::pipeline {
+namespace {
+
+constexpr std::size_t warning_vertices_shown = 8;
+
+}  // namespace
+
+Built build_scene(scene::Scene& scene, const build::BuildOptions& options, const Say& say) {
+  Built built;
+  built.model = build::build_model(scene, built.report, options);
+  // Solvers rely on it, and a fault of the build would show in them as a wild read.
+  model::check_model(built.model);
+  build::choose_steps(scene, built.model, built.report);
+  if (built.report.body_from_cache) say_detail(say, "the filled body came from " + options.cache.string());
+  say_detail(say, "model: " + count_text(built.report.vertices) + " vertices, " +
+                      count_text(built.report.tetrahedra) + " tetrahedra, built in " +
+                      duration_text(built.report.seconds));
+  return built;
+}
+
+model::SolverOptions solver_options(const scene::Scene& scene) {
+  model::SolverOptions options;
+  if (scene.solver.integrator == model::name_of(model::Integrator::implicit_step))
+    options.integrator = model::Integrator::implicit_step;
+  else if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
+    throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
+                            "\"; use \"explicit\" or \"implicit\"");
+  options.iterations = scene.solver.iterations;
+  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
+    if (scene.solver.rotation == model::name_of(rotation)) {
+      options.rotation = rotation;
+      return options;
+    }
+  throw scene::SceneError(scene.source + ": solver.rotation: there is no \"" + scene.solver.rotation +
+                          "\"; use \"qcp\" or \"mueller2016\"");
+}
+
+std::string warning_text(const build::Warning& warning) {
+  if (warning.vertices.empty()) return warning.text;
+  std::string text = warning.text + " (vertices";
+  for (std::size_t k = 0; k < warning.vertices.size() && k < warning_vertices_shown; ++k)
+    text += " " + std::to_string(warning.vertices[k]);
+  return text + (warning.vertices.size() > warning_vertices_shown ? " ...)" : ")");
+}
+
+void say_warnings(const build::Report& report, const Say& say) {
+  for (const build::Warning& warning : report.warnings) say_warning(say, warning_text(warning));
+}
+
+std::vector<bake::OpenEndEntry> open_ends_of(const build::Report& report) {
+  // As build::OpenEnd::Fate counts.
+  static constexpr std::array<const char*, 3> fates{"closed", "left open: the outline of a sheet",
+                                                    "left open: a hem around several limbs"};
+  const build::OpenEnds& ends = report.fill.cage.ends;
+  std::vector<bake::OpenEndEntry> entries;
+  for (std::size_t k = 0; k < ends.vertex.size(); ++k) {
+    const bool has_joint =
+        ends.joint[k] >= 0 && static_cast<std::size_t>(ends.joint[k]) < report.joints.size();
+    entries.push_back({has_joint ? report.joints[static_cast<std::size_t>(ends.joint[k])].name : "",
+                       fates[std::min<std::size_t>(ends.fate[k], fates.size() - 1)], ends.width[k],
+                       ends.edges[k], ends.vertex[k]});
+  }
+  return entries;
+}
+
+}  // namespace fascicle::pipeline

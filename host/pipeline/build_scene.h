@@ -1,0 +1,38 @@
+// From a scene to a model that any solver may take.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/bake/bake.h"
+#include "host/build/build.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/pipeline/messages.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::pipeline {
+
+// The model with what was found on the way.
+struct Built {
+  model::Model model;
+  build::Report report;
+};
+
+// Sets the scene's substeps where it says "auto". The model has passed model::check_model. Throws
+// scene::SceneError.
+Built build_scene(scene::Scene& scene, const build::BuildOptions& options, const Say& say);
+
+// Throws scene::SceneError for names no solver has.
+model::SolverOptions solver_options(const scene::Scene& scene);
+
+// The warning with the first of its vertices.
+std::string warning_text(const build::Warning& warning);
+// The build's warnings, for those whose result does not hold them.
+void say_warnings(const build::Report& report, const Say& say);
+
+// Where the skin is open, for the manifest.
+std::vector<bake::OpenEndEntry> open_ends_of(const build::Report& report);
+
+}  // namespace fascicle::pipeline

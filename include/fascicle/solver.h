@@ -1,0 +1,189 @@
+/* Part of fascicle.h, which includes it: models and solvers, for who steps frames. */
+#ifndef FASCICLE_SOLVER_H
+#define FASCICLE_SOLVER_H
+
+#ifndef FASCICLE_FASCICLE_H
+#error "include <fascicle/fascicle.h>"
+#endif
+
+/* ---- Models
+ * ------------------------------------------------------------------------------------------------------ */
+
+/* A body as flat arrays, which solvers share. */
+typedef struct fascicle_model fascicle_model;
+
+typedef struct fascicle_build_options {
+  size_t struct_size;
+  const char*
+      mesher; /* the program fascicle-mesher; NULL: found beside the library, in its prefix or on PATH */
+  const char* cache; /* folder for filled bodies; "": none; NULL: as the program's */
+  fascicle_log_function* log;
+  void* log_user;
+} fascicle_build_options;
+
+FASCICLE_API void fascicle_build_options_init(fascicle_build_options* options, size_t struct_size);
+static inline fascicle_build_options fascicle_build_options_default(void) {
+  fascicle_build_options options;
+  fascicle_build_options_init(&options, sizeof options);
+  return options;
+}
+
+/* Level 2. Fills, cuts into layers, grows fibres, chooses substeps. */
+FASCICLE_API fascicle_status fascicle_model_build(const fascicle_scene* scene,
+                                                  const fascicle_build_options* options,
+                                                  fascicle_model** model);
+FASCICLE_API void fascicle_model_destroy(fascicle_model* model);
+
+/* Of a null model 0. Surface: the mesh that is rendered, in its own vertex order; 0 where the body has none.
+ */
+FASCICLE_API uint32_t fascicle_model_vertex_count(const fascicle_model* model);
+FASCICLE_API uint32_t fascicle_model_tetrahedron_count(const fascicle_model* model);
+FASCICLE_API uint32_t fascicle_model_surface_vertex_count(const fascicle_model* model);
+FASCICLE_API uint32_t fascicle_model_joint_count(const fascicle_model* model);
+/* Substeps of a frame; 0 of a model of arrays, whose drives say it. */
+FASCICLE_API uint32_t fascicle_model_substeps(const fascicle_model* model);
+
+typedef enum fascicle_type {
+  FASCICLE_FLOAT32 = 0,
+  FASCICLE_FLOAT64 = 1,
+  FASCICLE_UINT32 = 2,
+  FASCICLE_UINT8 = 3,  /* truth values, 0 or 1 */
+  FASCICLE_TEXT = 4,   /* count bytes: texts one after another, each with its 0 */
+  FASCICLE_RECORDS = 5 /* structs of item_bytes each, as shaders/shared.h has them */
+} fascicle_type;
+
+typedef struct fascicle_array {
+  const char* name; /* "rest", "ring_offset", "layer.damping", ...: the fields of host/model/model.h */
+  fascicle_type type;
+  size_t item_bytes;
+  size_t count; /* of items */
+  const void* data;
+} fascicle_array;
+
+/* The arrays that a model consists of, in a fixed order: fascicle_model_array_at(model, 0), 1, ... until
+ * FASCICLE_BAD_ARGUMENT; or one by name. The data belongs to the model. Probes are not among them. */
+FASCICLE_API fascicle_status fascicle_model_array_at(const fascicle_model* model, size_t index,
+                                                     fascicle_array* array);
+FASCICLE_API fascicle_status fascicle_model_array(const fascicle_model* model, const char* name,
+                                                  fascicle_array* array);
+/* Level 3. A model of arrays of your own, which are copied and checked: every size, index, range and symmetry
+ * that host/model/model.h promises. What is left out is empty. */
+FASCICLE_API fascicle_status fascicle_model_create(const fascicle_array* arrays, size_t count,
+                                                   fascicle_model** model);
+
+/* ---- Solvers
+ * ----------------------------------------------------------------------------------------------------- */
+
+/* A body in motion. */
+typedef struct fascicle_solver fascicle_solver;
+
+typedef struct fascicle_solver_options {
+  size_t struct_size;
+  const char* rotation; /* "qcp" or "mueller2016"; NULL: as the scene says, of a model of arrays "qcp" */
+  uint32_t iterations;  /* of an implicit substep; 0: as the scene says, of a model of arrays 20 */
+} fascicle_solver_options;
+
+FASCICLE_API void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size);
+static inline fascicle_solver_options fascicle_solver_options_default(void) {
+  fascicle_solver_options options;
+  fascicle_solver_options_init(&options, sizeof options);
+  return options;
+}
+
+/* At rest, before frame 0. `device`: NULL opens "auto" for this solver. */
+FASCICLE_API fascicle_status fascicle_solver_create(const fascicle_model* model,
+                                                    const fascicle_device* device,
+                                                    const fascicle_solver_options* options,
+                                                    fascicle_solver** solver);
+FASCICLE_API void fascicle_solver_destroy(fascicle_solver* solver);
+
+/* By the scene's clip: frame 0, after preroll and settling, as a bake has it; then frame after frame. The
+ * clip's last pose is held after its end. `progress` (may be NULL) is called with FASCICLE_PHASE_LEAD_IN. */
+FASCICLE_API fascicle_status fascicle_solver_start_clip(fascicle_solver* solver,
+                                                        fascicle_progress_function* progress, void* user);
+FASCICLE_API fascicle_status fascicle_solver_step_clip(fascicle_solver* solver);
+
+/* By poses of your own. A joint is 16 numbers, row by row: the affine map from the joint's own space to the
+ * world, in the metres of the character's file, as glTF composes it from node transforms. joint_count of them
+ * are a pose, in the order of fascicle_scene_joint_name. */
+typedef struct fascicle_pose {
+  size_t struct_size;
+  const double* joints; /* pose_count x joint_count x 16; NULL without a skeleton */
+  size_t pose_count; /* 1: at the frame's end; or one for each substep. Between frames joints' maps are mixed
+                        linearly: give substeps where joints turn by more than about ten degrees a frame */
+  double time; /* s, at the frame's end: forces and contractions are read there; NaN: goes on by 1/fps */
+  int jumps;   /* 1: a teleport: the flesh is carried along and feels nothing of it */
+} fascicle_pose;
+
+FASCICLE_API void fascicle_pose_init(fascicle_pose* pose, size_t struct_size);
+static inline fascicle_pose fascicle_pose_default(void) {
+  fascicle_pose pose;
+  fascicle_pose_init(&pose, sizeof pose);
+  return pose;
+}
+
+/* At rest in a pose of joint_count x 16 numbers (NULL and 0 without a skeleton): frame 0, at the scene's
+ * start time. */
+FASCICLE_API fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double* joints,
+                                                        size_t count);
+/* A frame of 1/fps to the pose. */
+FASCICLE_API fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicle_pose* pose);
+/* The clip's own pose at the end of a frame, to change and give back: `count` is joint_count x 16. */
+FASCICLE_API fascicle_status fascicle_solver_clip_pose(fascicle_solver* solver, uint64_t frame,
+                                                       double* joints, size_t count);
+
+/* Level 3: what a solver eats. Working units; spans hold substeps x the model's number of them. */
+typedef struct fascicle_drive {
+  size_t struct_size;
+  uint32_t substeps;
+  double h;              /* s, of a substep */
+  double origin[3];      /* m: what this frame's positions are relative to */
+  float origin_shift[3]; /* origin less the last frame's, working units */
+  float gravity[3];      /* working units / s^2 */
+  const float* bones;    /* 16 a bone: a 3 x 4 map row by row, its change of gravity, 0 */
+  size_t bone_count;
+  const float* muscles; /* 5 a muscle: tau, swell, twist */
+  size_t muscle_count;
+  const float* forces; /* 4 a force: the vector, 0 */
+  size_t force_count;
+  const float* decay; /* exp(-damping h), one a layer */
+  size_t decay_count;
+} fascicle_drive;
+
+FASCICLE_API void fascicle_drive_init(fascicle_drive* drive, size_t struct_size);
+static inline fascicle_drive fascicle_drive_default(void) {
+  fascicle_drive drive;
+  fascicle_drive_init(&drive, sizeof drive);
+  return drive;
+}
+FASCICLE_API fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascicle_drive* drive);
+
+/* The frame that the solver is at. Arrays belong to the solver and stand until it is next started, stepped or
+ * loaded. A place in the world is origin + unit x position. */
+typedef struct fascicle_frame {
+  uint64_t index;
+  double unit;      /* metres a working unit */
+  double origin[3]; /* m */
+  size_t vertex_count, surface_vertex_count;
+  const float* positions;  /* 3 a vertex of the model, working units */
+  const float* velocities; /* 3 a vertex, working units / s */
+  const float* surface;    /* 3 a vertex of the surface, in the file's order; NULL without one */
+} fascicle_frame;
+
+FASCICLE_API fascicle_status fascicle_solver_frame(const fascicle_solver* solver, fascicle_frame* frame);
+/* The same in metres in the world: `count` numbers, three times the vertices. */
+FASCICLE_API fascicle_status fascicle_solver_positions(const fascicle_solver* solver, float* metres,
+                                                       size_t count);
+FASCICLE_API fascicle_status fascicle_solver_surface(const fascicle_solver* solver, float* metres,
+                                                     size_t count);
+/* Two frames with one hash have the same bits. `text`: 17 bytes, 16 hex digits and a 0, as the program prints
+ * it. */
+FASCICLE_API fascicle_status fascicle_solver_position_hash(const fascicle_solver* solver, char text[17]);
+
+/* All history as bytes: load goes on with the same bits, on any exact device, in a solver of the same model.
+ * `capacity` bytes at `bytes`; `size` gets how many it takes. With `bytes` NULL only that. */
+FASCICLE_API fascicle_status fascicle_solver_save(const fascicle_solver* solver, void* bytes, size_t capacity,
+                                                  size_t* size);
+FASCICLE_API fascicle_status fascicle_solver_load(fascicle_solver* solver, const void* bytes, size_t size);
+
+#endif /* FASCICLE_SOLVER_H */

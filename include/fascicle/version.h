@@ -1,0 +1,11 @@
+/* The version of these headers; fascicle_version() tells the library's. Before 1.0 a new minor version may
+ * change what is here, and then the library has another SONAME; a new patch version only adds and mends. */
+#ifndef FASCICLE_VERSION_H
+#define FASCICLE_VERSION_H
+
+#define FASCICLE_VERSION_MAJOR 0
+#define FASCICLE_VERSION_MINOR 1
+#define FASCICLE_VERSION_PATCH 0
+#define FASCICLE_VERSION_STRING "0.1.0"
+
+#endif /* FASCICLE_VERSION_H */

@@ -1,0 +1,368 @@
+// The C API: scenes and bakes, and what every function says of bad arguments.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "include/fascicle/fascicle.h"
+#include "tests/library/shell.h"
+
+extern "C" std::size_t fascicle_test_sizes(void);
+
+namespace fascicle_tests {
+namespace {
+
+std::string message() {
+  return fascicle_last_message();
+}
+
+// Expects the status and that the message holds `part`.
+#define EXPECT_FAILS(call, wanted, part)                                            \
+  do {                                                                              \
+    EXPECT_EQ(call, wanted) << message();                                           \
+    EXPECT_NE(message().find(part), std::string::npos) << "message: " << message(); \
+  } while (false)
+
+fascicle_scene* parsed(const std::string& text = small_bar) {
+  fascicle_scene* scene = nullptr;
+  EXPECT_EQ(fascicle_scene_parse(text.c_str(), nullptr, nullptr, &scene), FASCICLE_OK) << message();
+  return scene;
+}
+
+fascicle_bake_options options_for(const std::string& folder) {
+  fascicle_bake_options options = fascicle_bake_options_default();
+  options.folder = folder.c_str();
+  options.device = "cpu";
+  options.threads = 1;
+  options.cache = "";
+  return options;
+}
+
+TEST(CApi, VersionsAgree) {
+  EXPECT_STREQ(fascicle_version(), FASCICLE_VERSION_STRING);
+  EXPECT_EQ(std::to_string(FASCICLE_VERSION_MAJOR) + "." + std::to_string(FASCICLE_VERSION_MINOR) + "." +
+                std::to_string(FASCICLE_VERSION_PATCH),
+            FASCICLE_VERSION_STRING);
+  EXPECT_GE(fascicle_solver_version(), 7u);
+  EXPECT_EQ(fascicle_test_sizes(), sizeof(fascicle_scene_options) + sizeof(fascicle_bake_options) +
+                                       sizeof(fascicle_device_options) + sizeof(fascicle_build_options) +
+                                       sizeof(fascicle_solver_options) + sizeof(fascicle_pose) +
+                                       sizeof(fascicle_drive));
+}
+
+TEST(CApi, EveryStatusHasAText) {
+  for (const int status : {0, 1, 2, 3, 4, 5, 75})
+    EXPECT_STRNE(fascicle_status_text(static_cast<fascicle_status>(status)), "unknown status") << status;
+}
+
+TEST(CApi, NullIsRefusedAndDestroyed) {
+  fascicle_scene* scene = nullptr;
+  EXPECT_FAILS(fascicle_scene_load(nullptr, nullptr, &scene), FASCICLE_BAD_ARGUMENT, "name is null");
+  EXPECT_FAILS(fascicle_scene_load("arm", nullptr, nullptr), FASCICLE_BAD_ARGUMENT, "null");
+  EXPECT_FAILS(fascicle_scene_parse(nullptr, nullptr, nullptr, &scene), FASCICLE_BAD_ARGUMENT,
+               "text is null");
+  fascicle_model* model = nullptr;
+  EXPECT_FAILS(fascicle_model_build(nullptr, nullptr, &model), FASCICLE_BAD_ARGUMENT, "scene is null");
+  EXPECT_FAILS(fascicle_bake_run(nullptr, nullptr, nullptr), FASCICLE_BAD_ARGUMENT, "scene is null");
+  fascicle_solver* solver = nullptr;
+  EXPECT_FAILS(fascicle_solver_create(nullptr, nullptr, nullptr, &solver), FASCICLE_BAD_ARGUMENT,
+               "model is null");
+  fascicle_array array{};
+  EXPECT_FAILS(fascicle_model_array(nullptr, "rest", &array), FASCICLE_BAD_ARGUMENT, "model is null");
+  EXPECT_FAILS(fascicle_model_array_at(nullptr, 0, &array), FASCICLE_BAD_ARGUMENT, "model is null");
+  EXPECT_FAILS(fascicle_model_create(nullptr, 3, &model), FASCICLE_BAD_ARGUMENT, "arrays is null");
+  fascicle_frame frame{};
+  char text[17];
+  std::size_t size = 0;
+  const auto refused = [](fascicle_status status) {
+    EXPECT_FAILS(status, FASCICLE_BAD_ARGUMENT, "solver is null");
+  };
+  refused(fascicle_solver_start_clip(nullptr, nullptr, nullptr));
+  refused(fascicle_solver_step_clip(nullptr));
+  refused(fascicle_solver_start_pose(nullptr, nullptr, 0));
+  refused(fascicle_solver_step_pose(nullptr, nullptr));
+  refused(fascicle_solver_clip_pose(nullptr, 0, nullptr, 0));
+  refused(fascicle_solver_step_drive(nullptr, nullptr));
+  refused(fascicle_solver_frame(nullptr, &frame));
+  refused(fascicle_solver_positions(nullptr, nullptr, 0));
+  refused(fascicle_solver_surface(nullptr, nullptr, 0));
+  refused(fascicle_solver_position_hash(nullptr, text));
+  refused(fascicle_solver_save(nullptr, nullptr, 0, &size));
+  refused(fascicle_solver_load(nullptr, nullptr, 0));
+  fascicle_scene_destroy(nullptr);
+  fascicle_model_destroy(nullptr);
+  fascicle_device_destroy(nullptr);
+  fascicle_solver_destroy(nullptr);
+  fascicle_bake_destroy(nullptr);
+  EXPECT_EQ(fascicle_scene_name(nullptr), nullptr);
+  EXPECT_EQ(fascicle_scene_frame_count(nullptr), 0u);
+  EXPECT_EQ(fascicle_scene_joint_name(nullptr, 0), nullptr);
+  EXPECT_EQ(fascicle_scene_joint_parent(nullptr, 0), -1);
+  EXPECT_EQ(fascicle_scene_clip_name(nullptr, 0), nullptr);
+  EXPECT_EQ(fascicle_model_vertex_count(nullptr), 0u);
+  EXPECT_EQ(fascicle_model_substeps(nullptr), 0u);
+  EXPECT_EQ(fascicle_device_text(nullptr), nullptr);
+  EXPECT_EQ(fascicle_device_is_exact(nullptr), 0);
+  EXPECT_EQ(fascicle_bake_file(nullptr, 0), nullptr);
+  EXPECT_TRUE(std::isnan(fascicle_bake_look(nullptr)));
+}
+
+TEST(CApi, BadTextIsNamedByLineAndKey) {
+  fascicle_scene* scene = reinterpret_cast<fascicle_scene*>(1);
+  EXPECT_FAILS(fascicle_scene_parse("[bar]\nsiez = [1, 1, 1]\n", nullptr, nullptr, &scene),
+               FASCICLE_BAD_INPUT, "text:2");
+  EXPECT_EQ(scene, nullptr) << "a failed call leaves no handle";
+  EXPECT_FAILS(fascicle_scene_parse("[bar", nullptr, nullptr, &scene), FASCICLE_BAD_INPUT, "text:1");
+  EXPECT_FAILS(fascicle_scene_load("no-such-scene", nullptr, &scene), FASCICLE_BAD_INPUT, "no such scene");
+}
+
+TEST(CApi, OptionsChangeTheSceneAndBadOnesAreRefused) {
+  fascicle_scene_options options = fascicle_scene_options_default();
+  const char* set[] = {"layers.flesh.alpha=0.25"};
+  options.set = set;
+  options.set_count = 1;
+  options.fps = 30.0;
+  options.end = 0.2;
+  fascicle_scene* scene = nullptr;
+  ASSERT_EQ(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_OK) << message();
+  EXPECT_EQ(fascicle_scene_fps(scene), 30.0);
+  EXPECT_EQ(fascicle_scene_frame_count(scene), 6u);
+  fascicle_scene_destroy(scene);
+  set[0] = "layers.flesh.alpha";
+  EXPECT_FAILS(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_BAD_ARGUMENT,
+               "KEY=VALUE");
+  set[0] = nullptr;
+  EXPECT_FAILS(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_BAD_ARGUMENT,
+               "options.set[0]");
+  options.set_count = 0;
+  options.struct_size = 0;  // not made by _default()
+  EXPECT_FAILS(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_BAD_ARGUMENT,
+               "struct_size");
+  options.struct_size = sizeof options + 8;
+  EXPECT_FAILS(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_BAD_ARGUMENT,
+               "struct_size");
+}
+
+// A program compiled with headers that end after `fps`.
+TEST(CApi, ShorterOptionsOfOlderHeadersAreEnough) {
+  fascicle_scene_options options;
+  const std::size_t older = offsetof(fascicle_scene_options, start);
+  fascicle_scene_options_init(&options, older);
+  options.fps = 30.0;
+  std::fill(reinterpret_cast<char*>(&options) + older, reinterpret_cast<char*>(&options + 1), char(0x11));
+  fascicle_scene* scene = nullptr;
+  ASSERT_EQ(fascicle_scene_parse(small_bar, nullptr, &options, &scene), FASCICLE_OK) << message();
+  EXPECT_EQ(fascicle_scene_fps(scene), 30.0);
+  EXPECT_EQ(fascicle_scene_frame_count(scene), 3u);
+  fascicle_scene_destroy(scene);
+}
+
+TEST(CApi, MessagesAreOfTheirThread) {
+  fascicle_scene* scene = nullptr;
+  EXPECT_FAILS(fascicle_scene_load("no-such-scene", nullptr, &scene), FASCICLE_BAD_INPUT, "no such scene");
+  std::string other = "unset";
+  std::thread([&] { other = fascicle_last_message(); }).join();
+  EXPECT_EQ(other, "");
+}
+
+TEST(CApi, BuiltinScenesAndFormatsAreListed) {
+  std::size_t scenes = 0, formats = 0;
+  while (fascicle_builtin_scene_name(scenes) != nullptr) ++scenes;
+  while (fascicle_format_name(formats) != nullptr) ++formats;
+  EXPECT_GE(scenes, 10u);
+  EXPECT_GE(formats, 8u);
+}
+
+TEST(CApi, ACharacterTellsItsJointsAndClips) {
+  fascicle_scene* scene = nullptr;
+  ASSERT_EQ(fascicle_scene_load("arm", nullptr, &scene), FASCICLE_OK) << message();
+  ASSERT_GE(fascicle_scene_joint_count(scene), 2u);
+  EXPECT_EQ(fascicle_scene_joint_parent(scene, 0), -1);
+  bool has_forearm = false;
+  for (std::size_t j = 0; j < fascicle_scene_joint_count(scene); ++j) {
+    EXPECT_LT(fascicle_scene_joint_parent(scene, j), static_cast<std::int32_t>(j));
+    has_forearm = has_forearm || std::string(fascicle_scene_joint_name(scene, j)) == "forearm";
+  }
+  EXPECT_TRUE(has_forearm);
+  EXPECT_STREQ(fascicle_scene_clip_name(scene, 0), "curl");
+  EXPECT_EQ(fascicle_scene_clip_name(scene, 99), nullptr);
+  fascicle_scene_destroy(scene);
+}
+
+TEST(CApi, DevicesAreOpenedByName) {
+  fascicle_device* device = nullptr;
+  EXPECT_FAILS(fascicle_device_open("gpu", nullptr, &device), FASCICLE_BAD_ARGUMENT, "\"gpu\"");
+  EXPECT_FAILS(fascicle_device_open("vulkan:77", nullptr, &device), FASCICLE_NO_SUCH_DEVICE, "");
+  ASSERT_EQ(fascicle_device_open("cpu:scalar", nullptr, &device), FASCICLE_OK) << message();
+  EXPECT_EQ(fascicle_device_is_exact(device), 1);
+  EXPECT_NE(std::string(fascicle_device_text(device)).find("cpu:scalar"), std::string::npos);
+  fascicle_device_destroy(device);
+}
+
+struct Watch {
+  std::uint64_t builds = 0, frames = 0, last = 0, total = 0, cancel_at = ~std::uint64_t{0};
+  std::vector<std::string> log;
+};
+
+int watch(void* user, fascicle_phase phase, uint64_t done, uint64_t total) {
+  auto& watched = *static_cast<Watch*>(user);
+  if (phase == FASCICLE_PHASE_BUILD) ++watched.builds;
+  if (phase != FASCICLE_PHASE_FRAMES) return watched.cancel_at == 0 ? 1 : 0;
+  ++watched.frames;
+  watched.last = done;
+  watched.total = total;
+  return done >= watched.cancel_at ? 1 : 0;
+}
+
+void listen(void* user, fascicle_severity, const char* text) {
+  static_cast<Watch*>(user)->log.emplace_back(text);
+}
+
+TEST(CApi, ABakeReportsAndIsTheProgramsOwn) {
+  const Folder folder;
+  fascicle_scene* scene = parsed();
+  Watch watched;
+  const std::string out = folder / "out";
+  fascicle_bake_options options = options_for(out);
+  const char* formats[] = {"pc2"};
+  options.formats = formats;
+  options.format_count = 1;
+  options.progress = watch;
+  options.log = listen;
+  options.progress_user = options.log_user = &watched;
+  fascicle_bake* bake = nullptr;
+  ASSERT_EQ(fascicle_bake_run(scene, &options, &bake), FASCICLE_OK) << message();
+  EXPECT_EQ(watched.builds, 1u);
+  EXPECT_EQ(watched.frames, 6u);
+  EXPECT_EQ(watched.last, 6u);
+  EXPECT_EQ(watched.total, 6u);
+  EXPECT_FALSE(watched.log.empty());
+  EXPECT_EQ(fascicle_bake_frames(bake), 6u);
+  bool has_pc2 = false;
+  for (std::size_t k = 0; k < fascicle_bake_file_count(bake); ++k) {
+    EXPECT_TRUE(std::filesystem::exists(fascicle_bake_file(bake, k)));
+    has_pc2 = has_pc2 || std::string(fascicle_bake_file(bake, k)).ends_with("surface.pc2");
+  }
+  EXPECT_TRUE(has_pc2);
+
+  // The program bakes the same text to the same bytes.
+  std::ofstream(folder / "bar.toml") << small_bar;
+  const Ran ran = run_in_shell(std::string(FASCICLE_PROGRAM) + " bake " + (folder / "bar.toml") + " -o " +
+                               (folder / "program") + " --format pc2 --no-cache --device cpu");
+  ASSERT_EQ(ran.status, 0) << ran.out;
+  EXPECT_NE(
+      ran.out.find("position hash of the last frame: " + std::string(fascicle_bake_position_hash(bake))),
+      std::string::npos)
+      << ran.out;
+  for (const char* name : {"surface.pc2", "frames.fascicle", "metrics.csv"}) {
+    std::ostringstream a, b;
+    a << std::ifstream(out + "/" + name, std::ios::binary).rdbuf();
+    b << std::ifstream(folder / "program/" + name, std::ios::binary).rdbuf();
+    EXPECT_FALSE(a.str().empty()) << name;
+    EXPECT_TRUE(a.str() == b.str()) << name;
+  }
+
+  // Again into the same folder: only when asked to.
+  EXPECT_FAILS(fascicle_bake_run(scene, &options, nullptr), FASCICLE_BAD_ARGUMENT, "holds a bake");
+  options.overwrite = 1;
+  EXPECT_EQ(fascicle_bake_run(scene, &options, nullptr), FASCICLE_OK) << message();
+  fascicle_bake_destroy(bake);
+  fascicle_scene_destroy(scene);
+}
+
+TEST(CApi, ACancelledBakeGoesOnToTheSameBits) {
+  const Folder folder;
+  fascicle_scene* scene = parsed();
+  const std::string whole = folder / "whole", parts = folder / "parts";
+  fascicle_bake* bake = nullptr;
+  fascicle_bake_options options = options_for(whole);
+  ASSERT_EQ(fascicle_bake_run(scene, &options, &bake), FASCICLE_OK) << message();
+  const std::string hash = fascicle_bake_position_hash(bake);
+  fascicle_bake_destroy(bake);
+
+  Watch watched;
+  options.folder = parts.c_str();
+  options.progress = watch;
+  options.progress_user = &watched;
+  watched.cancel_at = 0;
+  EXPECT_FAILS(fascicle_bake_run(scene, &options, &bake), FASCICLE_CANCELLED, "before the model was built");
+  EXPECT_EQ(bake, nullptr);
+  watched.cancel_at = 3;
+  EXPECT_FAILS(fascicle_bake_run(scene, &options, &bake), FASCICLE_CANCELLED,
+               " of 6; the same bake with options.resume");
+  ASSERT_NE(bake, nullptr);
+  // A frame may be under way when the one before it is told of.
+  EXPECT_GE(fascicle_bake_frames(bake), 3u);
+  EXPECT_LT(fascicle_bake_frames(bake), 6u);
+  EXPECT_NE(fascicle_bake_position_hash(bake), hash);
+  fascicle_bake_destroy(bake);
+  watched.cancel_at = ~std::uint64_t{0};
+  options.resume = 1;
+  ASSERT_EQ(fascicle_bake_run(scene, &options, &bake), FASCICLE_OK) << message();
+  EXPECT_EQ(fascicle_bake_position_hash(bake), hash);
+  fascicle_bake_destroy(bake);
+  fascicle_scene_destroy(scene);
+}
+
+TEST(CApi, BadBakeOptionsAreRefused) {
+  const Folder folder;
+  fascicle_scene* scene = parsed();
+  const std::string out = folder / "out";
+  const auto refused = [&](fascicle_status status, const char* part, auto change) {
+    fascicle_bake_options options = options_for(out);
+    change(options);
+    EXPECT_FAILS(fascicle_bake_run(scene, &options, nullptr), status, part);
+    EXPECT_FALSE(std::filesystem::exists(out)) << "a refused bake writes nothing: " << part;
+  };
+  const char* formats[] = {"mp3"};
+  using Options = fascicle_bake_options;
+  refused(FASCICLE_BAD_ARGUMENT, "folder", [](Options& o) { o.folder = nullptr; });
+  refused(FASCICLE_BAD_ARGUMENT, "mp3", [&](Options& o) { o.formats = formats, o.format_count = 1; });
+  refused(FASCICLE_BAD_ARGUMENT, "formats is null", [](Options& o) { o.format_count = 1; });
+  refused(FASCICLE_BAD_ARGUMENT, "exclude", [](Options& o) { o.overwrite = o.resume = 1; });
+  refused(FASCICLE_BAD_ARGUMENT, "glb_stride", [](Options& o) { o.glb_stride = 0; });
+  refused(FASCICLE_BAD_ARGUMENT, "glb_error", [](Options& o) { o.glb_error = -1.0; });
+  refused(FASCICLE_BAD_ARGUMENT, "\"gpu\"", [](Options& o) { o.device = "gpu"; });
+  refused(FASCICLE_NO_SUCH_DEVICE, "", [](Options& o) { o.device = "vulkan:77"; });
+  refused(FASCICLE_BAD_ARGUMENT, "struct_size", [](Options& o) { o.struct_size = 3; });
+  std::ofstream(folder / "file") << "no folder";
+  const std::string below = folder / "file/out";
+  refused(FASCICLE_BAD_INPUT, "options.folder", [&](Options& o) { o.folder = below.c_str(); });
+  fascicle_scene_destroy(scene);
+}
+
+// Neither the program's folder nor the user's cache: both are parameters.
+TEST(CApi, MesherAndCacheAreParameters) {
+  const Folder folder;
+  std::ofstream(folder / "cube.off")
+      << "OFF\n8 12 0\n0 0 0\n.1 0 0\n.1 .1 0\n0 .1 0\n0 0 .1\n.1 0 .1\n.1 .1 .1\n0 .1 .1\n"
+         "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n"
+         "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+  fascicle_scene* scene = nullptr;
+  ASSERT_EQ(fascicle_scene_load((folder / "cube.off").c_str(), nullptr, &scene), FASCICLE_OK) << message();
+  fascicle_build_options options = fascicle_build_options_default();
+  const std::string cache = folder / "cache", mesher = folder / "mesher";
+  options.cache = "";
+  options.mesher = "/no/such/mesher";
+  fascicle_model* model = nullptr;
+  EXPECT_FAILS(fascicle_model_build(scene, &options, &model), FASCICLE_BAD_INPUT, "/no/such/mesher");
+  std::filesystem::copy_file(FASCICLE_MESHER, mesher);
+  options.mesher = mesher.c_str();
+  ASSERT_EQ(fascicle_model_build(scene, &options, &model), FASCICLE_OK) << message();
+  fascicle_model_destroy(model);
+  EXPECT_FALSE(std::filesystem::exists(cache));
+  options.cache = cache.c_str();
+  ASSERT_EQ(fascicle_model_build(scene, &options, &model), FASCICLE_OK) << message();
+  EXPECT_GT(fascicle_model_tetrahedron_count(model), 0u);
+  EXPECT_EQ(fascicle_model_surface_vertex_count(model), 8u);
+  EXPECT_FALSE(std::filesystem::is_empty(cache));
+  fascicle_model_destroy(model);
+  fascicle_scene_destroy(scene);
+}
+
+}  // namespace
+}  // namespace fascicle_tests

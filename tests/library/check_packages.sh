@@ -1,0 +1,56 @@
+#!/bin/sh
+# What the Debian packages in a folder hold, and what they need. Prints each package; fails at the first that is wrong.
+#   check_packages.sh DIR
+set -eu
+cd "$1"
+
+fail() {
+  echo "check_packages: $*" >&2
+  exit 1
+}
+
+# PACKAGE FILE...: the package has these files.
+holds() {
+  package=$1
+  shift
+  deb=$(ls "${package}"_*.deb) || fail "there is no package $package"
+  for file in "$@"; do
+    dpkg-deb -c "$deb" | awk '{print $6}' | grep -Eq "^\\./$file\$" || fail "$package lacks $file"
+  done
+}
+# PACKAGE WORD...: its dependencies name these, or with ! before them do not.
+depends() {
+  deb=$(ls "${1}"_*.deb)
+  all=$(dpkg-deb -f "$deb" Depends)
+  shift
+  for word in "$@"; do
+    case $word in
+      !*) ! echo "$all" | grep -q -- "${word#!}" || fail "$deb depends on ${word#!}: $all" ;;
+      *) echo "$all" | grep -q -- "$word" || fail "$deb does not depend on $word: $all" ;;
+    esac
+  done
+}
+
+holds fascicle usr/bin/fascicle usr/share/man/man1/fascicle.1 usr/share/bash-completion/completions/fascicle \
+  usr/share/zsh/vendor-completions/_fascicle usr/share/fish/vendor_completions.d/fascicle.fish \
+  usr/share/doc/fascicle/copyright
+holds libfascicle0 'usr/lib/[^/]*/libfascicle.so.0' usr/share/doc/libfascicle0/copyright
+holds libfascicle-dev usr/include/fascicle/fascicle.h usr/include/fascicle/fascicle.hpp \
+  'usr/lib/[^/]*/libfascicle.so' 'usr/lib/[^/]*/cmake/fascicle/fascicle-config.cmake' \
+  'usr/lib/[^/]*/pkgconfig/fascicle.pc' usr/share/doc/libfascicle-dev/copyright
+holds fascicle-mesher usr/bin/fascicle-mesher usr/share/doc/fascicle-mesher/copyright
+
+dpkg-deb --ctrl-tarfile libfascicle0_*.deb | tar -xO ./shlibs | grep -q '^libfascicle 0 libfascicle0 (>= ' ||
+  fail "libfascicle0 does not tell its dependants of itself"
+depends fascicle libc6 libstdc++6 libpng !libtet !libgmp
+depends libfascicle0 libc6 libdraco !libtet !libgmp !libpng
+depends libfascicle-dev 'libfascicle0 (= '
+depends fascicle-mesher libtet1.5
+grep -q "Affero" <<TEXT || fail "the mesher's copyright is not its own"
+$(dpkg-deb --fsys-tarfile fascicle-mesher_*.deb | tar -xO ./usr/share/doc/fascicle-mesher/copyright)
+TEXT
+for deb in *.deb; do
+  # The files of one package are no other's.
+  dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}'
+done | sort | uniq -d | grep . && fail "a file is in two packages"
+for deb in *.deb; do echo "$(dpkg-deb -f "$deb" Package Version | tr '\n' ' ')needs $(dpkg-deb -f "$deb" Depends)"; done

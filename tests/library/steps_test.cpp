@@ -1,0 +1,213 @@
+// Level 2: a body stepped by its clip, and by poses from outside.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "include/fascicle/fascicle.hpp"
+#include "tests/library/shell.h"
+
+namespace fascicle_tests {
+namespace {
+
+// A made arm of few vertices that curls; a substep a frame, so that the clip's poses are all there is to
+// know.
+const fascicle::scene& arm() {
+  static const fascicle::scene scene("arm", {.set = {"solver.substeps=1", "motion.preroll=0.0"}, .end = 1.0});
+  return scene;
+}
+
+const fascicle::model& arm_model() {
+  static const fascicle::model model(arm(), {.cache = ""});
+  return model;
+}
+
+float distance(const std::vector<float>& a, const std::vector<float>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  float most = 0.0F;
+  for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, std::abs(a[k] - b[k]));
+  return most;
+}
+
+TEST(Steps, ByTheClipTheyAreTheBakes) {
+  const Folder folder;
+  const fascicle::bake_result bake =
+      fascicle::bake(arm(), {.folder = folder / "out", .device = "cpu", .cache = ""});
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  solver.start_clip();
+  EXPECT_EQ(solver.frame().index, 0u);
+  for (std::uint64_t frame = 1; frame <= arm().frame_count(); ++frame) solver.step_clip();
+  EXPECT_EQ(solver.frame().index, arm().frame_count());
+  EXPECT_EQ(solver.position_hash(), bake.position_hash());
+}
+
+// The clip's poses, given one by one, are another way to say the clip. It begins at rest, so both start
+// alike.
+TEST(Steps, TheClipsOwnPosesMoveTheBodyAsTheClipDoes) {
+  fascicle::solver by_clip(arm_model(), fascicle::device("cpu")),
+      by_poses(arm_model(), fascicle::device("cpu"));
+  by_clip.start_clip();
+  by_poses.start_pose(by_poses.clip_pose(0));
+  const std::vector<float> before = by_poses.positions();
+  for (std::uint64_t frame = 1; frame <= arm().frame_count(); ++frame) {
+    by_clip.step_clip();
+    by_poses.step_pose(by_poses.clip_pose(frame));
+  }
+  const float moved = distance(before, by_clip.positions());
+  EXPECT_GT(moved, 1e-3F) << "the clip does nothing";
+  // What differs is the start's speed: the clip's first frame moves, however little.
+  EXPECT_LT(distance(by_clip.positions(), by_poses.positions()), 0.02F * moved);
+}
+
+TEST(Steps, APoseThatJumpsCarriesTheFleshAlong) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  const std::vector<double> pose = solver.clip_pose(0);
+  std::vector<double> far = pose;
+  for (std::size_t j = 0; 16 * j < far.size(); ++j) far[16 * j + 3] += 8.0;
+  const auto speed = [](const fascicle_frame& frame) {
+    float most = 0.0F;
+    for (std::size_t k = 0; k < 3 * frame.vertex_count; ++k)
+      most = std::max(most, std::abs(frame.velocities[k]));
+    return static_cast<double>(most) * frame.unit;
+  };
+  solver.start_pose(pose);
+  const std::vector<float> before = solver.positions();
+  solver.step_pose(far, std::nan(""), true);
+  std::vector<float> after = solver.positions();
+  for (std::size_t k = 0; k < after.size(); k += 3) after[k] -= 8.0F;
+  EXPECT_LT(distance(before, after), 1e-3F);
+  EXPECT_LT(speed(solver.frame()), 0.1);
+  // The control: without the word the flesh is thrown, 8 m in a frame.
+  solver.start_pose(pose);
+  solver.step_pose(far);
+  EXPECT_GT(speed(solver.frame()), 10.0);
+}
+
+TEST(Steps, PosesForEachSubstepAndForTheFrameAreBothTaken) {
+  const fascicle::scene scene("arm", {.set = {"solver.substeps=4", "motion.preroll=0.0"}, .end = 0.1});
+  const fascicle::model model(scene, {.cache = ""});
+  ASSERT_EQ(model.substeps(), 4u);
+  fascicle::solver one(model, fascicle::device("cpu")), four(model, fascicle::device("cpu"));
+  const std::vector<double> from = one.clip_pose(0);
+  std::vector<double> to = from, all;
+  for (std::size_t j = 0; 16 * j < to.size(); ++j) to[16 * j + 7] += 0.25;
+  for (int s = 1; s <= 4; ++s)
+    for (std::size_t k = 0; k < to.size(); ++k) all.push_back((1.0 - s / 4.0) * from[k] + s / 4.0 * to[k]);
+  one.start_pose(from);
+  four.start_pose(from);
+  one.step_pose(to);
+  four.step_pose(all);
+  EXPECT_EQ(one.position_hash(), four.position_hash()) << "between frames poses are mixed linearly";
+  all.resize(2 * to.size());
+  EXPECT_THROW(four.step_pose(all), fascicle::error);
+}
+
+TEST(Steps, WhatWasSavedGoesOnWithTheSameBits) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu")),
+      other(arm_model(), fascicle::device("cpu:scalar"));
+  solver.start_clip();
+  for (int k = 0; k < 4; ++k) solver.step_clip();
+  const std::vector<std::byte> by_clip = solver.save();
+  for (int k = 0; k < 4; ++k) solver.step_clip();
+  other.load(by_clip);
+  EXPECT_EQ(other.frame().index, 4u);
+  for (int k = 0; k < 4; ++k) other.step_clip();
+  EXPECT_EQ(other.position_hash(), solver.position_hash());
+
+  // By poses the last one goes along: the next frame begins there.
+  solver.start_pose(solver.clip_pose(0));
+  solver.step_pose(solver.clip_pose(5));
+  const std::vector<std::byte> by_poses = solver.save();
+  solver.step_pose(solver.clip_pose(9));
+  other.load(by_poses);
+  other.step_pose(other.clip_pose(9));
+  EXPECT_EQ(other.position_hash(), solver.position_hash());
+}
+
+TEST(Steps, DamagedAndForeignStatesAreRefused) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  solver.start_pose(solver.clip_pose(0));
+  const std::vector<std::byte> good = solver.save();
+  const auto refused = [](fascicle::solver& to, std::vector<std::byte> bytes, const char* why) {
+    try {
+      to.load(bytes);
+      ADD_FAILURE() << why;
+    } catch (const fascicle::error& error) {
+      EXPECT_EQ(error.status(), FASCICLE_BAD_INPUT) << why << ": " << error.what();
+    }
+  };
+  // Every length, and every byte of the head turned.
+  for (std::size_t length = 1; length < good.size(); length += 1 + good.size() / 50)
+    refused(solver, {good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)}, "cut off");
+  for (const std::size_t k : {std::size_t{0}, std::size_t{16}, std::size_t{24}, good.size() - 1}) {
+    std::vector<std::byte> bytes = good;
+    bytes[k] ^= std::byte{0x40};
+    refused(solver, bytes, "a byte turned");
+  }
+  const fascicle::scene bar = fascicle::scene::parse(small_bar);
+  const fascicle::model bar_model(bar);
+  fascicle::solver of_bar(bar_model, fascicle::device("cpu"));
+  refused(of_bar, good, "another model's");
+  refused(solver, of_bar.save(), "another model's");
+  solver.load(good);
+}
+
+TEST(Steps, WrongSizesAndOrdersAreRefused) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  const auto refused = [](auto call, const char* part) {
+    try {
+      call();
+      ADD_FAILURE() << part;
+    } catch (const fascicle::error& error) {
+      EXPECT_EQ(error.status(), FASCICLE_BAD_ARGUMENT) << error.what();
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  };
+  std::vector<double> pose = solver.clip_pose(0);
+  refused([&] { solver.step_clip(); }, "fascicle_solver_start_clip");
+  refused([&] { solver.step_pose(pose); }, "fascicle_solver_start_pose");
+  refused([&] { solver.start_pose(std::vector<double>(16)); }, "count is 16");
+  std::vector<float> few(3);
+  refused([&] { solver.positions(few); }, "count is 3");
+  refused([&] { solver.surface(few); }, "count is 3");
+  EXPECT_THROW(solver.step_pose(std::vector<double>(17)), std::invalid_argument);
+  pose[5] = std::nan("");
+  refused([&] { solver.start_pose(pose); }, "not finite");
+  std::size_t size = 0;
+  char byte = 0;
+  refused([&] { fascicle::check(fascicle_solver_save(solver.get(), &byte, 1, &size)); }, "capacity is 1");
+}
+
+TEST(Steps, ALeadInIsCancelled) {
+  const fascicle::scene scene("arm", {.set = {"motion.preroll=0.5"}, .end = 0.1});
+  const fascicle::model model(scene, {.cache = ""});
+  fascicle::solver solver(model, fascicle::device("cpu"));
+  int calls = 0;
+  try {
+    solver.start_clip([&](fascicle_phase phase, std::uint64_t, std::uint64_t) {
+      EXPECT_EQ(phase, FASCICLE_PHASE_LEAD_IN);
+      return ++calls < 3;
+    });
+    ADD_FAILURE() << "it went on";
+  } catch (const fascicle::error& error) {
+    EXPECT_EQ(error.status(), FASCICLE_CANCELLED);
+  }
+  EXPECT_EQ(calls, 3);
+  EXPECT_THROW(solver.step_clip(), fascicle::error);
+}
+
+TEST(Steps, TheSurfaceIsInTheWorldInMetres) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  solver.start_clip();
+  const fascicle_frame frame = solver.frame();
+  ASSERT_GT(frame.surface_vertex_count, 0u);
+  const std::vector<float> surface = solver.surface();
+  for (std::size_t k = 0; k < surface.size(); ++k)
+    ASSERT_NEAR(surface[k], frame.origin[k % 3] + frame.unit * static_cast<double>(frame.surface[k]), 1e-6);
+}
+
+}  // namespace
+}  // namespace fascicle_tests
