@@ -25,49 +25,54 @@ constexpr FieldSet relax_writes{Field::position, Field::iterate_before};
 // One row a kernel, in the order of the enumeration: name, items, own, ring, any, writes.
 constexpr std::array<KernelAccess, kernel_count> table{{
     {"rebase",
-     Items::vertices,
+     KernelItems::vertices,
      {Field::position, Field::skinned, Field::position_before},
      {},
      {},
      {Field::position, Field::skinned, Field::position_before}},
-    {"skin", Items::vertices, {}, {}, {}, {Field::skinned, Field::gravity}},
-    {"tie", Items::vertices, {}, {}, {Field::position, Field::velocity}, {Field::tied}},
+    {"skin", KernelItems::vertices, {}, {}, {}, {Field::skinned, Field::gravity}},
+    {"tie", KernelItems::vertices, {}, {}, {Field::position, Field::velocity}, {Field::tied}},
     {"predict",
-     Items::vertices,
+     KernelItems::vertices,
      predict_reads,
      {},
      {},
      history | FieldSet{Field::position, Field::velocity, Field::predicted, Field::iterate_before}},
     {"region",
-     Items::vertices,
+     KernelItems::vertices,
      {Field::rotation},
      {Field::position},
      {},
      {Field::rotation, Field::transform}},
-    {"goal", Items::vertices, {}, {Field::transform}, {}, {Field::goal}},
-    {"relax", Items::vertices, relax_reads | FieldSet{Field::goal}, {}, {}, relax_writes},
-    {"lack", Items::limits, {}, {}, {Field::position}, {Field::lack}},
+    {"goal", KernelItems::vertices, {}, {Field::transform}, {}, {Field::goal}},
+    {"relax", KernelItems::vertices, relax_reads | FieldSet{Field::goal}, {}, {}, relax_writes},
+    {"lack", KernelItems::limits, {}, {}, {Field::position}, {Field::lack}},
     {"crowd",
-     Items::vertices,
+     KernelItems::vertices,
      {Field::position},
      {},
      {Field::lack},
      {Field::limit_load, Field::iterate_before}},
     {"limit",
-     Items::vertices,
+     KernelItems::vertices,
      {Field::position, Field::predicted, Field::goal, Field::velocity},
      {},
      {Field::iterate_before, Field::lack, Field::limit_load},
      {Field::position, Field::predicted, Field::goal, Field::velocity}},
-    {"integrate", Items::vertices, integrate_reads, {}, {}, integrate_writes},
+    {"integrate", KernelItems::vertices, integrate_reads, {}, {}, integrate_writes},
     {"update",
-     Items::vertices,
+     KernelItems::vertices,
      forces_on_vertex | skin_motion | FieldSet{Field::position, Field::velocity},
      {Field::transform},
      {},
      integrate_writes},
-    {"iterate", Items::vertices, relax_reads, {Field::transform}, {}, relax_writes | FieldSet{Field::goal}},
-    {"embed", Items::surface, {}, {}, {Field::position}, {Field::surface}},
+    {"iterate",
+     KernelItems::vertices,
+     relax_reads,
+     {Field::transform},
+     {},
+     relax_writes | FieldSet{Field::goal}},
+    {"embed", KernelItems::surface, {}, {}, {Field::position}, {Field::surface}},
 }};
 
 constexpr bool items_are_independent() {
@@ -113,13 +118,13 @@ std::string_view name_of(Kernel kernel) {
   return access_of(kernel).name;
 }
 
-std::uint32_t item_count(const Model& model, Items items) {
+std::uint32_t item_count(const Model& model, KernelItems items) {
   switch (items) {
-    case Items::vertices:
+    case KernelItems::vertices:
       return model.vertex_count;
-    case Items::limits:
+    case KernelItems::limits:
       return static_cast<std::uint32_t>(model.limit.size());
-    case Items::surface:
+    case KernelItems::surface:
       return model.surface_count();
   }
   return 0;
@@ -184,7 +189,7 @@ std::optional<SweptSteps> swept_steps(const Block& block) {
   if (count == 3) skin = block.steps.front().kernel;
   for (const Step& step : block.steps) {
     const KernelAccess& access = access_of(step.kernel);
-    if (access.items != Items::vertices || !access.any.empty()) return std::nullopt;
+    if (access.items != KernelItems::vertices || !access.any.empty()) return std::nullopt;
   }
   const KernelAccess &of_region = access_of(region), &of_move = access_of(move);
   // Each takes of its neighbours what the other leaves them, and nothing else.

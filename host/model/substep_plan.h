@@ -86,13 +86,13 @@ struct FieldSet {
 };
 
 // What a kernel runs over: an invocation, or a turn of a loop, an item.
-enum class Items : std::uint8_t { vertices, limits, surface };
+enum class KernelItems : std::uint8_t { vertices, limits, surface };
 
 // What a kernel may touch, in any model. An invocation writes only its own item's numbers, so the items of
 // one kernel may run in any order: no field that it reads of other items is one that it writes.
 struct KernelAccess {
   std::string_view name;
-  Items items;
+  KernelItems items;
   FieldSet own;   // read at its own item
   FieldSet ring;  // read at the item and in its one-ring
   FieldSet any;   // read anywhere
@@ -102,7 +102,7 @@ struct KernelAccess {
 };
 const KernelAccess& access_of(Kernel kernel);
 std::string_view name_of(Kernel kernel);
-std::uint32_t item_count(const Model& model, Items items);
+std::uint32_t item_count(const Model& model, KernelItems items);
 
 // Whether a kernel that follows others must wait for them: it touches what they wrote, or writes what they
 // read. `read` and `written` are of those since the last wait. skinned and skinned_before change places every
