@@ -30,7 +30,8 @@ struct FillInput {
 // the result and what goes to the report are the same, bit for bit. Throws scene::SceneError.
 FilledBody fill_body(const FillInput& input, Report& report, const BuildOptions& options);
 
-// A hash of this program, or of the shared library that this is part of, and of the mesher: what is kept was made by them. Nothing where one cannot be read.
+// A hash of this program, or of the shared library that this is part of, and of the mesher: what is kept was
+// made by them. Nothing where one cannot be read.
 std::optional<std::string> hash_of_programs(const BuildOptions& options);
 
 // The name of the input in the cache: changes with all that changes the result, `programs` among them.

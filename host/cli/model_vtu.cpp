@@ -9,7 +9,6 @@
 namespace fascicle::cli {
 namespace {
 
-
 // One <DataArray>; `value(item, component)` gives the numbers.
 template <class Value>
 void append_data(std::string& out, const std::string& type, const std::string& name, std::size_t items,
