@@ -6,7 +6,7 @@
 
 #include "host/api/boundary.h"
 #include "host/api/handles.h"
-#include "host/bake/model_fields.h"
+#include "host/model/model_arrays.h"
 
 namespace fascicle::api {
 namespace {
@@ -192,14 +192,14 @@ class Taker {
 void list_arrays(Body& body) {
   Lister lister(body);
   const model::Model& model = body.model;
-  bake::visit_fields(model, lister);
+  model::visit_fields(model, lister);
 }
 
 model::Model model_of_arrays(const fascicle_array* arrays, std::size_t count) {
   if (count > 0) must_have(arrays, "arrays");
   Taker taker(arrays, count);
   model::Model model;
-  bake::visit_fields(model, taker);
+  model::visit_fields(model, taker);
   taker.check_all_taken();
   if (model.vertex_count == 0) throw BadArgument("array \"vertex_count\" is missing or 0");
   model::check_model(model);

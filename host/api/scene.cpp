@@ -5,6 +5,7 @@
 
 #include "host/api/boundary.h"
 #include "host/api/handles.h"
+#include "host/scene/input_files.h"
 #include "host/scene/scene_file.h"
 
 namespace fascicle::api {
@@ -66,8 +67,12 @@ fascicle_status fascicle_scene_parse(const char* text, const char* folder,
   return api::guarded_make(scene, [&] {
     api::must_have(text, "text");
     const auto taken = api::taken(options, fascicle_scene_options_init, "options");
-    return std::make_unique<fascicle_scene>(fascicle_scene{
+    auto made = std::make_unique<fascicle_scene>(fascicle_scene{
         scene::parse_scene({"scene", "text", text, api::text_of(folder)}, api::overrides_of(taken))});
+    // As of a scene file: what was read goes first.
+    auto& hashes = made->scene.input_hashes;
+    hashes.insert(hashes.begin(), {"text", scene::hash_of(text)});
+    return made;
   });
 }
 

@@ -7,10 +7,10 @@
 
 #include "host/cli/child_bake.h"
 #include "host/cli/compare_devices.h"
-#include "host/pipeline/device_choice.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
 #include "host/cli/text.h"
+#include "host/pipeline/device_choice.h"
 
 namespace fascicle::tests {
 namespace {

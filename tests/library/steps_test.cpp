@@ -197,6 +197,20 @@ TEST(Steps, ALeadInIsCancelled) {
   }
   EXPECT_EQ(calls, 3);
   EXPECT_THROW(solver.step_clip(), fascicle::error);
+
+  // Of a bake likewise: nothing is written yet, and it goes on.
+  const Folder folder;
+  fascicle::bake_options options{.folder = folder / "out", .device = "cpu", .cache = ""};
+  options.progress = [](fascicle_phase phase, std::uint64_t done, std::uint64_t) {
+    return phase != FASCICLE_PHASE_LEAD_IN || done < 2;
+  };
+  EXPECT_THROW((void)fascicle::bake(scene, options), fascicle::error);
+  options.progress = {};
+  options.resume = true;
+  const fascicle::bake_result bake = fascicle::bake(scene, options);
+  solver.start_clip();
+  for (std::uint64_t frame = 1; frame <= scene.frame_count(); ++frame) solver.step_clip();
+  EXPECT_EQ(solver.position_hash(), bake.position_hash()) << "the lead-in is the bake's";
 }
 
 TEST(Steps, TheSurfaceIsInTheWorldInMetres) {

@@ -12,7 +12,9 @@ mkdir "$root/packages"
 cp "$packages"/*.deb "$root/packages"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 inside() {
-  chroot "$root" /bin/sh -euc "export DEBIAN_FRONTEND=noninteractive LC_ALL=C; cd /tmp; $1"
+  # Nothing of this machine's environment, such as a compiler launcher, is there.
+  env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C DEBIAN_FRONTEND=noninteractive \
+    chroot "$root" /bin/sh -euc "cd /tmp; $1"
 }
 install="apt-get install -y -qq --no-install-recommends"
 bar="bar-layers-i"
