@@ -136,6 +136,14 @@ bool must_wait(const KernelAccess& next, FieldSet read, FieldSet written) {
          !(with_both_skins(next.writes) & with_both_skins(read)).empty();
 }
 
+namespace {
+
+void append(std::vector<Step>& steps, std::initializer_list<Step> more) {
+  for (const Step& step : more) steps.push_back(step);
+}
+
+}  // namespace
+
 SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool for_probe) {
   SubstepPlan plan;
   std::vector<Step> begin;
@@ -148,9 +156,9 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
     // Ties reach anywhere. What follows them is a block of its own, which can be swept.
     if (model.has_ties()) plan.push_back({.steps = std::exchange(begin, {})});
     if (for_probe)
-      begin.insert(begin.end(), {predict, region, goal, integrate});
+      append(begin, {predict, region, goal, integrate});
     else
-      begin.insert(begin.end(), {region, {Kernel::update, Stage::integrate}});
+      append(begin, {region, {Kernel::update, Stage::integrate}});
     plan.push_back({.steps = std::move(begin)});
     return plan;
   }
@@ -159,7 +167,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
   plan.push_back({.steps = std::move(begin)});
   Block iterations{Block::Repeat::iterations, options.iterations, {region}};
   if (for_probe)
-    iterations.steps.insert(iterations.steps.end(), {goal, {Kernel::relax, Stage::relax}});
+    append(iterations.steps, {goal, {Kernel::relax, Stage::relax}});
   else
     iterations.steps.push_back({Kernel::iterate, Stage::relax});
   plan.push_back(std::move(iterations));

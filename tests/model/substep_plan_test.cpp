@@ -93,7 +93,7 @@ TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
   const auto swept = [](const BarOptions& options, std::size_t block) {
     model::SolverOptions solver;
     if (options.implicit) solver.integrator = model::Integrator::implicit_step;
-    return swept_steps(substep_plan(make_bar(options), solver, false).at(block));
+    return model::swept_steps(substep_plan(make_bar(options), solver, false).at(block));
   };
   const auto whole = swept({.skeleton = true}, 0);
   ASSERT_TRUE(whole);
@@ -108,7 +108,7 @@ TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
   EXPECT_FALSE(swept({.skeleton = true, .ties = true}, 0));
   EXPECT_TRUE(swept({.skeleton = true, .ties = true}, 1));
   EXPECT_FALSE(swept({.implicit = true, .limits = true}, 2));
-  EXPECT_FALSE(swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));
+  EXPECT_FALSE(model::swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));
 }
 
 }  // namespace
