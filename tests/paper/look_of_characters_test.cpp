@@ -25,7 +25,7 @@ double worst_look(const char* file, const scene::SceneOverrides& overrides) {
                 [&](const model::Model& model, const scene::Character& character, const model::Frame& frame) {
                   if (!look) {
                     body = bake::look_body(model, &character);
-                    look = std::make_unique<bake::Look>(model, body, scene.fps);
+                    look = std::make_unique<bake::Look>(model, body, scene::Scene{}.fps);
                   }
                   worst = std::max(worst, look->of(frame).worst().score);
                 });
