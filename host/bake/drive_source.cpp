@@ -259,6 +259,19 @@ model::State DriveSource::initial_state() const {
   return started(model::initial_state(impl.model, bones, array_of(origin)));
 }
 
+model::State DriveSource::state_on_skeleton(std::uint64_t frame) const {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return initial_state();
+  const Vector3d origin = impl.origin(frame * impl.substeps);
+  std::vector<shader::Bone> at, after;
+  impl.append_bones(impl.timeline->pose(frame * impl.substeps), origin, at);
+  impl.append_bones(impl.timeline->pose(frame * impl.substeps + 1), origin, after);
+  model::State state = model::initial_state(impl.model, at, array_of(origin));
+  state = model::carried(impl.model, state, impl.h(), {0, array_of(origin), at, at, at, after});
+  state.frame = frame;
+  return state;
+}
+
 std::vector<DriveSource::Thrown> DriveSource::thrown() {
   Impl& impl = *impl_;
   std::vector<Thrown> worst;
@@ -286,29 +299,28 @@ double DriveSource::acceleration_limit() const {
   return impl_->felt ? impl_->felt->limit() : 0.0;
 }
 
-void DriveSource::for_each_throw(
-    const std::function<void(std::uint64_t, const std::vector<Vector3d>&)>& visit) {
+void DriveSource::for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit) {
   Impl& impl = *impl_;
   if (!impl.timeline) return;
   const auto& skeleton = std::get<scene::Character>(impl.scene.geometry).skeleton;
   const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
-  std::vector<Vector3d> thrown(skeleton.size());
+  std::vector<Throw> thrown(skeleton.size());
   for (std::uint64_t count = 1; count <= last; ++count) {
     const Pose& to = impl.timeline->pose(count);
     const bool accelerates = impl.accelerates(count);
     for (std::size_t j = 0; j < thrown.size(); ++j) {
-      thrown[j] = Vector3d::Zero();
+      thrown[j] = {};
       if (!impl.felt->has_flesh(j)) continue;
-      thrown[j] = impl.scene.motion.rest == scene::Rest::sculpted
-                      ? change_of_gravity(to[j] * skeleton[j].inverse_bind, impl.scene.gravity)
-                      : impl.scene.gravity;
+      thrown[j].gravity = impl.scene.motion.rest == scene::Rest::sculpted
+                              ? change_of_gravity(to[j] * skeleton[j].inverse_bind, impl.scene.gravity)
+                              : impl.scene.gravity;
       if (!accelerates) continue;
       const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1);
       const double most = impl.felt->of_joint(j, before, at, to, impl.h());
       const double felt = most > impl.felt->limit() ? impl.felt->limit() / most : 1.0;
-      thrown[j] -= felt * impl.felt->in_middle(j, before, at, to, impl.h());
+      thrown[j].inertia = -felt * impl.felt->in_middle(j, before, at, to, impl.h());
     }
-    visit(count, thrown);
+    visit(thrown);
   }
 }
 

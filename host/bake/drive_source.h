@@ -25,6 +25,8 @@ class DriveSource {
   // The state before frame 1 if the flesh follows the skeleton from the first pose on: skinned, and moving as
   // the clip begins to move.
   model::State initial_state() const;
+  // The state at the end of frame k, k >= 1 and not the last, if the flesh followed the skeleton up to there.
+  model::State state_on_skeleton(std::uint64_t frame) const;
   // The drive of frame k >= 1. Frames may be asked for in any order.
   model::Drive drive(std::uint64_t frame);
 
@@ -40,11 +42,13 @@ class DriveSource {
   std::vector<Thrown> thrown();
   double acceleration_limit() const;  // m/s^2; 0 without a skeleton
 
-  // What throws the flesh in the middle of each joint's, in one cycle of the clip: the skeleton's
-  // acceleration there turned round, within the bound on what flesh feels, and gravity as the rest shape
-  // feels it, m/s^2. visit(count, of_joint) at the end of each substep, counted from 1; 0 of joints without
-  // free flesh.
-  void for_each_throw(const std::function<void(std::uint64_t, const std::vector<scene::Vector3d>&)>& visit);
+  // What throws the flesh in the middle of each joint's, in one cycle of the clip, m/s^2: gravity as the rest
+  // shape feels it, and the skeleton's acceleration there turned round, within the bound on what flesh feels.
+  // visit(throws) at the end of each substep; both are 0 of joints without free flesh.
+  struct Throw {
+    scene::Vector3d gravity = scene::Vector3d::Zero(), inertia = scene::Vector3d::Zero();
+  };
+  void for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit);
 
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
   // the first pose. Nothing without a skeleton.

@@ -9,6 +9,7 @@
 
 #include "host/bake/felt_acceleration.h"
 #include "host/bake/look.h"
+#include "host/bake/look_report.h"
 #include "host/bake/points.h"
 #include "host/bake/text.h"
 
@@ -104,15 +105,22 @@ Column column_of(const model::Model& model, const std::vector<std::uint32_t>& ve
     column.share[k][model.layer_of(i)] += one;
     count[k] += 1.0;
   }
-  // A slice without vertices is as the one within.
-  for (std::size_t k = 0; k < slices; ++k) {
+  // A slice without vertices is as the one within; those below the first free vertex, an edge away from what
+  // follows the skeleton, are as that vertex's.
+  const auto first = static_cast<std::size_t>(
+      std::find_if(count.begin(), count.end(), [](double n) { return n > 0.0; }) - count.begin());
+  for (std::size_t k = first; k < slices; ++k) {
     if (count[k] > 0.0) {
       for (double& share : column.share[k]) share /= count[k];
       column.yield[k] /= count[k];
-    } else if (k > 0) {
+    } else {
       column.yield[k] = column.yield[k - 1];
       column.share[k] = column.share[k - 1];
     }
+  }
+  for (std::size_t k = 0; k < first; ++k) {
+    column.yield[k] = column.yield[first];
+    column.share[k] = column.share[first];
   }
   return column;
 }
@@ -214,9 +222,11 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
   const std::vector<Swing> swings = swings_of(model, look_body(model, character), h);
   if (swings.empty()) return std::nullopt;
   std::vector<std::vector<Vector3d>> throws(swings.size());
-  drives.for_each_throw([&](std::uint64_t, const std::vector<Vector3d>& of_joint) {
-    for (std::size_t k = 0; k < swings.size(); ++k)
-      throws[k].push_back(swings[k].felt * of_joint[swings[k].joint]);
+  drives.for_each_throw([&](const std::vector<DriveSource::Throw>& of_joint) {
+    for (std::size_t k = 0; k < swings.size(); ++k) {
+      const DriveSource::Throw& thrown = of_joint[swings[k].joint];
+      throws[k].push_back(thrown.gravity + swings[k].felt * thrown.inertia);
+    }
   });
   const auto swing_through = [&](std::size_t k, double stiffer) {
     const Swing& swing = swings[k];
@@ -260,6 +270,45 @@ std::string expected_look_warning(const scene::Scene& scene, const model::Model&
          " times stiffer layers would be enough (" +
          (model.is_implicit() ? "--softness, or " + layer + ".youngs_modulus" : layer + ".alpha") +
          "), or more damping, or a lower " + layer + ".inertia_scale";
+}
+
+std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried) {
+  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
+  return "frames " + number_text(tried.first + 1) + " to " + number_text(tried.last) +
+         " were tried before the bake, and look wrong: " +
+         look_warning(tried.cause, tried.worst, skeleton[tried.worst.joint].name, tried.frame,
+                      tried.frames_over);
+}
+
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, DriveSource& drives,
+                   model::Solver& solver, std::uint64_t frame) {
+  const auto frames_of = [&](double seconds) {
+    return static_cast<std::uint64_t>(std::ceil(seconds * scene.fps));
+  };
+  const std::uint64_t settling = frames_of(tried_before / 2.0), last_frame = scene::cycle_frames(scene);
+  TriedLook tried;
+  tried.first = frame > frames_of(tried_before) ? frame - frames_of(tried_before) : 0;
+  tried.last = std::min(frame + frames_of(tried_after), last_frame);
+  solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
+  const LookBody body = look_body(model, std::get_if<scene::Character>(&scene.geometry));
+  Look look(model, body, scene.fps);
+  for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
+    solver.submit(drives.drive(k), {.positions = true, .skinned = true});
+    const model::Frame seen = solver.collect();
+    // Flesh that begins on the skeleton has to find its place first.
+    if (tried.first > 0 && k <= tried.first + settling) {
+      look.remember(seen);
+      continue;
+    }
+    const LookScores scores = look.of(seen);
+    if (scores.worst().score > 1.0) ++tried.frames_over;
+    if (scores.worst().score <= tried.worst.score) continue;
+    tried.worst = scores.worst();
+    tried.cause = scores.cause();
+    tried.frame = k;
+  }
+  solver.load(drives.initial_state());
+  return tried;
 }
 
 }  // namespace fascicle::bake

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "host/bake/drive_source.h"
+#include "host/bake/look.h"
 #include "host/bake/look_body.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
@@ -36,5 +37,25 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
 // One line that names the layer, the joint and what helps.
 std::string expected_look_warning(const scene::Scene& scene, const model::Model& model,
                                   const ExpectedLook& expected);
+
+// The estimate knows of swinging alone. Where it comes near the limit, a few frames around the largest swing
+// are baked for a look at all that there is to see: skin that stretches, crosses itself or turns inside out.
+inline constexpr double least_tried_score = 0.25;
+inline constexpr double tried_before = 0.2, tried_after = 0.1;  // s, before and after that frame
+
+struct TriedLook {
+  std::uint64_t first = 0, last = 0;  // frames (first, last] were baked
+  LookScore worst;
+  LookMeasure cause = LookMeasure::stretch;
+  std::uint64_t frame = 0;  // of the worst score
+  std::uint64_t frames_over = 0;
+};
+
+// Of a look over the limit, one line: what was seen, where, and what helps.
+std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried);
+
+// Leaves the solver in the initial state. What it throws is the solver's.
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, DriveSource& drives,
+                   model::Solver& solver, std::uint64_t frame);
 
 }  // namespace fascicle::bake

@@ -61,17 +61,19 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
       seen = "the skin at " + at + " is stretched to " + value + " times what skinning does";
       help =
           "skin that should part may be grown together there, or the flesh is too soft: try a larger "
-          "--cage-detail, or raise youngs_modulus of its layer";
+          "--cage-detail, or make its layer stiffer (a lower --softness)";
       break;
     case LookMeasure::crossing:
       seen = value + " triangles, most at " + at + ", cross others that skinning keeps apart";
-      help = "the flesh is too soft for this motion: raise youngs_modulus of its layer, or damping";
+      help =
+          "the flesh is too soft for this motion: make its layer stiffer (a lower --softness), or raise its "
+          "damping";
       break;
     case LookMeasure::distance:
       seen = "the skin at " + at + " is " + value + " of the body's thickness away from skinning";
       help =
           "no bone holds it, or its flesh is too soft: name the joint in [skeleton] bones or kinematic, or "
-          "raise youngs_modulus of its layer";
+          "make its layer stiffer (a lower --softness)";
       break;
     case LookMeasure::rigid:
       seen = "a part that only " + at + " moves is strained by " + value;
@@ -85,7 +87,9 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
       break;
     case LookMeasure::inverted:
       seen = value + " tetrahedra, most at " + at + ", are inside out";
-      help = "the flesh is too soft for this motion: raise youngs_modulus or volume of its layer";
+      help =
+          "the flesh is too soft for this motion: make its layer stiffer (a lower --softness), or raise its "
+          "volume";
       break;
   }
   return "look: frame " + number_text(frame) + ": " + seen + " (limit " + short_text(score.limit) + "; " +

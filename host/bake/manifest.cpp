@@ -118,6 +118,17 @@ Json json_of(const std::optional<ExpectedLook>& expected, const scene::Scene& sc
           {"stiffer", expected->stiffer}};
 }
 
+Json json_of(const std::optional<TriedLook>& tried, const scene::Scene& scene) {
+  if (!tried) return nullptr;
+  return {{"first", tried->first + 1},
+          {"last", tried->last},
+          {"score", tried->worst.score},
+          {"frame", tried->frame},
+          {"joint", std::get<scene::Character>(scene.geometry).skeleton[tried->worst.joint].name},
+          {"cause", name_of(tried->cause)},
+          {"frames_over", tried->frames_over}};
+}
+
 // What json_of wrote; what is not there, or of another type, stays as it is.
 LeadInSummary lead_in_of(const Json& json) {
   LeadInSummary led;
@@ -223,6 +234,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},
       {"look", json_of(progress.look)},
       {"expected_look", json_of(options.expected_look, scene, model)},
+      {"tried_look", json_of(options.tried_look, scene)},
       {"inputs", std::move(inputs)},
       {"model", json_of(model, hash)},
       {"warnings", warnings},

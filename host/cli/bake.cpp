@@ -79,15 +79,22 @@ std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& sc
          " morph targets of " + count_text(model.surface_count()) + " vertices";
 }
 
-std::string expected_look_text(const scene::Scene& scene, const std::optional<bake::ExpectedLook>& expected) {
+std::string expected_look_text(const scene::Scene& scene, const std::optional<bake::ExpectedLook>& expected,
+                               const std::optional<bake::TriedLook>& tried) {
   if (!expected) return "no free flesh on a skeleton";
-  return number_text(expected->score, 2) + " (1 is the limit), at joint \"" +
-         std::get<scene::Character>(scene.geometry).skeleton[expected->joint].name + "\" in frame " +
-         std::to_string(expected->frame);
+  if (expected->score <= 0.0) return "nothing swings it";
+  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
+  std::string text = "swing " + number_text(expected->score, 2) + " (1 is the limit), at joint \"" +
+                     skeleton[expected->joint].name + "\" in frame " + std::to_string(expected->frame);
+  if (tried)
+    text += "; frames " + std::to_string(tried->first + 1) + " to " + std::to_string(tried->last) +
+            " were tried: look " + number_text(tried->worst.score, 3) + ", " + name_of(tried->cause);
+  return text;
 }
 
 void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, const Built& built,
-                    const Simulation& simulation, const std::optional<bake::ExpectedLook>& expected) {
+                    const Simulation& simulation, const std::optional<bake::ExpectedLook>& expected,
+                    const std::optional<bake::TriedLook>& tried) {
   const std::uint64_t frames = scene::frame_count(scene);
   const double substep = measured_substep(scene, built.model, *simulation.solver);
   const double total = substep * static_cast<double>(frames) * scene.solver.substeps;
@@ -104,7 +111,7 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
                              {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats,
                                                                       arguments.glb))},
                              {"surface.glb", glb.empty() ? "not asked for" : glb},
-                             {"expected look", expected_look_text(scene, expected)},
+                             {"expected look", expected_look_text(scene, expected, tried)},
                              {"time", "about " + duration_text(total) + ", the writing beside it (" +
                                           number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
 }
@@ -147,9 +154,10 @@ void print_motion(const BakeArguments& arguments, const model::Model& model, con
     std::cout << "loop: " << led.cycles << " cycles before it; its end is at most "
               << number_text(*result.loop_jump * 1e3, 3) << " mm from its beginning\n";
   if (result.look && result.look->worst > 0.0)
-    std::cout << "look " << number_text(result.look->worst, 2) << " (1 is the limit): worst in frame "
+    std::cout << "look " << number_text(result.look->worst, 3) << " (1 is the limit): worst in frame "
               << result.look->frame << " at joint \"" << result.look->joint << "\", " << result.look->cause
-              << "; " << result.look->frames_over << " frames over\n";
+              << "; " << result.look->frames_over << (result.look->frames_over == 1 ? " frame" : " frames")
+              << " over\n";
   for (const bake::PeakLag& peak : bake::peak_lags(arguments.folder, model))
     std::cout << "peak lag of " << peak.layer << ": " << number_text(peak.lag * 1e3, 3) << " mm in frame "
               << peak.frame << "\n";
@@ -201,7 +209,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
   const PreparedBake& prepared = *made;
   if (arguments.dry_run) {
-    print_estimate(arguments, prepared.scene, prepared.built, prepared.simulation, prepared.expected);
+    print_estimate(arguments, prepared.scene, prepared.built, prepared.simulation, prepared.expected,
+                   prepared.tried);
     return ExitCode::done;
   }
 

@@ -98,6 +98,13 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   device.keeps_pipelines = !request.build.cache.empty();
   device.cache = request.build.cache;
   prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
+  if (prepared.expected && prepared.expected->score >= bake::least_tried_score &&
+      prepared.expected->score <= 1.0) {
+    bake::DriveSource drives(scene, built.model);
+    prepared.tried =
+        bake::try_look(scene, built.model, drives, *prepared.simulation.solver, prepared.expected->frame);
+    if (prepared.tried->worst.score > 1.0) warn(bake::tried_look_warning(scene, *prepared.tried));
+  }
   prepared.scene = std::move(scene);
   return made;
 }
@@ -116,6 +123,7 @@ bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& reque
     options.warnings.push_back(warning.text);
   options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
   options.expected_look = prepared.expected;
+  options.tried_look = prepared.tried;
   options.open_ends = open_ends_of(prepared.built.report);
   options.interrupted = request.interrupted;
   options.on_frame = request.on_frame;
