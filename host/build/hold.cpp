@@ -21,7 +21,7 @@ using scene::SurfaceMesh;
 using scene::TetMesh;
 using scene::Vector3d;
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_neighbour = std::numeric_limits<std::uint32_t>::max();
 constexpr int most_passes = 12;
 constexpr int most_halvings = 6;
 constexpr int most_rounds = 40;
@@ -47,7 +47,8 @@ std::vector<std::array<std::uint32_t, 4>> neighbours(const TetMesh& mesh) {
   std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
     return std::tie(a.corners, a.tetrahedron) < std::tie(b.corners, b.tetrahedron);
   });
-  std::vector<std::array<std::uint32_t, 4>> across(mesh.tetrahedra.size(), {none, none, none, none});
+  std::vector<std::array<std::uint32_t, 4>> across(mesh.tetrahedra.size(),
+                                                   {no_neighbour, no_neighbour, no_neighbour, no_neighbour});
   for (std::size_t k = 1; k < faces.size(); ++k) {
     const Face &a = faces[k - 1], &b = faces[k];
     if (a.corners != b.corners) continue;
@@ -187,7 +188,7 @@ class Holder {
     for (const std::uint32_t i : around(v)) {
       const auto& t = mesh_.tetrahedra[i];
       for (std::size_t k = 0; k < 4; ++k) {
-        if (across_[i][k] != none) continue;
+        if (across_[i][k] != no_neighbour) continue;
         const std::array<std::uint32_t, 3> face{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]};
         const SurfacePoint place = nearest_on_triangle(point, mesh_.vertices[face[0]],
                                                        mesh_.vertices[face[1]], mesh_.vertices[face[2]]);
