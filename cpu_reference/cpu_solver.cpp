@@ -242,7 +242,13 @@ class CpuSolver : public model::Solver {
     });
   }
 
-  bool is_swept(const Block& block) const { return !sweeps_.empty() && swept_steps(block).has_value(); }
+  bool is_swept(const Block& block) const {
+    const auto is_in_lanes = [&](const model::Step& step) {
+      return code_of(step.kernel, model_.is_implicit()).in_lanes != nullptr;
+    };
+    return !sweeps_.empty() && swept_steps(block) &&
+           std::all_of(block.steps.begin(), block.steps.end(), is_in_lanes);
+  }
 
   // A block's steps as a pass of a sweep.
   Pass pass_of(const Block& block, const SubstepInput& in) {

@@ -295,6 +295,9 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, DriveSo
   for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});
     const model::Frame seen = solver.collect();
+    // What diverges is the bake's to tell.
+    if (!std::all_of(seen.positions.begin(), seen.positions.end(), [](float x) { return std::isfinite(x); }))
+      break;
     // Flesh that begins on the skeleton has to find its place first.
     if (tried.first > 0 && k <= tried.first + settling) {
       look.remember(seen);

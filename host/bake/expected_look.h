@@ -1,5 +1,6 @@
-// An estimate of a bake's look before it is baked: how far the clip will swing the flesh of each joint.
-// `bake` warns where it is over the limit, and `--dry-run` prints it.
+// A bake's look before it is baked: an estimate of how far the clip will swing the flesh of each joint and,
+// where that comes near the limit, a few frames that are tried. `bake` warns where those look wrong, and
+// `--dry-run` prints both.
 //
 // Flesh on a bone is a column, as deep as the skin lies from what follows the skeleton, and its own weight
 // shears it. Under an acceleration a its skin moves by a c, c = integral of rho (D - s)/G over the depth s, G

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -65,12 +66,15 @@ void remove_file(const fs::path& path) {
 }
 
 constexpr const char* stage_name = "export.part";
+// In a stage, so that nobody's own folder of that name is taken for one.
+constexpr const char* stage_mark = ".fascicle-export";
 
 // What is not an export's stays, and the folder with it.
 void remove_stage(const fs::path& folder) {
   const fs::path stage = folder / stage_name;
-  if (!fs::is_directory(fs::symlink_status(stage))) return;
+  if (!fs::is_directory(fs::symlink_status(stage)) || !fs::exists(stage / stage_mark)) return;
   remove_files(stage, all_file_names());
+  remove_file(stage / stage_mark);
   std::error_code not_empty;
   fs::remove(stage, not_empty);
 }
@@ -84,7 +88,8 @@ FolderLock::FolderLock(const fs::path& folder) {
   // File systems without locks answer something else; there the folder is used unlocked.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(descriptor_);
-    throw BakeError(folder.string() + ": another bake is writing there; wait for it or choose another -o");
+    throw BakeError(folder.string() +
+                    ": another fascicle is writing there; wait for it or choose another -o");
   }
 }
 
@@ -132,7 +137,13 @@ void remove_files(const fs::path& folder, const std::vector<std::string>& files)
 
 ExportStage::ExportStage(const fs::path& folder) : folder_(folder), path_(folder / stage_name) {
   remove_stage(folder_);
+  // An empty one is of an export that was killed as it began.
+  const bool is_empty = fs::is_directory(fs::symlink_status(path_)) && fs::is_empty(path_);
+  if (!is_empty && fs::exists(fs::symlink_status(path_)))
+    throw BakeError(path_.string() + ": is there, and holds what no export made; move it away");
   fs::create_directory(path_);
+  std::ofstream mark(path_ / stage_mark);
+  if (!mark.flush()) throw BakeError(path_.string() + ": cannot be written to");
 }
 
 ExportStage::~ExportStage() {
@@ -165,11 +176,18 @@ void ExportStage::move_up(const std::vector<std::string>& files) {
 void refuse_foreign(const fs::path& folder, const std::vector<std::string>& files) {
   // What a bake leaves that is stopped while it writes its first file.
   const fs::path first_temporary = folder / (std::string(manifest_name) + temporary_suffix);
+  const auto manifest = read_manifest(folder);
+  const auto is_listed = [&](const std::string& entry) {
+    return manifest &&
+           std::find(manifest->files.begin(), manifest->files.end(), entry) != manifest->files.end();
+  };
   for (const std::string& entry : files)
     for (const fs::path& path : existing(folder, entry))
       if (path != first_temporary)
         throw BakeError(path.string() +
-                        ": would be overwritten, and no bake made it; move it or choose another -o");
+                        (is_listed(entry)
+                             ? ": is there already; --overwrite replaces it"
+                             : ": would be overwritten, and no bake made it; move it or choose another -o"));
 }
 
 }  // namespace fascicle::bake

@@ -27,7 +27,8 @@ namespace fascicle::bake {
 // jump      how much skin's speed relative to skinning changes from one frame to the next, by the body's
 //           thickness: |d(k) - 2 d(k-1) + d(k-2)|, of the worst joint half of its skin. 0 in frames 0 and 1.
 //           A change of velocity moves skin by it times the length of a frame, so below 60 frames a second
-//           the limit grows with that length.
+//           the limit grows with that length; above, it stays, and a change that takes two frames counts
+//           half.
 // inverted  tetrahedra that are inside out; the limit is 1.2 times those that skinning turns, and a few.
 enum class LookMeasure { stretch, crossing, distance, rigid, jump, inverted };
 inline constexpr std::size_t look_measures = 6;

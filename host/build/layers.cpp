@@ -10,6 +10,7 @@ namespace fascicle::build {
 
 namespace {
 
+constexpr std::size_t fewest_worth_simulating = 100;  // vertices
 constexpr std::uint32_t no_layer = std::numeric_limits<std::uint32_t>::max();
 
 void check_layers_used(const scene::Scene& scene, const std::vector<std::uint32_t>& layer, Report& report) {
@@ -25,6 +26,16 @@ void check_layers_used(const scene::Scene& scene, const std::vector<std::uint32_
                              "ask for a finer mesh");
     warn_of_flesh(report, key + ": holds no vertex");
   }
+}
+
+// A wish to simulate a joint whose skin is narrower than the mesh's edges leaves next to nothing to simulate.
+void check_only(const scene::Scene& scene, const std::vector<char>& kinematic, Report& report) {
+  const std::vector<std::string>& only = scene.skeleton.only;
+  const auto free = static_cast<std::size_t>(std::count(kinematic.begin(), kinematic.end(), 0));
+  if (only.empty() || free >= fewest_worth_simulating) return;
+  warn(report, "skeleton.only: only " + std::to_string(free) + " of " + std::to_string(kinematic.size()) +
+                   " vertices are simulated; name the joint above " + only.front() +
+                   ", or ask for a finer mesh (--resolution)");
 }
 
 bool is_painted(const scene::Shape& shape) {
@@ -199,6 +210,7 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& mea
     for (std::size_t i = 0; i < inside.size(); ++i)
       if (inside[i]) result.kinematic[i] = 1;
   }
+  check_only(scene, result.kinematic, report);
   return result;
 }
 

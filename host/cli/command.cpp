@@ -47,7 +47,7 @@ void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
   subcommand
       .add_option("--glb-compress", glb.compress,
                   "glb: for viewers on the web, quantise so that no vertex moves by more than M metres, and "
-                  "compress (EXT_meshopt_compression, which Blender does not read); 0.0001 is a good start")
+                  "compress (EXT_meshopt_compression, which Blender does not read); 0.0005 is a good start")
       ->check(CLI::PositiveNumber.description(""))
       ->option_text("M");
 }

@@ -201,6 +201,7 @@ std::optional<SweptSteps> swept_steps(const Block& block) {
   }
   const KernelAccess &of_region = access_of(region), &of_move = access_of(move);
   // Each takes of its neighbours what the other leaves them, and nothing else.
+  if (of_region.ring.empty() || of_move.ring.empty()) return std::nullopt;
   if (!of_region.ring.without(of_move.writes).empty() || !of_move.ring.without(of_region.writes).empty())
     return std::nullopt;
   // What comes before both is run with `move`, after the region's map of the same pass.

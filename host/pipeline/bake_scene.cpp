@@ -92,18 +92,19 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   say_warnings(built.report, say);
   warn(warning_of_throws(scene, built.model));
   prepared.expected = expected_look_of(scene, built.model);
-  if (prepared.expected && prepared.expected->score > 1.0)
-    warn(bake::expected_look_warning(scene, built.model, *prepared.expected));
   DeviceRequest device = request.device;
   device.keeps_pipelines = !request.build.cache.empty();
   device.cache = request.build.cache;
   prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
-  if (prepared.expected && prepared.expected->score >= bake::least_tried_score &&
-      prepared.expected->score <= 1.0) {
+  if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
     bake::DriveSource drives(scene, built.model);
     prepared.tried =
         bake::try_look(scene, built.model, drives, *prepared.simulation.solver, prepared.expected->frame);
-    if (prepared.tried->worst.score > 1.0) warn(bake::tried_look_warning(scene, *prepared.tried));
+    // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
+    if (prepared.tried->worst.score > 1.0)
+      warn(prepared.expected->score > 1.0
+               ? bake::expected_look_warning(scene, built.model, *prepared.expected)
+               : bake::tried_look_warning(scene, *prepared.tried));
   }
   prepared.scene = std::move(scene);
   return made;

@@ -41,7 +41,7 @@ struct PreparedBake {
   scene::Scene scene;  // with the substeps that were chosen
   Built built;
   std::optional<bake::ExpectedLook> expected;
-  std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit
+  std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit or is over it
   std::vector<std::string> warnings;     // for the manifest; they have been said
   std::uint64_t first_number = 0;        // of frame 0
   Simulation simulation;

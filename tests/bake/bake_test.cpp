@@ -225,7 +225,7 @@ TEST(BakeFolder, IsHeldByOneBakeAtATime) {
     message = message_of<BakeError>([&] { fake_bake_into(second, short_scene(2)); });
   };
   EXPECT_EQ(fake_bake_into(options, short_scene(4)).frames_done, 4u);
-  EXPECT_TRUE(contains(message, "another bake is writing there"));
+  EXPECT_TRUE(contains(message, "another fascicle is writing there"));
 }
 
 // The limit on a file's size stands for the full disk: both make write() fall short.

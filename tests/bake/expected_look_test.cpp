@@ -108,6 +108,37 @@ TEST(ExpectedLook, SaysHowMuchStifferWouldDo) {
   EXPECT_EQ(expected(elastic_bar(1e5)).stiffer, 1.0);
 }
 
+// Gravity pulls at flesh that feels nothing of the skeleton too: the bar falls over while it is thrown.
+TEST(ExpectedLook, GivesGravityItsFullWeight) {
+  BendingBar bar = elastic_bar(2e4, 60.0);
+  bar.model.carried.assign(bar.model.vertex_count, 1.0f);
+  EXPECT_EQ(expected(bar).score, 0.0);
+  // As a shape at rest without gravity feels it.
+  bar.scene.motion.rest = scene::Rest::weightless;
+  bar.scene.gravity = Vector3d(0, -acceleration, 0);
+  EXPECT_NEAR(expected(bar).score, expected(elastic_bar(2e4, 60.0)).score, 0.1 * expected(bar).score);
+}
+
+// A few frames that begin on the skeleton tell what the whole bake does there.
+TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
+  for (const double youngs_modulus : {500.0, 3e4}) {
+    const BendingBar bar = elastic_bar(youngs_modulus);
+    const auto solver =
+        cpu_reference::make_cpu_solver(bar.model, {.integrator = model::Integrator::implicit_step}, 2);
+    bake::DriveSource drives(bar.scene, bar.model);
+    const std::uint64_t frame = scene::cycle_frames(bar.scene) / 2;
+    const bake::TriedLook tried = bake::try_look(bar.scene, bar.model, drives, *solver, frame);
+    EXPECT_LT(tried.first, frame);
+    EXPECT_GT(tried.last, frame);
+    EXPECT_EQ(tried.worst.score > 1.0, measured(bar) > 1.0) << youngs_modulus;
+    EXPECT_EQ(tried.frames_over > 0, tried.worst.score > 1.0);
+    if (tried.worst.score > 1.0) {
+      EXPECT_NE(bake::tried_look_warning(bar.scene, tried).find("tried before the bake"), std::string::npos);
+    }
+    EXPECT_EQ(solver->save().positions, drives.initial_state().positions) << "left as it was found";
+  }
+}
+
 TEST(ExpectedLook, AsksFreeFleshAndASkeleton) {
   BendingBar bar = elastic_bar(1e4);
   for (std::uint32_t i = 0; i < bar.model.vertex_count; ++i) make_kinematic(bar.model, i);

@@ -203,11 +203,26 @@ TEST_P(ExportOver, FailedLeavesTheEarlierOne) {
   EXPECT_FALSE(fs::exists(target() / "export.part"));
 }
 
+// A folder of that name that no export made is somebody's own.
+TEST_P(ExportOver, LeavesAFolderOfItsStagesNameAlone) {
+  fs::create_directories(target() / "export.part");
+  write_text(target() / "export.part/surface.abc", "precious");
+  EXPECT_NE(refusal([&] { bake::export_bake(options_); }).find("holds what no export made"),
+            std::string::npos);
+  EXPECT_EQ(read_text(target() / "export.part/surface.abc"), "precious");
+  // Nor is a link of that name followed.
+  fs::rename(target() / "export.part", target() / "own");
+  fs::create_symlink(target() / "own", target() / "export.part");
+  EXPECT_NE(refusal([&] { bake::export_bake(options_); }).find("move it away"), std::string::npos);
+  EXPECT_EQ(read_text(target() / "own/surface.abc"), "precious");
+}
+
 TEST_P(ExportOver, ReplacesTheEarlierOneWhole) {
   // What a killed one left goes too.
   fs::create_directories(target() / "export.part/obj");
   write_text(target() / "export.part/obj/frame_000001.obj", "half");
   write_text(target() / "export.part/surface.glb.targets.part", "half");
+  write_text(target() / "export.part/.fascicle-export", "");
   bake::export_bake(options_);
   EXPECT_EQ(read_text(target() / "obj/mine.obj"), "precious");
   fs::remove(target() / "obj/mine.obj");

@@ -29,6 +29,26 @@ TEST_P(MadeScenes, AreBuiltWithoutAWarning) {
   EXPECT_LT(report.vertices, 12000u);
 }
 
+// A wish that leaves next to nothing to simulate is told; one that leaves a forearm is not.
+TEST(OnlyWarning, SaysHowLittleIsSimulated) {
+  const auto said_of = [](const std::string& joint) {
+    scene::Scene scene = scene::load_scene("arm");
+    scene.skeleton.only = {joint};
+    scene.body.vertices = 1200;
+    scene.probes.clear();
+    scene.muscles.clear();
+    build::Report report;
+    build::build_model(scene, report, with_mesher());
+    for (const build::Warning& warning : report.warnings)
+      if (warning.text.find("vertices are simulated") != std::string::npos) return warning.text;
+    return std::string();
+  };
+  const std::string of_hand = said_of("hand");
+  EXPECT_NE(of_hand.find("skeleton.only: only "), std::string::npos) << of_hand;
+  EXPECT_NE(of_hand.find("joint above hand"), std::string::npos) << of_hand;
+  EXPECT_EQ(said_of("upper_arm"), "");
+}
+
 // An arm as long as a house: the warning says how long, in metres, whatever the working unit.
 TEST(SizeWarning, SaysHowLongTheCharacterIs) {
   scene::Scene scene = scene::load_scene("arm");

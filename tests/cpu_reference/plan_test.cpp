@@ -282,6 +282,72 @@ TEST(SubstepPlanOnTheCpu, KernelsTouchNothingElse) {
   }
 }
 
+// The vertices whose written numbers change where one vertex has NaN in a field.
+std::vector<std::uint32_t> reached_from(Kernel kernel, Field field, std::uint32_t vertex, const PlanCase& c) {
+  cpu::Fields sound = c.fields(), poisoned = c.fields();
+  const Place place = place_of(poisoned, field, c.model);
+  for (std::size_t k = 0; k < place.width; ++k)
+    place.first[vertex * place.stride + k] = std::numeric_limits<float>::quiet_NaN();
+  c.run(kernel, sound);
+  c.run(kernel, poisoned);
+  std::vector<std::uint32_t> reached;
+  for (std::uint32_t i = 0; i < c.model.vertex_count; ++i)
+    for (const Field written : all_fields()) {
+      const Place a = place_of(sound, written, c.model), b = place_of(poisoned, written, c.model);
+      if (a.count != c.model.vertex_count || (written == field && i == vertex)) continue;
+      if (std::memcmp(a.first + i * a.stride, b.first + i * b.stride, 4 * a.width) == 0) continue;
+      reached.push_back(i);
+      break;
+    }
+  return reached;
+}
+
+// What a row says is read at a vertex's own item alone, or within its one-ring, is read nowhere else. Sweeps,
+// and that the items of a kernel may run in any order, rest on it.
+TEST(SubstepPlanOnTheCpu, ReadsReachNoFurtherThanTheScheduleSays) {
+  std::size_t own_seen = 0, ring_seen = 0;
+  for (const bool implicit : {false, true}) {
+    const PlanCase c(implicit);
+    for (const Kernel kernel : kernels_of_case(c)) {
+      const model::KernelAccess& access = access_of(kernel);
+      if (access.items != model::KernelItems::vertices) continue;
+      for (const Field field : all_fields()) {
+        cpu::Fields fields = c.fields();
+        if (access.any.has(field) || place_of(fields, field, c.model).count != c.model.vertex_count) continue;
+        SCOPED_TRACE(std::string(access.name) + " reads " + std::string(name_of(field)));
+        for (std::uint32_t vertex = 0; vertex < c.model.vertex_count; vertex += 5) {
+          const auto first = c.model.ring.begin() + c.model.ring_offset[vertex];
+          const auto last = c.model.ring.begin() + c.model.ring_offset[vertex + 1];
+          for (const std::uint32_t i : reached_from(kernel, field, vertex, c)) {
+            if (i == vertex) {
+              ++own_seen;
+              continue;
+            }
+            EXPECT_TRUE(access.ring.has(field)) << "of another vertex";
+            EXPECT_NE(std::find(first, last, i), last) << "beyond the one-ring";
+            ++ring_seen;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(own_seen, 100u);
+  EXPECT_GT(ring_seen, 100u);
+}
+
+// The control: ties reach further, which the same look at them shows.
+TEST(SubstepPlanOnTheCpu, TheReachOfTiesIsSeen) {
+  const PlanCase c(false);
+  bool is_beyond = false;
+  for (std::uint32_t vertex = 0; vertex < c.model.vertex_count; ++vertex)
+    for (const std::uint32_t i : reached_from(Kernel::tie, Field::position, vertex, c)) {
+      const auto first = c.model.ring.begin() + c.model.ring_offset[vertex];
+      const auto last = c.model.ring.begin() + c.model.ring_offset[vertex + 1];
+      is_beyond = is_beyond || (i != vertex && std::find(first, last, i) == last);
+    }
+  EXPECT_TRUE(is_beyond);
+}
+
 // The check itself: a kernel held against another's row must differ.
 TEST(SubstepPlanOnTheCpu, TheCheckSeesWhatIsMissing) {
   const PlanCase c(true);

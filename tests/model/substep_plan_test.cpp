@@ -108,6 +108,7 @@ TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
   EXPECT_FALSE(swept({.skeleton = true, .ties = true}, 0));
   EXPECT_TRUE(swept({.skeleton = true, .ties = true}, 1));
   EXPECT_FALSE(swept({.implicit = true, .limits = true}, 2));
+  EXPECT_FALSE(swept({.skeleton = true, .implicit = true}, 0)) << "skin and predict reach no ring";
   EXPECT_FALSE(model::swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cpu_reference/cpu_solver.h"
 #include "host/bake/drive_source.h"
 #include "host/bake/expected_look.h"
 #include "host/bake/look.h"
@@ -43,21 +44,39 @@ TEST(LookOfCharacters, AFrogThatLeapsKeepsItsShape) {
             2.0);
 }
 
-// A wish that its clip does not bear is said before the bake, and the default is not.
-TEST(LookOfCharacters, AFrogTooSoftForItsLeapIsExpected) {
+// What is known of a wish before the bake: the estimate, and what the frames that are tried look like.
+struct Foreseen {
+  double swing = 0.0, tried = 0.0;
+};
+
+Foreseen foreseen(const char* file, const char* clip, double softness) {
+  scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
+  const model::Model model = built(scene);
+  bake::DriveSource drives(scene, model);
+  const bake::ExpectedLook expected = bake::expected_look(scene, model, drives).value();
+  const auto solver = cpu_reference::make_cpu_solver(model, {.integrator = model::Integrator::implicit_step});
+  return {expected.score, bake::try_look(scene, model, drives, *solver, expected.frame).worst.score};
+}
+
+// A wish that its clip does not bear is said before the bake, and the default is not. By default the frog's
+// skin is at worst 0.77 of the limit from skinning; at softness 2 it was 1.39, over in 5 frames.
+TEST(LookOfCharacters, AFrogTooSoftForItsLeapIsForeseen) {
   FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
-  const auto expected = [](double softness) {
-    scene::Scene scene =
-        scene::load_scene(asset("easy_enemies_Frog.glb").string(), {.clip = "Attack", .softness = softness});
-    const model::Model model = built(scene);
-    bake::DriveSource drives(scene, model);
-    return bake::expected_look(scene, model, drives).value().score;
-  };
-  const double by_default = expected(1.0);
-  EXPECT_LT(by_default, 1.0);
-  // What its back is then measured to swing: 0.77.
-  EXPECT_GT(by_default, 0.5 * 0.77);
-  EXPECT_GT(expected(2.0), 1.0);
+  const Foreseen by_default = foreseen("easy_enemies_Frog.glb", "Attack", 1.0);
+  EXPECT_NEAR(by_default.swing, 0.77, 0.5 * 0.77);
+  EXPECT_NEAR(by_default.tried, 0.77, 0.1 * 0.77);
+  const Foreseen softer = foreseen("easy_enemies_Frog.glb", "Attack", 2.0);
+  EXPECT_GT(softer.swing, 1.0);
+  EXPECT_GT(softer.tried, 1.0);
+}
+
+// The estimate knows nothing of skin that stretches at the hocks (2.9 in the whole bake), the trial does.
+TEST(LookOfCharacters, ABullTooSoftForItsGallopIsForeseen) {
+  FASCICLE_NEEDS_ASSET(asset("animals_pack_Bull.glb"));
+  const Foreseen softer = foreseen("animals_pack_Bull.glb", "Gallop_Jump", 8.0);
+  EXPECT_GE(softer.swing, bake::least_tried_score);
+  EXPECT_LT(softer.swing, 1.0);
+  EXPECT_GT(softer.tried, 1.5);
 }
 
 // Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. As free
