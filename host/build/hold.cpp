@@ -31,26 +31,26 @@ constexpr double least_volume_left = 0.05;
 
 // The tetrahedron across from each corner, or none.
 std::vector<std::array<std::uint32_t, 4>> neighbours(const TetMesh& mesh) {
-  struct Face {
+  struct OwnFace {
     std::array<std::uint32_t, 3> corners;
     std::uint32_t tetrahedron, corner;
   };
-  std::vector<Face> faces;
+  std::vector<OwnFace> faces;
   faces.reserve(4 * mesh.tetrahedra.size());
   for (std::uint32_t i = 0; i < mesh.tetrahedra.size(); ++i)
     for (std::uint32_t k = 0; k < 4; ++k) {
       const auto& t = mesh.tetrahedra[i];
-      Face face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, i, k};
+      OwnFace face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, i, k};
       std::sort(face.corners.begin(), face.corners.end());
       faces.push_back(face);
     }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+  std::sort(faces.begin(), faces.end(), [](const OwnFace& a, const OwnFace& b) {
     return std::tie(a.corners, a.tetrahedron) < std::tie(b.corners, b.tetrahedron);
   });
   std::vector<std::array<std::uint32_t, 4>> across(mesh.tetrahedra.size(),
                                                    {no_neighbour, no_neighbour, no_neighbour, no_neighbour});
   for (std::size_t k = 1; k < faces.size(); ++k) {
-    const Face &a = faces[k - 1], &b = faces[k];
+    const OwnFace &a = faces[k - 1], &b = faces[k];
     if (a.corners != b.corners) continue;
     across[a.tetrahedron][a.corner] = b.tetrahedron;
     across[b.tetrahedron][b.corner] = a.tetrahedron;
