@@ -77,7 +77,7 @@ bake::Pose pose_of(const double* joints, std::size_t joint_count) {
         if (!std::isfinite(x)) throw BadArgument("joint " + std::to_string(j) + " of the pose is not finite");
         pose[j](row, column) = x;
       }
-  constexpr double rounding = 1e-6;  // of maps that were mixed or inverted, also in floats; a place is larger
+  constexpr double rounding = 1e-6;  // of maps that were mixed or inverted, also in floats
   for (std::size_t j = 0; j < joint_count; ++j)
     if ((pose[j].row(3) - Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)).cwiseAbs().maxCoeff() > rounding)
       throw BadArgument("joint " + std::to_string(j) +

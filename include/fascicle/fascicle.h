@@ -20,26 +20,27 @@
  *
  * Conventions, which hold for every function below:
  *
- *   Units      Metres, kilograms, seconds, radians; right-handed, Y up. A solver's own arrays are in working
- *              units: fascicle_frame says how many metres one is.
+ *   Units      Metres, kilograms, seconds, radians; right-handed, Y up. A solver's own arrays are
+ *              in working units: fascicle_frame says how many metres one is.
  *
- *   Errors     What can fail returns a status. On failure outputs are untouched, handles are set to NULL, and
- *              fascicle_last_message() says what, where and what to do. Nothing is ever thrown.
+ *   Errors     What can fail returns a status. On failure outputs are untouched, handles are set to
+ *              NULL, and fascicle_last_message() says what, where and what to do. Nothing is ever
+ *              thrown.
  *
- *   Ownership  What a function creates belongs to the caller, who gives it back with the matching _destroy,
- * in any order: a solver keeps what it needs of its model. _destroy takes NULL. Arguments are read during the
- * call and not kept. A pointer that is returned belongs to the handle it was asked of.
+ *   Ownership  What a function creates belongs to the caller, who gives it back with the matching
+ *              _destroy, in any order: a solver keeps what it needs of its model. _destroy takes
+ *              NULL. Arguments are read during the call and not kept. A pointer that is returned
+ *              belongs to the handle it was asked of.
  *
- *   Threads    Handles may be used on any thread. Scenes, models and finished bakes do not change and may be
- *              used by many threads at once; a solver, and a device while solvers are made on it, by one at a
- *              time. Functions return when their work is done; callbacks come on the thread that called,
- * while it is in the call.
+ *   Threads    Handles may be used on any thread. Scenes, models and finished bakes do not change
+ *              and may be used by many threads at once; a solver, and a device while solvers are
+ *              made on it, by one at a time. Functions return when their work is done; callbacks
+ *              come on the thread that called, while it is in the call. Meshing and converting run
+ *              programs of their own: leave SIGCHLD at its default, and do not wait for all
+ *              children, as wait() and waitpid(-1) do.
  *
- *   Children   Meshing and converting run programs of their own. Leave SIGCHLD at its default, and do not
- * wait for all children, as wait() and waitpid(-1) do.
- *
- *   Options    Make them with their _default(): it sets struct_size, by which a program goes on working with
- * a library that has more options. NULL stands for the defaults.
+ *   Options    Make them with their _default(): it sets struct_size, by which a program goes on
+ *              working with a library that has more options. NULL stands for the defaults.
  *
  *   Text       UTF-8, ends with 0.
  */
@@ -117,7 +118,7 @@ typedef struct fascicle_scene_options {
   const char* const* set; /* set_count changes of keys of the scene file, as "layers.fat.alpha=0.2" */
   size_t set_count;
   const char* clip;  /* the character's clip, by name, by the last part of its name or by number; NULL: as the
-                        scene  says, or the first */
+                        scene says, or the first */
   double fps;        /* frames a second; NaN: as the scene says, here and below */
   double start, end; /* of the clip, s */
   double softness;   /* how many times as soft all flesh is */

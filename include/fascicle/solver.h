@@ -97,11 +97,9 @@ FASCICLE_API fascicle_status fascicle_solver_create(const fascicle_model* model,
                                                     fascicle_solver** solver);
 FASCICLE_API void fascicle_solver_destroy(fascicle_solver* solver);
 
-/* After a failure. FASCICLE_BAD_ARGUMENT and FASCICLE_BAD_INPUT leave a solver as it was. Where a start fails
- * or is cancelled later than that, it is at rest, at frame 0, and follows nothing: start it or load it. After
- * a step that failed, or any call with FASCICLE_FAILED, what it shows is of no use until it is started or
- * loaded.
- */
+/* What a solver is worth after a failure: FASCICLE_BAD_ARGUMENT and FASCICLE_BAD_INPUT leave it as it was. A
+ * start that is cancelled or fails otherwise leaves it at rest, at frame 0, and it follows neither clip nor
+ * poses. After every other failure what it shows is of no use until it is started or loaded. */
 
 /* By the scene's clip: frame 0, after preroll and settling, as a bake has it; then frame after frame. After
  * the scene's last frame a clip plays on beyond `end`, and stands still only where its keys end; with

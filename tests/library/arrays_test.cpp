@@ -98,7 +98,7 @@ TEST(Arrays, WrongOnesAreNamed) {
     EXPECT_EQ(model, nullptr);
   };
   using Arrays = std::vector<fascicle_array>;
-  refused("ring", [](Arrays& a) { --named(a, "ring").count; });
+  refused("share_taken", [](Arrays& a) { --named(a, "ring").count; });  // one for each of the ring
   refused("rest", [](Arrays& a) {
     a.erase(std::find_if(a.begin(), a.end(), [](auto& x) { return !std::strcmp(x.name, "rest"); }));
   });
