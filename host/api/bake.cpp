@@ -43,6 +43,7 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
   request.overwrite = options.overwrite != 0;
   request.resume = options.resume != 0;
   request.device = pipeline::parse_device(options.device == nullptr ? "auto" : options.device);
+  check_threads(options.threads);
   request.threads = options.threads;
   request.build.mesher = text_of(options.mesher);
   request.build.cache = cache_of(options.cache);
@@ -124,8 +125,10 @@ double fascicle_bake_look(const fascicle_bake* bake) {
 }
 
 const char* fascicle_format_name(size_t index) {
-  const std::vector<std::string>& names = bake::format_names();
-  return index < names.size() ? names[index].c_str() : nullptr;
+  return api::text_or_null([&] {
+    const std::vector<std::string>& names = bake::format_names();
+    return index < names.size() ? names[index].c_str() : nullptr;
+  });
 }
 
 void fascicle_device_options_init(fascicle_device_options* options, size_t struct_size) {
@@ -137,6 +140,7 @@ fascicle_status fascicle_device_open(const char* name, const fascicle_device_opt
   return api::guarded_make(device, [&] {
     const auto taken = api::taken(options, fascicle_device_options_init, "options");
     pipeline::DeviceRequest request = pipeline::parse_device(name == nullptr ? "auto" : name);
+    api::check_threads(taken.threads);
     request.cache = api::cache_of(taken.cache);
     request.keeps_pipelines = !request.cache.empty();
     auto made = std::make_unique<fascicle_device>();

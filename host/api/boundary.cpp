@@ -17,19 +17,26 @@ static_assert(std::string_view(FASCICLE_VERSION_STRING) == bake::fascicle_versio
 static_assert(FASCICLE_VERSION_MAJOR < 1000 && FASCICLE_VERSION_MINOR < 1000 &&
               FASCICLE_VERSION_PATCH < 1000);
 
-// One a thread, as errno is.
-std::string& kept_message() {
-  thread_local std::string message;
+// One a thread, as errno is. `shown` is `text`, or a text that takes no memory.
+struct KeptMessage {
+  std::string text;
+  const char* shown = "";
+};
+
+KeptMessage& kept_message() noexcept {
+  thread_local KeptMessage message;
   return message;
 }
 
 }  // namespace
 
-fascicle_status failed(fascicle_status status, const std::string& message) noexcept {
+fascicle_status failed(fascicle_status status, const char* message) noexcept {
+  KeptMessage& kept = kept_message();
   try {
-    kept_message() = message;
+    kept.text = message;
+    kept.shown = kept.text.c_str();
   } catch (...) {
-    kept_message().clear();
+    kept.shown = "out of memory";
   }
   return status;
 }
@@ -110,7 +117,7 @@ const char* fascicle_status_text(fascicle_status status) {
 }
 
 const char* fascicle_last_message(void) {
-  return api::kept_message().c_str();
+  return api::kept_message().shown;
 }
 
 const char* fascicle_version(void) {

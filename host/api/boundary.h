@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
@@ -23,8 +24,9 @@ struct Cancelled : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Keeps the message for fascicle_last_message and returns the status.
-fascicle_status failed(fascicle_status status, const std::string& message) noexcept;
+// Keeps the message for fascicle_last_message and returns the status. Where there is no memory for it, a
+// shorter one stands in.
+fascicle_status failed(fascicle_status status, const char* message) noexcept;
 // The same of the exception that is being handled.
 fascicle_status failed_by_exception() noexcept;
 
@@ -44,6 +46,16 @@ fascicle_status guarded_make(Handle** out, Work&& work) noexcept {
   if (out == nullptr) return failed(FASCICLE_BAD_ARGUMENT, "the pointer that is to get the handle is null");
   *out = nullptr;
   return guarded([&] { *out = work().release(); });
+}
+
+// The work's value, or null where it throws: of names that nobody needs a status of.
+template <class Work>
+const char* text_or_null(Work&& work) noexcept {
+  try {
+    return work();
+  } catch (...) {
+    return nullptr;
+  }
 }
 
 template <class Pointer>
@@ -75,6 +87,12 @@ void fill(Options* options, std::size_t struct_size, Options defaults) {
   std::memset(static_cast<void*>(options), 0, struct_size);
   defaults.struct_size = struct_size;
   std::memcpy(options, &defaults, std::min(struct_size, sizeof defaults));
+}
+
+// Of the CPU solver, where the program has the same limit. Throws BadArgument.
+inline void check_threads(std::uint32_t threads) {
+  if (threads > 1024)
+    throw BadArgument("options.threads is " + std::to_string(threads) + "; it must be from 0 to 1024");
 }
 
 // Null gives "".

@@ -118,6 +118,8 @@ const char* fascicle_scene_clip_name(const fascicle_scene* scene, size_t clip) {
 }
 
 const char* fascicle_builtin_scene_name(size_t index) {
-  const auto& scenes = scene::builtin_scenes();
-  return index < scenes.size() ? scenes[index].name.c_str() : nullptr;
+  return api::text_or_null([&] {
+    const auto& scenes = scene::builtin_scenes();
+    return index < scenes.size() ? scenes[index].name.c_str() : nullptr;
+  });
 }

@@ -38,10 +38,34 @@ void step(fascicle_solver& solver, const model::Drive& drive) {
   solver.solver->submit(drive, what);
   solver.shown = solver.solver->collect();
   ++solver.frame;
-  for (const float x : solver.shown.positions)
-    if (!std::isfinite(x))
-      throw bake::NotFinite("frame " + std::to_string(solver.frame) +
-                            " left the finite numbers; take more substeps or softer layers");
+  check_finite(solver.shown.positions, solver.frame);
+}
+
+void stand_at_rest(fascicle_solver& solver) {
+  const model::State rest = model::rest_state(solver.body->model);
+  solver.solver->load(rest);
+  solver.driven = Driven::no;
+  solver.frame = 0;
+  solver.time = solver.body->scene ? solver.body->scene->start : 0.0;
+  show(solver, rest);
+}
+
+// Frame 0 of what drives from now on, at the state that `state_of_start` makes. Where that fails the solver
+// is at rest and follows nothing: what it followed before is half stepped by then.
+template <class Work>
+void start(fascicle_solver& solver, Driven driven, Work&& state_of_start) {
+  try {
+    solver.driven = Driven::no;
+    const model::State state = state_of_start();
+    solver.solver->load(state);
+    show(solver, state);
+  } catch (...) {
+    stand_at_rest(solver);
+    throw;
+  }
+  solver.driven = driven;
+  solver.frame = 0;
+  solver.time = solver.body->scene->start;
 }
 
 bake::Pose pose_of(const double* joints, std::size_t joint_count) {
@@ -53,6 +77,11 @@ bake::Pose pose_of(const double* joints, std::size_t joint_count) {
         if (!std::isfinite(x)) throw BadArgument("joint " + std::to_string(j) + " of the pose is not finite");
         pose[j](row, column) = x;
       }
+  constexpr double rounding = 1e-6;  // of maps that were mixed or inverted, also in floats
+  for (std::size_t j = 0; j < joint_count; ++j)
+    if ((pose[j].row(3) - Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)).cwiseAbs().maxCoeff() > rounding)
+      throw BadArgument("joint " + std::to_string(j) +
+                        ": the last row must be 0 0 0 1; are the matrices column by column?");
   return pose;
 }
 
@@ -62,10 +91,12 @@ void check_count(std::size_t given, std::size_t wanted, const char* what) {
                       std::to_string(wanted));
 }
 
-// `width` floats each; both structs are of floats alone.
+// `wanted` of them, or it throws before anything is read; the structs are of floats alone.
 template <class Item>
-std::vector<Item> items_of(const float* values, std::size_t count, const char* name) {
+std::vector<Item> items_of(const float* values, std::size_t count, std::size_t wanted, const char* name,
+                           const char* count_name) {
   static_assert(std::is_trivially_copyable_v<Item>);
+  check_count(count, wanted, count_name);
   if (count > 0) must_have(values, name);
   std::vector<Item> items(count);
   if (count > 0) std::memcpy(static_cast<void*>(items.data()), values, count * sizeof(Item));
@@ -82,6 +113,9 @@ void copy_world(const std::vector<float>& positions, const fascicle_solver& solv
 }
 
 model::SolverOptions with(model::SolverOptions options, const fascicle_solver_options& given) {
+  if (given.iterations > 1000)
+    throw BadArgument("options.iterations is " + std::to_string(given.iterations) +
+                      "; it must be from 1 to 1000, or 0 for the scene's");
   if (given.iterations > 0) options.iterations = given.iterations;
   if (given.rotation == nullptr) return options;
   for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
@@ -95,7 +129,15 @@ model::SolverOptions with(model::SolverOptions options, const fascicle_solver_op
 
 }  // namespace
 
+void check_finite(const std::vector<float>& positions, std::uint64_t frame) {
+  for (const float x : positions)
+    if (!std::isfinite(x))
+      throw bake::NotFinite("frame " + std::to_string(frame) +
+                            " left the finite numbers; take more substeps or softer layers");
+}
+
 void show(fascicle_solver& solver, const model::State& state) {
+  check_finite(state.positions, state.frame);
   solver.shown = {};
   solver.shown.index = state.frame;
   solver.shown.origin = state.origin;
@@ -142,10 +184,7 @@ fascicle_status fascicle_solver_create(const fascicle_model* model, const fascic
       made->device = std::make_shared<pipeline::ChosenDevice>(std::move(chosen.device));
       made->solver = std::move(chosen.solver);
     }
-    const model::State rest = model::rest_state(made->body->model);
-    made->solver->load(rest);
-    if (made->body->scene) made->time = made->body->scene->start;
-    api::show(*made, rest);
+    api::stand_at_rest(*made);
     return made;
   });
 }
@@ -159,19 +198,14 @@ fascicle_status fascicle_solver_start_clip(fascicle_solver* solver, fascicle_pro
   return api::guarded([&] {
     api::must_have(solver, "solver");
     bake::DriveSource& clip = api::clip_of(*solver);
-    std::uint64_t done = 0;
-    const bake::LeadIn led = bake::lead_in(
-        *solver->body->scene, solver->body->model, clip, *solver->solver,
-        [&] { return progress != nullptr && progress(user, FASCICLE_PHASE_LEAD_IN, done++, 0) != 0; });
-    if (led.stopped) {
-      solver->driven = Driven::no;
-      throw api::Cancelled("cancelled before frame 0");
-    }
-    solver->solver->load(led.state);
-    solver->driven = Driven::by_clip;
-    solver->frame = 0;
-    solver->time = solver->body->scene->start;
-    api::show(*solver, led.state);
+    api::start(*solver, Driven::by_clip, [&] {
+      std::uint64_t done = 0;
+      const bake::LeadIn led = bake::lead_in(
+          *solver->body->scene, solver->body->model, clip, *solver->solver,
+          [&] { return progress != nullptr && progress(user, FASCICLE_PHASE_LEAD_IN, done++, 0) != 0; });
+      if (led.stopped) throw api::Cancelled("cancelled before frame 0");
+      return led.state;
+    });
   });
 }
 
@@ -192,12 +226,8 @@ fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double
     const std::size_t joint_count = solver->body->model.joint_count;
     api::check_count(count, 16 * joint_count, "count");
     if (count > 0) api::must_have(joints, "joints");
-    const model::State state = poses.start(api::pose_of(joints, joint_count));
-    solver->solver->load(state);
-    solver->driven = Driven::by_poses;
-    solver->frame = 0;
-    solver->time = solver->body->scene->start;
-    api::show(*solver, state);
+    const bake::Pose pose = api::pose_of(joints, joint_count);
+    api::start(*solver, Driven::by_poses, [&] { return poses.start(pose); });
   });
 }
 
@@ -211,6 +241,10 @@ fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicl
     const std::size_t joint_count = solver->body->model.joint_count;
     std::vector<bake::Pose> given;
     if (joint_count > 0) {
+      const std::size_t substeps = solver->body->scene->solver.substeps;
+      if (taken.pose_count != 1 && taken.pose_count != substeps)
+        throw api::BadArgument("pose.pose_count is " + std::to_string(taken.pose_count) +
+                               "; it must be 1, or one for each substep, " + std::to_string(substeps));
       api::must_have(taken.joints, "pose.joints");
       for (std::size_t k = 0; k < taken.pose_count; ++k)
         given.push_back(api::pose_of(taken.joints + 16 * k * joint_count, joint_count));
@@ -239,10 +273,18 @@ fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascic
     api::must_have(solver, "solver");
     api::must_have(drive, "drive");
     const auto taken = api::taken(drive, fascicle_drive_init, "drive");
-    const auto bones = api::items_of<shader::Bone>(taken.bones, taken.bone_count, "drive.bones");
-    const auto muscles = api::items_of<shader::Muscle>(taken.muscles, taken.muscle_count, "drive.muscles");
-    const auto forces = api::items_of<shader::Force>(taken.forces, taken.force_count, "drive.forces");
-    const auto decay = api::items_of<float>(taken.decay, taken.decay_count, "drive.decay");
+    const model::Model& model = solver->body->model;
+    const std::size_t substeps = taken.substeps;
+    if (substeps == 0) throw api::BadArgument("drive.substeps is 0; it must be at least 1");
+    const auto bones = api::items_of<shader::Bone>(
+        taken.bones, taken.bone_count, substeps * model.joint_count, "drive.bones", "drive.bone_count");
+    const auto muscles =
+        api::items_of<shader::Muscle>(taken.muscles, taken.muscle_count, substeps * model.muscle_count,
+                                      "drive.muscles", "drive.muscle_count");
+    const auto forces = api::items_of<shader::Force>(
+        taken.forces, taken.force_count, substeps * model.force_count, "drive.forces", "drive.force_count");
+    const auto decay = api::items_of<float>(taken.decay, taken.decay_count, model.layers.size(),
+                                            "drive.decay", "drive.decay_count");
     model::Drive made;
     made.substeps = taken.substeps;
     made.h = taken.h;
@@ -256,7 +298,7 @@ fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascic
     made.forces = forces;
     made.decay = decay;
     if (!(made.h > 0.0 && std::isfinite(made.h))) throw api::BadArgument("drive.h must be above 0, s");
-    model::check_drive(solver->body->model, made);
+    model::check_drive(model, made);
     api::step(*solver, made);
     solver->driven = Driven::by_drives;
     solver->time += taken.h * taken.substeps;

@@ -5,7 +5,9 @@
 
 namespace fascicle::api {
 
-// The frame that `state` stands at.
+// Throws bake::NotFinite.
+void check_finite(const std::vector<float>& positions, std::uint64_t frame);
+// The frame that `state` stands at. Throws bake::NotFinite, and then shows what it did before.
 void show(fascicle_solver& solver, const model::State& state);
 
 }  // namespace fascicle::api

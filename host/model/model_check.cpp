@@ -213,12 +213,17 @@ void check_model(const Model& m) {
   if (m.vertex_count == 0) broken("vertex_count", 0, "is 0");
   int exponent = 0;
   if (!(m.unit > 0.0) || std::frexp(m.unit, &exponent) != 0.5) broken("unit", 0, "is not a power of two");
+  for (std::size_t a = 0; a < m.rest_origin.size(); ++a)
+    if (!std::isfinite(m.rest_origin[a])) broken("rest_origin", a, "is not finite");
   for_each_array(
       m, [&](const auto& row, const auto& values) { check_size(m, row.name, row.traits, values.size()); });
   // Sizes are right: offsets and indices may be followed from here on.
   for_each_array(m, [&](const auto& row, const auto& values) { check_values(m, row, values); });
   if (m.layers.empty() || m.layers.size() > shader::tag_layer_mask + 1)
     broken("layers", m.layers.size(), "there must be 1 to 256 layers");
+  for (std::size_t k = 0; k < m.layers.size(); ++k)
+    if (!std::isfinite(m.layers[k].damping) || m.layers[k].damping < 0.0)
+      broken("layer.damping", k, "is not a finite number of at least 0");
   for (std::uint32_t i = 0; i < m.vertex_count; ++i)
     if (m.layer_of(i) >= m.layers.size()) broken("tag", i, "names no layer");
   for (const ProbeSet& probe : m.probes) check_indices("probes", probe.vertices, m.vertex_count);

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -69,7 +71,7 @@ struct Launch {
   sigset_t none;
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
-  for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGXCPU}) ::signal(number, SIG_DFL);
+  for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGCHLD}) ::signal(number, SIG_DFL);
   const int null = ::open("/dev/null", O_RDWR);
   if (null < 0 || ::dup2(null, STDIN_FILENO) < 0 || ::dup2(null, STDOUT_FILENO) < 0 ||
       ::dup2(launch.error_output, STDERR_FILENO) < 0) {
@@ -102,11 +104,14 @@ bool read_some(int descriptor, std::string& tail) {
   return size > 0;
 }
 
-bool has_ended(pid_t child) {
+enum class ChildState { running, ended, reaped };  // reaped by others: its number may be another's by now
+
+ChildState state_of(pid_t child) {
   siginfo_t info{};
   // WNOWAIT leaves it a zombie, so that its number, and its group's, stay ours until it is reaped.
-  return ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-         info.si_pid == child;
+  if (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
+    return errno == ECHILD ? ChildState::reaped : ChildState::running;
+  return info.si_pid == child ? ChildState::ended : ChildState::running;
 }
 
 // Processor time that a child has used, s; below 0 where the system does not say.
@@ -117,14 +122,17 @@ double processor_seconds(pid_t child) {
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
-// Waits for the end of the child or of its time; `exited` if it ended by itself, in whatever way.
-ProcessEnd wait_for_end(pid_t child, int error_output, double seconds, std::string& tail) {
+// Waits for the end of the child or of its time; `exited` if it ended by itself, in whatever way. Nothing
+// where others reaped it.
+std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, double seconds, std::string& tail) {
   constexpr int slice = 20;  // ms: the end of stderr wakes us at once, this is for a child that has closed it
   bool is_open = true;
   double used = 0.0;
   Clock::time_point moved = Clock::now();
   for (;;) {
-    if (has_ended(child)) return ProcessEnd::exited;
+    const ChildState state = state_of(child);
+    if (state == ChildState::ended) return ProcessEnd::exited;
+    if (state == ChildState::reaped) return std::nullopt;
     if (const double now = processor_seconds(child); now > used) {
       used = now;
       moved = Clock::now();
@@ -175,16 +183,27 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
 
   ProcessResult result;
   ::fcntl(error_output.get(), F_SETFL, O_NONBLOCK);
-  const ProcessEnd waited = wait_for_end(child, error_output.get(), limits.seconds, result.last_words);
-  ::kill(-child, SIGKILL);
+  std::optional<ProcessEnd> waited =
+      wait_for_end(child, error_output.get(), limits.seconds, result.last_words);
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  if (waited) {
+    ::kill(-child, SIGKILL);
+    pid_t reaped = 0;
+    do {
+      reaped = ::waitpid(child, &status, 0);
+    } while (reaped < 0 && errno == EINTR);
+    // How one ended that was killed for its time is known all the same.
+    if (reaped < 0 && waited == ProcessEnd::exited) waited.reset();
   }
   for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {
   }
   if (reported == static_cast<ssize_t>(sizeof exec_error)) throw_error(exec_error, name);
+  if (!waited)
+    throw std::runtime_error(name +
+                             ": a child of this process was reaped by others; the program that uses fascicle "
+                             "must leave SIGCHLD at its default and not wait for all children");
   if (waited != ProcessEnd::exited) {
-    result.end = waited;
+    result.end = *waited;
   } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
     result.end = ProcessEnd::timed_out;
   } else if (WIFSIGNALED(status)) {

@@ -24,7 +24,8 @@ struct ProcessResult {
 
 // Runs `program` (a path, not searched for) with `arguments`; stdin and stdout are /dev/null. When it ends,
 // its processor time is over or it stands still, its whole process group is killed. It gets no core dump and
-// dies with its parent. Throws std::system_error if it cannot be started.
+// dies with its parent. Throws std::system_error if it cannot be started, and std::runtime_error if somebody
+// else of this process reaped it (SIGCHLD ignored, or a wait for all children), for then its end is lost.
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits);
 

@@ -20,17 +20,29 @@
  *
  * Conventions, which hold for every function below:
  *
- *   Units      Metres, kilograms, seconds, radians; right-handed, Y up. A solver's own arrays are in working
- * units: fascicle_frame says how many metres one is. Errors     What can fail returns a status. On failure
- * outputs are untouched, handles are set to NULL, and fascicle_last_message() says what, where and what to
- * do. Nothing is ever thrown. Ownership  What a function creates belongs to the caller, who gives it back
- * with the matching _destroy, in any order: a solver keeps what it needs of its model. _destroy takes NULL.
- * Arguments are read during the call and not kept. A pointer that is returned belongs to the handle it was
- * asked of. Threads    Handles may be used on any thread. Scenes, models and finished bakes do not change and
- * may be used by many threads at once; a solver, and a device while solvers are made on it, by one at a time.
- * Functions return when their work is done; callbacks come on the thread that called, while it is in the
- * call. Options    Make them with their _default(): it sets struct_size, by which a program goes on working
- * with a library that has more options. NULL stands for the defaults. Text       UTF-8, ends with 0.
+ *   Units      Metres, kilograms, seconds, radians; right-handed, Y up. A solver's own arrays are
+ *              in working units: fascicle_frame says how many metres one is.
+ *
+ *   Errors     What can fail returns a status. On failure outputs are untouched, handles are set to
+ *              NULL, and fascicle_last_message() says what, where and what to do. Nothing is ever
+ *              thrown.
+ *
+ *   Ownership  What a function creates belongs to the caller, who gives it back with the matching
+ *              _destroy, in any order: a solver keeps what it needs of its model. _destroy takes
+ *              NULL. Arguments are read during the call and not kept. A pointer that is returned
+ *              belongs to the handle it was asked of.
+ *
+ *   Threads    Handles may be used on any thread. Scenes, models and finished bakes do not change
+ *              and may be used by many threads at once; a solver, and a device while solvers are
+ *              made on it, by one at a time. Functions return when their work is done; callbacks
+ *              come on the thread that called, while it is in the call. Meshing and converting run
+ *              programs of their own: leave SIGCHLD at its default, and do not wait for all
+ *              children, as wait() and waitpid(-1) do.
+ *
+ *   Options    Make them with their _default(): it sets struct_size, by which a program goes on
+ *              working with a library that has more options. NULL stands for the defaults.
+ *
+ *   Text       UTF-8, ends with 0.
  */
 #ifndef FASCICLE_FASCICLE_H
 #define FASCICLE_FASCICLE_H
@@ -105,9 +117,9 @@ typedef struct fascicle_scene_options {
   size_t struct_size;
   const char* const* set; /* set_count changes of keys of the scene file, as "layers.fat.alpha=0.2" */
   size_t set_count;
-  const char*
-      clip;   /* the character's clip, by name, by the last part of its name or by number; NULL: the first */
-  double fps; /* frames a second; NaN: as the scene says, here and below */
+  const char* clip;  /* the character's clip, by name, by the last part of its name or by number; NULL: as the
+                        scene says, or the first */
+  double fps;        /* frames a second; NaN: as the scene says, here and below */
   double start, end; /* of the clip, s */
   double softness;   /* how many times as soft all flesh is */
   double exaggerate; /* how many times as far flesh trails */
@@ -159,7 +171,7 @@ typedef struct fascicle_bake_options {
       formats; /* format_count of fascicle_format_name, beside frame cache, manifest and metrics */
   size_t format_count;
   const char* device; /* see fascicle_device_open; NULL: "auto" */
-  uint32_t threads;   /* of the CPU solver; 0: one for each core */
+  uint32_t threads;   /* of the CPU solver, at most 1024; 0: one for each core */
   const char*
       mesher; /* the program fascicle-mesher; NULL: found beside the library, in its prefix or on PATH */
   const char*
@@ -188,8 +200,8 @@ static inline fascicle_bake_options fascicle_bake_options_default(void) {
 }
 
 /* Builds, simulates and writes a scene, as `fascicle bake` does, with the same bytes. Where it was cancelled
- * it returns FASCICLE_CANCELLED, `bake` (which may be NULL) is made all the same, and options.resume goes on.
- */
+ * it returns FASCICLE_CANCELLED, `bake` (which may be NULL) is made all the same, and options.resume goes on;
+ * cancelled before the model was built, `bake` is set to NULL and nothing is written. */
 FASCICLE_API fascicle_status fascicle_bake_run(const fascicle_scene* scene,
                                                const fascicle_bake_options* options, fascicle_bake** bake);
 FASCICLE_API void fascicle_bake_destroy(fascicle_bake* bake);
@@ -215,7 +227,7 @@ typedef struct fascicle_device fascicle_device;
 
 typedef struct fascicle_device_options {
   size_t struct_size;
-  uint32_t threads;  /* of the CPU solver; 0: one for each core */
+  uint32_t threads;  /* of the CPU solver, at most 1024; 0: one for each core */
   const char* cache; /* folder for compiled shaders; "": none; NULL: as the program's */
   fascicle_log_function* log;
   void* log_user;

@@ -80,7 +80,7 @@ typedef struct fascicle_solver fascicle_solver;
 typedef struct fascicle_solver_options {
   size_t struct_size;
   const char* rotation; /* "qcp" or "mueller2016"; NULL: as the scene says, of a model of arrays "qcp" */
-  uint32_t iterations;  /* of an implicit substep; 0: as the scene says, of a model of arrays 20 */
+  uint32_t iterations;  /* of an implicit substep, 1 to 1000; 0: as the scene says, of a model of arrays 20 */
 } fascicle_solver_options;
 
 FASCICLE_API void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size);
@@ -97,15 +97,22 @@ FASCICLE_API fascicle_status fascicle_solver_create(const fascicle_model* model,
                                                     fascicle_solver** solver);
 FASCICLE_API void fascicle_solver_destroy(fascicle_solver* solver);
 
-/* By the scene's clip: frame 0, after preroll and settling, as a bake has it; then frame after frame. The
- * clip's last pose is held after its end. `progress` (may be NULL) is called with FASCICLE_PHASE_LEAD_IN. */
+/* What a solver is worth after a failure: FASCICLE_BAD_ARGUMENT and FASCICLE_BAD_INPUT leave it as it was. A
+ * start that is cancelled or fails otherwise leaves it at rest, at frame 0, and it follows neither clip nor
+ * poses. After every other failure what it shows is of no use until it is started or loaded. */
+
+/* By the scene's clip: frame 0, after preroll and settling, as a bake has it; then frame after frame. After
+ * the scene's last frame a clip plays on beyond `end`, and stands still only where its keys end; with
+ * motion.loop, motion.hold or motion.seamless the pose at `end` is held. `progress` (may be NULL) is called
+ * with FASCICLE_PHASE_LEAD_IN. */
 FASCICLE_API fascicle_status fascicle_solver_start_clip(fascicle_solver* solver,
                                                         fascicle_progress_function* progress, void* user);
 FASCICLE_API fascicle_status fascicle_solver_step_clip(fascicle_solver* solver);
 
 /* By poses of your own. A joint is 16 numbers, row by row: the affine map from the joint's own space to the
- * world, in the metres of the character's file, as glTF composes it from node transforms. joint_count of them
- * are a pose, in the order of fascicle_scene_joint_name. */
+ * world, in the metres of the character's file, as glTF composes it from node transforms. glTF stores
+ * matrices column by column, as many engines do: transpose those. The last row is 0 0 0 1. joint_count of
+ * them are a pose, in the order of fascicle_scene_joint_name. */
 typedef struct fascicle_pose {
   size_t struct_size;
   const double* joints; /* pose_count x joint_count x 16; NULL without a skeleton */

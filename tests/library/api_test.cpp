@@ -197,6 +197,10 @@ TEST(CApi, DevicesAreOpenedByName) {
   fascicle_device* device = nullptr;
   EXPECT_FAILS(fascicle_device_open("gpu", nullptr, &device), FASCICLE_BAD_ARGUMENT, "\"gpu\"");
   EXPECT_FAILS(fascicle_device_open("vulkan:77", nullptr, &device), FASCICLE_NO_SUCH_DEVICE, "");
+  fascicle_device_options options = fascicle_device_options_default();
+  options.threads = 1025;
+  EXPECT_FAILS(fascicle_device_open("cpu", &options, &device), FASCICLE_BAD_ARGUMENT,
+               "options.threads is 1025");
   ASSERT_EQ(fascicle_device_open("cpu:scalar", nullptr, &device), FASCICLE_OK) << message();
   EXPECT_EQ(fascicle_device_is_exact(device), 1);
   EXPECT_NE(std::string(fascicle_device_text(device)).find("cpu:scalar"), std::string::npos);
@@ -327,6 +331,7 @@ TEST(CApi, BadBakeOptionsAreRefused) {
   refused(FASCICLE_BAD_ARGUMENT, "glb_stride", [](Options& o) { o.glb_stride = 0; });
   refused(FASCICLE_BAD_ARGUMENT, "glb_error", [](Options& o) { o.glb_error = -1.0; });
   refused(FASCICLE_BAD_ARGUMENT, "\"gpu\"", [](Options& o) { o.device = "gpu"; });
+  refused(FASCICLE_BAD_ARGUMENT, "options.threads is 1025", [](Options& o) { o.threads = 1025; });
   refused(FASCICLE_NO_SUCH_DEVICE, "", [](Options& o) { o.device = "vulkan:77"; });
   refused(FASCICLE_BAD_ARGUMENT, "struct_size", [](Options& o) { o.struct_size = 3; });
   std::ofstream(folder / "file") << "no folder";

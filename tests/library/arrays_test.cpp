@@ -1,5 +1,6 @@
 // Level 3: models as arrays, and the solver on them.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -97,7 +98,7 @@ TEST(Arrays, WrongOnesAreNamed) {
     EXPECT_EQ(model, nullptr);
   };
   using Arrays = std::vector<fascicle_array>;
-  refused("ring", [](Arrays& a) { --named(a, "ring").count; });
+  refused("share_taken", [](Arrays& a) { --named(a, "ring").count; });  // one for each of the ring
   refused("rest", [](Arrays& a) {
     a.erase(std::find_if(a.begin(), a.end(), [](auto& x) { return !std::strcmp(x.name, "rest"); }));
   });
@@ -110,6 +111,8 @@ TEST(Arrays, WrongOnesAreNamed) {
   refused("must be 0 or 1", [&](Arrays& a) { named(a, "momentum_scaled").data = &two; });
   std::vector<std::uint32_t> ring(named(const_cast<Arrays&>(good), "ring").count, 999999);
   refused("ring", [&](Arrays& a) { named(a, "ring").data = ring.data(); });
+  const double none = std::nan("");
+  refused("layer.damping", [&](Arrays& a) { named(a, "layer.damping").data = &none; });
   refused("ends before its last text", [](Arrays& a) { --named(a, "layer.name").count; });
   fascicle_array array{};
   EXPECT_EQ(fascicle_model_array(built, "flesh", &array), FASCICLE_BAD_ARGUMENT);
@@ -130,10 +133,28 @@ TEST(Arrays, WrongDrivesAreRefused) {
   EXPECT_EQ(fascicle_solver_step_drive(solver, &drive), FASCICLE_BAD_ARGUMENT) << "decay is null";
   EXPECT_NE(std::string(fascicle_last_message()).find("drive.decay"), std::string::npos);
   EXPECT_EQ(fascicle_solver_step_drive(solver, nullptr), FASCICLE_BAD_ARGUMENT);
+  // Counts are checked before memory is asked for or read by them.
+  const float one = 1.0F;
+  drive.decay = drive.bones = drive.muscles = drive.forces = &one;
+  std::size_t fascicle_drive::*const counts[] = {&fascicle_drive::bone_count, &fascicle_drive::muscle_count,
+                                                 &fascicle_drive::force_count, &fascicle_drive::decay_count};
+  for (const auto count : counts) {
+    fascicle_drive wrong = drive;
+    wrong.*count = ~std::size_t{0} / 64;
+    EXPECT_EQ(fascicle_solver_step_drive(solver, &wrong), FASCICLE_BAD_ARGUMENT);
+    EXPECT_NE(std::string(fascicle_last_message()).find("_count is "), std::string::npos)
+        << fascicle_last_message();
+  }
+  EXPECT_EQ(fascicle_solver_step_drive(solver, &drive), FASCICLE_OK) << fascicle_last_message();
   fascicle_solver_options options = fascicle_solver_options_default();
   options.rotation = "euler";
   fascicle_solver* other = nullptr;
   EXPECT_EQ(fascicle_solver_create(built, nullptr, &options, &other), FASCICLE_BAD_ARGUMENT);
+  options.rotation = nullptr;
+  options.iterations = 1001;
+  EXPECT_EQ(fascicle_solver_create(built, nullptr, &options, &other), FASCICLE_BAD_ARGUMENT);
+  EXPECT_NE(std::string(fascicle_last_message()).find("options.iterations is 1001"), std::string::npos);
+  fascicle_solver_destroy(other);
   fascicle_solver_destroy(solver);
   fascicle_model_destroy(built);
 }

@@ -213,6 +213,97 @@ TEST(Steps, ALeadInIsCancelled) {
   EXPECT_EQ(solver.position_hash(), bake.position_hash()) << "the lead-in is the bake's";
 }
 
+// A count of another frame is refused before a number of it is read: the second pose here is no pose.
+TEST(Steps, PosesAreCountedBeforeTheyAreRead) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  std::vector<double> poses = solver.clip_pose(0);
+  solver.start_pose(poses);
+  poses.resize(2 * poses.size(), std::nan(""));
+  try {
+    solver.step_pose(poses);
+    ADD_FAILURE() << "two poses for one substep";
+  } catch (const fascicle::error& error) {
+    EXPECT_EQ(error.status(), FASCICLE_BAD_ARGUMENT);
+    EXPECT_NE(std::string(error.what()).find("pose.pose_count is 2"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Steps, PosesColumnByColumnAreRefused) {
+  fascicle::solver solver(arm_model(), fascicle::device("cpu"));
+  const std::vector<double> pose = solver.clip_pose(0);
+  std::vector<double> turned = pose;
+  turned[16 + 3] += 0.5;
+  std::vector<double> by_columns = turned;
+  for (std::size_t j = 0; 16 * j < turned.size(); ++j)
+    for (std::size_t k = 0; k < 16; ++k) by_columns[16 * j + k] = turned[16 * j + 4 * (k % 4) + k / 4];
+  EXPECT_NO_THROW(solver.start_pose(turned));
+  try {
+    solver.start_pose(by_columns);
+    ADD_FAILURE() << "a pose column by column";
+  } catch (const fascicle::error& error) {
+    EXPECT_EQ(error.status(), FASCICLE_BAD_ARGUMENT);
+    EXPECT_NE(std::string(error.what()).find("the last row must be 0 0 0 1"), std::string::npos)
+        << error.what();
+  }
+  // Poses that were mixed or inverted have it but for their rounding.
+  std::vector<double> rounded = pose;
+  rounded[15] -= 0x1p-50;
+  EXPECT_NO_THROW(solver.start_pose(rounded));
+}
+
+// Beyond the scene's last frame the clip goes on to its own end; where it is held, it is held.
+TEST(Steps, AClipPlaysOnBeyondTheScenesEnd) {
+  const auto moves_between = [](const char* change, std::uint64_t from, std::uint64_t to) {
+    const fascicle::scene scene("arm", {.set = {"solver.substeps=1", change}, .fps = 60.0, .end = 0.5});
+    fascicle::solver solver(fascicle::model(scene, {.cache = ""}), fascicle::device("cpu"));
+    return solver.clip_pose(from) != solver.clip_pose(to);
+  };
+  EXPECT_TRUE(moves_between("motion.preroll=0.0", 30, 40));
+  EXPECT_FALSE(moves_between("motion.hold=0.1", 30, 40));
+  EXPECT_FALSE(moves_between("motion.loop=2", 60, 70));
+}
+
+void expect_at_rest(const fascicle::solver& solver, const std::vector<float>& rest) {
+  EXPECT_EQ(solver.frame().index, 0u);
+  EXPECT_EQ(solver.positions(), rest);
+}
+
+TEST(Steps, ACancelledStartLeavesTheSolverAtRest) {
+  const fascicle::scene scene("arm", {.set = {"motion.preroll=0.5"}, .end = 0.1});
+  const fascicle::model model(scene, {.cache = ""});
+  fascicle::solver solver(model, fascicle::device("cpu"));
+  const std::vector<float> rest = solver.positions();
+  const std::vector<std::byte> saved = solver.save();
+  solver.start_pose(solver.clip_pose(3));
+  solver.step_pose(solver.clip_pose(6));
+  int calls = 0;
+  EXPECT_THROW(solver.start_clip([&](auto...) { return ++calls < 9; }), fascicle::error);
+  expect_at_rest(solver, rest);
+  EXPECT_EQ(solver.save(), saved) << "what is saved is what is shown";
+  EXPECT_THROW(solver.step_pose(solver.clip_pose(6)), fascicle::error) << "it follows nothing";
+}
+
+// A force for a bridge on a bar of 40 nanometres, 1000 s long, while it is to settle.
+TEST(Steps, ALeadInThatDivergesSaysSo) {
+  const fascicle::scene scene = fascicle::scene::parse(
+      "[scene]\nfps = 0.01\nend = 1000.0\n"
+      "[bar]\nsize = [4e-8, 1e-8, 1e-8]\nvertices = [5, 3, 3]\n[layers.flesh]\nalpha = 0.5\n"
+      "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
+      "[force.tear]\nkind = \"point\"\nvector = [1e9, 0, 0]\nstart = -1e5\nend = 1e5\n"
+      "where = { above = { axis = \"x\", fraction = 0.8 } }\n[motion]\nsettle = 1000.0\n");
+  const fascicle::model model(scene);
+  fascicle::solver solver(model, fascicle::device("cpu"));
+  const std::vector<float> rest = solver.positions();
+  try {
+    solver.start_clip();
+    ADD_FAILURE() << "it did not diverge, or nobody saw it";
+  } catch (const fascicle::error& error) {
+    EXPECT_EQ(error.status(), FASCICLE_NOT_FINITE) << error.what();
+  }
+  expect_at_rest(solver, rest);
+  EXPECT_THROW(solver.step_clip(), fascicle::error);
+}
+
 TEST(Steps, TheSurfaceIsInTheWorldInMetres) {
   fascicle::solver solver(arm_model(), fascicle::device("cpu"));
   solver.start_clip();

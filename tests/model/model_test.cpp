@@ -58,6 +58,11 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
   using Change = void (*)(Model&);
   const std::pair<const char*, Change> changes[] = {
       {"unit", [](Model& m) { m.unit = 0.3; }},
+      {"rest_origin", [](Model& m) { m.rest_origin[1] = std::numeric_limits<double>::quiet_NaN(); }},
+      {"rest_origin", [](Model& m) { m.rest_origin[2] = std::numeric_limits<double>::infinity(); }},
+      {"layer.damping", [](Model& m) { m.layers[0].damping = std::numeric_limits<double>::quiet_NaN(); }},
+      {"layer.damping", [](Model& m) { m.layers[0].damping = std::numeric_limits<double>::infinity(); }},
+      {"layer.damping", [](Model& m) { m.layers[0].damping = -0.5; }},
       {"rest", [](Model& m) { m.rest[5] = std::numeric_limits<float>::quiet_NaN(); }},
       {"rest", [](Model& m) { m.rest.pop_back(); }},
       {"mass", [](Model& m) { m.mass[1] = 0.0; }},
