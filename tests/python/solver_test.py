@@ -150,7 +150,8 @@ class Poses(InFolder):
     def test_numpy_steps_as_the_wrapper_does(self):
         frames = 4
         scene = fascicle.Scene("arm", end=0.05)
-        solver = fascicle.Solver(fascicle.Model(scene), fascicle.Device("cpu"))
+        model = fascicle.Model(scene)
+        solver = fascicle.Solver(model, fascicle.Device("cpu"))
         rest = solver.clip_pose(0)
         self.assertEqual((rest.shape, rest.dtype), ((len(scene.joint_names), 4, 4), np.float64))
         self.assertEqual(scene.joint_parents[0], -1)
@@ -170,17 +171,13 @@ class Poses(InFolder):
         np.testing.assert_array_equal(solver.world_surface(), surface)
 
         # One pose for each substep; the last frame's own, so that the end is the same place.
-        many = np.stack([pose] * solver_substeps(solver, scene))
+        many = np.stack([pose] * model.substeps)
         solver.step_pose(many)
         for wrong in (rest[1:], rest.reshape(-1), rest[None, None], np.empty((0,) + rest.shape), None):
             with self.assertRaisesRegex(ValueError, "joints"):
                 solver.step_pose(wrong)
         # Other kinds of numbers are taken too.
         solver.step_pose(pose.astype(np.float32).tolist())
-
-
-def solver_substeps(_, scene):
-    return fascicle.Model(scene).substeps
 
 
 class Threads(InFolder):
