@@ -61,4 +61,9 @@ install(FILES LICENSE DESTINATION ${doc_folder}/libfascicle${PROJECT_VERSION_MAJ
 install(FILES LICENSE DESTINATION ${doc_folder}/libfascicle-dev RENAME copyright COMPONENT development)
 install(DIRECTORY docs/examples/library/ DESTINATION ${doc_folder}/libfascicle-dev/examples COMPONENT development)
 install(FILES host/mesher/COPYING DESTINATION ${doc_folder}/fascicle-mesher RENAME copyright COMPONENT mesher)
+if(TARGET fascicle_python)
+  install(FILES LICENSE DESTINATION ${doc_folder}/python3-fascicle RENAME copyright COMPONENT python)
+  install(DIRECTORY docs/examples/python/ DESTINATION ${doc_folder}/python3-fascicle/examples COMPONENT python
+    PATTERN __pycache__ EXCLUDE)
+endif()
 include(cmake/packages.cmake)

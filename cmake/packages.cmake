@@ -9,6 +9,9 @@ set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program library development mesher)
+if(TARGET fascicle_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -42,4 +45,18 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 set(CPACK_DEBIAN_MESHER_PACKAGE_NAME fascicle-mesher)
 set(CPACK_COMPONENT_MESHER_DESCRIPTION 
   "Fills surfaces with tetrahedra. It is a program of its own, because its binary is under the AGPL-3.0.")
+
+if(TARGET fascicle_python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-fascicle)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  # Compiled for one minor version of Python.
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+  set(its_python "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python})")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "libfascicle${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), ${its_python}, python3-numpy")
+  # dpkg-shlibdeps finds libfascicle here; it is in none of the packages that are installed.
+  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION 
+    "This is the Python module: bakes, and solvers as numpy arrays.")
+endif()
 include(CPack)

@@ -57,8 +57,13 @@ fs::path own_module() {
   // The executable itself has no name in the list of what is loaded.
   if (::dladdr1(reinterpret_cast<const void*>(&own_module), &info, reinterpret_cast<void**>(&module),
                 RTLD_DL_LINKMAP) != 0 &&
-      module != nullptr && module->l_name != nullptr && module->l_name[0] != '\0')
-    return fs::absolute(module->l_name);
+      module != nullptr && module->l_name != nullptr && module->l_name[0] != '\0') {
+    // By a run path it is "MODULE/../../lib/...", whose parents are no prefix of its text.
+    const fs::path named = fs::absolute(module->l_name);
+    std::error_code missing;
+    const fs::path folder = fs::canonical(named.parent_path(), missing);
+    return missing ? named : folder / named.filename();
+  }
   std::error_code error;
   const fs::path own = fs::read_symlink("/proc/self/exe", error);
   return error ? fs::path() : own;

@@ -52,6 +52,7 @@ const std::vector<Room>& rooms() {
       {"host/api/",
        {"host/scene/", "host/build/", "host/model/", "host/bake/", "host/pipeline/", "include/fascicle/"},
        {}},
+      {"python/", {}, {"pybind11", "fascicle"}},
       {"host/cli/", every_room, {"CLI11", "JSON", "Eigen"}},
       {"cpu_reference/", {"host/base/", "host/model/", "shaders/"}, {"Eigen", "SIMD"}},
       {"gpu/", {"host/base/", "host/model/", "shaders/"}, {"Vulkan"}},
@@ -91,6 +92,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"stdint.h", "C"},
                                                                       {"stdio.h", "C"},
                                                                       {"fascicle/fascicle.h", "fascicle"},
+                                                                      {"pybind11/", "pybind11"},
                                                                       {"meshoptimizer.h", "meshoptimizer"}};
   return table;
 }
@@ -197,6 +199,8 @@ TEST(IncludeRules, PlantedBreachesAreSeen) {
       {"host/api/bad.cpp", "#include \"gpu/device.h\"\n"},
       {"include/fascicle/bad.h", "#include \"host/model/model.h\"\n"},
       {"include/fascicle/bad.hpp", "#include <Eigen/Core>\n"},
+      {"python/bad.cpp", "#include \"host/model/model.h\"\n"},
+      {"host/api/bad.cpp", "#include <pybind11/pybind11.h>\n"},
       {"elsewhere/bad.cpp", ""},
   };
   for (const auto& [path, text] : planted)

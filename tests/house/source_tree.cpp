@@ -61,8 +61,9 @@ std::string bytes_of(const std::filesystem::path& path) {
 }  // namespace
 
 std::vector<Source> read_repository(const std::filesystem::path& root) {
-  constexpr std::array<const char*, 10> folders{".ci",  "bench",   "cpu_reference", "docs",    "gpu",
-                                                "host", "include", "scenes",        "shaders", "tests"};
+  constexpr std::array<const char*, 11> folders{".ci",    "bench",   "cpu_reference", "docs",
+                                                "gpu",    "host",    "include",       "python",
+                                                "scenes", "shaders", "tests"};
   std::vector<Source> files;
   const auto add = [&](const std::filesystem::path& path) {
     std::string text = bytes_of(path);
@@ -80,8 +81,8 @@ std::vector<Source> read_repository(const std::filesystem::path& root) {
 }
 
 std::vector<Source> read_sources(const std::filesystem::path& root) {
-  constexpr std::array<const char*, 7> rooms{"shaders", "gpu",   "host",   "cpu_reference",
-                                             "tests",   "bench", "include"};
+  constexpr std::array<const char*, 8> rooms{"shaders", "gpu",   "host",    "cpu_reference",
+                                             "tests",   "bench", "include", "python"};
   constexpr std::array<const char*, 7> extensions{".h", ".hpp", ".c", ".cpp", ".inc", ".comp", ".glsl"};
   std::vector<Source> sources;
   for (const char* room : rooms) {

@@ -38,6 +38,10 @@ holds libfascicle0 'usr/lib/[^/]*/libfascicle.so.0' usr/share/doc/libfascicle0/c
 holds libfascicle-dev usr/include/fascicle/fascicle.h usr/include/fascicle/fascicle.hpp \
   'usr/lib/[^/]*/libfascicle.so' 'usr/lib/[^/]*/cmake/fascicle/fascicle-config.cmake' \
   'usr/lib/[^/]*/pkgconfig/fascicle.pc' usr/share/doc/libfascicle-dev/copyright
+holds python3-fascicle usr/lib/python3/dist-packages/fascicle/__init__.py \
+  usr/lib/python3/dist-packages/fascicle/__init__.pyi usr/lib/python3/dist-packages/fascicle/py.typed \
+  'usr/lib/python3/dist-packages/fascicle/_fascicle\.cpython-3[0-9]*-[^/]*\.so' \
+  usr/share/doc/python3-fascicle/copyright usr/share/doc/python3-fascicle/examples/sweep.py
 holds fascicle-mesher usr/bin/fascicle-mesher usr/share/doc/fascicle-mesher/copyright
 
 dpkg-deb --ctrl-tarfile libfascicle0_*.deb | tar -xO ./shlibs | grep -q '^libfascicle 0 libfascicle0 (>= ' ||
@@ -45,6 +49,7 @@ dpkg-deb --ctrl-tarfile libfascicle0_*.deb | tar -xO ./shlibs | grep -q '^libfas
 depends fascicle libc6 libstdc++6 libpng !libtet !libgmp
 depends libfascicle0 libc6 libdraco !libtet !libgmp !libpng
 depends libfascicle-dev 'libfascicle0 (= '
+depends python3-fascicle 'libfascicle0 (= ' libc6 'python3 (>= 3\.' 'python3 (<< 3\.' python3-numpy !libdraco !libpython
 depends fascicle-mesher libtet1.5
 grep -q "Affero" <<TEXT || fail "the mesher's copyright is not its own"
 $(dpkg-deb --fsys-tarfile fascicle-mesher_*.deb | tar -xO ./usr/share/doc/fascicle-mesher/copyright)

@@ -32,4 +32,13 @@ for line in "./built/bake_character $bar c scene.end=0.1" "./by_pkg_config $bar 
 done
 [ "$(inside "./built/bake_character arm e scene.end=0.05")" = "$of_arm" ] ||
   { echo "try_packages: the library's arm is not $of_arm" >&2; exit 1; }
-echo "in an empty Debian: $bar $of_bar, arm $of_arm, by program, find_package and pkg-config"
+inside "$install /packages/python3-fascicle_*.deb" >&2
+for scene in "$bar $of_bar 0.1" "arm $of_arm 0.05"; do
+  set -- $scene
+  by_python=$(inside "python3 -c 'import fascicle; print(fascicle.bake(\"$1\", \"p-$1\", end=$3).position_hash)'")
+  [ "$by_python" = "$2" ] || { echo "try_packages: python: $1 is $by_python, not $2" >&2; exit 1; }
+done
+examples=/usr/share/doc/python3-fascicle/examples
+inside "python3 $examples/sweep.py sweep.svg && python3 $examples/drive_by_poses.py arm arm.npy 10" >&2
+inside "mkdir in && cp arm/character.glb in && python3 $examples/bake_folder.py in out 0.05" >&2
+echo "in an empty Debian: $bar $of_bar, arm $of_arm, by program, find_package, pkg-config and Python"

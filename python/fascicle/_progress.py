@@ -1,0 +1,72 @@
+"""Progress as one line of plain text."""
+
+import logging
+import sys
+import time
+
+
+class ProgressBar:
+    """A line of text that is written over itself: progress=ProgressBar().
+
+    `file` is where it goes; None is sys.stderr, which a notebook shows too. Where it is neither a terminal nor
+    a notebook, a line is written at each tenth of the way.
+    """
+
+    def __init__(self, file=None, width=30):
+        self._file = file
+        self._width = width
+        self._began = None
+        self._shown_at = -1.0
+        self._tenth = -1
+        self._length = 0
+
+    def __call__(self, phase, done, total):
+        now = time.monotonic()
+        if self._began is None or phase == "build":
+            self._began, self._shown_at, self._tenth = now, -1.0, -1
+        file = sys.stderr if self._file is None else self._file
+        ends = phase == "frames" and done == total
+        if _overwrites(file):
+            if not ends and now - self._shown_at < 0.1:
+                return
+            self._shown_at = now
+            text = self.text(phase, done, total, now - self._began)
+            file.write("\r" + text.ljust(self._length) + ("\n" if ends else ""))
+            self._length = 0 if ends else len(text)
+        else:
+            tenth = 10 * done // total if phase == "frames" and total else -1
+            if tenth <= self._tenth:
+                return
+            self._tenth = tenth
+            file.write(self.text(phase, done, total, now - self._began) + "\n")
+        file.flush()
+
+    def text(self, phase, done, total, seconds):
+        """The line, of the seconds since the work began."""
+        if phase == "build":
+            return "building the body"
+        if phase == "lead-in":
+            return f"before frame 0: {done} frames"
+        full = self._width * done // total if total else self._width
+        left = f", {seconds * (total - done) / done:.0f} s left" if 0 < done < total else ""
+        return f"[{'#' * full}{'.' * (self._width - full)}] frame {done} of {total}{left}"
+
+
+def _overwrites(file):
+    # A notebook's stderr is no terminal and yet goes back to the line's begin.
+    return getattr(file, "isatty", lambda: False)() or type(file).__module__.startswith("ipykernel.")
+
+
+def progress_function(progress):
+    """What `progress` stands for: True is a bar on stderr; None and False are nothing."""
+    if progress is True:
+        return ProgressBar()
+    return None if progress is False else progress
+
+
+_levels = {"detail": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING}
+
+
+def log_to_logging(severity, message):
+    """The default of `log`: Python's own logging, under the name fascicle. Warnings are shown, the rest is not."""
+    logging.getLogger("fascicle").log(_levels[severity], "%s", message)

@@ -1,0 +1,150 @@
+// Models, and their arrays as numpy sees them.
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "python/module.h"
+
+namespace fascicle_python {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::optional<std::string> path_text(const std::optional<Path>& path) {
+  return path ? std::optional<std::string>(path->string()) : std::nullopt;
+}
+
+std::shared_ptr<fascicle::model> build_model(const fascicle::scene& scene, const std::optional<Path>& mesher,
+                                             const std::optional<Path>& cache, const py::object& log) {
+  const fascicle::build_options options{path_text(mesher), path_text(cache), log_to(log)};
+  return without_lock([&] { return std::make_shared<fascicle::model>(scene, options); });
+}
+
+py::dtype dtype_of(const fascicle_array& array) {
+  switch (array.type) {
+    case FASCICLE_FLOAT32:
+      return py::dtype::of<float>();
+    case FASCICLE_FLOAT64:
+      return py::dtype::of<double>();
+    case FASCICLE_UINT32:
+      return py::dtype::of<std::uint32_t>();
+    case FASCICLE_UINT8:
+    case FASCICLE_TEXT:
+      return py::dtype::of<std::uint8_t>();
+    case FASCICLE_RECORDS:
+      break;
+  }
+  return py::dtype("V" + std::to_string(array.item_bytes));
+}
+
+py::list texts_of(const fascicle_array& array) {
+  py::list texts;
+  const char* data = static_cast<const char*>(array.data);
+  for (std::size_t at = 0; at < array.count;) {
+    const std::string text(data + at);
+    texts.append(text);
+    at += text.size() + 1;
+  }
+  return texts;
+}
+
+py::dict arrays_of(const py::object& self) {
+  py::dict all;
+  for (const fascicle_array& array : self.cast<const fascicle::model&>().arrays()) {
+    if (array.type == FASCICLE_TEXT) {
+      all[array.name] = texts_of(array);
+      continue;
+    }
+    py::array view(dtype_of(array), {static_cast<py::ssize_t>(array.count)}, {}, array.data, self);
+    view.attr("setflags")(py::arg("write") = false);
+    all[array.name] = view;
+  }
+  return all;
+}
+
+fascicle_type type_of(const py::array& array, const std::string& name) {
+  const char kind = array.dtype().kind();
+  const py::ssize_t size = array.itemsize();
+  if (kind == 'f' && size == 4) return FASCICLE_FLOAT32;
+  if (kind == 'f' && size == 8) return FASCICLE_FLOAT64;
+  if (kind == 'u' && size == 4) return FASCICLE_UINT32;
+  if ((kind == 'u' || kind == 'b') && size == 1) return FASCICLE_UINT8;
+  if (kind == 'V') return FASCICLE_RECORDS;
+  throw py::type_error("array \"" + name + "\" is of " + py::str(array.dtype()).cast<std::string>() +
+                       "; a model has float32, float64, uint32, uint8 and records");
+}
+
+std::shared_ptr<fascicle::model> of_arrays(const py::dict& arrays) {
+  std::deque<std::string> texts;  // what the list below points into
+  std::vector<py::array> kept;
+  std::vector<fascicle_array> list;
+  for (const auto& [key, value] : arrays) {
+    const std::string& name = texts.emplace_back(py::cast<std::string>(key));
+    if (py::isinstance<py::list>(value)) {
+      std::string& bytes = texts.emplace_back();
+      for (const py::handle text : value) bytes += py::cast<std::string>(text) + '\0';
+      list.push_back({name.c_str(), FASCICLE_TEXT, 1, bytes.size(), bytes.data()});
+      continue;
+    }
+    const py::array array = py::array::ensure(value, py::array::c_style);
+    if (!array) throw py::type_error("array \"" + name + "\" is no array");
+    list.push_back({name.c_str(), type_of(array, name), static_cast<std::size_t>(array.itemsize()),
+                    static_cast<std::size_t>(array.size()), array.data()});
+    kept.push_back(array);
+  }
+  return without_lock([&] { return std::make_shared<fascicle::model>(list); });
+}
+
+constexpr const char* model_text = R"(A body as flat arrays, which solvers share.
+
+Model(scene) fills, cuts into layers, grows fibres and chooses substeps; it takes from a second to minutes.
+
+    mesher  the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
+    cache   folder for filled bodies; "": none; None: as the program's
+    log     called with ("detail", "info" or "warning", message)
+
+A model does not change: threads may share it. Raises BadInput where the scene cannot be built.)";
+
+constexpr const char* arrays_text = R"(The model's arrays by their names, as host/model/model.h has them.
+
+A dict of one-dimensional, read-only arrays over the model's own memory, without a copy: float32, float64,
+uint32, uint8 (truth values) or records as bytes (V8, ...). Names of layers and the like are lists of str.
+Working units.)";
+
+constexpr const char* of_arrays_text = R"(A model of arrays of your own, as `arrays` gives them.
+
+They are copied and checked: every size, index, range and symmetry, because solvers rely on them. What is
+left out is empty. Such a model has no scene: step it by Solver.step_drive. Raises BadArgument or BadInput.)";
+
+}  // namespace
+
+void add_model(py::module_& module) {
+  using namespace py::literals;
+  using fascicle::model;
+  const py::none none;
+  py::class_<model, std::shared_ptr<model>> type(module, "Model", model_text);
+  type.attr("__module__") = "fascicle";
+  type.def(py::init(&build_model), "scene"_a, py::kw_only(), "mesher"_a = none, "cache"_a = none,
+           "log"_a = none, "Builds a scene's model.")
+      .def_static("of_arrays", &of_arrays, "arrays"_a, of_arrays_text)
+      .def_property_readonly("vertex_count", &model::vertex_count, "Vertices of the body.")
+      .def_property_readonly("tetrahedron_count", &model::tetrahedron_count, "Tetrahedra of the body.")
+      .def_property_readonly("surface_vertex_count", &model::surface_vertex_count,
+                             "Vertices of the mesh that is rendered, in the file's order; 0 without one.")
+      .def_property_readonly("joint_count", &model::joint_count, "Joints of a pose.")
+      .def_property_readonly("substeps", &model::substeps,
+                             "Substeps of a frame; 0 of a model of arrays, whose drives say it.")
+      .def_property_readonly("arrays", &arrays_of, arrays_text)
+      .def("__repr__", [](const model& self) {
+        return "<fascicle.Model, " + std::to_string(self.vertex_count()) + " vertices>";
+      });
+}
+
+}  // namespace fascicle_python
