@@ -37,6 +37,8 @@ TEST(Memory, WithoutItCallsFailWithAMessage) {
   fascicle_scene* scene = untouched;
   fascicle_status loaded = FASCICLE_OK, refused = FASCICLE_OK;
   const char *text = nullptr, *other = nullptr;
+  // Read beforehand: toml++, which reads the built-in scenes once, ends the program where it has no memory.
+  ASSERT_NE(fascicle_builtin_scene_name(0), nullptr);
   std::thread([&] {
     memory_is_out = true;
     loaded = fascicle_scene_load("a name of a scene that no short string holds", nullptr, &scene);
@@ -52,7 +54,6 @@ TEST(Memory, WithoutItCallsFailWithAMessage) {
   EXPECT_EQ(std::string(text), "out of memory");
   EXPECT_EQ(refused, FASCICLE_BAD_ARGUMENT);
   EXPECT_EQ(std::string(other), "out of memory");
-  EXPECT_NE(fascicle_builtin_scene_name(0), nullptr);
   EXPECT_NE(fascicle_format_name(0), nullptr);
 }
 
