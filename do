@@ -155,7 +155,7 @@ gpu/model_buffers.cpp cpu_reference/lane_stages.h cpu_reference/lane_stages.cpp 
     need $site_packages
     # The pages and what they link to, in the folders they have here, so that their links hold as they are.
     rm -rf build/site-pages
-    git ls-files -co --exclude-standard -- '*.md' LICENSE docs ':!docs/*.py' ':!docs/*.json' ':!tests' |
+    git ls-files -co --exclude-standard -- '*.md' LICENSE docs ':(exclude,glob)docs/*.py' ':(exclude,glob)docs/*.json' ':!tests' |
       while read -r file; do
         [ ! -f "$file" ] || { mkdir -p "build/site-pages/$(dirname "$file")" && cp "$file" "build/site-pages/$file"; }
       done
