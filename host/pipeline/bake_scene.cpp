@@ -27,12 +27,12 @@ std::string warning_of_clip(const scene::Scene& scene) {
 }
 
 // Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
-std::string warning_of_throws(const scene::Scene& scene, const model::Model& model) {
+std::string warning_of_throws(const scene::Scene& scene, const model::Model& model,
+                              bake::DriveSource& drives) {
   constexpr std::size_t most_named = 4;
   std::uint32_t soft = 0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
   if (soft == 0) return "";  // a robot, which feels nothing
-  bake::DriveSource drives(scene, model);
   const std::vector<bake::DriveSource::Thrown> thrown = drives.thrown();
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
@@ -44,11 +44,6 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
             std::to_string(thrown[k].frame) + ")";
   if (thrown.size() > most_named) text += ", and " + std::to_string(thrown.size() - most_named) + " more";
   return text + "; look for keys that leap there";
-}
-
-std::optional<bake::ExpectedLook> expected_look_of(const scene::Scene& scene, const model::Model& model) {
-  bake::DriveSource drives(scene, model);
-  return bake::expected_look(scene, model, drives);
 }
 
 // Beside the filled bodies, under what these programs make of it.
@@ -90,14 +85,14 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   prepared.built = build_scene(scene, request.build, say);
   const Built& built = prepared.built;
   say_warnings(built.report, say);
-  warn(warning_of_throws(scene, built.model));
-  prepared.expected = expected_look_of(scene, built.model);
+  bake::DriveSource drives(scene, built.model);
+  warn(warning_of_throws(scene, built.model, drives));
+  prepared.expected = bake::expected_look(scene, built.model, drives);
   DeviceRequest device = request.device;
   device.keeps_pipelines = !request.build.cache.empty();
   device.cache = request.build.cache;
   prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
-    bake::DriveSource drives(scene, built.model);
     prepared.tried =
         bake::try_look(scene, built.model, drives, *prepared.simulation.solver, prepared.expected->frame);
     // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
