@@ -119,7 +119,7 @@ case $command in
     set -f  # git matches the patterns, also in an older commit
     # Where it is declared, checked, hashed, stored, uploaded and handed on; elsewhere it is computed or used.
     plumbing="host/model host/bake/model_fi* host/bake/identity.cpp host/bake/scene_json.* host/scene/scene* \
-gpu/model_buffers.cpp cpu_reference/lane_stages.h cpu_reference/lane_stages.cpp shaders/buffers.h shaders/indexing/buffers.glsl"
+gpu/model_buffers.cpp cpu_reference/solver/lane_stages.h cpu_reference/solver/lane_stages.cpp shaders/buffers.h shaders/indexing/buffers.glsl"
     named() { git grep -hwE "(buffer_)?$1" "$2" -- $3 | grep -vcE '^[^:]*:? *//' || true; }
     files() { git grep -lwE "(buffer_)?$1" "$2" -- $3 | wc -l; }
     all="host cpu_reference gpu shaders"

@@ -21,12 +21,12 @@
 
 #include <benchmark/benchmark.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/fields.h"
-#include "cpu_reference/huge_pages.h"
-#include "cpu_reference/lane_stages.h"
-#include "cpu_reference/slices.h"
-#include "cpu_reference/stages.h"
+#include "cpu_reference/solver/cpu_solver.h"
+#include "cpu_reference/solver/fields.h"
+#include "cpu_reference/solver/huge_pages.h"
+#include "cpu_reference/solver/lane_stages.h"
+#include "cpu_reference/solver/slices.h"
+#include "cpu_reference/solver/stages.h"
 #include "host/cli/bench_measure.h"
 #include "host/cli/exit_codes.h"
 #include "host/model/implicit.h"

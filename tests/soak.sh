@@ -5,7 +5,9 @@ build=$1
 # 20,000 random bodies a property; CI runs 100.
 RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
 # Damaged meshes, scenes and characters, many times over.
-"$build/test_scene" --gtest_filter='*uzz*:*amage*:*alicious*:*utat*' --gtest_repeat=20
+for room in mesh gltf scene; do
+  "$build/test_$room" --gtest_filter='*uzz*:*amage*:*alicious*:*utat*' --gtest_repeat=20
+done
 # All scenes on all devices for a minute of time instead of ten seconds.
 FASCICLE_EXACTNESS_FRAMES=3600 "$build/test_exactness"
 echo "soak: all passed"

@@ -5,6 +5,7 @@
 
 #include "host/api/boundary.h"
 #include "host/api/handles.h"
+#include "host/bake/outputs.h"
 #include "host/pipeline/bake_scene.h"
 
 namespace fascicle::api {

@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "host/bake/bake.h"
-#include "host/bake/version.h"
+#include "host/base/version.h"
 #include "host/build/cache.h"
 #include "host/pipeline/errors.h"
 #include "host/scene/scene.h"
@@ -12,7 +12,7 @@
 namespace fascicle::api {
 namespace {
 
-static_assert(std::string_view(FASCICLE_VERSION_STRING) == bake::fascicle_version,
+static_assert(std::string_view(FASCICLE_VERSION_STRING) == base::fascicle_version,
               "include/fascicle/version.h and the root CMakeLists.txt differ");
 static_assert(FASCICLE_VERSION_MAJOR < 1000 && FASCICLE_VERSION_MINOR < 1000 &&
               FASCICLE_VERSION_PATCH < 1000);
@@ -121,9 +121,9 @@ const char* fascicle_last_message(void) {
 }
 
 const char* fascicle_version(void) {
-  return bake::fascicle_version;
+  return base::fascicle_version;
 }
 
 uint32_t fascicle_solver_version(void) {
-  return bake::solver_version;
+  return base::solver_version;
 }

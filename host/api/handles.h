@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "host/bake/bake.h"
-#include "host/bake/drive_source.h"
-#include "host/bake/pose_drive.h"
+#include "host/drive/drive_source.h"
+#include "host/drive/pose_drive.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "host/pipeline/device_choice.h"
@@ -62,8 +62,8 @@ struct fascicle_solver {
   std::shared_ptr<fascicle::pipeline::ChosenDevice> device;  // outlives the solver
   std::unique_ptr<fascicle::model::Solver> solver;
   fascicle::model::SolverOptions options;
-  std::optional<fascicle::bake::DriveSource> clip;
-  std::optional<fascicle::bake::PoseDrive> poses;
+  std::optional<fascicle::drive::DriveSource> clip;
+  std::optional<fascicle::drive::PoseDrive> poses;
   Driven driven = Driven::no;
   std::uint64_t frame = 0;
   double time = 0.0;               // s, of the scene, at the frame's end

@@ -29,8 +29,8 @@ scene::SceneOverrides overrides_of(const fascicle_scene_options& options) {
   return overrides;
 }
 
-const scene::Character* character_of(const fascicle_scene* scene) {
-  return scene == nullptr ? nullptr : std::get_if<scene::Character>(&scene->scene.geometry);
+const rig::Character* character_of(const fascicle_scene* scene) {
+  return scene == nullptr ? nullptr : std::get_if<rig::Character>(&scene->scene.geometry);
 }
 
 }  // namespace
@@ -93,7 +93,7 @@ uint64_t fascicle_scene_frame_count(const fascicle_scene* scene) {
 }
 
 size_t fascicle_scene_joint_count(const fascicle_scene* scene) {
-  const scene::Character* character = api::character_of(scene);
+  const rig::Character* character = api::character_of(scene);
   return character == nullptr ? 0 : character->skeleton.size();
 }
 
@@ -108,7 +108,7 @@ int32_t fascicle_scene_joint_parent(const fascicle_scene* scene, size_t joint) {
 }
 
 size_t fascicle_scene_clip_count(const fascicle_scene* scene) {
-  const scene::Character* character = api::character_of(scene);
+  const rig::Character* character = api::character_of(scene);
   return character == nullptr ? 0 : character->clips.size();
 }
 

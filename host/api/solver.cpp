@@ -6,9 +6,9 @@
 #include "host/api/boundary.h"
 #include "host/api/handles.h"
 #include "host/api/solver_state.h"
-#include "host/bake/lead_in.h"
-#include "host/bake/surface.h"
-#include "host/bake/text.h"
+#include "host/base/text.h"
+#include "host/drive/lead_in.h"
+#include "host/formats/surface.h"
 #include "host/model/validate.h"
 
 namespace fascicle::api {
@@ -22,12 +22,12 @@ const scene::Scene& scene_of(const fascicle_solver& solver) {
   return *solver.body->scene;
 }
 
-bake::DriveSource& clip_of(fascicle_solver& solver) {
+drive::DriveSource& clip_of(fascicle_solver& solver) {
   if (!solver.clip) solver.clip.emplace(scene_of(solver), solver.body->model);
   return *solver.clip;
 }
 
-bake::PoseDrive& poses_of(fascicle_solver& solver) {
+drive::PoseDrive& poses_of(fascicle_solver& solver) {
   if (!solver.poses) solver.poses.emplace(scene_of(solver), solver.body->model);
   return *solver.poses;
 }
@@ -68,8 +68,8 @@ void start(fascicle_solver& solver, Driven driven, Work&& state_of_start) {
   solver.time = solver.body->scene->start;
 }
 
-bake::Pose pose_of(const double* joints, std::size_t joint_count) {
-  bake::Pose pose(joint_count);
+drive::Pose pose_of(const double* joints, std::size_t joint_count) {
+  drive::Pose pose(joint_count);
   for (std::size_t j = 0; j < joint_count; ++j)
     for (int row = 0; row < 4; ++row)
       for (int column = 0; column < 4; ++column) {
@@ -108,7 +108,7 @@ void copy_world(const std::vector<float>& positions, const fascicle_solver& solv
   check_count(count, positions.size(), "count");
   if (count > 0) must_have(metres, "metres");
   const std::vector<float> world =
-      bake::world_positions(positions, solver.body->model.unit, solver.shown.origin);
+      formats::world_positions(positions, solver.body->model.unit, solver.shown.origin);
   std::copy(world.begin(), world.end(), metres);
 }
 
@@ -143,7 +143,7 @@ void show(fascicle_solver& solver, const model::State& state) {
   solver.shown.origin = state.origin;
   solver.shown.positions = state.positions;
   solver.shown.velocities = state.velocities;
-  solver.shown.surface = bake::embed(solver.body->model, state.positions);
+  solver.shown.surface = formats::embed(solver.body->model, state.positions);
 }
 
 }  // namespace fascicle::api
@@ -197,10 +197,10 @@ fascicle_status fascicle_solver_start_clip(fascicle_solver* solver, fascicle_pro
                                            void* user) {
   return api::guarded([&] {
     api::must_have(solver, "solver");
-    bake::DriveSource& clip = api::clip_of(*solver);
+    drive::DriveSource& clip = api::clip_of(*solver);
     api::start(*solver, Driven::by_clip, [&] {
       std::uint64_t done = 0;
-      const bake::LeadIn led = bake::lead_in(
+      const drive::LeadIn led = drive::lead_in(
           *solver->body->scene, solver->body->model, clip, *solver->solver,
           [&] { return progress != nullptr && progress(user, FASCICLE_PHASE_LEAD_IN, done++, 0) != 0; });
       if (led.stopped) throw api::Cancelled("cancelled before frame 0");
@@ -222,11 +222,11 @@ fascicle_status fascicle_solver_step_clip(fascicle_solver* solver) {
 fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double* joints, size_t count) {
   return api::guarded([&] {
     api::must_have(solver, "solver");
-    bake::PoseDrive& poses = api::poses_of(*solver);
+    drive::PoseDrive& poses = api::poses_of(*solver);
     const std::size_t joint_count = solver->body->model.joint_count;
     api::check_count(count, 16 * joint_count, "count");
     if (count > 0) api::must_have(joints, "joints");
-    const bake::Pose pose = api::pose_of(joints, joint_count);
+    const drive::Pose pose = api::pose_of(joints, joint_count);
     api::start(*solver, Driven::by_poses, [&] { return poses.start(pose); });
   });
 }
@@ -234,12 +234,12 @@ fascicle_status fascicle_solver_start_pose(fascicle_solver* solver, const double
 fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicle_pose* pose) {
   return api::guarded([&] {
     api::must_have(solver, "solver");
-    bake::PoseDrive& poses = api::poses_of(*solver);
+    drive::PoseDrive& poses = api::poses_of(*solver);
     if (solver->driven != Driven::by_poses)
       throw api::BadArgument("the solver does not follow poses; call fascicle_solver_start_pose first");
     const auto taken = api::taken(pose, fascicle_pose_init, "pose");
     const std::size_t joint_count = solver->body->model.joint_count;
-    std::vector<bake::Pose> given;
+    std::vector<drive::Pose> given;
     if (joint_count > 0) {
       const std::size_t substeps = solver->body->scene->solver.substeps;
       if (taken.pose_count != 1 && taken.pose_count != substeps)
@@ -260,7 +260,7 @@ fascicle_status fascicle_solver_clip_pose(fascicle_solver* solver, uint64_t fram
                                           size_t count) {
   return api::guarded([&] {
     api::must_have(solver, "solver");
-    const bake::Pose pose = api::clip_of(*solver).joints(frame);
+    const drive::Pose pose = api::clip_of(*solver).joints(frame);
     api::check_count(count, 16 * pose.size(), "count");
     if (count > 0) api::must_have(joints, "joints");
     for (std::size_t j = 0; j < pose.size(); ++j)
@@ -340,7 +340,7 @@ fascicle_status fascicle_solver_position_hash(const fascicle_solver* solver, cha
   return api::guarded([&] {
     api::must_have(solver, "solver");
     api::must_have(text, "text");
-    const std::string hash = bake::hash_text(model::position_hash(solver->shown));
+    const std::string hash = base::hash_text(model::position_hash(solver->shown));
     std::memcpy(text, hash.c_str(), std::min<std::size_t>(hash.size() + 1, 17));
   });
 }

@@ -11,8 +11,8 @@
 #include "host/api/boundary.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/identity.h"
-#include "host/bake/text.h"
-#include "host/bake/version.h"
+#include "host/base/text.h"
+#include "host/base/version.h"
 
 namespace fascicle::api {
 namespace {
@@ -26,8 +26,8 @@ struct Head {
 };
 
 bake::Identity identity_of_steps(const fascicle_solver& solver) {
-  return {{"model", bake::hash_text(bake::model_hash(solver.body->model))},
-          {"solver version", std::to_string(bake::solver_version)},
+  return {{"model", base::hash_text(bake::model_hash(solver.body->model))},
+          {"solver version", std::to_string(base::solver_version)},
           {"integrator", model::name_of(solver.options.integrator)},
           {"rotation", model::name_of(solver.options.rotation)},
           {"iterations", std::to_string(solver.options.iterations)}};
@@ -63,7 +63,7 @@ void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   if (head.pose_numbers != 16 * (by_poses ? std::uint64_t{solver.body->model.joint_count} : 0))
     refuse_state("they are of another model");
   if (head.driven != 0 && head.driven != 3 && !solver.body->scene) refuse_state("they are of another model");
-  bake::Pose pose(joints);
+  drive::Pose pose(joints);
   for (Eigen::Matrix4d& joint : pose) {
     std::memcpy(joint.data(), bytes.data(), 16 * sizeof(double));
     bytes.remove_prefix(16 * sizeof(double));

@@ -17,27 +17,28 @@
 #include <new>
 #include <optional>
 
-#include "host/bake/blend_shapes.h"
-#include "host/bake/blender_script.h"
-#include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
-#include "host/bake/drive_source.h"
-#include "host/bake/file.h"
 #include "host/bake/folder.h"
-#include "host/bake/formats.h"
 #include "host/bake/frame_writer.h"
 #include "host/bake/identity.h"
 #include "host/bake/kept_start.h"
-#include "host/bake/lead_in.h"
 #include "host/bake/look.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
-#include "host/bake/muscle_drive.h"
+#include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
-#include "host/bake/rest_mesh.h"
-#include "host/bake/surface.h"
-#include "host/bake/surface_objects.h"
-#include "host/bake/text.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/drive/drive_source.h"
+#include "host/drive/lead_in.h"
+#include "host/drive/muscle_drive.h"
+#include "host/formats/blend_shapes.h"
+#include "host/formats/blender_script.h"
+#include "host/formats/character_file.h"
+#include "host/formats/formats.h"
+#include "host/formats/rest_mesh.h"
+#include "host/formats/surface.h"
+#include "host/formats/surface_objects.h"
 #include "host/model/validate.h"
 
 namespace fascicle::bake {
@@ -78,7 +79,7 @@ BakeOptions checked(BakeOptions options, const model::Model& model) {
   if (options.overwrite && options.resume)
     throw BakeError("--overwrite and --resume exclude each other; give one");
   if (options.checkpoint_frames == 0) throw BakeError("checkpoint_frames is 0; it must be at least 1");
-  std::vector<std::string> formats, left = with_companions(options.formats, model);
+  std::vector<std::string> formats, left = formats::with_companions(options.formats, model);
   std::string names;
   for (const std::string& name : format_names()) {
     names += (names.empty() ? "" : ", ") + name;
@@ -129,12 +130,12 @@ class Run {
   const std::uint64_t frames_;
   const std::uint64_t model_hash_;
   const Identity identity_;
-  DriveSource drives_;
+  drive::DriveSource drives_;
 
   std::optional<FolderLock> lock_;
   model::Frame initial_;
-  std::optional<BlendShapes> shapes_;
-  std::vector<std::unique_ptr<FrameSink>> sinks_;
+  std::optional<formats::BlendShapes> shapes_;
+  std::vector<std::unique_ptr<formats::FrameSink>> sinks_;
   model::Read needs_;
   std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty where nobody looks
   Progress progress_;
@@ -142,7 +143,7 @@ class Run {
   double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
   bool interrupted_ = false;
   bool has_begun_ = false;  // from here on the manifest in the folder is this run's
-  SinkReport report_;
+  formats::SinkReport report_;
   std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();
   Clock::time_point last_checkpoint_ = Clock::now();
@@ -202,7 +203,7 @@ BakeResult Run::go() {
                 .origin = state.origin,
                 .positions = state.positions,
                 .velocities = state.velocities,
-                .surface = embed(model_, state.positions),
+                .surface = formats::embed(model_, state.positions),
                 .skinned = state.skinned};
   }
   if (!interrupted_) {
@@ -218,13 +219,13 @@ BakeResult Run::go() {
   }
   if (!interrupted_ && scene_.motion.seamless) {
     const model::State next = drives_.begun_again(solver_.save());
-    progress_.loop_jump = largest_distance(model_, initial_.positions, initial_.origin, next);
+    progress_.loop_jump = drive::largest_distance(model_, initial_.positions, initial_.origin, next);
   }
   if (!interrupted_)
     for (const auto& sink : sinks_) {
       const Stopwatch time(seconds_writing_);
       sink->finish();
-      append(report_, sink->report());
+      formats::append(report_, sink->report());
     }
   if (!interrupted_) take_look();
   save_manifest(interrupted_ ? Status::interrupted : Status::complete);
@@ -241,7 +242,7 @@ BakeResult Run::go() {
   for (const std::string& name : files)
     if (fs::exists(options_.folder / name)) result.files.push_back(options_.folder / name);
   if (!progress_.position_hashes.empty())
-    result.last_position_hash = hash_text(progress_.position_hashes.back());
+    result.last_position_hash = base::hash_text(progress_.position_hashes.back());
   result.seconds_solver = seconds_solver_;
   result.seconds_writing = seconds_writing_;
   result.seconds_total = seconds_since(start_);
@@ -255,12 +256,12 @@ model::State Run::lead_to_start() {
   const std::string key = is_long ? start_key(identity_) : "";
   if (is_long && options_.find_start)
     if (const std::optional<std::string> bytes = options_.find_start(key))
-      if (std::optional<LeadIn> kept = read_start(*bytes, identity_)) {
+      if (std::optional<drive::LeadIn> kept = read_start(*bytes, identity_)) {
         progress_.lead_in = kept->summary;
         progress_.lead_in.was_kept = true;
         return std::move(kept->state);
       }
-  LeadIn led = lead_in(scene_, model_, drives_, solver_, [&] {
+  drive::LeadIn led = drive::lead_in(scene_, model_, drives_, solver_, [&] {
     if (options_.on_lead_in) options_.on_lead_in();
     return options_.interrupted != nullptr && options_.interrupted->load();
   });
@@ -285,50 +286,50 @@ std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
 void Run::begin_sinks(std::uint64_t first) {
   const Stopwatch time(seconds_writing_);
   const std::vector<model::Frame> before = frames_before(first);
-  const auto* character = std::get_if<scene::Character>(&scene_.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene_.geometry);
   const bool is_character = character != nullptr && model_.has_skeleton();
-  if (is_character && (first == 0 || !fs::exists(path_of(character_name))))
-    write_whole(path_of(character_name),
-                character_glb(
-                    scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); },
-                    [this](std::uint64_t frame) { return drives_.clip_time(frame); }, missing_images_));
-  shapes_.emplace(is_character ? path_of(character_name) : fs::path(), model_, scene_.fps);
-  std::shared_ptr<const SurfaceObjects> surface;
+  if (is_character && (first == 0 || !fs::exists(path_of(formats::character_name))))
+    base::write_whole(path_of(formats::character_name),
+                      formats::character_glb(
+                          scene_, model_, [this](std::uint64_t frame) { return drives_.joints(frame); },
+                          [this](std::uint64_t frame) { return drives_.clip_time(frame); }, missing_images_));
+  shapes_.emplace(is_character ? path_of(formats::character_name) : fs::path(), model_, scene_.fps);
+  std::shared_ptr<const formats::SurfaceObjects> surface;
   if (model_.surface_count() > 0)
-    surface = std::make_shared<const SurfaceObjects>(
-        read_surface_objects(model_, is_character ? path_of(character_name) : fs::path()));
-  const BakeInfo info{.model = &model_,
-                      .folder = options_.folder,
-                      .scene_name = scene_.name,
-                      .fps = scene_.fps,
-                      .start = scene_.start,
-                      .frames = frames_,
-                      .first = first,
-                      .initial = &initial_,
-                      .character = is_character ? path_of(character_name) : fs::path(),
-                      .rig = is_character ? character : nullptr,
-                      .before = before,
-                      .glb = options_.glb,
-                      .objects = surface,
-                      .first_number = options_.first_number,
-                      .usd_skel = options_.usd_skel};
+    surface = std::make_shared<const formats::SurfaceObjects>(
+        formats::read_surface_objects(model_, is_character ? path_of(formats::character_name) : fs::path()));
+  const formats::BakeInfo info{.model = &model_,
+                               .folder = options_.folder,
+                               .scene_name = scene_.name,
+                               .fps = scene_.fps,
+                               .start = scene_.start,
+                               .frames = frames_,
+                               .first = first,
+                               .initial = &initial_,
+                               .character = is_character ? path_of(formats::character_name) : fs::path(),
+                               .rig = is_character ? character : nullptr,
+                               .before = before,
+                               .glb = options_.glb,
+                               .objects = surface,
+                               .first_number = options_.first_number,
+                               .usd_skel = options_.usd_skel};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
-  for (const Format& format : all_formats()) {
+  for (const formats::Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
                                                          format.name) != options_.formats.end();
     if (!wanted) continue;
     sinks_.push_back(format.make());
     needs_ = needs_ | sinks_.back()->needs();
-    BakeInfo of_sink = info;
+    formats::BakeInfo of_sink = info;
     if (!sinks_.back()->resumes()) of_sink.first = 0;
     sinks_.back()->begin(of_sink);
   }
-  write_whole(path_of(model_file_name), encode_model(model_));
+  base::write_whole(path_of(model_file_name), encode_model(model_));
   if (model_.surface_count() > 0) {
-    write_rest_mesh(options_.folder, model_, *surface);
-    write_whole(
-        path_of(blender_script_name),
-        blender_script({.fps = scene_.fps, .frames = frames_, .first_number = options_.first_number}));
+    formats::write_rest_mesh(options_.folder, model_, *surface);
+    base::write_whole(path_of(formats::blender_script_name),
+                      formats::blender_script(
+                          {.fps = scene_.fps, .frames = frames_, .first_number = options_.first_number}));
   }
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
@@ -336,7 +337,7 @@ void Run::begin_sinks(std::uint64_t first) {
   for (std::uint64_t k = 0; k < first; ++k) {
     model::Frame frame = cache.read(k);
     progress_.position_hashes.push_back(model::position_hash(frame));
-    frame.surface = embed(model_, frame.positions);
+    frame.surface = formats::embed(model_, frame.positions);
     shapes_->add_to(k, frame.surface);
     for (const auto& sink : sinks_)
       if (!sink->resumes()) sink->write(frame);
@@ -376,8 +377,8 @@ void Run::step_frames(std::uint64_t first) {
       frame = solver_.collect();
     }
     if (frame.index != k)
-      throw std::logic_error("the solver returned frame " + number_text(frame.index) + " for frame " +
-                             number_text(k));
+      throw std::logic_error("the solver returned frame " + base::number_text(frame.index) + " for frame " +
+                             base::number_text(k));
     if (!all_finite(frame)) {
       writer.finish();
       refuse_not_finite(frame);
@@ -399,7 +400,7 @@ bool Run::checkpoint_due(std::uint64_t frame) const {
 
 void Run::note_clamped(const model::Drive& drive, std::uint64_t frame) {
   if (model_.muscle_count == 0) return;
-  const std::uint64_t regions = clamped_regions(model_, drive.muscles.last(model_.muscle_count));
+  const std::uint64_t regions = drive::clamped_regions(model_, drive.muscles.last(model_.muscle_count));
   if (regions > progress_.clamped.regions) progress_.clamped = {regions, frame};
 }
 
@@ -413,10 +414,10 @@ void Run::refuse_not_finite(const model::Frame& frame) {
     ++count;
   }
   const double time = scene_.start + static_cast<double>(frame.index) / scene_.fps;
-  progress_.message = "frame " + number_text(frame.index) + " (" + number_text(time) + " s): vertex " +
-                      number_text(model_.source_vertex[first]) + " of layer " +
+  progress_.message = "frame " + base::number_text(frame.index) + " (" + base::number_text(time) +
+                      " s): vertex " + base::number_text(model_.source_vertex[first]) + " of layer " +
                       model_.layers.at(model_.layer_of(first)).name +
-                      " has a position that is not a finite number, as have " + number_text(count) +
+                      " has a position that is not a finite number, as have " + base::number_text(count) +
                       " in all; try more substeps, a lower alpha or more damping";
   save_manifest(Status::not_finite);
   throw NotFinite(progress_.message);
@@ -444,7 +445,7 @@ void Run::take_look() {
   const Stopwatch time(seconds_writing_);
   const FrameCacheReader cache(path_of(cache_name));
   progress_.look = look_summary(
-      options_.folder, model_, std::get_if<scene::Character>(&scene_.geometry), scene_.fps,
+      options_.folder, model_, std::get_if<rig::Character>(&scene_.geometry), scene_.fps,
       [&](std::uint64_t k) {
         // Skinned on the host, where the last bits may differ from the solver's: the words are the same.
         model::Frame frame = cache.read(k);
@@ -462,7 +463,7 @@ void Run::save_manifest(Status status) {
                        .writing = before_.writing + seconds_writing_,
                        .total = before_.total + seconds_since(start_),
                        .runs = before_.runs};
-  write_whole(path_of(manifest_name), manifest_text(scene_, model_, options_, model_hash_, progress_));
+  base::write_whole(path_of(manifest_name), manifest_text(scene_, model_, options_, model_hash_, progress_));
 }
 
 void Run::note_failure(const std::string& reason) const {
@@ -494,8 +495,9 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
 
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
   if (first_of_range < handles)
-    throw BakeError("--first-frame " + number_text(first_of_range) + ": " + number_text(handles) +
-                    " handles before it would have numbers below 0; give at least " + number_text(handles));
+    throw BakeError("--first-frame " + base::number_text(first_of_range) + ": " + base::number_text(handles) +
+                    " handles before it would have numbers below 0; give at least " +
+                    base::number_text(handles));
   return first_of_range - handles;
 }
 

@@ -10,20 +10,18 @@
 #include <vector>
 
 #include "host/bake/expected_look.h"
-#include "host/bake/lead_in.h"
 #include "host/bake/look_report.h"
-#include "host/bake/sink.h"
+#include "host/base/errors.h"
+#include "host/drive/lead_in.h"
+#include "host/formats/sink.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::bake {
 
-// A folder that cannot be baked into, or a cache that does not fit: bad input or usage. what() says what to
-// do.
-struct BakeError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+using base::BakeError;
+
 // The -o folder holds a bake and neither overwrite nor resume was given: bad usage.
 struct FolderInUse : BakeError {
   using BakeError::BakeError;
@@ -54,7 +52,7 @@ struct OpenEndEntry {
 struct BakeOptions {
   std::filesystem::path folder;
   std::vector<std::string> formats;  // of format_names()
-  GlbOptions glb = {};
+  formats::GlbOptions glb = {};
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
   bool usd_skel = false;           // usda: skinning alone beside the points
   bool overwrite = false;          // removes only what a bake made in the folder
@@ -89,12 +87,12 @@ struct BakeResult {
   std::vector<std::filesystem::path> files;
   std::vector<std::string> missing_images;  // of the character's: white pixels stand for them
   std::string last_position_hash;
-  LeadInSummary lead_in;
+  drive::LeadInSummary lead_in;
   std::optional<double>
       loop_jump;  // m: of a seamless loop, the furthest that a vertex ends from its beginning
   ClampedMuscles clamped;
   std::optional<LookSummary> look;  // of a finished bake of a character
-  SinkReport report;                // of all formats
+  formats::SinkReport report;       // of all formats
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 
@@ -102,17 +100,10 @@ struct BakeResult {
 // numbers below 0.
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles);
 
-// Names accepted in BakeOptions::formats.
-const std::vector<std::string>& format_names();
-
 // Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. If it ends
 // early, the frame cache keeps every whole frame, a checkpoint is there to resume from, and the manifest says
 // why the bake ended and in which frame.
 BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
                 const BakeOptions& options);
-
-// Bytes a bake will write.
-std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
-                           const std::vector<std::string>& formats, const GlbOptions& glb = {});
 
 }  // namespace fascicle::bake

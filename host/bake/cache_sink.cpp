@@ -3,20 +3,21 @@
 #include <system_error>
 
 #include "host/bake/bake.h"
-#include "host/bake/formats.h"
 #include "host/bake/identity.h"
+#include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
-#include "host/bake/text.h"
+#include "host/base/text.h"
+#include "host/formats/formats.h"
 
 namespace fascicle::bake {
 
 namespace {
 
-class CacheSink final : public FrameSink {
+class CacheSink final : public formats::FrameSink {
  public:
   std::string name() const override { return "cache"; }
   model::Read needs() const override { return {.positions = true}; }
-  void begin(const BakeInfo& info) override {
+  void begin(const formats::BakeInfo& info) override {
     const std::filesystem::path path = info.folder / cache_name;
     header_ = {.vertex_count = info.model->vertex_count,
                .unit = info.model->unit,
@@ -26,7 +27,7 @@ class CacheSink final : public FrameSink {
                .model_hash = model_hash(*info.model),
                .rest_origin = info.model->rest_origin};
     if (info.first == 0) {
-      file_.emplace(path, FileMode::replace);
+      file_.emplace(path, base::FileMode::replace);
       file_->write(encode_cache_header(header_));
       return;
     }
@@ -34,10 +35,10 @@ class CacheSink final : public FrameSink {
     if (reader.header() != header_)
       throw BakeError(path.string() + ": belongs to another bake; start again with --overwrite");
     if (reader.frame_count() < info.first)
-      throw BakeError(path.string() + ": holds " + number_text(reader.frame_count()) +
-                      " whole frames and the checkpoint " + number_text(info.first) +
+      throw BakeError(path.string() + ": holds " + base::number_text(reader.frame_count()) +
+                      " whole frames and the checkpoint " + base::number_text(info.first) +
                       "; start again with --overwrite");
-    file_.emplace(path, FileMode::modify);
+    file_.emplace(path, base::FileMode::modify);
     file_->truncate(cache_header_bytes + info.first * cache_record_bytes(header_.vertex_count));
   }
   void write(const model::Frame& frame) override {
@@ -61,12 +62,12 @@ class CacheSink final : public FrameSink {
 
  private:
   CacheHeader header_;
-  std::optional<File> file_;
+  std::optional<base::File> file_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSink> make_cache_sink() {
+std::unique_ptr<formats::FrameSink> make_cache_sink() {
   return std::make_unique<CacheSink>();
 }
 

@@ -7,8 +7,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "host/bake/file.h"
 #include "host/bake/scene_json.h"
+#include "host/base/part_file.h"
 
 namespace fascicle::bake {
 
@@ -20,8 +20,8 @@ constexpr std::string_view magic = "FASCCKPT";
 constexpr std::uint32_t version = 4;
 
 void append_floats(std::string& out, const std::vector<float>& values) {
-  append_bytes(out, std::uint64_t{values.size()});
-  append_array(out, std::span<const float>(values));
+  base::append_bytes(out, std::uint64_t{values.size()});
+  base::append_array(out, std::span<const float>(values));
 }
 
 // Takes values off the front of a file's bytes; every length is checked against what is left.
@@ -63,11 +63,11 @@ std::string checkpoint_text(const Checkpoint& checkpoint) {
   const std::string identity = dump(Json(checkpoint.identity));
   const model::State& state = checkpoint.state;
   std::string bytes(magic);
-  append_bytes(bytes, version);
-  append_bytes(bytes, static_cast<std::uint32_t>(identity.size()));
+  base::append_bytes(bytes, version);
+  base::append_bytes(bytes, static_cast<std::uint32_t>(identity.size()));
   bytes += identity;
-  append_bytes(bytes, state.frame);
-  append_bytes(bytes, state.origin);
+  base::append_bytes(bytes, state.frame);
+  base::append_bytes(bytes, state.origin);
   append_floats(bytes, state.positions);
   append_floats(bytes, state.velocities);
   append_floats(bytes, state.rotations);
@@ -75,10 +75,10 @@ std::string checkpoint_text(const Checkpoint& checkpoint) {
   append_floats(bytes, state.skinned_velocities);
   append_floats(bytes, state.positions_before);
   append_floats(bytes, state.velocities_before);
-  append_bytes(bytes, state.step_before);
+  base::append_bytes(bytes, state.step_before);
   for (const std::vector<float>& skinned : checkpoint.skinned) append_floats(bytes, skinned);
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
-  append_bytes(bytes, checksum);
+  base::append_bytes(bytes, checksum);
   return bytes;
 }
 
@@ -114,12 +114,12 @@ Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
 }
 
 void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
-  write_whole(path, checkpoint_text(checkpoint));
+  base::write_whole(path, checkpoint_text(checkpoint));
 }
 
 std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
   if (!fs::exists(path)) return std::nullopt;
-  const File file(path, FileMode::read);
+  const base::File file(path, base::FileMode::read);
   std::string bytes(file.size(), '\0');
   if (!file.read_at(0, bytes))
     throw BakeError(path.string() + ": the checkpoint is damaged; start again with --overwrite");
@@ -129,7 +129,7 @@ std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
 bool is_checkpoint(const fs::path& path) {
   try {
     std::array<char, 8> bytes{};
-    return File(path, FileMode::read).read_at(0, bytes) &&
+    return base::File(path, base::FileMode::read).read_at(0, bytes) &&
            std::string_view(bytes.data(), bytes.size()) == magic;
   } catch (const std::system_error&) {
     return false;

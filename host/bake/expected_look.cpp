@@ -7,11 +7,11 @@
 #include <queue>
 #include <utility>
 
-#include "host/bake/felt_acceleration.h"
 #include "host/bake/look.h"
 #include "host/bake/look_report.h"
 #include "host/bake/points.h"
-#include "host/bake/text.h"
+#include "host/base/text.h"
+#include "host/drive/felt_acceleration.h"
 
 namespace fascicle::bake {
 
@@ -156,7 +156,7 @@ std::vector<Swing> swings_of(const model::Model& model, const LookBody& body, do
   std::vector<Flesh> flesh(model.joint_count);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     if (!model.is_kinematic(i) && model.skin_offset[i] < model.skin_offset[i + 1] && std::isfinite(depth[i]))
-      flesh[main_joint(model, i)].vertices.push_back(i);
+      flesh[drive::main_joint(model, i)].vertices.push_back(i);
   for (std::size_t s = 0; s < body.joint.size(); ++s) flesh[body.joint[s]].skin.push_back(s);
 
   std::vector<Swing> swings;
@@ -215,16 +215,16 @@ struct Oscillator {
 }  // namespace
 
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
-                                          DriveSource& drives) {
+                                          drive::DriveSource& drives) {
   if (!has_look(model)) return std::nullopt;
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   const double h = 1.0 / (scene.fps * scene.solver.substeps);
   const std::vector<Swing> swings = swings_of(model, look_body(model, character), h);
   if (swings.empty()) return std::nullopt;
   std::vector<std::vector<Vector3d>> throws(swings.size());
-  drives.for_each_throw([&](const std::vector<DriveSource::Throw>& of_joint) {
+  drives.for_each_throw([&](const std::vector<drive::DriveSource::Throw>& of_joint) {
     for (std::size_t k = 0; k < swings.size(); ++k) {
-      const DriveSource::Throw& thrown = of_joint[swings[k].joint];
+      const drive::DriveSource::Throw& thrown = of_joint[swings[k].joint];
       throws[k].push_back(thrown.gravity + swings[k].felt * thrown.inertia);
     }
   });
@@ -261,26 +261,27 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
 
 std::string expected_look_warning(const scene::Scene& scene, const model::Model& model,
                                   const ExpectedLook& expected) {
-  const auto& character = std::get<scene::Character>(scene.geometry);
+  const auto& character = std::get<rig::Character>(scene.geometry);
   const std::string layer = "layers." + model.layers[expected.layer].name;
   return layer + ": is too soft for this clip: the flesh at joint \"" +
          character.skeleton[expected.joint].name + "\" is expected to swing to " +
-         short_text(expected.score) + " times the limit of what looks right, in frame " +
-         number_text(expected.frame) + "; " + short_text(std::ceil(10.0 * expected.stiffer) / 10.0) +
+         base::short_text(expected.score) + " times the limit of what looks right, in frame " +
+         base::number_text(expected.frame) + "; " +
+         base::short_text(std::ceil(10.0 * expected.stiffer) / 10.0) +
          " times stiffer layers would be enough (" +
          (model.is_implicit() ? "--softness, or " + layer + ".youngs_modulus" : layer + ".alpha") +
          "), or more damping, or a lower " + layer + ".inertia_scale";
 }
 
 std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried) {
-  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
-  return "frames " + number_text(tried.first + 1) + " to " + number_text(tried.last) +
+  const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
+  return "frames " + base::number_text(tried.first + 1) + " to " + base::number_text(tried.last) +
          " were tried before the bake, and look wrong: " +
          look_warning(tried.cause, tried.worst, skeleton[tried.worst.joint].name, tried.frame,
                       tried.frames_over);
 }
 
-TriedLook try_look(const scene::Scene& scene, const model::Model& model, DriveSource& drives,
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
                    model::Solver& solver, std::uint64_t frame) {
   const auto frames_of = [&](double seconds) {
     return static_cast<std::uint64_t>(std::ceil(seconds * scene.fps));
@@ -290,7 +291,7 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, DriveSo
   tried.first = frame > frames_of(tried_before) ? frame - frames_of(tried_before) : 0;
   tried.last = std::min(frame + frames_of(tried_after), last_frame);
   solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
-  const LookBody body = look_body(model, std::get_if<scene::Character>(&scene.geometry));
+  const LookBody body = look_body(model, std::get_if<rig::Character>(&scene.geometry));
   Look look(model, body, scene.fps);
   for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "host/bake/drive_source.h"
 #include "host/bake/look.h"
 #include "host/bake/look_body.h"
+#include "host/drive/drive_source.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
@@ -33,7 +33,7 @@ struct ExpectedLook {
 
 // Nothing where there is no look to take, or no free flesh. Goes through all substeps of one cycle.
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
-                                          DriveSource& drives);
+                                          drive::DriveSource& drives);
 
 // One line that names the layer, the joint and what helps.
 std::string expected_look_warning(const scene::Scene& scene, const model::Model& model,
@@ -56,7 +56,7 @@ struct TriedLook {
 std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried);
 
 // Leaves the solver in the initial state. What it throws is the solver's.
-TriedLook try_look(const scene::Scene& scene, const model::Model& model, DriveSource& drives,
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
                    model::Solver& solver, std::uint64_t frame);
 
 }  // namespace fascicle::bake

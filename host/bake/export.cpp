@@ -6,19 +6,20 @@
 #include <optional>
 
 #include "host/bake/bake.h"
-#include "host/bake/blend_shapes.h"
-#include "host/bake/blender_script.h"
-#include "host/bake/character_file.h"
-#include "host/bake/file.h"
 #include "host/bake/folder.h"
-#include "host/bake/formats.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
+#include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
-#include "host/bake/rest_mesh.h"
-#include "host/bake/surface.h"
-#include "host/bake/surface_objects.h"
-#include "host/bake/text.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/formats/blend_shapes.h"
+#include "host/formats/blender_script.h"
+#include "host/formats/character_file.h"
+#include "host/formats/formats.h"
+#include "host/formats/rest_mesh.h"
+#include "host/formats/surface.h"
+#include "host/formats/surface_objects.h"
 
 namespace fascicle::bake {
 
@@ -27,11 +28,11 @@ namespace fs = std::filesystem;
 namespace {
 
 // The formats asked for, each once, in the order of all_formats().
-std::vector<const Format*> chosen(const std::vector<std::string>& names) {
-  std::vector<const Format*> formats;
+std::vector<const formats::Format*> chosen(const std::vector<std::string>& names) {
+  std::vector<const formats::Format*> formats;
   std::vector<std::string> left = names;
   std::string possible;
-  for (const Format& format : all_formats()) {
+  for (const formats::Format& format : all_formats()) {
     if (format.name.empty()) continue;
     const bool wanted = std::erase(left, format.name) > 0;
     if (!format.from_cache) {
@@ -59,7 +60,7 @@ FrameCacheReader finished_cache(const fs::path& folder) {
     const bool failed = manifest && manifest->status == name_of(Status::failed);
     throw BakeError(folder.string() + ": the bake is not finished" +
                     (failed ? ", it failed (" + manifest->message + ")" : "") + ", " +
-                    number_text(cache.frame_count()) + " of " + number_text(wanted) +
+                    base::number_text(cache.frame_count()) + " of " + base::number_text(wanted) +
                     " frames are there; go on with fascicle bake --resume");
   }
   return cache;
@@ -86,7 +87,7 @@ class Export {
         folder_(own_ ? options.bake : options.folder),
         cache_(finished_cache(options.bake)),
         model_(model_of(options.bake, cache_)),
-        shapes_(model_.has_skeleton() ? options.bake / character_name : fs::path(), model_,
+        shapes_(model_.has_skeleton() ? options.bake / formats::character_name : fs::path(), model_,
                 cache_.header().fps) {}
 
   ExportResult go();
@@ -94,7 +95,7 @@ class Export {
  private:
   model::Frame frame(std::uint64_t k) const {
     model::Frame frame = cache_.read(k);
-    frame.surface = embed(model_, frame.positions);
+    frame.surface = formats::embed(model_, frame.positions);
     shapes_.add_to(k, frame.surface);
     return frame;
   }
@@ -102,24 +103,24 @@ class Export {
   void open_folder();
 
   const ExportOptions& options_;
-  const std::vector<const Format*> formats_;
+  const std::vector<const formats::Format*> formats_;
   const bool own_;
   const fs::path folder_;
   const FrameCacheReader cache_;
   const model::Model model_;
-  const BlendShapes shapes_;
+  const formats::BlendShapes shapes_;
   std::optional<FolderLock> bake_lock_, lock_;
 };
 
 std::vector<std::string> Export::names() const {
   std::vector<std::string> names;
-  for (const Format* format : formats_) names.push_back(format->file);
+  for (const formats::Format* format : formats_) names.push_back(format->file);
   if (!own_) {
-    names.push_back(rest_name);
-    names.push_back(blender_script_name);
+    names.push_back(formats::rest_name);
+    names.push_back(formats::blender_script_name);
     if (model_.has_skeleton()) {
-      names.push_back(rest_materials_name);
-      names.push_back(std::string(textures_folder) + '/');
+      names.push_back(formats::rest_materials_name);
+      names.push_back(std::string(formats::textures_folder) + '/');
     }
   }
   return names;
@@ -143,24 +144,25 @@ ExportResult Export::go() {
                                   ? first_written(*options_.first_number, manifest ? manifest->handles : 0)
                               : manifest ? manifest->first_number
                                          : 0;
-  const fs::path character = model_.has_skeleton() ? options_.bake / character_name : fs::path();
-  const auto surface = std::make_shared<const SurfaceObjects>(read_surface_objects(model_, character));
-  const BakeInfo info{.model = &model_,
-                      .folder = stage.path(),
-                      .scene_name = {},
-                      .fps = header.fps,
-                      .start = header.start,
-                      .frames = header.frames,
-                      .first = 0,
-                      .initial = &initial,
-                      .character = character,
-                      .glb = options_.glb,
-                      .objects = surface,
-                      .first_number = first,
-                      .usd_skel = options_.usd_skel};
+  const fs::path character = model_.has_skeleton() ? options_.bake / formats::character_name : fs::path();
+  const auto surface =
+      std::make_shared<const formats::SurfaceObjects>(formats::read_surface_objects(model_, character));
+  const formats::BakeInfo info{.model = &model_,
+                               .folder = stage.path(),
+                               .scene_name = {},
+                               .fps = header.fps,
+                               .start = header.start,
+                               .frames = header.frames,
+                               .first = 0,
+                               .initial = &initial,
+                               .character = character,
+                               .glb = options_.glb,
+                               .objects = surface,
+                               .first_number = first,
+                               .usd_skel = options_.usd_skel};
   ExportResult result{.frames = header.frames, .files = {}, .report = {}};
-  std::vector<std::unique_ptr<FrameSink>> sinks;
-  for (const Format* format : formats_) {
+  std::vector<std::unique_ptr<formats::FrameSink>> sinks;
+  for (const formats::Format* format : formats_) {
     sinks.push_back(format->make());
     sinks.back()->begin(info);
   }
@@ -173,18 +175,19 @@ ExportResult Export::go() {
   if (!result.interrupted) {
     for (const auto& sink : sinks) {
       sink->finish();
-      append(result.report, sink->report());
+      formats::append(result.report, sink->report());
     }
     if (!own_) {
-      write_rest_mesh(stage.path(), model_, *surface);
-      write_whole(stage.path() / blender_script_name,
-                  blender_script({.fps = header.fps, .frames = header.frames, .first_number = first}));
+      formats::write_rest_mesh(stage.path(), model_, *surface);
+      base::write_whole(
+          stage.path() / formats::blender_script_name,
+          formats::blender_script({.fps = header.fps, .frames = header.frames, .first_number = first}));
     }
     // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
     if (own_) add_to_manifest(folder_, names());
     stage.move_up(names());
     // A bake's list has its textures already.
-    if (own_) stage.move_up({std::string(textures_folder) + '/'});
+    if (own_) stage.move_up({std::string(formats::textures_folder) + '/'});
     for (const std::string& name : names())
       if (fs::exists(folder_ / name)) result.files.push_back(folder_ / name);
   }
@@ -196,7 +199,7 @@ ExportResult Export::go() {
 
 std::vector<std::string> export_format_names() {
   std::vector<std::string> names;
-  for (const Format& format : all_formats())
+  for (const formats::Format& format : all_formats())
     if (!format.name.empty() && format.from_cache) names.push_back(format.name);
   return names;
 }

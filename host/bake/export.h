@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bake/sink.h"
+#include "host/formats/sink.h"
 
 namespace fascicle::bake {
 
@@ -18,7 +18,7 @@ struct ExportOptions {
   std::filesystem::path folder =
       {};  // where to; empty: into the bake's own, whose manifest then lists the files
   std::vector<std::string> formats;  // at least one
-  GlbOptions glb = {};
+  formats::GlbOptions glb = {};
   std::optional<std::uint64_t> first_number = {};  // of the range's first frame; without it the bake's own
   bool usd_skel = false;                           // usda: skinning alone beside the points
   bool overwrite = false;                          // replaces files of these names
@@ -30,7 +30,7 @@ struct ExportResult {
   std::uint64_t frames = 0;  // after frame 0
   bool interrupted = false;  // then the folder is as it was
   std::vector<std::filesystem::path> files;
-  SinkReport report;  // of all formats
+  formats::SinkReport report;  // of all formats
   double seconds = 0.0;
 };
 

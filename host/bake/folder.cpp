@@ -11,23 +11,25 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/checkpoint.h"
-#include "host/bake/file.h"
-#include "host/bake/formats.h"
-#include "host/bake/frame_files.h"
 #include "host/bake/manifest.h"
+#include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
-#include "host/bake/surface_objects.h"
+#include "host/base/part_file.h"
+#include "host/formats/formats.h"
+#include "host/formats/frame_files.h"
+#include "host/formats/surface_objects.h"
 
 namespace fascicle::bake {
 
 namespace fs = std::filesystem;
-using scene::rename_over;
+using base::rename_over;
 
 namespace {
 
 // A file under its own name and under those it has while it is written.
 std::vector<fs::path> forms_of(const fs::path& path) {
-  return {path, fs::path(path.string() + part_suffix), fs::path(path.string() + temporary_suffix)};
+  return {path, fs::path(path.string() + base::part_suffix),
+          fs::path(path.string() + base::temporary_suffix)};
 }
 
 // All there is of one entry of the manifest's list.
@@ -39,7 +41,7 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
   };
   if (!entry.ends_with('/')) {
     add(folder / entry);
-    for (const Format& format : all_formats())
+    for (const formats::Format& format : all_formats())
       if (format.file == entry)
         for (const std::string& spool : format.spools) add(folder / spool);
     return found;
@@ -47,13 +49,15 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
   const std::string extension = entry.substr(0, entry.size() - 1);
   const fs::path inner = folder / entry;
   if (!fs::is_directory(inner)) return found;
-  if (extension == vtu_extension || extension == vtp_extension) add(inner / vtk_series);
-  if (extension == obj_extension) add(inner / obj_materials);
+  if (extension == formats::vtu_extension || extension == formats::vtp_extension)
+    add(inner / formats::vtk_series);
+  if (extension == formats::obj_extension) add(inner / formats::obj_materials);
   for (const auto& item : fs::directory_iterator(inner)) {
     std::string name = item.path().filename().string();
-    if (name.ends_with(temporary_suffix)) name.resize(name.size() - std::string(temporary_suffix).size());
-    const bool is_ours =
-        extension == textures_folder ? is_texture_name(name) : is_frame_file_name(name, extension);
+    if (name.ends_with(base::temporary_suffix))
+      name.resize(name.size() - std::string(base::temporary_suffix).size());
+    const bool is_ours = extension == formats::textures_folder ? formats::is_texture_name(name)
+                                                               : formats::is_frame_file_name(name, extension);
     if (is_ours) found.push_back(item.path());
   }
   return found;
@@ -132,7 +136,7 @@ void remove_files(const fs::path& folder, const std::vector<std::string>& files)
     std::error_code not_empty;
     if (entry.ends_with('/')) fs::remove(folder / entry.substr(0, entry.size() - 1), not_empty);
   }
-  sync_folder(folder);
+  base::sync_folder(folder);
 }
 
 ExportStage::ExportStage(const fs::path& folder) : folder_(folder), path_(folder / stage_name) {
@@ -161,21 +165,21 @@ void ExportStage::move_up(const std::vector<std::string>& files) {
     if (is_folder && !made.empty()) fs::create_directories(folder_ / entry);
     // A collection comes after the frames that it names.
     std::reverse(made.begin(), made.end());
-    for (const fs::path& from : made) rename_over(from, folder_ / from.lexically_relative(path_));
+    for (const fs::path& from : made) base::rename_over(from, folder_ / from.lexically_relative(path_));
     if (!is_folder || made.empty()) continue;
     // Textures are shared by formats that this export may not have.
-    if (entry != std::string(textures_folder) + '/')
+    if (entry != std::string(formats::textures_folder) + '/')
       for (const fs::path& path : existing(folder_, entry))
         if (std::find(made.begin(), made.end(), path_ / path.lexically_relative(folder_)) == made.end())
           remove_file(path);
-    sync_folder(folder_ / entry);
+    base::sync_folder(folder_ / entry);
   }
-  sync_folder(folder_);
+  base::sync_folder(folder_);
 }
 
 void refuse_foreign(const fs::path& folder, const std::vector<std::string>& files) {
   // What a bake leaves that is stopped while it writes its first file.
-  const fs::path first_temporary = folder / (std::string(manifest_name) + temporary_suffix);
+  const fs::path first_temporary = folder / (std::string(manifest_name) + base::temporary_suffix);
   const auto manifest = read_manifest(folder);
   const auto is_listed = [&](const std::string& entry) {
     return manifest &&

@@ -10,8 +10,8 @@
 #include <xxhash.h>
 
 #include "host/bake/scene_json.h"
-#include "host/bake/text.h"
-#include "host/bake/version.h"
+#include "host/base/text.h"
+#include "host/base/version.h"
 #include "host/model/model_arrays.h"
 
 namespace fascicle::bake {
@@ -69,7 +69,7 @@ struct FieldHash {
 };
 
 std::string text_hash(const std::string& text) {
-  return hash_text(XXH3_64bits(text.data(), text.size()));
+  return base::hash_text(XXH3_64bits(text.data(), text.size()));
 }
 
 }  // namespace
@@ -82,18 +82,18 @@ std::uint64_t model_hash(const model::Model& model) {
 }
 
 Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOptions& options) {
-  Identity identity{{"the version of fascicle", fascicle_version},
-                    {"the solver's version", number_text(solver_version)},
-                    {"model", hash_text(hash)},
-                    {"fps", number_text(scene.fps)},
-                    {"start", number_text(scene.start)},
-                    {"end", number_text(scene.end)},
+  Identity identity{{"the version of fascicle", base::fascicle_version},
+                    {"the solver's version", base::number_text(base::solver_version)},
+                    {"model", base::hash_text(hash)},
+                    {"fps", base::number_text(scene.fps)},
+                    {"start", base::number_text(scene.start)},
+                    {"end", base::number_text(scene.end)},
                     {"gravity", dump(json_of(scene.gravity))},
                     {"solver.integrator", scene.solver.integrator},
                     {"solver.rotation", scene.solver.rotation},
                     {"solver.weights", scene.solver.weights},
-                    {"solver.substeps", number_text(scene.solver.substeps)},
-                    {"solver.iterations", number_text(scene.solver.iterations)},
+                    {"solver.substeps", base::number_text(scene.solver.substeps)},
+                    {"solver.iterations", base::number_text(scene.solver.iterations)},
                     {"clip", scene.clip},
                     {"motion", dump(json_of(scene.motion))},
                     {"forces", dump(json_of(scene.forces))}};
@@ -106,14 +106,16 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   for (const std::string& format : formats) list += (list.empty() ? "" : ",") + format;
   identity.emplace_back("--format", list);
   if (std::find(formats.begin(), formats.end(), "glb") != formats.end()) {
-    identity.emplace_back("--glb-stride", number_text(options.glb.stride));
-    if (options.glb.error) identity.emplace_back("--glb-error", number_text(*options.glb.error));
-    if (options.glb.compress) identity.emplace_back("--glb-compress", number_text(*options.glb.compress));
+    identity.emplace_back("--glb-stride", base::number_text(options.glb.stride));
+    if (options.glb.error) identity.emplace_back("--glb-error", base::number_text(*options.glb.error));
+    if (options.glb.compress)
+      identity.emplace_back("--glb-compress", base::number_text(*options.glb.compress));
     identity.emplace_back("--glb-tolerance",
-                          options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
+                          options.glb.tolerance ? base::number_text(*options.glb.tolerance) : std::string());
   }
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
-  if (options.first_number != 0) identity.emplace_back("--first-frame", number_text(options.first_number));
+  if (options.first_number != 0)
+    identity.emplace_back("--first-frame", base::number_text(options.first_number));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;

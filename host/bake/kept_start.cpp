@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "host/bake/checkpoint.h"
-#include "host/bake/file.h"
-#include "host/scene/content_hash.h"
+#include "host/base/content_hash.h"
+#include "host/base/part_file.h"
 
 namespace fascicle::bake {
 
@@ -32,7 +32,7 @@ Identity without_formats(Identity identity) {
 }  // namespace
 
 std::string start_key(const Identity& identity) {
-  scene::ContentHash hash;
+  base::ContentHash hash;
   for (const auto& [name, value] : without_formats(identity)) {
     hash.add(std::string_view(name));
     hash.add(std::string_view(value));
@@ -40,22 +40,22 @@ std::string start_key(const Identity& identity) {
   return hash.text();
 }
 
-std::string start_bytes(const LeadIn& start, const Identity& identity) {
-  const LeadInSummary& led = start.summary;
+std::string start_bytes(const drive::LeadIn& start, const Identity& identity) {
+  const drive::LeadInSummary& led = start.summary;
   std::string bytes;
-  append_bytes(bytes, Head{led.preroll_frames, led.settle_frames, led.cycles,
-                           led.settled_speed.value_or(absent), led.jump.value_or(absent)});
+  base::append_bytes(bytes, Head{led.preroll_frames, led.settle_frames, led.cycles,
+                                 led.settled_speed.value_or(absent), led.jump.value_or(absent)});
   return bytes + checkpoint_text({without_formats(identity), start.state});
 }
 
-std::optional<LeadIn> read_start(std::string_view bytes, const Identity& identity) {
+std::optional<drive::LeadIn> read_start(std::string_view bytes, const Identity& identity) {
   Head head{};
   if (bytes.size() < sizeof head) return std::nullopt;
   std::memcpy(&head, bytes.data(), sizeof head);
   try {
     Checkpoint found = parse_checkpoint(bytes.substr(sizeof head), "the kept start");
     if (found.identity != without_formats(identity)) return std::nullopt;
-    LeadIn start;
+    drive::LeadIn start;
     start.summary = {.preroll_frames = head.preroll_frames,
                      .settle_frames = head.settle_frames,
                      .settled_speed = present(head.settled_speed),

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "host/bake/identity.h"
-#include "host/bake/lead_in.h"
+#include "host/drive/lead_in.h"
 
 namespace fascicle::bake {
 
@@ -14,9 +14,9 @@ namespace fascicle::bake {
 // not with the formats that are written.
 std::string start_key(const Identity& identity);
 
-std::string start_bytes(const LeadIn& start, const Identity& identity);
+std::string start_bytes(const drive::LeadIn& start, const Identity& identity);
 
 // Nothing where the bytes are not a whole start of a bake with this identity.
-std::optional<LeadIn> read_start(std::string_view bytes, const Identity& identity);
+std::optional<drive::LeadIn> read_start(std::string_view bytes, const Identity& identity);
 
 }  // namespace fascicle::bake

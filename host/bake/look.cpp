@@ -5,9 +5,9 @@
 #include <set>
 #include <utility>
 
-#include "host/bake/felt_acceleration.h"
 #include "host/bake/points.h"
-#include "host/bake/surface.h"
+#include "host/drive/felt_acceleration.h"
+#include "host/formats/surface.h"
 
 namespace fascicle::bake {
 
@@ -126,14 +126,16 @@ void Look::shift_history() {
 }
 
 void Look::remember(const model::Frame& frame) {
-  const std::vector<float> flesh = embed(model_, frame.positions), skin = embed(model_, frame.skinned);
+  const std::vector<float> flesh = formats::embed(model_, frame.positions),
+                           skin = formats::embed(model_, frame.skinned);
   shift_history();
   deviation_[0].resize(flesh.size());
   for (std::size_t i = 0; i < flesh.size(); ++i) deviation_[0][i] = flesh[i] - skin[i];
 }
 
 LookScores Look::of(const model::Frame& frame) {
-  const std::vector<float> flesh = embed(model_, frame.positions), skin = embed(model_, frame.skinned);
+  const std::vector<float> flesh = formats::embed(model_, frame.positions),
+                           skin = formats::embed(model_, frame.skinned);
   shift_history();
   deviation_[0].resize(flesh.size());
   for (std::size_t i = 0; i < flesh.size(); ++i) deviation_[0][i] = flesh[i] - skin[i];
@@ -250,7 +252,7 @@ LookScore Look::inverted(const model::Frame& frame) const {
     flesh += 1.0;
     const std::uint32_t i = corners[0];
     if (of_skin) continue;
-    ++at_joint[main_joint(model_, i)];
+    ++at_joint[drive::main_joint(model_, i)];
   }
   const double few = inverted_share * static_cast<double>(model_.tetrahedron_count());
   const double limit = inverted_ratio * skin + few;

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "host/bake/points.h"
-#include "host/bake/surface.h"
-#include "host/bake/surface_normals.h"
+#include "host/formats/surface.h"
+#include "host/formats/surface_normals.h"
 
 namespace fascicle::bake {
 
@@ -62,7 +62,7 @@ std::vector<double> least_thickness(const model::Model& model) {
 }
 
 std::vector<double> thicknesses(const model::Model& model, const LookBody& body) {
-  const std::vector<float> normals = SurfaceNormals(model).of(body.rest);
+  const std::vector<float> normals = formats::SurfaceNormals(model).of(body.rest);
   const TriangleTree tree(body.triangle, body.place, body.rest);
   const std::vector<double> least = least_thickness(model);
   std::vector<double> thickness(body.place.size(), 0.0), found;
@@ -99,7 +99,7 @@ std::vector<std::uint32_t> main_joints(const model::Model& model) {
 }
 
 // The joint that has all of a vertex's weight; none: -1.
-std::int64_t only_joint(const scene::Character& character, std::size_t vertex) {
+std::int64_t only_joint(const rig::Character& character, std::size_t vertex) {
   std::int64_t found = -1;
   double most = 0.0;
   std::map<std::uint32_t, double> weight;
@@ -132,10 +132,10 @@ class Unions {
   std::vector<std::size_t> parent_;
 };
 
-std::vector<LookBody::RigidPart> rigid_parts(const LookBody& body, const scene::Character& character) {
+std::vector<LookBody::RigidPart> rigid_parts(const LookBody& body, const rig::Character& character) {
   std::vector<std::size_t> part(body.place.size(), 0);
   for (std::size_t p = 0; p < character.parts.size(); ++p) {
-    const scene::SurfacePart& one = character.parts[p];
+    const rig::SurfacePart& one = character.parts[p];
     for (std::size_t v = 0; v < one.vertex_count && one.first_vertex + v < part.size(); ++v)
       part[one.first_vertex + v] = p;
   }
@@ -169,9 +169,9 @@ std::vector<LookBody::RigidPart> rigid_parts(const LookBody& body, const scene::
 
 }  // namespace
 
-LookBody look_body(const model::Model& model, const scene::Character* character) {
+LookBody look_body(const model::Model& model, const rig::Character* character) {
   LookBody body;
-  body.rest = embed(model, model.rest);
+  body.rest = formats::embed(model, model.rest);
   body.triangle = model.surface_triangle;
   body.place = places_of(body.rest);
   body.edge = mean_edges(body);

@@ -33,6 +33,6 @@ struct LookBody {
 };
 
 // `character`: whose render mesh the model carries; null where there is none.
-LookBody look_body(const model::Model& model, const scene::Character* character);
+LookBody look_body(const model::Model& model, const rig::Character* character);
 
 }  // namespace fascicle::bake

@@ -7,8 +7,9 @@
 #include <fstream>
 #include <utility>
 
-#include "host/bake/formats.h"
-#include "host/bake/text.h"
+#include "host/bake/outputs.h"
+#include "host/base/text.h"
+#include "host/formats/formats.h"
 
 namespace fascicle::bake {
 
@@ -54,7 +55,7 @@ struct Peak {
 
 std::string look_warning(LookMeasure measure, const LookScore& score, const std::string& joint,
                          std::uint64_t frame, std::uint64_t frames_over) {
-  const std::string at = "joint \"" + joint + "\"", value = short_text(score.value);
+  const std::string at = "joint \"" + joint + "\"", value = base::short_text(score.value);
   std::string seen, help;
   switch (measure) {
     case LookMeasure::stretch:
@@ -92,12 +93,13 @@ std::string look_warning(LookMeasure measure, const LookScore& score, const std:
           "volume";
       break;
   }
-  return "look: frame " + number_text(frame) + ": " + seen + " (limit " + short_text(score.limit) + "; " +
-         number_text(frames_over) + (frames_over == 1 ? " frame is" : " frames are") + " over); " + help;
+  return "look: frame " + base::number_text(frame) + ": " + seen + " (limit " +
+         base::short_text(score.limit) + "; " + base::number_text(frames_over) +
+         (frames_over == 1 ? " frame is" : " frames are") + " over); " + help;
 }
 
 std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,
-                                        const scene::Character* rig, double fps,
+                                        const rig::Character* rig, double fps,
                                         const std::function<model::Frame(std::uint64_t)>& frame_at) {
   if (!has_look(model)) return std::nullopt;
   std::ifstream file(folder / metrics_name, std::ios::binary);

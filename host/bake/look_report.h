@@ -28,7 +28,7 @@ struct LookSummary {
 // the worst frame of each cause that is over its limit and the two before. Nothing where there is no look to
 // take.
 std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,
-                                        const scene::Character* rig, double fps,
+                                        const rig::Character* rig, double fps,
                                         const std::function<model::Frame(std::uint64_t)>& frame_at);
 
 // One line for the log: what was seen, where, over which limit, and what helps.

@@ -5,17 +5,18 @@
 #include <iterator>
 
 #include "host/bake/bake.h"
-#include "host/bake/blender_script.h"
-#include "host/bake/character_file.h"
 #include "host/bake/checkpoint.h"
-#include "host/bake/file.h"
-#include "host/bake/formats.h"
 #include "host/bake/model_file.h"
-#include "host/bake/rest_mesh.h"
+#include "host/bake/outputs.h"
 #include "host/bake/scene_json.h"
-#include "host/bake/surface_objects.h"
-#include "host/bake/text.h"
-#include "host/bake/version.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/base/version.h"
+#include "host/formats/blender_script.h"
+#include "host/formats/character_file.h"
+#include "host/formats/formats.h"
+#include "host/formats/rest_mesh.h"
+#include "host/formats/surface_objects.h"
 
 namespace fascicle::bake {
 
@@ -41,7 +42,7 @@ Json json_of(const model::Model& model, std::uint64_t hash) {
                       {"frequency", model.layers[k].frequency}});
   Json probes = Json::object();
   for (const model::ProbeSet& probe : model.probes) probes[probe.name] = probe.vertices.size();
-  return {{"hash", hash_text(hash)},
+  return {{"hash", base::hash_text(hash)},
           {"unit", model.unit},
           {"rest_origin", model.rest_origin},
           {"weights", name_of(model.weight_form)},
@@ -81,7 +82,7 @@ Json json_of(const std::vector<OpenEndEntry>& ends) {
   return list;
 }
 
-Json json_of(const LeadInSummary& led) {
+Json json_of(const drive::LeadInSummary& led) {
   const auto or_null = [](const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
   };
@@ -113,7 +114,7 @@ Json json_of(const std::optional<ExpectedLook>& expected, const scene::Scene& sc
   if (!expected) return nullptr;
   return {{"score", expected->score},
           {"frame", expected->frame},
-          {"joint", std::get<scene::Character>(scene.geometry).skeleton[expected->joint].name},
+          {"joint", std::get<rig::Character>(scene.geometry).skeleton[expected->joint].name},
           {"layer", model.layers[expected->layer].name},
           {"stiffer", expected->stiffer}};
 }
@@ -124,14 +125,14 @@ Json json_of(const std::optional<TriedLook>& tried, const scene::Scene& scene) {
           {"last", tried->last},
           {"score", tried->worst.score},
           {"frame", tried->frame},
-          {"joint", std::get<scene::Character>(scene.geometry).skeleton[tried->worst.joint].name},
+          {"joint", std::get<rig::Character>(scene.geometry).skeleton[tried->worst.joint].name},
           {"cause", name_of(tried->cause)},
           {"frames_over", tried->frames_over}};
 }
 
 // What json_of wrote; what is not there, or of another type, stays as it is.
-LeadInSummary lead_in_of(const Json& json) {
-  LeadInSummary led;
+drive::LeadInSummary lead_in_of(const Json& json) {
+  drive::LeadInSummary led;
   if (!json.is_object()) return led;
   const auto read = [&](const char* key, auto& out) {
     if (const auto entry = json.find(key); entry != json.end() && entry->is_number())
@@ -165,34 +166,39 @@ const char* name_of(Status status) {
 
 std::vector<std::string> file_names(const model::Model& model, const std::vector<std::string>& formats) {
   std::vector<std::string> names{manifest_name, checkpoint_name, model_file_name};
-  if (model.has_skeleton()) names.push_back(character_name);
+  if (model.has_skeleton()) names.push_back(formats::character_name);
   if (model.surface_count() > 0) {
-    names.push_back(rest_name);
-    names.push_back(blender_script_name);
+    names.push_back(formats::rest_name);
+    names.push_back(formats::blender_script_name);
     // Where the file has materials.
     if (model.has_skeleton()) {
-      names.push_back(rest_materials_name);
-      names.push_back(std::string(textures_folder) + '/');
+      names.push_back(formats::rest_materials_name);
+      names.push_back(std::string(formats::textures_folder) + '/');
     }
   }
-  for (const Format& format : all_formats())
+  for (const formats::Format& format : all_formats())
     if (format.name.empty() || std::find(formats.begin(), formats.end(), format.name) != formats.end())
       names.push_back(format.file);
   return names;
 }
 
 std::vector<std::string> all_file_names() {
-  std::vector<std::string> names{
-      manifest_name, checkpoint_name,     model_file_name,     character_name,
-      rest_name,     rest_materials_name, blender_script_name, std::string(textures_folder) + '/'};
-  for (const Format& format : all_formats()) names.push_back(format.file);
+  std::vector<std::string> names{manifest_name,
+                                 checkpoint_name,
+                                 model_file_name,
+                                 formats::character_name,
+                                 formats::rest_name,
+                                 formats::rest_materials_name,
+                                 formats::blender_script_name,
+                                 std::string(formats::textures_folder) + '/'};
+  for (const formats::Format& format : all_formats()) names.push_back(format.file);
   return names;
 }
 
 std::string manifest_text(const scene::Scene& scene, const model::Model& model, const BakeOptions& options,
                           std::uint64_t hash, const Progress& progress) {
   Json hashes = Json::array();
-  for (const std::uint64_t value : progress.position_hashes) hashes.push_back(hash_text(value));
+  for (const std::uint64_t value : progress.position_hashes) hashes.push_back(base::hash_text(value));
   Json inputs = Json::array();
   for (const auto& [file, file_hash] : scene.input_hashes)
     inputs.push_back({{"file", file}, {"xxh3_64", file_hash}});
@@ -204,7 +210,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   const Json manifest{
       {"kind", kind},
       {"version", 1},
-      {"fascicle", {{"version", fascicle_version}, {"solver_version", solver_version}}},
+      {"fascicle", {{"version", base::fascicle_version}, {"solver_version", base::solver_version}}},
       {"status", name_of(progress.status)},
       {"message", progress.message},
       {"frames_done", frames_done},
@@ -302,12 +308,12 @@ void set_status(const fs::path& folder, Status status, const std::string& messag
   manifest["status"] = name_of(status);
   manifest["message"] = message;
   try {
-    write_whole(path, dump(manifest, 2) + '\n');
+    base::write_whole(path, dump(manifest, 2) + '\n');
   } catch (const std::system_error&) {
     // Without its indentation the new text is the shorter one. Spaces after it keep every byte of the old
     // one from standing there, should the system stop before the end.
     std::string text = dump(manifest);
-    File file(path, FileMode::modify);
+    base::File file(path, base::FileMode::modify);
     const std::uint64_t room = file.size();
     if (text.size() + 1 > room) throw;
     text.resize(room - 1, ' ');
@@ -324,7 +330,7 @@ void add_to_manifest(const fs::path& folder, const std::vector<std::string>& fil
   Json& list = manifest["files"];
   for (const std::string& name : files)
     if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
-  write_whole(folder / manifest_name, dump(manifest, 2) + '\n');
+  base::write_whole(folder / manifest_name, dump(manifest, 2) + '\n');
 }
 
 }  // namespace fascicle::bake

@@ -30,7 +30,7 @@ struct Progress {
   std::string message;                         // of Status::not_finite and Status::failed
   std::vector<std::uint64_t> position_hashes;  // of frames 0, 1, ... written so far (model::position_hash)
   Timings timings;
-  LeadInSummary lead_in;
+  drive::LeadInSummary lead_in;
   ClampedMuscles clamped;
   std::optional<LookSummary> look;  // of a complete bake of a character
   std::optional<double> loop_jump;  // m, of a seamless loop that is complete
@@ -55,7 +55,7 @@ struct ManifestSummary {
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read
   std::uint64_t handles = 0;       // of these frames, so many lie before the range, and as many after it
   Timings timings;
-  LeadInSummary lead_in;
+  drive::LeadInSummary lead_in;
   ClampedMuscles clamped;
 };
 // Nothing if there is no manifest in the folder or it is not one of fascicle.

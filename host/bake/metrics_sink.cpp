@@ -7,11 +7,12 @@
 #include <optional>
 #include <sstream>
 
-#include "host/bake/file.h"
-#include "host/bake/formats.h"
 #include "host/bake/look.h"
+#include "host/bake/outputs.h"
 #include "host/bake/points.h"
-#include "host/bake/text.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/formats/formats.h"
 
 namespace fascicle::bake {
 
@@ -119,11 +120,11 @@ std::string csv_text(const std::string& text) {
   return quoted + '"';
 }
 
-class MetricsSink final : public FrameSink {
+class MetricsSink final : public formats::FrameSink {
  public:
   std::string name() const override { return "metrics"; }
   model::Read needs() const override { return {.positions = true, .velocities = true, .skinned = true}; }
-  void begin(const BakeInfo& info) override {
+  void begin(const formats::BakeInfo& info) override {
     info_ = info;
     if (has_look(*info.model)) {
       look_body_ = look_body(*info.model, info.rig);
@@ -136,11 +137,11 @@ class MetricsSink final : public FrameSink {
     const std::filesystem::path path = info.folder / metrics_name;
     const std::string header = header_line();
     if (info.first == 0) {
-      file_.emplace(PartFile::start(path));
+      file_.emplace(base::PartFile::start(path));
       file_->write(header);
     } else {
       const auto lines = static_cast<std::uint64_t>(std::count(header.begin(), header.end(), '\n'));
-      file_.emplace(PartFile::resume_lines(path, lines + info.first));
+      file_.emplace(base::PartFile::resume_lines(path, lines + info.first));
     }
   }
   void write(const model::Frame& frame) override {
@@ -148,17 +149,17 @@ class MetricsSink final : public FrameSink {
     six_volumes(model, frame.positions, six_volumes_);
     const double now = volume(model, six_volumes_);
     const std::vector<double> volumes = layer_volumes(model, six_volumes_);
-    std::string line = number_text(frame.index);
-    const auto add = [&](double value) { line += ',' + number_text(value); };
+    std::string line = base::number_text(frame.index);
+    const auto add = [&](double value) { line += ',' + base::number_text(value); };
     add(info_.start + static_cast<double>(frame.index) / info_.fps);
     add(kinetic_energy(model, frame.velocities));
     add(now);
     add(now / rest_volume_);
     add(largest_displacement(model, frame, *info_.initial));
-    line += ',' + number_text(inverted(six_volumes_));
+    line += ',' + base::number_text(inverted(six_volumes_));
     if (model.has_skeleton()) {
       six_volumes(model, frame.skinned, six_volumes_);
-      line += ',' + number_text(inverted(six_volumes_));
+      line += ',' + base::number_text(inverted(six_volumes_));
       for (const double lag : lags(model, frame)) add(lag);
     }
     for (std::size_t l = 0; l < volumes.size(); ++l) {
@@ -199,19 +200,19 @@ class MetricsSink final : public FrameSink {
     return line + '\n';
   }
 
-  BakeInfo info_;
+  formats::BakeInfo info_;
 
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
   std::vector<double> six_volumes_;         // of the frame in hand
   LookBody look_body_;
   std::optional<Look> look_;  // with a skeleton and a render mesh only
-  std::optional<PartFile> file_;
+  std::optional<base::PartFile> file_;
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSink> make_metrics_sink() {
+std::unique_ptr<formats::FrameSink> make_metrics_sink() {
   return std::make_unique<MetricsSink>();
 }
 

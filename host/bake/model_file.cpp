@@ -11,8 +11,8 @@
 #include <xxhash.h>
 
 #include "host/bake/bake.h"
-#include "host/bake/file.h"
 #include "host/bake/identity.h"
+#include "host/base/part_file.h"
 #include "host/model/model_arrays.h"
 
 namespace fascicle::bake {
@@ -63,10 +63,10 @@ class Writer {
 
  private:
   void head(std::string_view name, std::size_t element, std::size_t count) {
-    append_bytes(out_, static_cast<std::uint32_t>(name.size()));
+    base::append_bytes(out_, static_cast<std::uint32_t>(name.size()));
     out_.append(name);
-    append_bytes(out_, static_cast<std::uint32_t>(element));
-    append_bytes(out_, std::uint64_t{count});
+    base::append_bytes(out_, static_cast<std::uint32_t>(element));
+    base::append_bytes(out_, std::uint64_t{count});
   }
   std::string& out_;
 };
@@ -173,7 +173,7 @@ class Reader {
   std::string_view rest_;
 };
 
-std::string read_all(const File& file) {
+std::string read_all(const base::File& file) {
   std::string bytes(file.size(), '\0');
   if (!file.read_at(0, bytes)) bytes.clear();
   return bytes;
@@ -185,7 +185,7 @@ std::string encode_model(const model::Model& model) {
   std::string bytes(magic);
   Writer writer(bytes);
   model::visit_fields(model, writer);
-  append_bytes(bytes, XXH3_64bits(bytes.data(), bytes.size()));
+  base::append_bytes(bytes, XXH3_64bits(bytes.data(), bytes.size()));
   return bytes;
 }
 
@@ -196,7 +196,7 @@ std::uint64_t encoded_bytes(const model::Model& model) {
 }
 
 model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wanted_hash) {
-  const std::string file = read_all(File(path, FileMode::read));
+  const std::string file = read_all(base::File(path, base::FileMode::read));
   const auto fail = [&path](const std::string& what) -> BakeError {
     return BakeError(path.string() + ": " + what + "; bake again");
   };

@@ -8,7 +8,7 @@
 #include <xxhash.h>
 
 #include "host/bake/bake.h"
-#include "host/bake/text.h"
+#include "host/base/text.h"
 
 namespace fascicle::bake {
 
@@ -32,7 +32,7 @@ bool is_sealed(std::string_view bytes) {
 
 void seal(std::string& bytes) {
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
-  append_bytes(bytes, checksum);
+  base::append_bytes(bytes, checksum);
 }
 
 }  // namespace
@@ -44,17 +44,17 @@ std::uint64_t cache_record_bytes(std::uint32_t vertex_count) {
 
 std::string encode_cache_header(const CacheHeader& header) {
   std::string bytes(magic);
-  append_bytes(bytes, version);
-  append_bytes(bytes, static_cast<std::uint32_t>(cache_header_bytes));
-  append_bytes(bytes, header.vertex_count);
-  append_bytes(bytes, std::uint32_t{0});
-  append_bytes(bytes, header.unit);
-  append_bytes(bytes, header.fps);
-  append_bytes(bytes, header.start);
-  append_bytes(bytes, header.frames);
-  append_bytes(bytes, header.model_hash);
-  append_bytes(bytes, header.rest_origin);
-  append_bytes(bytes, cache_record_bytes(header.vertex_count));
+  base::append_bytes(bytes, version);
+  base::append_bytes(bytes, static_cast<std::uint32_t>(cache_header_bytes));
+  base::append_bytes(bytes, header.vertex_count);
+  base::append_bytes(bytes, std::uint32_t{0});
+  base::append_bytes(bytes, header.unit);
+  base::append_bytes(bytes, header.fps);
+  base::append_bytes(bytes, header.start);
+  base::append_bytes(bytes, header.frames);
+  base::append_bytes(bytes, header.model_hash);
+  base::append_bytes(bytes, header.rest_origin);
+  base::append_bytes(bytes, cache_record_bytes(header.vertex_count));
   seal(bytes);
   return bytes;
 }
@@ -63,21 +63,21 @@ std::string encode_cache_record(const CacheHeader& header, const model::Frame& f
   const std::uint64_t size = cache_record_bytes(header.vertex_count);
   std::string bytes;
   bytes.reserve(size);
-  append_bytes(bytes, frame.index);
-  append_bytes(bytes, frame.origin);
-  append_array(bytes, std::span<const float>(frame.positions));
+  base::append_bytes(bytes, frame.index);
+  base::append_bytes(bytes, frame.origin);
+  base::append_array(bytes, std::span<const float>(frame.positions));
   bytes.resize(size - sizeof(std::uint64_t), '\0');
   seal(bytes);
   return bytes;
 }
 
-FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(path, FileMode::read) {
+FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(path, base::FileMode::read) {
   std::string bytes(cache_header_bytes, '\0');
   if (!file_.read_at(0, bytes) || !bytes.starts_with(magic))
     throw BakeError(path.string() + ": not a frame cache of fascicle");
   if (const auto found = value_at<std::uint32_t>(bytes, 8); found != version)
-    throw BakeError(path.string() + ": a frame cache of version " + number_text(found) +
-                    ", and this program reads " + number_text(version) + "; bake again");
+    throw BakeError(path.string() + ": a frame cache of version " + base::number_text(found) +
+                    ", and this program reads " + base::number_text(version) + "; bake again");
   if (!is_sealed(bytes)) throw BakeError(path.string() + ": the header is damaged; bake again");
   header_.vertex_count = value_at<std::uint32_t>(bytes, 16);
   header_.unit = value_at<double>(bytes, 24);
@@ -102,10 +102,10 @@ bool FrameCacheReader::read_record(std::uint64_t k, std::string& bytes) const {
 model::Frame FrameCacheReader::read(std::uint64_t k) const {
   std::string bytes;
   if (k >= frame_count_)
-    throw BakeError(file_.path().string() + ": has no frame " + number_text(k) + "; frames 0 to " +
-                    number_text(frame_count_) + " (exclusive) are there");
+    throw BakeError(file_.path().string() + ": has no frame " + base::number_text(k) + "; frames 0 to " +
+                    base::number_text(frame_count_) + " (exclusive) are there");
   if (!read_record(k, bytes))
-    throw BakeError(file_.path().string() + ": frame " + number_text(k) + " is damaged; bake again");
+    throw BakeError(file_.path().string() + ": frame " + base::number_text(k) + " is damaged; bake again");
   model::Frame frame;
   frame.index = k;
   frame.origin = value_at<std::array<double, 3>>(bytes, 8);
@@ -117,7 +117,7 @@ model::Frame FrameCacheReader::read(std::uint64_t k) const {
 bool is_frame_cache(const std::filesystem::path& path) {
   try {
     std::array<char, 8> bytes{};
-    return File(path, FileMode::read).read_at(0, bytes) &&
+    return base::File(path, base::FileMode::read).read_at(0, bytes) &&
            std::string_view(bytes.data(), bytes.size()) == magic;
   } catch (const std::system_error&) {
     return false;

@@ -29,7 +29,7 @@
 #include <filesystem>
 #include <string>
 
-#include "host/bake/file.h"
+#include "host/base/part_file.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 
@@ -69,7 +69,7 @@ class FrameCacheReader {
  private:
   bool read_record(std::uint64_t k, std::string& bytes) const;
 
-  File file_;
+  base::File file_;
   CacheHeader header_;
   std::uint64_t record_bytes_ = 0;
   std::uint64_t frame_count_ = 0;

@@ -61,7 +61,7 @@ void check_bar(const scene::Bar& bar, const std::string& source) {
 
 // Displacements shrink only at vertices of squashed tetrahedra, and zero displacement squashes none, so this
 // ends.
-void apply_jitter(scene::TetMesh& mesh, std::vector<Vector3d> displacement, double whole_volume) {
+void apply_jitter(mesh::TetMesh& mesh, std::vector<Vector3d> displacement, double whole_volume) {
   const std::vector<Vector3d> grid = mesh.vertices;
   std::vector<char> halve(grid.size());
   for (int round = 0; round < 64; ++round) {
@@ -82,13 +82,13 @@ void apply_jitter(scene::TetMesh& mesh, std::vector<Vector3d> displacement, doub
 
 }  // namespace
 
-scene::TetMesh make_bar(const scene::Bar& bar, const std::string& source) {
+mesh::TetMesh make_bar(const scene::Bar& bar, const std::string& source) {
   check_bar(bar, source);
   const auto [nx, ny, nz] = bar.vertices;
   const std::array<std::uint32_t, 3> stride{ny * nz, nz, 1};
   const Vector3d spacing(bar.size[0] / (nx - 1), bar.size[1] / (ny - 1), bar.size[2] / (nz - 1));
 
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   mesh.vertices.reserve(std::size_t{nx} * ny * nz);
   std::vector<Vector3d> displacement;
   SplitMix64 random{bar.seed};

@@ -12,6 +12,6 @@ namespace fascicle::build {
 // of our own, so that a seed means the same mesh on every machine; a displacement that would squash a
 // tetrahedron is halved until it does not. Throws scene::SceneError for sizes and counts that make no bar;
 // `source` begins the message.
-scene::TetMesh make_bar(const scene::Bar& bar, const std::string& source);
+mesh::TetMesh make_bar(const scene::Bar& bar, const std::string& source);
 
 }  // namespace fascicle::build

@@ -28,7 +28,7 @@ Body body_of(const scene::Bar& bar, const scene::Scene& scene, Report& report, c
   return body;
 }
 
-Body body_of(const scene::TetMesh& mesh, const scene::Scene& scene, Report& report, const BuildOptions&) {
+Body body_of(const mesh::TetMesh& mesh, const scene::Scene& scene, Report& report, const BuildOptions&) {
   Body body;
   body.mesh = mesh;
   for (Vector3d& p : body.mesh.vertices) p *= scene.scale;
@@ -39,7 +39,7 @@ Body body_of(const scene::TetMesh& mesh, const scene::Scene& scene, Report& repo
 }
 
 // Scales a surface to metres and welds it.
-WeldedSurface prepare_surface(scene::SurfaceMesh surface, const scene::Scene& scene, Report& report) {
+WeldedSurface prepare_surface(mesh::SurfaceMesh surface, const scene::Scene& scene, Report& report) {
   for (Vector3d& p : surface.vertices) p *= scene.scale;
   return weld(surface, scene.source, report);
 }
@@ -50,7 +50,7 @@ void take(FilledBody filled, Body& body) {
   body.render = std::move(filled.render);
 }
 
-Body body_of(const scene::SurfaceMesh& surface, const scene::Scene& scene, Report& report,
+Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report& report,
              const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(surface, scene, report);
   Body body;
@@ -60,7 +60,7 @@ Body body_of(const scene::SurfaceMesh& surface, const scene::Scene& scene, Repor
   return body;
 }
 
-Body body_of(const scene::Character& character, const scene::Scene& scene, Report& report,
+Body body_of(const rig::Character& character, const scene::Scene& scene, Report& report,
              const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;

@@ -53,16 +53,16 @@ struct JointUse {
 enum class Holding : std::uint8_t { none, covered, carrier };
 
 struct Body {
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   std::vector<Holding> holding;  // a vertex; empty: none of any
   RenderMesh render;
   SkinWeights skin;
   std::uint32_t joint_count = 0;
   std::vector<JointUse> joints;  // joint_count, or empty: every joint is its own bone, none is kinematic
   std::vector<Bone> bones;
-  scene::SurfaceMesh skin_surface;               // a character's own, m, in its vertex order; else empty
-  std::vector<scene::PaintedAttribute> painted;  // on its vertices
-  std::vector<scene::SurfacePart> parts;         // of it
+  mesh::SurfaceMesh skin_surface;              // a character's own, m, in its vertex order; else empty
+  std::vector<rig::PaintedAttribute> painted;  // on its vertices
+  std::vector<rig::SurfacePart> parts;         // of it
 };
 
 inline Holding holding_of(const Body& body, std::size_t vertex) {

@@ -98,7 +98,7 @@ double edge_to_fill(double volume, double vertices) {
 }
 
 // One flag a vertex: whether it is one of the points.
-std::vector<char> vertices_at(std::vector<Vector3d> points, const scene::TetMesh& mesh) {
+std::vector<char> vertices_at(std::vector<Vector3d> points, const mesh::TetMesh& mesh) {
   const auto before = [](const Vector3d& a, const Vector3d& b) {
     return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
   };
@@ -111,7 +111,7 @@ std::vector<char> vertices_at(std::vector<Vector3d> points, const scene::TetMesh
 }
 
 // For a kept skin, only the inside can follow.
-double edge_of_kept(const scene::SurfaceMesh& surface, std::uint32_t vertices) {
+double edge_of_kept(const mesh::SurfaceMesh& surface, std::uint32_t vertices) {
   constexpr double coarsest = 4.0;
   const double mean = mean_edge(surface);
   if (vertices <= surface.vertices.size()) return coarsest * mean;
@@ -120,7 +120,7 @@ double edge_of_kept(const scene::SurfaceMesh& surface, std::uint32_t vertices) {
 }
 
 BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
-  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const mesh::SurfaceMesh& surface = skin.welded.surface;
   const double spacing = scene.body.vertices ? edge_of_kept(surface, *scene.body.vertices)
                                              : scene.resolution.value_or(mean_edge(surface));
   const auto start = std::chrono::steady_clock::now();
@@ -147,8 +147,8 @@ std::int32_t joint_of(const std::vector<std::uint32_t>& vertices, const Skin& sk
   return static_cast<std::int32_t>(std::max_element(share.begin(), share.end()) - share.begin());
 }
 
-scene::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
-  const scene::SurfaceMesh& surface = skin.welded.surface;
+mesh::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) {
+  const mesh::SurfaceMesh& surface = skin.welded.surface;
   const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * alpha, separate_shares});
   const std::vector<OpenEnd> ends = find_open_ends(surface, limbs);
   for (const OpenEnd& end : ends) {
@@ -162,7 +162,7 @@ scene::SurfaceMesh close_ends(const Skin& skin, double alpha, CageReport& cage) 
 }
 
 BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, const BuildOptions& options) {
-  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const mesh::SurfaceMesh& surface = skin.welded.surface;
   const BoundingBox box = box_around(surface.vertices);
   WrapOrder order;
   order.alpha = (box.high - box.low).norm() / scene.body.cage_detail;
@@ -175,13 +175,13 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   report.fill.cage.alpha = order.alpha;
 
   auto start = std::chrono::steady_clock::now();
-  const scene::SurfaceMesh wrap =
+  const mesh::SurfaceMesh wrap =
       wrap_surface(close_ends(skin, order.alpha, report.fill.cage), order, options);
   report.fill.cage.wrap_seconds = seconds_since(start);
   start = std::chrono::steady_clock::now();
   const double edge = mean_edge(wrap);
   const std::vector<Vector3d> on_bones = points_along_bones(skin.bones, wrap, edge);
-  scene::TetMesh filled = tetrahedralize(wrap, edge, on_bones, options);
+  mesh::TetMesh filled = tetrahedralize(wrap, edge, on_bones, options);
   smooth_inside(filled, vertices_at(on_bones, filled));
   report.fill.cage.fill_seconds = seconds_since(start);
 
@@ -203,7 +203,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
 BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& report,
                         const BuildOptions& options) {
   CageReport& cage = report.fill.cage;
-  const scene::SurfaceMesh& surface = skin.welded.surface;
+  const mesh::SurfaceMesh& surface = skin.welded.surface;
   cage.has_skin = true;
   BodyMesh body;
   try {
@@ -228,7 +228,7 @@ BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& rep
   return body;
 }
 
-void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene) {
+void add_mesh_settings(base::ContentHash& hash, const scene::Scene& scene) {
   hash.add(scene.resolution.has_value());
   hash.add(scene.resolution.value_or(0.0));
   hash.add(std::string_view(scene.body.cage));

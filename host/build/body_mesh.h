@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/base/content_hash.h"
 #include "host/build/body.h"
 #include "host/build/build.h"
 #include "host/build/weld.h"
-#include "host/scene/content_hash.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::build {
@@ -21,7 +21,7 @@ struct SkinPoint {
 };
 
 struct BodyMesh {
-  scene::TetMesh mesh;  // all tetrahedra of positive volume, every vertex used
+  mesh::TetMesh mesh;  // all tetrahedra of positive volume, every vertex used
 
   // True: the mesh's first vertices are the welded skin's, in its order, and its boundary is the skin; what
   // follows lies inside, and `anchor` and `home` are empty. False: a cage; no vertex need lie on the skin.
@@ -41,10 +41,10 @@ struct BodyMesh {
 // The skin of a scene's surface or character.
 struct Skin {
   const WeldedSurface& welded;
-  const SkinWeights& weights;                   // of the welded skin; empty without a skeleton
-  const std::vector<scene::Joint>& skeleton;    // empty for a surface
-  const std::vector<Bone>& bones;               // that get points along them
-  const scene::Character* character = nullptr;  // whose clips tell which places of the skin part
+  const SkinWeights& weights;                 // of the welded skin; empty without a skeleton
+  const std::vector<rig::Joint>& skeleton;    // empty for a surface
+  const std::vector<Bone>& bones;             // that get points along them
+  const rig::Character* character = nullptr;  // whose clips tell which places of the skin part
 };
 
 // Fills a skin with tetrahedra as the scene's body settings say: keeps it, or wraps it in a cage, cuts limbs
@@ -54,6 +54,6 @@ BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& rep
                         const BuildOptions& options);
 
 // Adds to the key of the cache every setting of the scene that make_body_mesh reads.
-void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene);
+void add_mesh_settings(base::ContentHash& hash, const scene::Scene& scene);
 
 }  // namespace fascicle::build

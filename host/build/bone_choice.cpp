@@ -38,7 +38,7 @@ constexpr double control_distance = 0.02;
 // large, of its own.
 constexpr double meets_beyond = 1.2, meets_aside = 0.6, meets_area = 0.1;
 
-Vector3d bind_position(const scene::Joint& joint, const std::string& source) {
+Vector3d bind_position(const rig::Joint& joint, const std::string& source) {
   const Eigen::FullPivLU<Eigen::Matrix4d> factored(joint.inverse_bind);
   if (!joint.inverse_bind.allFinite() || !factored.isInvertible())
     fail(source, "joint \"" + joint.name + "\": its inverse bind matrix has no inverse");
@@ -48,7 +48,7 @@ Vector3d bind_position(const scene::Joint& joint, const std::string& source) {
 
 class Chooser {
  public:
-  Chooser(const scene::Character& character, const scene::SkeletonSettings& settings, double scale,
+  Chooser(const rig::Character& character, const scene::SkeletonSettings& settings, double scale,
           const std::string& source)
       : character_(character),
         settings_(settings),
@@ -422,10 +422,10 @@ class Chooser {
     return joint.openness < least_open_flesh || (on_end && !is_large);
   }
 
-  const scene::Character& character_;
+  const rig::Character& character_;
   const scene::SkeletonSettings& settings_;
   const std::string& source_;
-  scene::SurfaceMesh surface_;
+  mesh::SurfaceMesh surface_;
   BoneChoice choice_;
   std::vector<Vector3d> place_;  // of a joint, m
   SkinOfJoints skin_;
@@ -439,7 +439,7 @@ class Chooser {
 
 }  // namespace
 
-BoneChoice choose_bones(const scene::Character& character, const scene::SkeletonSettings& settings,
+BoneChoice choose_bones(const rig::Character& character, const scene::SkeletonSettings& settings,
                         double scale, const std::string& source) {
   return Chooser(character, settings, scale, source).run();
 }

@@ -47,7 +47,7 @@ struct BoneChoice {
 //
 // All of it can be overridden by `settings`. Throws scene::SceneError for names that no joint has, and for an
 // inverse bind matrix that has no inverse.
-BoneChoice choose_bones(const scene::Character& character, const scene::SkeletonSettings& settings,
+BoneChoice choose_bones(const rig::Character& character, const scene::SkeletonSettings& settings,
                         double scale, const std::string& source);
 
 }  // namespace fascicle::build

@@ -14,7 +14,7 @@ constexpr double clearance = 0.5;
 
 }  // namespace
 
-std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const scene::SurfaceMesh& surface,
+std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const mesh::SurfaceMesh& surface,
                                          double spacing) {
   const SurfaceSearch search(surface);
   std::vector<Vector3d> points;

@@ -9,7 +9,7 @@ namespace fascicle::build {
 
 // Points along the bones about `spacing` apart, half of it or more from each other and from the surface, and
 // inside it. Without them the vertices near the bones would be islands.
-std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const scene::SurfaceMesh& surface,
+std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const mesh::SurfaceMesh& surface,
                                          double spacing);
 
 }  // namespace fascicle::build

@@ -83,7 +83,7 @@ std::vector<std::array<std::uint32_t, 3>> boundary_of(std::size_t tetrahedra, co
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const scene::TetMesh& mesh,
+std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const mesh::TetMesh& mesh,
                                                              const std::string& source) {
   return boundary_of(
       mesh.tetrahedra.size(), [&](std::size_t k) { return mesh.tetrahedra[k]; },
@@ -101,7 +101,7 @@ std::vector<std::array<std::uint32_t, 3>> boundary_triangles(const model::Model&
       model.vertex_count, source);
 }
 
-RenderMesh boundary_render_mesh(const scene::TetMesh& mesh, const std::string& source) {
+RenderMesh boundary_render_mesh(const mesh::TetMesh& mesh, const std::string& source) {
   RenderMesh render;
   render.triangles = boundary_triangles(mesh, source);
   constexpr std::uint32_t inside = std::numeric_limits<std::uint32_t>::max();

@@ -41,7 +41,7 @@ using model::Model;
 // The working unit is the power of two metres at or below the bounding box's longest side, and the origin is
 // the box's centre: so rest coordinates lie in [-1, 1], use the full precision of a float around the middle
 // of the body, and a box's opposite corners differ by their signs only.
-void choose_unit(const scene::TetMesh& mesh, const std::string& source, Model& model) {
+void choose_unit(const mesh::TetMesh& mesh, const std::string& source, Model& model) {
   Vector3d low = mesh.vertices[0], high = mesh.vertices[0];
   for (const Vector3d& p : mesh.vertices) {
     low = low.cwiseMin(p);
@@ -57,9 +57,9 @@ void choose_unit(const scene::TetMesh& mesh, const std::string& source, Model& m
 }
 
 // Rest positions in floats; rounding must not turn a tetrahedron round.
-void write_rest(const scene::TetMesh& mesh, const std::string& source, Model& model) {
+void write_rest(const mesh::TetMesh& mesh, const std::string& source, Model& model) {
   const Vector3d origin(model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]);
-  scene::TetMesh rounded{mesh.vertices, {}};
+  mesh::TetMesh rounded{mesh.vertices, {}};
   model.rest.reserve(3 * mesh.vertices.size());
   for (Vector3d& p : rounded.vertices)
     for (int a = 0; a < 3; ++a) {
@@ -108,7 +108,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
   }
   const bool some = std::any_of(carried.begin(), carried.end(), [](float share) { return share != 0.0f; });
   const bool keeps_motion = some || scene.solver.integrator == "implicit";
-  if (keeps_motion && std::holds_alternative<scene::Character>(scene.geometry))
+  if (keeps_motion && std::holds_alternative<rig::Character>(scene.geometry))
     model.carried = std::move(carried);
 }
 
@@ -183,7 +183,7 @@ void write_probes(const scene::Scene& scene, WhereTest& test, Model& model) {
   }
 }
 
-void report_edges(const scene::TetMesh& mesh, const OneRings& rings, Report& report) {
+void report_edges(const mesh::TetMesh& mesh, const OneRings& rings, Report& report) {
   double sum = 0.0;
   std::size_t edges = 0;
   for (std::size_t i = 0; i < rings.size(); ++i)
@@ -253,7 +253,7 @@ bool is_all_rigid(const scene::Scene& scene, const Layering& layering, Measures&
   const auto all = [](const std::vector<char>& flags) {
     return std::all_of(flags.begin(), flags.end(), [](char flag) { return flag != 0; });
   };
-  return std::holds_alternative<scene::Character>(scene.geometry) && all(layering.kinematic) &&
+  return std::holds_alternative<rig::Character>(scene.geometry) && all(layering.kinematic) &&
          all(measures.follows_joints());
 }
 
@@ -278,7 +278,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   model.weight_form = weight_form_of(scene);
   model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
 
-  if (const auto* character = std::get_if<scene::Character>(&scene.geometry))
+  if (const auto* character = std::get_if<rig::Character>(&scene.geometry))
     for (const std::string& text : character->notes) warn(report, text);
   Body body = make_body(scene, report, options);
   model.source_vertex = locality_order(body.mesh, one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra));
@@ -287,7 +287,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   choose_unit(body.mesh, scene.source, model);
   write_rest(body.mesh, scene.source, model);
 
-  if (std::holds_alternative<scene::Character>(scene.geometry)) warn_of_size(model, report);
+  if (std::holds_alternative<rig::Character>(scene.geometry)) warn_of_size(model, report);
 
   OneRings rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
   report_edges(body.mesh, rings, report);

@@ -7,8 +7,8 @@
 #include <system_error>
 #include <vector>
 
-#include "host/scene/content_hash.h"
-#include "host/scene/file.h"
+#include "host/base/content_hash.h"
+#include "host/base/file.h"
 
 namespace fascicle::build {
 
@@ -22,7 +22,7 @@ constexpr const char* suffix = ".entry";
 constexpr auto forgotten = std::chrono::hours(1);
 
 std::string checksum_of(std::string_view bytes) {
-  scene::ContentHash hash;
+  base::ContentHash hash;
   hash.add(bytes);
   return hash.text();
 }
@@ -59,7 +59,7 @@ std::optional<std::string> Cache::find(const std::string& key) const {
     const fs::path path = path_of(key);
     // A pipe of that name would be waited for.
     if (!fs::is_regular_file(path)) return std::nullopt;
-    const scene::File file(path, scene::FileMode::read);
+    const base::File file(path, base::FileMode::read);
     const std::uint64_t size = file.size();
     if (size > limit_) return std::nullopt;
     std::string bytes(static_cast<std::size_t>(size), '\0');
@@ -84,7 +84,7 @@ void Cache::put(const std::string& key, std::string_view bytes) const {
   whole += bytes;
   try {
     fs::create_directories(folder_);
-    scene::write_whole_beside_others(path_of(key), whole);
+    base::write_whole_beside_others(path_of(key), whole);
     make_room(path_of(key));
   } catch (const std::system_error&) {
     // Full, read-only or not a folder: the next bake makes it again.
@@ -107,7 +107,7 @@ void Cache::make_room(const fs::path& newest) const {
     const fs::file_time_type used = file.last_write_time(gone);
     const std::uint64_t size = file.file_size(gone);
     if (gone) continue;
-    if (file.path().extension() == scene::temporary_suffix &&
+    if (file.path().extension() == base::temporary_suffix &&
         used < fs::file_time_type::clock::now() - forgotten)
       fs::remove(file.path(), ignored);
     if (file.path().extension() != suffix) continue;

@@ -16,7 +16,7 @@ namespace fascicle::build {
 
 namespace {
 
-using scene::SurfaceMesh;
+using mesh::SurfaceMesh;
 using scene::Vector3d;
 using Triangle = std::array<std::uint32_t, 3>;
 

@@ -27,9 +27,9 @@ struct OpenEnd {
 };
 
 // The open ends of a welded skin, by their lowest vertex.
-std::vector<OpenEnd> find_open_ends(const scene::SurfaceMesh& skin, const Limbs& limbs);
+std::vector<OpenEnd> find_open_ends(const mesh::SurfaceMesh& skin, const Limbs& limbs);
 
 // The skin with the triangles of the ends that are closed behind its own.
-scene::SurfaceMesh with_caps(const scene::SurfaceMesh& skin, const std::vector<OpenEnd>& ends);
+mesh::SurfaceMesh with_caps(const mesh::SurfaceMesh& skin, const std::vector<OpenEnd>& ends);
 
 }  // namespace fascicle::build

@@ -23,7 +23,7 @@ constexpr double flat_ratio = 1e-12;
 // passed from here on.
 constexpr double least_flatness = 1.0 / 20.0;
 
-double longest_edge_squared(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
+double longest_edge_squared(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
   double longest = 0.0;
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = a + 1; b < 4; ++b)
@@ -38,7 +38,7 @@ bool names_a_corner_twice(std::array<std::uint32_t, 4> t) {
 
 }  // namespace
 
-void check_and_orient(scene::TetMesh& mesh, const std::string& source, Report& report) {
+void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& report) {
   const std::size_t vertex_count = mesh.vertices.size();
   const std::size_t tetrahedron_count = mesh.tetrahedra.size();
   if (tetrahedron_count == 0) fail(source, "mesh: there are no tetrahedra");
@@ -93,7 +93,7 @@ void check_and_orient(scene::TetMesh& mesh, const std::string& source, Report& r
     fail(source, "mesh: no tetrahedron uses vertex " + list_of(unused) + " (counted from 0); remove it");
 }
 
-double flatness(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
+double flatness(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
   double largest = 0.0;
   for (std::size_t k = 0; k < 4; ++k) {
     const Vector3d& a = mesh.vertices[t[k]];
@@ -103,7 +103,7 @@ double flatness(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& 
   return 3.0 * std::abs(signed_volume(mesh, t)) / largest / std::sqrt(2.0 * largest);
 }
 
-void warn_of_flat_tetrahedra(const scene::TetMesh& mesh, const std::vector<char>& is_kinematic,
+void warn_of_flat_tetrahedra(const mesh::TetMesh& mesh, const std::vector<char>& is_kinematic,
                              const std::vector<std::uint32_t>& source_vertex, Report& report) {
   std::vector<double> best(mesh.vertices.size(), 0.0);
   for (const auto& t : mesh.tetrahedra) {

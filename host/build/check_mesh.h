@@ -15,16 +15,16 @@ namespace fascicle::build {
 // numbers of the first culprits, for an empty mesh, corners out of range, a corner named twice, coordinates
 // that are not finite, a volume of zero (below 1e-12 of the longest edge's cube), and vertices that no
 // tetrahedron uses.
-void check_and_orient(scene::TetMesh& mesh, const std::string& source, Report& report);
+void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& report);
 
 // A tetrahedron's least height over the side of a square of twice its largest face: 0.88 of a regular one,
 // 1/n of one cut out of a box n times as wide as it is high.
-double flatness(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron);
+double flatness(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron);
 
 // Warns of soft vertices all of whose tetrahedra are flatter than 1:20, as meshes are that get finer towards
 // one end: there rounding moves flesh by 0.001 of the body's length and more. A sliver among good ones costs
 // nothing. `source_vertex` has the numbers to name.
-void warn_of_flat_tetrahedra(const scene::TetMesh& mesh, const std::vector<char>& is_kinematic,
+void warn_of_flat_tetrahedra(const mesh::TetMesh& mesh, const std::vector<char>& is_kinematic,
                              const std::vector<std::uint32_t>& source_vertex, Report& report);
 
 }  // namespace fascicle::build

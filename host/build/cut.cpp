@@ -16,8 +16,8 @@ namespace fascicle::build {
 
 namespace {
 
-using scene::SurfaceMesh;
-using scene::TetMesh;
+using mesh::SurfaceMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();

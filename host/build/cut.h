@@ -17,13 +17,13 @@
 namespace fascicle::build {
 
 struct CutMesh {
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   std::vector<SkinPoint> anchor;  // as in BodyMesh
   // For each vertex of the skin, the tetrahedra of its own limb whose skin it belongs to: CSR.
   std::vector<std::uint32_t> holder_offset, holder;
   std::uint32_t cut_tetrahedra = 0;  // tetrahedra that were made more than once
 };
 
-CutMesh cut_limbs(const scene::TetMesh& cage, const scene::SurfaceMesh& skin, const Limbs& limbs);
+CutMesh cut_limbs(const mesh::TetMesh& cage, const mesh::SurfaceMesh& skin, const Limbs& limbs);
 
 }  // namespace fascicle::build

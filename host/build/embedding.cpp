@@ -56,7 +56,7 @@ Weights rounded(Weights weights) {
   return weights;
 }
 
-double longest_edge(const scene::TetMesh& mesh, const Corners& t) {
+double longest_edge(const mesh::TetMesh& mesh, const Corners& t) {
   double longest = 0.0;
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t b = 0; b < a; ++b)
@@ -73,7 +73,7 @@ struct Seat {
 // Finds the tetrahedra that skin vertices ride on.
 class Seating {
  public:
-  Seating(const scene::TetMesh& mesh, const SkinWeights& body_weights, const SkinWeights& skin_weights)
+  Seating(const mesh::TetMesh& mesh, const SkinWeights& body_weights, const SkinWeights& skin_weights)
       : mesh_(mesh), body_weights_(body_weights), skin_weights_(skin_weights) {}
 
   Seat seat(std::uint32_t vertex, const Vector3d& point, std::uint32_t home) {
@@ -129,7 +129,7 @@ class Seating {
     });
   }
 
-  const scene::TetMesh& mesh_;
+  const mesh::TetMesh& mesh_;
   const SkinWeights& body_weights_;
   const SkinWeights& skin_weights_;
   std::optional<BoxTree> tree_;  // most bodies never need it
@@ -137,7 +137,7 @@ class Seating {
 
 }  // namespace
 
-std::array<double, 4> barycentric(const scene::TetMesh& mesh, const Corners& tetrahedron,
+std::array<double, 4> barycentric(const mesh::TetMesh& mesh, const Corners& tetrahedron,
                                   const Vector3d& point) {
   const Vector3d& origin = mesh.vertices[tetrahedron[0]];
   const Vector3d a = mesh.vertices[tetrahedron[1]] - origin, b = mesh.vertices[tetrahedron[2]] - origin,
@@ -162,7 +162,7 @@ double weight_agreement(const SkinWeights& skin_a, std::uint32_t a, const SkinWe
   return common;
 }
 
-RenderMesh embed_surface(const scene::SurfaceMesh& surface, const WeldedSurface& welded, const BodyMesh& body,
+RenderMesh embed_surface(const mesh::SurfaceMesh& surface, const WeldedSurface& welded, const BodyMesh& body,
                          const SkinWeights& body_weights, const SkinWeights& skin_weights, Report& report) {
   RenderMesh render;
   render.triangles = surface.triangles;

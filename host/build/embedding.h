@@ -28,7 +28,7 @@ inline constexpr double least_barycentric = -0.05;
 //
 // `body_weights` and `skin_weights` are those of the body and of the welded skin, or empty. How far vertices
 // stick out goes to the report, with a warning where it is more than allowed.
-RenderMesh embed_surface(const scene::SurfaceMesh& surface, const WeldedSurface& welded, const BodyMesh& body,
+RenderMesh embed_surface(const mesh::SurfaceMesh& surface, const WeldedSurface& welded, const BodyMesh& body,
                          const SkinWeights& body_weights, const SkinWeights& skin_weights, Report& report);
 
 // The common part of two vertices' weights, or of a vertex's and a tetrahedron's mean at `weights`: 1 where
@@ -37,7 +37,7 @@ double weight_agreement(const SkinWeights& skin_a, std::uint32_t a, const SkinWe
                         const std::array<std::uint32_t, 4>& corners, const std::array<double, 4>& weights);
 
 // Barycentric coordinates of a point in a tetrahedron of positive volume; they sum to 1.
-std::array<double, 4> barycentric(const scene::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron,
+std::array<double, 4> barycentric(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron,
                                   const Vector3d& point);
 
 }  // namespace fascicle::build

@@ -44,7 +44,7 @@ std::vector<Vector3d> bone_directions(const std::vector<Bone>& bones) {
 }
 
 struct Boundary {
-  scene::SurfaceMesh boundary;
+  mesh::SurfaceMesh boundary;
   std::vector<Vector3d> normal;  // of a vertex: sum of its triangles' area vectors; 0 inside
 };
 
@@ -72,7 +72,7 @@ std::vector<Vector3d> painted_directions(const Body& body, const Boundary& skin)
   std::vector<Vector3d> direction(body.mesh.vertices.size(), Vector3d::Zero());
   const auto attribute =
       std::find_if(body.painted.begin(), body.painted.end(),
-                   [](const scene::PaintedAttribute& a) { return a.name == painted_fibre && a.width >= 3; });
+                   [](const rig::PaintedAttribute& a) { return a.name == painted_fibre && a.width >= 3; });
   if (attribute == body.painted.end()) return direction;
   const SurfaceSearch search(body.skin_surface);
   for (std::size_t i = 0; i < direction.size(); ++i) {

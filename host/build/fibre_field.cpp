@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "host/scene/trigonometry.h"
+#include "host/base/trigonometry.h"
 
 namespace fascicle::build {
 
@@ -32,7 +32,7 @@ std::vector<double> weights(std::span<const Vector3d> vertices, const OneRings& 
   for (std::size_t i = 0; i < rings.size(); ++i) {
     double sum = 0.0;
     for (std::uint32_t k = rings.offset[i]; k < rings.offset[i + 1]; ++k) {
-      rho[k] = scene::exact_exp(-(vertices[rings.neighbour[k]] - vertices[i]).norm() / unit);
+      rho[k] = base::exact_exp(-(vertices[rings.neighbour[k]] - vertices[i]).norm() / unit);
       sum += rho[k];
     }
     for (std::uint32_t k = rings.offset[i]; k < rings.offset[i + 1]; ++k) rho[k] /= sum;

@@ -5,6 +5,8 @@
 #include <optional>
 #include <system_error>
 
+#include "host/base/content_hash.h"
+#include "host/base/file.h"
 #include "host/build/byte_archive.h"
 #include "host/build/cache.h"
 #include "host/build/check_mesh.h"
@@ -12,8 +14,6 @@
 #include "host/build/mesher.h"
 #include "host/build/partings.h"
 #include "host/build/skin_weights.h"
-#include "host/scene/content_hash.h"
-#include "host/scene/file.h"
 
 namespace fascicle::build {
 
@@ -21,21 +21,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void add_points(scene::ContentHash& hash, const std::vector<Vector3d>& points) {
+void add_points(base::ContentHash& hash, const std::vector<Vector3d>& points) {
   hash.add(std::uint64_t{points.size()});
   for (const Vector3d& p : points)
     for (int a = 0; a < 3; ++a) hash.add(p[a]);
 }
 
 template <class T>
-void add_rows(scene::ContentHash& hash, const std::vector<T>& rows) {
+void add_rows(base::ContentHash& hash, const std::vector<T>& rows) {
   hash.add(std::uint64_t{rows.size()});
   for (const T& row : rows) hash.add_array(std::span(row.data(), row.size()));
 }
 
 FilledBody make_filled_body(const FillInput& input, Report& report, const BuildOptions& options) {
-  const std::vector<scene::Joint> no_skeleton;
-  const std::vector<scene::Joint>& skeleton =
+  const std::vector<rig::Joint> no_skeleton;
+  const std::vector<rig::Joint>& skeleton =
       input.character != nullptr ? input.character->skeleton : no_skeleton;
   SkinWeights skin;
   if (input.character != nullptr)
@@ -84,9 +84,9 @@ void number_by_file(const WeldedSurface& welded, CageReport& cage) {
       if (v < first.size()) v = first[v];
 }
 
-bool is_usable_mesh(const scene::TetMesh& mesh) {
+bool is_usable_mesh(const mesh::TetMesh& mesh) {
   try {
-    scene::TetMesh oriented = mesh;
+    mesh::TetMesh oriented = mesh;
     Report turned;
     check_and_orient(oriented, "", turned);
     return turned.flipped_tetrahedra == 0;
@@ -95,7 +95,7 @@ bool is_usable_mesh(const scene::TetMesh& mesh) {
   }
 }
 
-bool is_usable_skin(const SkinWeights& skin, std::size_t vertices, const scene::Character* character) {
+bool is_usable_skin(const SkinWeights& skin, std::size_t vertices, const rig::Character* character) {
   if (character == nullptr) return skin.offset.empty() && skin.joint.empty() && skin.weight.empty();
   if (skin.offset.size() != vertices + 1 || skin.offset.front() != 0 ||
       skin.offset.back() != skin.joint.size() || skin.joint.size() != skin.weight.size())
@@ -128,9 +128,9 @@ bool is_usable_render(const RenderMesh& render, std::size_t vertices, std::size_
 
 std::optional<std::string> hash_of_programs(const BuildOptions& options) {
   try {
-    scene::ContentHash hash;
-    for (const fs::path& path : {scene::own_module(), mesher_path(options)}) {
-      const scene::File file(path, scene::FileMode::read);
+    base::ContentHash hash;
+    for (const fs::path& path : {base::own_module(), mesher_path(options)}) {
+      const base::File file(path, base::FileMode::read);
       std::vector<char> bytes(static_cast<std::size_t>(file.size()));
       if (!file.read_at(0, bytes)) return std::nullopt;
       hash.add_array(std::span<const char>(bytes));
@@ -145,7 +145,7 @@ std::optional<std::string> hash_of_programs(const BuildOptions& options) {
 }
 
 std::string fill_key(const FillInput& input, const std::string& programs) {
-  scene::ContentHash hash;
+  base::ContentHash hash;
   hash.add(programs);
   add_mesh_settings(hash, input.scene);
   add_points(hash, input.welded.surface.vertices);
@@ -161,7 +161,7 @@ std::string fill_key(const FillInput& input, const std::string& programs) {
   hash.add(input.character != nullptr);
   if (input.character != nullptr) {
     hash.add(std::uint64_t{input.character->skeleton.size()});
-    for (const scene::Joint& joint : input.character->skeleton)
+    for (const rig::Joint& joint : input.character->skeleton)
       hash.add(static_cast<std::uint64_t>(std::int64_t{joint.parent}));
     add_rows(hash, input.character->joints);
     add_rows(hash, input.character->weights);

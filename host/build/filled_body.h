@@ -12,7 +12,7 @@
 namespace fascicle::build {
 
 struct FilledBody {
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   SkinWeights skin;  // empty without a character
   RenderMesh render;
 };
@@ -20,10 +20,10 @@ struct FilledBody {
 // What a body is filled from.
 struct FillInput {
   const scene::Scene& scene;
-  const scene::SurfaceMesh& surface;  // its vertices' number and its triangles; where they lie, `welded` says
-  const WeldedSurface& welded;        // m
+  const mesh::SurfaceMesh& surface;  // its vertices' number and its triangles; where they lie, `welded` says
+  const WeldedSurface& welded;       // m
   const std::vector<Bone>& bones;
-  const scene::Character* character = nullptr;
+  const rig::Character* character = nullptr;
 };
 
 // From options.cache, where the same input was filled before by the same programs, else made and kept there:

@@ -29,7 +29,7 @@ constexpr std::size_t least_iterations = 1000;
 
 }  // namespace
 
-LaplaceMatrix laplace_matrix(const scene::TetMesh& mesh) {
+LaplaceMatrix laplace_matrix(const mesh::TetMesh& mesh) {
   LaplaceMatrix matrix{one_rings(mesh.vertices.size(), mesh.tetrahedra), {}, {}};
   matrix.coupling.assign(matrix.rings.neighbour.size(), 0.0);
   matrix.diagonal.assign(mesh.vertices.size(), 0.0);

@@ -24,7 +24,7 @@ struct LaplaceMatrix {
 };
 
 // Tetrahedra of positive volume.
-LaplaceMatrix laplace_matrix(const scene::TetMesh& mesh);
+LaplaceMatrix laplace_matrix(const mesh::TetMesh& mesh);
 
 // Solves for the vertices not `given`. Values given at few vertices fade fast, exponentially along a limb, so
 // a solve works on the vertices that they reach and not on the whole mesh. Holds the memory that solves

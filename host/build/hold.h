@@ -19,7 +19,6 @@ struct Hold {
 // vertex of the skin that lies outside, at most `farthest` (m) a vertex; no tetrahedron loses more than
 // nineteen twentieths of its volume by that. Then the vertices inside are smoothed, but for the `fixed` ones
 // (one flag a vertex of the cage).
-Hold hold_skin(CutMesh& cage, const scene::SurfaceMesh& skin, double farthest,
-               const std::vector<char>& fixed);
+Hold hold_skin(CutMesh& cage, const mesh::SurfaceMesh& skin, double farthest, const std::vector<char>& fixed);
 
 }  // namespace fascicle::build

@@ -21,7 +21,7 @@ using JointShares = std::vector<std::pair<std::uint32_t, double>>;
 // Sums up weights by joint, with all joints above if asked for.
 class Adder {
  public:
-  explicit Adder(const scene::Character& character)
+  explicit Adder(const rig::Character& character)
       : character_(character), weight_(character.skeleton.size(), 0.0) {}
 
   void add_vertex(std::size_t vertex, double factor, bool to_those_above) {
@@ -52,12 +52,12 @@ class Adder {
   }
 
  private:
-  const scene::Character& character_;
+  const rig::Character& character_;
   std::vector<double> weight_;
   std::vector<std::uint32_t> touched_;
 };
 
-bool is_above(const std::vector<scene::Joint>& skeleton, std::uint32_t above, std::uint32_t joint) {
+bool is_above(const std::vector<rig::Joint>& skeleton, std::uint32_t above, std::uint32_t joint) {
   for (auto j = static_cast<std::int32_t>(joint); j >= 0; j = skeleton[static_cast<std::size_t>(j)].parent)
     if (j == static_cast<std::int32_t>(above)) return true;
   return false;
@@ -65,7 +65,7 @@ bool is_above(const std::vector<scene::Joint>& skeleton, std::uint32_t above, st
 
 }  // namespace
 
-SkinOfJoints skin_of_joints(const scene::SurfaceMesh& surface, const scene::Character& character) {
+SkinOfJoints skin_of_joints(const mesh::SurfaceMesh& surface, const rig::Character& character) {
   SkinOfJoints skin;
   const std::size_t vertices = surface.vertices.size(), joints = character.skeleton.size();
   skin.vertex_area.assign(vertices, 0.0);
@@ -103,12 +103,12 @@ SkinOfJoints skin_of_joints(const scene::SurfaceMesh& surface, const scene::Char
   return skin;
 }
 
-std::vector<Meeting> meetings_of(const scene::SurfaceMesh& surface, const scene::Character& character) {
+std::vector<Meeting> meetings_of(const mesh::SurfaceMesh& surface, const rig::Character& character) {
   struct InCommon {
     double area = 0.0;
     Vector3d middle = Vector3d::Zero();
   };
-  const std::vector<scene::Joint>& skeleton = character.skeleton;
+  const std::vector<rig::Joint>& skeleton = character.skeleton;
   std::map<std::pair<std::uint32_t, std::uint32_t>, InCommon> common;  // of (whose skin with below, another)
   std::vector<double> own_area(skeleton.size(), 0.0);
   double whole = 0.0;

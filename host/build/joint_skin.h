@@ -25,7 +25,7 @@ struct SkinOfJoints {
   double whole = 0.0;            // area of the skin
 };
 
-SkinOfJoints skin_of_joints(const scene::SurfaceMesh& surface, const scene::Character& character);
+SkinOfJoints skin_of_joints(const mesh::SurfaceMesh& surface, const rig::Character& character);
 
 // Where the skin that moves with one joint goes over into that of another, which is neither above nor below
 // it in the skeleton: a shank and a foot that is an IK target of its own.
@@ -39,6 +39,6 @@ struct Meeting {
 // For each joint whose skin has less than a tenth as much in common with the joints above it as with another
 // joint, that one, and others with a fifth of that or more; most first. A triangle has the lesser of the two
 // joints' shares in common, times its area.
-std::vector<Meeting> meetings_of(const scene::SurfaceMesh& surface, const scene::Character& character);
+std::vector<Meeting> meetings_of(const mesh::SurfaceMesh& surface, const rig::Character& character);
 
 }  // namespace fascicle::build

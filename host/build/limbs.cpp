@@ -16,8 +16,8 @@ constexpr double least_kin_share = 0.05;
 
 }  // namespace
 
-Limbs::Limbs(const scene::SurfaceMesh& skin, const SkinWeights& weights,
-             const std::vector<scene::Joint>& skeleton, Separation separation, const Partings* partings)
+Limbs::Limbs(const mesh::SurfaceMesh& skin, const SkinWeights& weights,
+             const std::vector<rig::Joint>& skeleton, Separation separation, const Partings* partings)
     : skin_(skin), weights_(weights), skeleton_(skeleton), separation_(separation), partings_(partings) {
   if (weights_.offset.empty()) return;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;

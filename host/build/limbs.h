@@ -24,7 +24,7 @@ class Limbs {
   // outlive it.
   // With `partings`, skin of one part that touches and parts in a clip is of different limbs too, whatever
   // its weights have in common.
-  Limbs(const scene::SurfaceMesh& skin, const SkinWeights& weights, const std::vector<scene::Joint>& skeleton,
+  Limbs(const mesh::SurfaceMesh& skin, const SkinWeights& weights, const std::vector<rig::Joint>& skeleton,
         Separation separation, const Partings* partings = nullptr);
 
   // Whether two sets of triangles belong to different limbs: any triangle of one has too little in common
@@ -52,9 +52,9 @@ class Limbs {
   // Whether any triangle of one part of the skin touches one of the others and parts from it in a clip.
   bool do_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
 
-  const scene::SurfaceMesh& skin_;
+  const mesh::SurfaceMesh& skin_;
   const SkinWeights& weights_;
-  const std::vector<scene::Joint>& skeleton_;
+  const std::vector<rig::Joint>& skeleton_;
   Separation separation_;
   const Partings* partings_;
   std::vector<std::uint32_t> edge_offset_, edge_end_;  // the skin's edges by vertex, CSR

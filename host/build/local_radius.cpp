@@ -14,7 +14,7 @@ namespace {
 constexpr double reach_in_radii = 1.5 + 1e-6;  // meshes of cubes have vertices at the very end of it
 
 // Half the mean length of the edges at each vertex.
-std::vector<double> half_edges(const scene::TetMesh& mesh, const OneRings& rings) {
+std::vector<double> half_edges(const mesh::TetMesh& mesh, const OneRings& rings) {
   std::vector<double> half(mesh.vertices.size(), 0.0);
   for (std::size_t i = 0; i < half.size(); ++i) {
     for (const std::uint32_t j : rings[i]) half[i] += (mesh.vertices[i] - mesh.vertices[j]).norm();
@@ -25,7 +25,7 @@ std::vector<double> half_edges(const scene::TetMesh& mesh, const OneRings& rings
 
 }  // namespace
 
-std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<double>& from_skin) {
+std::vector<double> local_radii(const mesh::TetMesh& mesh, const std::vector<double>& from_skin) {
   const OneRings rings = one_rings(mesh.vertices.size(), mesh.tetrahedra);
   const std::vector<double> half = half_edges(mesh, rings);
   // Balls spread from their centres, the largest first: the first to come to a vertex is its own. A smaller

@@ -14,6 +14,6 @@ namespace fascicle::build {
 // along edges between vertices in its reach, so that a neighbouring limb's does not count. The least radius
 // is half the mean edge at its centre: thinner parts have no vertex inside. A corner that no ball with its
 // centre inside reaches has the largest radius within two edges.
-std::vector<double> local_radii(const scene::TetMesh& mesh, const std::vector<double>& from_skin);
+std::vector<double> local_radii(const mesh::TetMesh& mesh, const std::vector<double>& from_skin);
 
 }  // namespace fascicle::build

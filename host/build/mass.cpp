@@ -2,13 +2,13 @@
 
 namespace fascicle::build {
 
-double total_volume(const scene::TetMesh& mesh) {
+double total_volume(const mesh::TetMesh& mesh) {
   double volume = 0.0;
   for (const auto& t : mesh.tetrahedra) volume += signed_volume(mesh, t);
   return volume;
 }
 
-std::vector<double> lumped_volumes(const scene::TetMesh& mesh) {
+std::vector<double> lumped_volumes(const mesh::TetMesh& mesh) {
   std::vector<double> volumes(mesh.vertices.size(), 0.0);
   for (const auto& t : mesh.tetrahedra) {
     const double quarter = signed_volume(mesh, t) / 4.0;
@@ -17,7 +17,7 @@ std::vector<double> lumped_volumes(const scene::TetMesh& mesh) {
   return volumes;
 }
 
-std::vector<double> lumped_areas(const scene::TetMesh& mesh,
+std::vector<double> lumped_areas(const mesh::TetMesh& mesh,
                                  const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   std::vector<double> areas(mesh.vertices.size(), 0.0);
   for (const auto& t : triangles) {

@@ -68,9 +68,9 @@ double distance_of_joint(const Body& body, const Vector3d& point, std::int32_t j
   return least < far ? least : 0.0;
 }
 
-const scene::PaintedAttribute* find_painted(const Body& body, const std::string& name, std::size_t& channel) {
+const rig::PaintedAttribute* find_painted(const Body& body, const std::string& name, std::size_t& channel) {
   channel = 0;
-  for (const scene::PaintedAttribute& attribute : body.painted) {
+  for (const rig::PaintedAttribute& attribute : body.painted) {
     if (attribute.name == name && attribute.width == 1) return &attribute;
     if (name.size() != attribute.name.size() + 2 || !name.starts_with(attribute.name + ".")) continue;
     for (const std::string letters : {"rgba", "xyzw"}) {
@@ -85,7 +85,7 @@ const scene::PaintedAttribute* find_painted(const Body& body, const std::string&
 
 std::string painted_names(const Body& body) {
   std::string names;
-  for (const scene::PaintedAttribute& attribute : body.painted)
+  for (const rig::PaintedAttribute& attribute : body.painted)
     names +=
         (names.empty() ? "" : ", ") + attribute.name + " of " + counted(attribute.width, "number", "numbers");
   return names.empty() ? "it has none" : "it has " + names;
@@ -157,7 +157,7 @@ const std::vector<double>& Measures::radii() {
 
 const std::vector<double>& Measures::skin_distances() {
   if (!skin_distances_.empty()) return skin_distances_;
-  scene::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
+  mesh::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
   // A carrier inside the flesh is none of its skin.
   std::erase_if(skin.triangles, [&](const auto& t) { return holding_of(body_, t[0]) == Holding::carrier; });
   std::vector<char> is_inside(skin.vertices.size(), 1);
@@ -229,7 +229,7 @@ const std::vector<double>& Measures::painted(const std::string& name, const std:
   std::vector<double>& values = painted_[name];
   if (!values.empty()) return values;
   std::size_t channel = 0;
-  const scene::PaintedAttribute* attribute = find_painted(body_, name, channel);
+  const rig::PaintedAttribute* attribute = find_painted(body_, name, channel);
   if (attribute == nullptr)
     fail(source, key + ": nothing called \"" + name + "\" is painted on the character (" +
                      painted_names(body_) +
@@ -254,7 +254,7 @@ const std::vector<std::uint32_t>& Measures::nearest_parts() {
     const std::uint32_t triangle = search.nearest(p).triangle;
     const auto after = std::upper_bound(
         body_.parts.begin(), body_.parts.end(), triangle,
-        [](std::uint32_t t, const scene::SurfacePart& part) { return t < part.first_triangle; });
+        [](std::uint32_t t, const rig::SurfacePart& part) { return t < part.first_triangle; });
     parts_.push_back(static_cast<std::uint32_t>(after - body_.parts.begin()) - 1);
   }
   return parts_;

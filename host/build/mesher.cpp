@@ -10,13 +10,13 @@ using scene::SceneError;
 
 fs::path mesher_path(const BuildOptions& options) {
   if (!options.mesher.empty()) {
-    if (scene::is_program(options.mesher)) return fs::absolute(options.mesher);
+    if (base::is_program(options.mesher)) return fs::absolute(options.mesher);
     throw SceneError(options.mesher.string() + ": no such program; give the path of " + mesher_name);
   }
-  fs::path found = scene::find_helper(mesher_name);
+  fs::path found = base::find_helper(mesher_name);
   if (!found.empty()) return found;
   throw SceneError(
-      std::string(mesher_name) + ": not found in " + scene::own_folder().string() +
+      std::string(mesher_name) + ": not found in " + base::own_folder().string() +
       " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
 }
 
@@ -31,7 +31,7 @@ std::string digits_of(double value) {
 }
 
 std::string reason(const ProcessResult& result) {
-  const std::string text = scene::last_line(result, mesher_name);
+  const std::string text = base::last_line(result, mesher_name);
   return text.empty() ? "" : ": " + text;
 }
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "host/base/helper_program.h"
 #include "host/build/build.h"
-#include "host/scene/helper_program.h"
 
 namespace fascicle::build {
 
@@ -22,10 +22,10 @@ enum MesherStatus : int {
 
 inline constexpr const char* mesher_name = "fascicle-mesher";
 
-using scene::ProcessEnd;
-using scene::ProcessLimits;
-using scene::ProcessResult;
-using scene::TemporaryFolder;
+using base::ProcessEnd;
+using base::ProcessLimits;
+using base::ProcessResult;
+using base::TemporaryFolder;
 
 // The options' mesher, or the one beside this executable, or the first on PATH. Throws scene::SceneError.
 std::filesystem::path mesher_path(const BuildOptions& options);

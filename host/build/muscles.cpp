@@ -5,10 +5,10 @@
 
 #include <Eigen/Geometry>
 
+#include "host/base/trigonometry.h"
 #include "host/build/message.h"
+#include "host/rig/pose.h"
 #include "host/scene/muscle_bones.h"
-#include "host/scene/pose.h"
-#include "host/scene/trigonometry.h"
 
 namespace fascicle::build {
 
@@ -51,12 +51,12 @@ shader::RegionFrame frame_at(const Vector3d& place, const Vector3d& fibre, const
 
 double muscle_profile(double s) {
   const double x = std::numbers::pi * s;
-  return (scene::exact_sin(x) - scene::exact_sin(3.0 * x)) / 2.0;
+  return (base::exact_sin(x) - base::exact_sin(3.0 * x)) / 2.0;
 }
 
 void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test, model::Model& model,
                    Report& report) {
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr || scene.muscles.empty()) return;
   const std::size_t n = model.vertex_count;
   model.muscle_count = static_cast<std::uint32_t>(scene.muscles.size());
@@ -97,7 +97,7 @@ void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test,
                ": holds no vertex; its bone's joints must move flesh beside the bone, inside `where` "
                "and `layer`");
     if (!muscle.contraction_channel.empty() &&
-        scene::find_channel(scene::find_clip(*character, scene.clip),
+        scene::find_channel(rig::find_clip(*character, scene.clip),
                             scene::contraction_channel(*character, muscle)) == nullptr)
       warn(report, key + ": the clip does not move its contraction_channel \"" + muscle.contraction_channel +
                        "\", so it does not contract");

@@ -35,7 +35,7 @@ std::array<std::uint32_t, 4> lowest_first(std::array<std::uint32_t, 4> t) {
 
 }  // namespace
 
-std::vector<std::uint32_t> locality_order(const scene::TetMesh& mesh, const OneRings& rings) {
+std::vector<std::uint32_t> locality_order(const mesh::TetMesh& mesh, const OneRings& rings) {
   const std::size_t n = mesh.vertices.size();
   Vector3d low = mesh.vertices[0], high = mesh.vertices[0];
   for (const Vector3d& p : mesh.vertices) {

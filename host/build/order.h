@@ -13,7 +13,7 @@ namespace fascicle::build {
 // Slabs two spacings thick across the longest axis of the bounding box, in them strips two spacings wide
 // across the next, in them by the third; then, in windows of 256, by falling degree. The spacing is the edge
 // of the cube that a vertex fills on average. Element k is the old number of the vertex that becomes k.
-std::vector<std::uint32_t> locality_order(const scene::TetMesh& mesh, const OneRings& rings);
+std::vector<std::uint32_t> locality_order(const mesh::TetMesh& mesh, const OneRings& rings);
 
 // Gives vertex order[k] the number k everywhere. Tetrahedra keep their orientation, begin with their lowest
 // corners and are sorted, so that the result does not depend on how the input listed them.

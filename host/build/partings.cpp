@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "host/build/surface_search.h"
-#include "host/scene/pose.h"
+#include "host/rig/pose.h"
 
 namespace fascicle::build {
 
@@ -17,7 +17,7 @@ using scene::Vector3d;
 constexpr std::size_t most_of_clip = 16;
 constexpr std::size_t most_of_all = 96;
 
-Vector3d point_at(const scene::SurfaceMesh& skin, std::uint32_t triangle,
+Vector3d point_at(const mesh::SurfaceMesh& skin, std::uint32_t triangle,
                   const std::array<double, 3>& weights) {
   const auto& t = skin.triangles[triangle];
   return weights[0] * skin.vertices[t[0]] + weights[1] * skin.vertices[t[1]] +
@@ -42,21 +42,21 @@ std::pair<double, double> nearest_of_segments(const Vector3d& a, const Vector3d&
 
 }  // namespace
 
-std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const scene::Character& character, double scale) {
+std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const rig::Character& character, double scale) {
   std::vector<std::vector<Eigen::Matrix4d>> poses;
   if (character.clips.empty()) return poses;
   const std::size_t each = std::clamp<std::size_t>(most_of_all / character.clips.size(), 1, most_of_clip);
-  for (const scene::Clip& clip : character.clips)
+  for (const rig::Clip& clip : character.clips)
     for (std::size_t k = 0; k < each; ++k) {
       const double time =
           clip.duration * (2.0 * static_cast<double>(k) + 1.0) / (2.0 * static_cast<double>(each));
-      poses.push_back(scene::pose_at(character, &clip, time));
+      poses.push_back(rig::pose_at(character, &clip, time));
       for (Eigen::Matrix4d& map : poses.back()) map.block<3, 1>(0, 3) *= scale;
     }
   return poses;
 }
 
-Partings::Partings(const scene::SurfaceMesh& skin, const SkinWeights& weights,
+Partings::Partings(const mesh::SurfaceMesh& skin, const SkinWeights& weights,
                    std::span<const std::vector<Eigen::Matrix4d>> poses, double near, double far)
     : skin_(skin), weights_(weights), poses_(poses), near_(near), far_(far) {}
 

@@ -15,13 +15,13 @@ namespace fascicle::build {
 
 // The maps of all joints from the bind pose to each of some poses of all clips, evenly spaced in each clip:
 // at most 16 a clip, and, but for one a clip, at most 96. Lengths are those of the character times `scale`.
-std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const scene::Character& character, double scale);
+std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const rig::Character& character, double scale);
 
 class Partings {
  public:
   // The arguments must outlive it. `near` (m): no farther apart in the bind pose do places count as touching;
   // `far`: how much farther apart than there they must come in some pose.
-  Partings(const scene::SurfaceMesh& skin, const SkinWeights& weights,
+  Partings(const mesh::SurfaceMesh& skin, const SkinWeights& weights,
            std::span<const std::vector<Eigen::Matrix4d>> poses, double near, double far);
 
   // Whether two triangles come near each other, and places where they do part.
@@ -39,7 +39,7 @@ class Partings {
   bool have_parted(std::uint32_t a, const std::array<double, 3>& at_a, std::uint32_t b,
                    const std::array<double, 3>& at_b) const;
 
-  const scene::SurfaceMesh& skin_;
+  const mesh::SurfaceMesh& skin_;
   const SkinWeights& weights_;
   std::span<const std::vector<Eigen::Matrix4d>> poses_;
   double near_, far_;

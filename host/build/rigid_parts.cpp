@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "host/base/nearest_name.h"
 #include "host/build/carriers.h"
 #include "host/build/message.h"
 #include "host/build/surface_search.h"
@@ -60,7 +61,7 @@ void weigh(const SkinWeights& weights, Part& part) {
 }
 
 // `welded_vertex` has the vertex of the welded skin of each of the surface's.
-std::vector<Part> parts_of(const scene::SurfaceMesh& surface, const std::vector<std::uint32_t>& welded_vertex,
+std::vector<Part> parts_of(const mesh::SurfaceMesh& surface, const std::vector<std::uint32_t>& welded_vertex,
                            const SkinWeights& weights) {
   Unions unions(surface.vertices.size());
   for (const auto& t : surface.triangles) unions.join(t[0], t[1]), unions.join(t[0], t[2]);
@@ -80,7 +81,7 @@ std::vector<Part> parts_of(const scene::SurfaceMesh& surface, const std::vector<
   return parts;
 }
 
-std::vector<Part> connected_parts_of(const scene::SurfaceMesh& surface, const SkinWeights& weights) {
+std::vector<Part> connected_parts_of(const mesh::SurfaceMesh& surface, const SkinWeights& weights) {
   std::vector<std::uint32_t> itself(surface.vertices.size());
   std::iota(itself.begin(), itself.end(), std::uint32_t{0});
   return parts_of(surface, itself, weights);
@@ -88,11 +89,11 @@ std::vector<Part> connected_parts_of(const scene::SurfaceMesh& surface, const Sk
 
 // Parts of the welded skin that are connected within one object and material; their first vertices are the
 // file's.
-std::vector<Part> inlays_of(const scene::Character& character, const WeldedSurface& welded,
+std::vector<Part> inlays_of(const rig::Character& character, const WeldedSurface& welded,
                             const SkinWeights& weights) {
-  scene::SurfaceMesh split;
+  mesh::SurfaceMesh split;
   std::vector<std::uint32_t> welded_vertex, file_vertex;
-  for (const scene::SurfacePart& part : character.parts) {
+  for (const rig::SurfacePart& part : character.parts) {
     std::map<std::uint32_t, std::uint32_t> number;  // welded, split
     for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
       std::array<std::uint32_t, 3> corners{};
@@ -121,30 +122,30 @@ std::string percent(double share) {
 }
 
 // The object of a vertex of the file, with its material where an object has several.
-std::string name_of_vertex(const scene::Character& character, std::uint32_t vertex) {
-  for (const scene::SurfacePart& part : character.parts)
+std::string name_of_vertex(const rig::Character& character, std::uint32_t vertex) {
+  for (const rig::SurfacePart& part : character.parts)
     if (vertex >= part.first_vertex && vertex - part.first_vertex < part.vertex_count)
       return part.object + (part.material.empty() ? "" : " / " + part.material);
   return "the skin";
 }
 
 // What the user asked for, one flag a vertex of the welded skin.
-std::vector<char> asked_for(const scene::Character& character, const WeldedSurface& welded,
+std::vector<char> asked_for(const rig::Character& character, const WeldedSurface& welded,
                             const SkinWeights& weights, const scene::Scene& scene) {
   std::vector<char> is_asked(welded.surface.vertices.size(), 0);
   std::vector<char> joints(character.skeleton.size(), 0);
   std::set<std::string> known;
-  for (const scene::Joint& joint : character.skeleton) known.insert(joint.name);
-  for (const scene::SurfacePart& part : character.parts) known.insert({part.object, part.material});
+  for (const rig::Joint& joint : character.skeleton) known.insert(joint.name);
+  for (const rig::SurfacePart& part : character.parts) known.insert({part.object, part.material});
   known.erase("");
   for (const std::string& name : scene.skeleton.rigid) {
     if (!known.contains(name))
       fail(scene.source, "skeleton.rigid: no joint, object or material is called \"" + name + "\"" +
-                             scene::nearest_name_hint(name, {known.begin(), known.end()}) +
+                             base::nearest_name_hint(name, {known.begin(), known.end()}) +
                              "; `fascicle inspect` lists the joints");
     for (std::size_t j = 0; j < joints.size(); ++j)
       if (character.skeleton[j].name == name) joints[j] = 1;
-    for (const scene::SurfacePart& part : character.parts) {
+    for (const rig::SurfacePart& part : character.parts) {
       if (part.object != name && part.material != name) continue;
       for (std::uint32_t v = 0; v < part.vertex_count; ++v)
         is_asked[welded.of_vertex[part.first_vertex + v]] = 1;
@@ -158,7 +159,7 @@ std::vector<char> asked_for(const scene::Character& character, const WeldedSurfa
     for (const auto& [joint, w] : weight_row(weights, v)) share += joints[joint] ? w : 0.0;
     if (share >= rigid_share) is_asked[v] = 1;
   }
-  for (const scene::PaintedAttribute& painted : character.painted) {
+  for (const rig::PaintedAttribute& painted : character.painted) {
     if (painted.name != "_RIGID" || painted.width != 1) continue;
     for (std::size_t v = 0; v < painted.values.size(); ++v)
       if (painted.values[v] >= painted_rigid) is_asked[welded.of_vertex[v]] = 1;
@@ -166,10 +167,10 @@ std::vector<char> asked_for(const scene::Character& character, const WeldedSurfa
   return is_asked;
 }
 
-std::vector<char> with_all_below(const scene::Character& character, const std::vector<std::string>& names) {
+std::vector<char> with_all_below(const rig::Character& character, const std::vector<std::string>& names) {
   std::vector<char> is(character.skeleton.size(), 0);
   for (std::size_t j = 0; j < is.size(); ++j) {
-    const scene::Joint& joint = character.skeleton[j];
+    const rig::Joint& joint = character.skeleton[j];
     is[j] = std::find(names.begin(), names.end(), joint.name) != names.end() ||
             (joint.parent >= 0 && is[static_cast<std::size_t>(joint.parent)]);
   }
@@ -187,7 +188,7 @@ bool is_robot(const std::vector<Part>& parts) {
 
 }  // namespace
 
-RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface& welded,
                            const SkinWeights& weights, const scene::Scene& scene) {
   RigidSkin rigid;
   rigid.is_rigid = asked_for(character, welded, weights, scene);
@@ -250,7 +251,7 @@ RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurfac
   return rigid;
 }
 
-SoftSkin without_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+SoftSkin without_rigid_parts(const rig::Character& character, const WeldedSurface& welded,
                              const RigidSkin& rigid) {
   SoftSkin soft;
   soft.character.skeleton = character.skeleton;
@@ -285,7 +286,7 @@ SoftSkin without_rigid_parts(const scene::Character& character, const WeldedSurf
 
 namespace {
 
-double mean_side(const scene::TetMesh& mesh) {
+double mean_side(const mesh::TetMesh& mesh) {
   double sum = 0.0;
   for (const auto& t : mesh.tetrahedra)
     for (std::size_t a = 0; a < 4; ++a)
@@ -294,9 +295,9 @@ double mean_side(const scene::TetMesh& mesh) {
 }
 
 // Marks the flesh within `reach` of rigid skin.
-void hold_flesh(const scene::SurfaceMesh& surface, const std::vector<char>& is_rigid, double reach,
+void hold_flesh(const mesh::SurfaceMesh& surface, const std::vector<char>& is_rigid, double reach,
                 Body& body) {
-  scene::SurfaceMesh hard{surface.vertices, {}};
+  mesh::SurfaceMesh hard{surface.vertices, {}};
   for (const auto& t : surface.triangles)
     if (is_rigid[t[0]] && is_rigid[t[1]] && is_rigid[t[2]]) hard.triangles.push_back(t);
   if (hard.triangles.empty()) return;
@@ -307,8 +308,8 @@ void hold_flesh(const scene::SurfaceMesh& surface, const std::vector<char>& is_r
 
 }  // namespace
 
-void add_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
-                     const SkinWeights& weights, const RigidSkin& rigid, const SoftSkin& soft, Body& body) {
+void add_rigid_parts(const rig::Character& character, const WeldedSurface& welded, const SkinWeights& weights,
+                     const RigidSkin& rigid, const SoftSkin& soft, Body& body) {
   body.holding.assign(body.mesh.vertices.size(), Holding::none);
   hold_flesh(welded.surface, rigid.is_rigid, held_edges * mean_side(body.mesh), body);
   if (body.skin.offset.empty()) body.skin.offset.push_back(0);

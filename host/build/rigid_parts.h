@@ -35,21 +35,21 @@ struct RigidSkin {
 };
 
 // Throws scene::SceneError for names in skeleton.rigid that nothing has.
-RigidSkin find_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface& welded,
                            const SkinWeights& weights, const scene::Scene& scene);
 
 // A character without the skin that is apart: its vertices and triangles in their order.
 struct SoftSkin {
-  scene::Character character;                // surface, joints, weights, skeleton and clips
+  rig::Character character;                  // surface, joints, weights, skeleton and clips
   WeldedSurface welded;                      // of_vertex, too, without what is apart
   std::vector<std::uint32_t> render_vertex;  // of each vertex left, its number before
 };
-SoftSkin without_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
+SoftSkin without_rigid_parts(const rig::Character& character, const WeldedSurface& welded,
                              const RigidSkin& rigid);
 
 // Adds the carriers to a body that was filled from the soft skin, seats all of the character's render
 // vertices and marks what is held. `weights` are those of the welded skin.
-void add_rigid_parts(const scene::Character& character, const WeldedSurface& welded,
-                     const SkinWeights& weights, const RigidSkin& rigid, const SoftSkin& soft, Body& body);
+void add_rigid_parts(const rig::Character& character, const WeldedSurface& welded, const SkinWeights& weights,
+                     const RigidSkin& rigid, const SoftSkin& soft, Body& body);
 
 }  // namespace fascicle::build

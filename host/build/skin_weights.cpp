@@ -25,7 +25,7 @@ struct Influence {
 };
 using Influences = std::vector<Influence>;
 
-void check_weights(const scene::Character& character, std::span<const std::uint32_t> welded,
+void check_weights(const rig::Character& character, std::span<const std::uint32_t> welded,
                    const std::string& source) {
   if (character.weights.size() != welded.size() || character.joints.size() != welded.size())
     fail(source, "mesh: " + std::to_string(character.weights.size()) + " vertices have weights, of " +
@@ -57,7 +57,7 @@ void add(Influences& row, const Influence& influence) {
 }
 
 // Sums of the joints' weights over the vertices that were welded into each; the scale does not matter.
-std::vector<Influences> surface_influences(const scene::Character& character,
+std::vector<Influences> surface_influences(const rig::Character& character,
                                            std::span<const std::uint32_t> welded, std::size_t surface_count) {
   std::vector<Influences> rows(surface_count);
   for (std::size_t v = 0; v < welded.size(); ++v)
@@ -83,7 +83,7 @@ void offer(Influences& row, const Influence& influence) {
 }
 
 // The part of each joint at the vertices that have no weights yet, by ascending vertex.
-std::vector<std::vector<VertexValue>> carried_inside(const scene::TetMesh& mesh,
+std::vector<std::vector<VertexValue>> carried_inside(const mesh::TetMesh& mesh,
                                                      const std::vector<Influences>& rows,
                                                      std::size_t joint_count, const std::string& source,
                                                      std::size_t threads) {
@@ -135,7 +135,7 @@ std::vector<Influences> rows_of(const SkinWeights& skin, std::size_t count) {
 }
 
 // The mean of a triangle's corners.
-Influences at_place(const std::vector<Influences>& rows, const scene::SurfaceMesh& surface,
+Influences at_place(const std::vector<Influences>& rows, const mesh::SurfaceMesh& surface,
                     const SkinPoint& place) {
   Influences mean;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -161,13 +161,13 @@ SkinWeights flattened(const std::vector<Influences>& rows) {
 
 }  // namespace
 
-SkinWeights welded_skin_weights(const scene::Character& character, std::span<const std::uint32_t> welded,
+SkinWeights welded_skin_weights(const rig::Character& character, std::span<const std::uint32_t> welded,
                                 std::size_t count, const std::string& source) {
   check_weights(character, welded, source);
   return flattened(surface_influences(character, welded, count));
 }
 
-SkinWeights harmonic_skin_weights(const scene::TetMesh& mesh, const SkinWeights& given,
+SkinWeights harmonic_skin_weights(const mesh::TetMesh& mesh, const SkinWeights& given,
                                   std::size_t joint_count, const std::string& source, std::size_t threads) {
   std::vector<Influences> rows = rows_of(given, mesh.vertices.size());
   const std::vector<std::vector<VertexValue>> inside =

@@ -14,7 +14,7 @@ namespace fascicle::build {
 // The artist's weights on the welded skin of `count` vertices; `welded` leads from the character's vertices
 // to them, and a welded vertex takes the mean of the vertices it was made of. Throws scene::SceneError for
 // weights that are negative, not finite or all 0, and for joints that are not there.
-SkinWeights welded_skin_weights(const scene::Character& character, std::span<const std::uint32_t> welded,
+SkinWeights welded_skin_weights(const rig::Character& character, std::span<const std::uint32_t> welded,
                                 std::size_t count, const std::string& source);
 
 // The weights of a tetrahedral mesh from those `given` at some of its vertices; the rows of others are empty
@@ -22,7 +22,7 @@ SkinWeights welded_skin_weights(const scene::Character& character, std::span<con
 // any tetrahedra undershoot, so negative weights become 0; shares below 1e-4 are dropped, at most 8 kept, and
 // the rest sums to 1 in floats without rounding (multiples of 2^-23). Joints are solved for in parallel; the
 // result does not depend on the number of threads.
-SkinWeights harmonic_skin_weights(const scene::TetMesh& mesh, const SkinWeights& given,
+SkinWeights harmonic_skin_weights(const mesh::TetMesh& mesh, const SkinWeights& given,
                                   std::size_t joint_count, const std::string& source,
                                   std::size_t threads = thread_count());
 

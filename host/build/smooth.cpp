@@ -13,7 +13,7 @@ namespace fascicle::build {
 namespace {
 
 using Eigen::Matrix3d;
-using scene::TetMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 
 using Corners = std::array<std::uint32_t, 4>;

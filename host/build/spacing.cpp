@@ -50,21 +50,21 @@ Spread spacing_of(std::span<const scene::Vector3d> vertices, const std::vector<E
 
 }  // namespace
 
-Spread vertex_spacing(const scene::SurfaceMesh& surface) {
+Spread vertex_spacing(const mesh::SurfaceMesh& surface) {
   return spacing_of(surface.vertices, edges_of(surface.triangles));
 }
 
-Spread vertex_spacing(const scene::TetMesh& mesh) {
+Spread vertex_spacing(const mesh::TetMesh& mesh) {
   return spacing_of(mesh.vertices, edges_of(mesh.tetrahedra));
 }
 
-Spread edge_lengths(const scene::TetMesh& mesh) {
+Spread edge_lengths(const mesh::TetMesh& mesh) {
   std::vector<double> lengths;
   for (const Edge& edge : edges_of(mesh.tetrahedra)) lengths.push_back(length_of(mesh.vertices, edge));
   return spread_of(std::move(lengths));
 }
 
-double enclosed_volume(const scene::SurfaceMesh& surface) {
+double enclosed_volume(const mesh::SurfaceMesh& surface) {
   const scene::Vector3d& origin = surface.vertices[0];
   double sum = 0.0;
   for (const auto& t : surface.triangles)

@@ -7,12 +7,12 @@
 namespace fascicle::build {
 
 // The mean length of the edges at each vertex: what explicit stiffness follows.
-Spread vertex_spacing(const scene::SurfaceMesh& surface);
-Spread vertex_spacing(const scene::TetMesh& mesh);
+Spread vertex_spacing(const mesh::SurfaceMesh& surface);
+Spread vertex_spacing(const mesh::TetMesh& mesh);
 
-Spread edge_lengths(const scene::TetMesh& mesh);
+Spread edge_lengths(const mesh::TetMesh& mesh);
 
 // What a surface encloses, m^3; negative where it faces inward.
-double enclosed_volume(const scene::SurfaceMesh& surface);
+double enclosed_volume(const mesh::SurfaceMesh& surface);
 
 }  // namespace fascicle::build

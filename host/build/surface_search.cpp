@@ -10,7 +10,7 @@ namespace fascicle::build {
 
 namespace {
 
-using scene::SurfaceMesh;
+using mesh::SurfaceMesh;
 using scene::Vector3d;
 
 // A triangle whose doubled area is below this part of its longest side's square is searched as its sides: the

@@ -26,7 +26,7 @@ SurfacePoint nearest_on_triangle(const scene::Vector3d& point, const scene::Vect
 class SurfaceSearch {
  public:
   // The surface must outlive it and have a triangle; corners in range, coordinates finite.
-  explicit SurfaceSearch(const scene::SurfaceMesh& surface);
+  explicit SurfaceSearch(const mesh::SurfaceMesh& surface);
 
   // Of triangles at the same computed distance the one of the lowest number.
   SurfacePoint nearest(const scene::Vector3d& point) const;
@@ -51,7 +51,7 @@ class SurfaceSearch {
   };
   Crossings crossings(const scene::Vector3d& origin, const scene::Vector3d& direction) const;
 
-  const scene::SurfaceMesh& surface_;
+  const mesh::SurfaceMesh& surface_;
   BoxTree tree_;
 };
 

@@ -17,15 +17,15 @@
 #include "host/build/mass.h"
 #include "host/build/mesher.h"
 #include "host/build/weld.h"
-#include "host/scene/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 
 namespace fascicle::build {
 namespace {
 
 namespace fs = std::filesystem;
+using mesh::SurfaceMesh;
+using mesh::TetMesh;
 using scene::SceneError;
-using scene::SurfaceMesh;
-using scene::TetMesh;
 using scene::Vector3d;
 
 // The largest volume of a tetrahedron for which the mean edge comes out as `edge`. A regular tetrahedron has
@@ -72,7 +72,7 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
   }
   if (crashed || result.code == mesher_self_intersecting || result.code == mesher_failed) {
     // TetGen also crashes on surfaces that cross themselves: look for the place.
-    const ProcessResult search = scene::run_process(mesher, {"intersections", surface.string()}, limits);
+    const ProcessResult search = base::run_process(mesher, {"intersections", surface.string()}, limits);
     if (search.end == ProcessEnd::exited && search.code == mesher_self_intersecting) fail_crossing(search);
     if (!crashed && result.code == mesher_self_intersecting) fail_crossing(result);
   }
@@ -176,20 +176,20 @@ TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Ve
   const fs::path surface_file = folder.path() / "surface.off";
   const fs::path points_file = folder.path() / "inside.txt";
   const fs::path volume_file = folder.path() / "volume.mesh";
-  scene::write_off(surface_file, surface);
+  mesh::write_off(surface_file, surface);
   std::vector<std::string> arguments = {"tetrahedralize", surface_file.string(), volume_file.string(),
                                         "--max-volume", digits_of(largest_volume(edge))};
   if (!inside.empty()) {
     write_points(points_file, inside);
     arguments.insert(arguments.end(), {"--points", points_file.string()});
   }
-  const ProcessResult result = scene::run_process(mesher, arguments, limits);
+  const ProcessResult result = base::run_process(mesher, arguments, limits);
   if (result.end != ProcessEnd::exited || result.code != mesher_done) {
     fail_run(result, mesher, surface_file, limits);
   }
   if (!fs::exists(volume_file)) fail_result("there is no file");
   try {
-    return scene::read_tet_mesh(volume_file);
+    return mesh::read_tet_mesh(volume_file);
   } catch (const SceneError& error) {
     // The folder's name helps nobody: it is gone.
     std::string what = error.what();

@@ -13,7 +13,7 @@ namespace fascicle::build {
 // own triangles are larger, it stays larger. Runs the helper process under the options' limits and checks
 // what comes back. Throws scene::SceneError: one message a failure (not found, not closed, self-intersecting,
 // out of memory, out of time, crashed, empty result).
-scene::TetMesh tetrahedralize(const scene::SurfaceMesh& surface, double edge,
-                              const std::vector<scene::Vector3d>& inside, const BuildOptions& options);
+mesh::TetMesh tetrahedralize(const mesh::SurfaceMesh& surface, double edge,
+                             const std::vector<scene::Vector3d>& inside, const BuildOptions& options);
 
 }  // namespace fascicle::build

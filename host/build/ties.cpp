@@ -26,19 +26,19 @@ Vector3d rest_vertex(const Model& model, std::size_t i) {
 }
 
 // Normal times twice the area of a triangle.
-Vector3d area_of(const scene::SurfaceMesh& surface, std::uint32_t triangle) {
+Vector3d area_of(const mesh::SurfaceMesh& surface, std::uint32_t triangle) {
   const auto& [a, b, c] = surface.triangles[triangle];
   return (surface.vertices[b] - surface.vertices[a]).cross(surface.vertices[c] - surface.vertices[a]);
 }
 
 // How far s stands from the plane of a triangle, to either side.
-double height_over(const scene::SurfaceMesh& below, std::uint32_t triangle, std::uint32_t s) {
+double height_over(const mesh::SurfaceMesh& below, std::uint32_t triangle, std::uint32_t s) {
   const Vector3d n = area_of(below, triangle);
   return std::abs(n.dot(below.vertices[s] - below.vertices[below.triangles[triangle][0]])) / n.norm();
 }
 
 // By vertex the triangles it is a corner of.
-std::vector<std::vector<std::uint32_t>> triangles_of_vertices(const scene::SurfaceMesh& surface) {
+std::vector<std::vector<std::uint32_t>> triangles_of_vertices(const mesh::SurfaceMesh& surface) {
   std::vector<std::vector<std::uint32_t>> triangles(surface.vertices.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
     for (const std::uint32_t corner : surface.triangles[t]) triangles[corner].push_back(t);
@@ -47,7 +47,7 @@ std::vector<std::vector<std::uint32_t>> triangles_of_vertices(const scene::Surfa
 
 // Facing s. Where the nearest place is an edge or a corner, of the triangles there the one that s stands
 // highest over; of those that differ by rounding the first.
-shader::Tie tie_of(std::uint32_t s, const scene::SurfaceMesh& below, const SurfaceSearch& search,
+shader::Tie tie_of(std::uint32_t s, const mesh::SurfaceMesh& below, const SurfaceSearch& search,
                    const std::vector<std::vector<std::uint32_t>>& triangles_of) {
   const SurfacePoint place = search.nearest(below.vertices[s]);
   std::uint32_t best = place.triangle;
@@ -217,7 +217,7 @@ std::vector<Vector3d> sheet_normals(const OneRings& rings, const RestState& stat
 void write_ties(const scene::Scene& scene, Model& model, Report& report) {
   const std::vector<char> slides = of_sliding_layers(scene, model);
   if (slides.empty()) return;
-  scene::SurfaceMesh below{{}, triangles_below(model, slides)};
+  mesh::SurfaceMesh below{{}, triangles_below(model, slides)};
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) below.vertices.push_back(rest_vertex(model, i));
   std::vector<std::uint32_t> too_low;
   if (!below.triangles.empty()) {

@@ -11,7 +11,7 @@ namespace fascicle::build {
 
 namespace {
 
-using scene::SurfaceMesh;
+using mesh::SurfaceMesh;
 using scene::Vector3d;
 
 constexpr double weld_of_diagonal = 1e-9;

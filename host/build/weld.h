@@ -11,7 +11,7 @@
 namespace fascicle::build {
 
 struct WeldedSurface {
-  scene::SurfaceMesh surface;            // no two vertices alike, every vertex in a triangle
+  mesh::SurfaceMesh surface;             // no two vertices alike, every vertex in a triangle
   std::vector<std::uint32_t> of_vertex;  // for each vertex given: its vertex in `surface`
   // For each vertex given: its number in the file. Empty where all of the file is given.
   std::vector<std::uint32_t> file_vertex = {};
@@ -26,9 +26,9 @@ inline std::uint32_t number_in_file(const WeldedSurface& welded, std::uint32_t v
 // keeps its place, and their order is kept. Triangles that lose a corner by it are left out, with a warning.
 // A vertex in no triangle follows the nearest one that is, with a warning. Throws scene::SceneError for a
 // surface without triangles, corners out of range and coordinates that are not finite.
-WeldedSurface weld(const scene::SurfaceMesh& surface, const std::string& source, Report& report);
+WeldedSurface weld(const mesh::SurfaceMesh& surface, const std::string& source, Report& report);
 
 // Mean length of the triangles' sides, m.
-double mean_edge(const scene::SurfaceMesh& surface);
+double mean_edge(const mesh::SurfaceMesh& surface);
 
 }  // namespace fascicle::build

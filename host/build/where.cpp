@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/base/nearest_name.h"
 #include "host/build/message.h"
 #include "host/scene/scene_table.h"
 
@@ -103,8 +104,8 @@ struct ShapeTest {
     return between(measures.shares_of(joints), set.share, 2.0, slack_of_diagonal);
   }
   std::vector<char> operator()(const scene::PartSet& set) const {
-    const std::vector<scene::SurfacePart>& parts = measures.body().parts;
-    const auto name_of = [&](const scene::SurfacePart& part) -> const std::string& {
+    const std::vector<rig::SurfacePart>& parts = measures.body().parts;
+    const auto name_of = [&](const rig::SurfacePart& part) -> const std::string& {
       return set.by_object ? part.object : part.material;
     };
     const std::string kind = set.by_object ? "object" : "material";
@@ -118,7 +119,7 @@ struct ShapeTest {
       }
       if (!found)
         fail(source, key + "." + kind + ".names: no " + kind + " is called \"" + name + "\"" +
-                         scene::nearest_name_hint(name, names) + "; `fascicle scenes FILE` lists them");
+                         base::nearest_name_hint(name, names) + "; `fascicle scenes FILE` lists them");
     }
     std::vector<char> inside;
     inside.reserve(vertices().size());

@@ -14,7 +14,7 @@
 #include "host/build/mesher.h"
 #include "host/build/surface_search.h"
 #include "host/build/unions.h"
-#include "host/scene/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 
 namespace fascicle::build {
 
@@ -27,7 +27,7 @@ using scene::SceneError;
 void run(const std::string& what, const std::vector<std::string>& arguments, const BuildOptions& options) {
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options);
-  const ProcessResult result = scene::run_process(mesher, arguments, limits);
+  const ProcessResult result = base::run_process(mesher, arguments, limits);
   check_time(result, limits, what, "ask for less cage_detail or simplify the surface");
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
@@ -91,11 +91,11 @@ auto with_system_errors(Call call) {
 
 }  // namespace
 
-SurfaceFindings find_defects(const scene::SurfaceMesh& surface, const BuildOptions& options) {
+SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOptions& options) {
   return with_system_errors([&] {
     const TemporaryFolder folder;
     const fs::path in = folder.path() / "surface.off", out = folder.path() / "report.txt";
-    scene::write_off(in, surface);
+    mesh::write_off(in, surface);
     run("examining the surface", {"report", in.string(), out.string()}, options);
     std::ifstream file(out);
     file.imbue(std::locale::classic());
@@ -103,12 +103,12 @@ SurfaceFindings find_defects(const scene::SurfaceMesh& surface, const BuildOptio
   });
 }
 
-scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrder& order,
-                                const BuildOptions& options) {
+mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order,
+                               const BuildOptions& options) {
   return with_system_errors([&] {
     const TemporaryFolder folder;
     const fs::path in = folder.path() / "surface.off", out = folder.path() / "wrap.off";
-    scene::write_off(in, surface);
+    mesh::write_off(in, surface);
     std::vector<std::string> arguments{"wrap", in.string(), out.string(), "--alpha", digits_of(order.alpha)};
     if (order.edge)
       arguments.insert(arguments.end(), {"--edge", digits_of(*order.edge)});
@@ -116,7 +116,7 @@ scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrd
       arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
     run("wrapping the surface", arguments, options);
     try {
-      scene::SurfaceMesh wrap = scene::read_surface_mesh(out);
+      mesh::SurfaceMesh wrap = mesh::read_surface_mesh(out);
       drop_inner_shells(wrap);
       return wrap;
     } catch (const SceneError& error) {
@@ -127,13 +127,13 @@ scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrd
   });
 }
 
-void drop_inner_shells(scene::SurfaceMesh& surface) {
+void drop_inner_shells(mesh::SurfaceMesh& surface) {
   Unions unions(surface.vertices.size());
   for (const auto& t : surface.triangles) {
     unions.join(t[0], t[1]);
     unions.join(t[1], t[2]);
   }
-  std::map<std::uint32_t, scene::SurfaceMesh> parts;  // by their lowest vertex; vertices as in the whole
+  std::map<std::uint32_t, mesh::SurfaceMesh> parts;  // by their lowest vertex; vertices as in the whole
   for (const auto& t : surface.triangles) parts[unions.find(t[0])].triangles.push_back(t);
   if (parts.size() < 2) return;
   std::vector<std::uint32_t> inner;

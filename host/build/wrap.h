@@ -9,7 +9,7 @@
 namespace fascicle::build {
 
 // What is wrong with a surface whose equal vertices are welded. Throws scene::SceneError.
-SurfaceFindings find_defects(const scene::SurfaceMesh& surface, const BuildOptions& options);
+SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOptions& options);
 
 struct WrapOrder {
   double alpha = 0.0;                     // gaps and holes narrower than this are closed over, m
@@ -19,11 +19,11 @@ struct WrapOrder {
 
 // A closed surface that does not cross itself around any surface, facing outward, at a thirtieth of alpha, of
 // one part or several beside each other. Throws scene::SceneError.
-scene::SurfaceMesh wrap_surface(const scene::SurfaceMesh& surface, const WrapOrder& order,
-                                const BuildOptions& options);
+mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order,
+                               const BuildOptions& options);
 
 // Leaves out the closed parts of a surface that lie inside others, and the vertices of nothing else: what a
 // cavity's wall encloses becomes solid. The parts must not cross.
-void drop_inner_shells(scene::SurfaceMesh& surface);
+void drop_inner_shells(mesh::SurfaceMesh& surface);
 
 }  // namespace fascicle::build

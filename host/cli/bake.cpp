@@ -7,17 +7,18 @@
 #include <memory>
 #include <optional>
 
-#include "host/bake/blender_script.h"
-#include "host/bake/drive_source.h"
 #include "host/bake/folder.h"
-#include "host/bake/formats.h"
+#include "host/bake/outputs.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
+#include "host/drive/drive_source.h"
+#include "host/formats/blender_script.h"
+#include "host/formats/formats.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/pipeline/device_choice.h"
-#include "host/scene/pose.h"
+#include "host/rig/pose.h"
 
 namespace fascicle::cli {
 namespace {
@@ -28,7 +29,7 @@ struct BakeArguments {
   SceneArguments scene;
   std::string folder;
   std::vector<std::string> formats;
-  bake::GlbOptions glb;
+  formats::GlbOptions glb;
   std::optional<std::uint64_t> first_number;
   std::string device = "auto";
   unsigned threads = 0;
@@ -51,7 +52,7 @@ double measured_substep(const scene::Scene& scene, const model::Model& model, mo
   constexpr std::uint32_t substeps = 8;
   constexpr std::uint64_t frames = 4;
   const model::Read what{.positions = true, .velocities = true, .surface = model.surface_count() > 0};
-  bake::DriveSource source(scene, model);
+  drive::DriveSource source(scene, model);
   solver.load(source.initial_state());
   std::uint64_t timed = 0;
   std::chrono::steady_clock::time_point start;
@@ -74,8 +75,8 @@ bool wants(const BakeArguments& arguments, const std::string& format) {
 std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& scene,
                           const model::Model& model) {
   if (!wants(arguments, "glb")) return "";
-  const std::uint64_t targets = bake::glb_target_count(scene::frame_count(scene), arguments.glb);
-  return "at most " + bytes_text(bake::glb_bytes(model, targets)) + ", " + count_text(targets) +
+  const std::uint64_t targets = formats::glb_target_count(scene::frame_count(scene), arguments.glb);
+  return "at most " + bytes_text(formats::glb_bytes(model, targets)) + ", " + count_text(targets) +
          " morph targets of " + count_text(model.surface_count()) + " vertices";
 }
 
@@ -83,7 +84,7 @@ std::string expected_look_text(const scene::Scene& scene, const std::optional<ba
                                const std::optional<bake::TriedLook>& tried) {
   if (!expected) return "no free flesh on a skeleton";
   if (expected->score <= 0.0) return "nothing swings it";
-  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
+  const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
   std::string text = "swing " + number_text(expected->score, 2) + " (1 is the limit), at joint \"" +
                      skeleton[expected->joint].name + "\" in frame " + std::to_string(expected->frame);
   if (tried)
@@ -124,15 +125,15 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
-  const fs::path series = fs::path(arguments.folder) / bake::vtu_extension / bake::vtk_series;
+  const fs::path series = fs::path(arguments.folder) / formats::vtu_extension / formats::vtk_series;
   if (fs::exists(series)) std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
-  const fs::path skin = fs::path(arguments.folder) / bake::vtp_extension / bake::vtk_series;
+  const fs::path skin = fs::path(arguments.folder) / formats::vtp_extension / formats::vtk_series;
   if (fs::exists(skin)) std::cout << "    the render surface: " << skin.string() << "\n";
   const bool has_motion = with_extension(".glb") != nullptr || with_extension(".pc2") != nullptr ||
                           with_extension(".mdd") != nullptr;
   if (has_motion)
     std::cout << "  Blender: blender --python "
-              << (fs::path(arguments.folder) / bake::blender_script_name).string() << "\n";
+              << (fs::path(arguments.folder) / formats::blender_script_name).string() << "\n";
   if (const fs::path* pc2 = with_extension(".pc2"))
     std::cout << "    or by hand: import rest.obj, add the modifier Mesh Cache, format PC2, file "
               << pc2->string() << ", forward Y, up Z\n";
@@ -146,7 +147,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
 
 // What came before frame 0, how a loop closes, and how far the flesh trails.
 void print_motion(const BakeArguments& arguments, const model::Model& model, const bake::BakeResult& result) {
-  const bake::LeadInSummary& led = result.lead_in;
+  const drive::LeadInSummary& led = result.lead_in;
   if (led.settled_speed)
     std::cout << "settled for " << led.settle_frames << " frames, to "
               << number_text(*led.settled_speed * 1e3, 3) << " mm/s\n";
@@ -184,7 +185,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   }
   const DeviceRequest device = parse_device(arguments.device);
   scene::Scene scene = load(arguments.scene);
-  if (const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  if (const auto* character = std::get_if<rig::Character>(&scene.geometry);
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
     log.info("clip: " + scene::clip_name(scene) + ", the first of " +
              std::to_string(character->clips.size()) + " (fascicle inspect lists them, --clip chooses)");

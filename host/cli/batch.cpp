@@ -13,9 +13,11 @@
 #include <poll.h>
 
 #include "host/bake/bake.h"
-#include "host/bake/file.h"
 #include "host/bake/folder.h"
 #include "host/bake/manifest.h"
+#include "host/bake/outputs.h"
+#include "host/base/nearest_name.h"
+#include "host/base/part_file.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
@@ -134,7 +136,7 @@ class Batch {
         if (const std::vector<std::string>& names = bake::format_names();
             std::find(names.begin(), names.end(), format) == names.end())
           throw scene::SceneError("job." + job.name + ": there is no format \"" + format + "\"" +
-                                  scene::nearest_name_hint(format, names));
+                                  base::nearest_name_hint(format, names));
       if (!arguments_.overwrite && !arguments_.resume && bake::holds_bake(folder_of(job)))
         throw bake::FolderInUse(folder_of(job).string() +
                                 ": holds a bake; --resume bakes what is not done, --overwrite "
@@ -255,7 +257,7 @@ class Batch {
                       {"error", outcome.error},
                       {"warnings", outcome.warnings}});
     }
-    bake::write_whole(jobs_.output / scene::batch_summary,
+    base::write_whole(jobs_.output / scene::batch_summary,
                       Json{{"jobs", rows}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   }
 

@@ -4,11 +4,11 @@
 #include <iostream>
 #include <memory>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/slices.h"
-#include "cpu_reference/sweeps.h"
+#include "cpu_reference/solver/cpu_solver.h"
+#include "cpu_reference/solver/slices.h"
+#include "cpu_reference/solver/sweeps.h"
 #include "gpu/measure.h"
-#include "host/bake/version.h"
+#include "host/base/version.h"
 #include "host/cli/bench_measure.h"
 #include "host/cli/bench_peers.h"
 #include "host/cli/bench_results.h"
@@ -77,7 +77,7 @@ class Bench {
       : arguments_(arguments), before_(std::move(before)), log_(log) {
     results_.machine.processor = processor_name();
     results_.machine.compiler = ChosenDevice::cpu(1, cpu_reference::Simd::automatic, "").description().driver;
-    results_.machine.version = bake::fascicle_version;
+    results_.machine.version = base::fascicle_version;
     results_.machine.cores = processor_threads();
     for (const cpu_reference::Simd level : cpu_reference::available_simd())
       results_.machine.levels.emplace_back(name_of(level));

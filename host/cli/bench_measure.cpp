@@ -56,9 +56,9 @@ BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator, Bench
   scene::Scene scene = scene::load_scene(implicit ? "rod-hang" : "bar-hang-none", overrides);
   build::BuildOptions options;
   if (mesh == BenchMesh::filled) {
-    const scene::TetMesh regular = build::make_bar(std::get<scene::Bar>(scene.geometry), scene.name);
+    const mesh::TetMesh regular = build::make_bar(std::get<scene::Bar>(scene.geometry), scene.name);
     const build::RenderMesh boundary = build::boundary_render_mesh(regular, scene.name);
-    scene::SurfaceMesh surface{.vertices = {}, .triangles = boundary.triangles};
+    mesh::SurfaceMesh surface{.vertices = {}, .triangles = boundary.triangles};
     for (std::size_t v = 0; v < boundary.corners.size(); ++v) {
       scene::Vector3d place = scene::Vector3d::Zero();
       for (std::size_t c = 0; c < 4; ++c)

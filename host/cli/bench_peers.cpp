@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "host/scene/process.h"
+#include "host/base/process.h"
 
 namespace fascicle::cli {
 namespace {
@@ -26,12 +26,12 @@ bool has_peer_program() {
 }
 
 double run_peer(const std::string& kind, const std::array<std::uint32_t, 3>& grid, std::uint32_t substeps) {
-  const scene::ProcessResult result =
-      scene::run_process(program(),
-                         {kind, std::to_string(grid[0]), std::to_string(grid[1]), std::to_string(grid[2]),
-                          std::to_string(substeps)},
-                         {.seconds = 600.0, .bytes = std::uint64_t{16} << 30});
-  if (result.end != scene::ProcessEnd::exited || result.code != 0)
+  const base::ProcessResult result =
+      base::run_process(program(),
+                        {kind, std::to_string(grid[0]), std::to_string(grid[1]), std::to_string(grid[2]),
+                         std::to_string(substeps)},
+                        {.seconds = 600.0, .bytes = std::uint64_t{16} << 30});
+  if (result.end != base::ProcessEnd::exited || result.code != 0)
     throw std::runtime_error(std::string(program_name) + " " + kind + " failed: " + result.last_words);
   return std::stod(result.last_words);
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "host/bake/bake.h"
+#include "host/base/nearest_name.h"
 #include "host/build/cache.h"
 #include "host/scene/scene_table.h"
 
@@ -11,7 +12,7 @@ namespace fascicle::cli {
 std::string nearest_scene_hint(const std::string& name) {
   std::vector<std::string> names;
   for (const scene::BuiltinScene& scene : scene::builtin_scenes()) names.push_back(scene.name);
-  return scene::nearest_name_hint(name, names);
+  return base::nearest_name_hint(name, names);
 }
 
 void add_log_options(CLI::App& subcommand, LogOptions& log) {
@@ -26,7 +27,7 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
       ->option_text("text|json");
 }
 
-void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb) {
+void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb) {
   auto* stride =
       subcommand.add_option("--glb-stride", glb.stride, "glb: a morph target every N frames; default: 1");
   stride->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""))->option_text("N");
@@ -58,7 +59,7 @@ void add_usd_options(CLI::App& subcommand, bool& skel) {
                       "purpose guide");
 }
 
-void log_report(const bake::SinkReport& report, Log& log) {
+void log_report(const formats::SinkReport& report, Log& log) {
   for (const std::string& note : report.notes) log.info(note);
   for (const std::string& warning : report.warnings) log.warning(warning);
 }

@@ -7,10 +7,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/bake/sink.h"
 #include "host/build/build.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/log.h"
+#include "host/formats/sink.h"
 #include "host/pipeline/build_scene.h"
 #include "host/scene/scene.h"
 
@@ -39,11 +39,11 @@ void add_manual(CLI::App& app, Command& command);
 void add_log_options(CLI::App& subcommand, LogOptions& log);
 
 // --glb-stride, --glb-error, --glb-tolerance, --glb-compress
-void add_glb_options(CLI::App& subcommand, bake::GlbOptions& glb);
+void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb);
 // --usd-skel
 void add_usd_options(CLI::App& subcommand, bool& skel);
 // What finished files have to say.
-void log_report(const bake::SinkReport& report, Log& log);
+void log_report(const formats::SinkReport& report, Log& log);
 
 // A scene by name and what the command line changes in it.
 struct SceneArguments {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <span>
 
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
 #include "host/bake/bake.h"
-#include "host/bake/drive_source.h"
-#include "host/bake/lead_in.h"
+#include "host/drive/drive_source.h"
+#include "host/drive/lead_in.h"
 
 namespace fascicle::cli {
 namespace {
@@ -63,7 +63,7 @@ void check_finite(const model::Frame& frame, std::uint64_t number, const std::st
 struct Run {
   const model::Model& model;
   const model::SolverOptions& options;
-  bake::DriveSource source;
+  drive::DriveSource source;
   model::State start;
   std::uint64_t frames, oracle_frames;
   const OnFrame& on_frame;
@@ -154,11 +154,11 @@ bool Validation::holds() const {
 Validation validate(const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
                     const std::vector<ChosenDevice>& devices, std::uint64_t frames,
                     std::uint64_t oracle_frames, const OnFrame& on_frame) {
-  Run run{model, options, bake::DriveSource(scene, model), {}, frames, oracle_frames, on_frame};
+  Run run{model, options, drive::DriveSource(scene, model), {}, frames, oracle_frames, on_frame};
   const auto start_on = [&](const ChosenDevice& device) {
     on_frame("preparing " + device.label(), 0, frames);
     const std::unique_ptr<model::Solver> solver = device.make_solver(model, options);
-    return bake::lead_in(scene, model, run.source, *solver).state;
+    return drive::lead_in(scene, model, run.source, *solver).state;
   };
   run.start = start_on(devices.front());
   Validation validation;

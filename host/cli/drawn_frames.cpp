@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "host/bake/character_file.h"
-#include "host/bake/surface.h"
 #include "host/cli/looks.h"
-#include "host/scene/gltf_rig.h"
+#include "host/formats/character_file.h"
+#include "host/formats/surface.h"
+#include "host/gltf/gltf_rig.h"
+#include "host/scene/input_files.h"
 
 namespace fascicle::cli {
 namespace {
@@ -32,7 +33,7 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
   if (fs::is_directory(arguments.input.name)) {
     folder_ = arguments.input.name;
     bake_.emplace(folder_);
-    if (bake_->model().has_skeleton()) character_ = folder_ / bake::character_name;
+    if (bake_->model().has_skeleton()) character_ = folder_ / formats::character_name;
     return;
   }
   scene::Scene scene = load_named(arguments.input);
@@ -43,20 +44,20 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
 }
 
 std::vector<float> DrawnFrames::positions(std::uint64_t k) const {
-  if (!bake_) return bake::world_positions(built_.rest, built_.unit, built_.rest_origin);
+  if (!bake_) return formats::world_positions(built_.rest, built_.unit, built_.rest_origin);
   const model::Frame frame = bake_->frame(k);
-  return bake::world_positions(frame.positions, bake_->model().unit, frame.origin);
+  return formats::world_positions(frame.positions, bake_->model().unit, frame.origin);
 }
 
 std::vector<float> DrawnFrames::skinned_vertices(std::uint64_t k) {
   const OpenBake::Skinned skinned = bake_.value().skinned(k);
-  return bake::world_positions(skinned.positions, bake_->model().unit, skinned.origin);
+  return formats::world_positions(skinned.positions, bake_->model().unit, skinned.origin);
 }
 
 std::vector<float> DrawnFrames::skinned_surface(std::uint64_t k) {
   const model::Model& model = bake_.value().model();
   if (!model.has_skeleton())
-    return bake::world_positions(bake::embed(model, model.rest), model.unit, model.rest_origin);
+    return formats::world_positions(formats::embed(model, model.rest), model.unit, model.rest_origin);
   if (!skin_) {
     if (!fs::exists(character_))
       throw bake::BakeError(character_.string() +

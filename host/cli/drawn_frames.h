@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "host/bake/skinned_surface.h"
 #include "host/cli/log.h"
 #include "host/cli/open_bake.h"
 #include "host/cli/render_arguments.h"
+#include "host/formats/skinned_surface.h"
 #include "host/model/model.h"
 #include "host/render/looks.h"
 #include "host/scene/scene.h"
@@ -41,7 +41,7 @@ class DrawnFrames {
  private:
   std::filesystem::path folder_, character_;  // a bake's folder; the glTF, empty: none
   std::optional<OpenBake> bake_;
-  std::optional<bake::SkinnedSurface> skin_;
+  std::optional<formats::SkinnedSurface> skin_;
   model::Model built_;
 };
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/bake/bake.h"
+#include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 struct ExportArguments {
   std::string bake, folder;
   std::vector<std::string> formats;
-  bake::GlbOptions glb;
+  formats::GlbOptions glb;
   std::optional<std::uint64_t> first_number;
   bool usd_skel = false, overwrite = false;
 };

@@ -10,8 +10,8 @@
 #include "host/cli/open_ends.h"
 #include "host/cli/text.h"
 #include "host/pipeline/bake_scene.h"
+#include "host/rig/pose.h"
 #include "host/scene/muscle_bones.h"
-#include "host/scene/pose.h"
 
 namespace fascicle::cli {
 namespace {
@@ -58,7 +58,7 @@ struct MuscleCount {
 
 std::vector<MuscleCount> count_muscles(const scene::Scene& scene, const model::Model& model) {
   std::vector<MuscleCount> counts;
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr) return counts;
   for (const scene::Muscle& muscle : scene.muscles) {
     const scene::MuscleBones bones = scene::muscle_bones(*character, muscle);
@@ -133,10 +133,9 @@ Json json_of(const build::CageReport& cage) {
           {"cut_seconds", cage.cut_seconds}};
 }
 
-std::span<const scene::Clip> clips_of(const scene::Scene& scene) {
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
-  return character != nullptr ? std::span<const scene::Clip>(character->clips)
-                              : std::span<const scene::Clip>();
+std::span<const rig::Clip> clips_of(const scene::Scene& scene) {
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  return character != nullptr ? std::span<const rig::Clip>(character->clips) : std::span<const rig::Clip>();
 }
 
 Json json_of(const scene::Scene& scene, const Built& built) {
@@ -153,7 +152,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
   for (const model::ProbeSet& probe : model.probes)
     probes.push_back({{"name", probe.name}, {"vertices", probe.vertices.size()}});
   Json clips = Json::array();
-  for (const scene::Clip& clip : clips_of(scene))
+  for (const rig::Clip& clip : clips_of(scene))
     clips.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
   Json muscles = Json::array();
   for (const MuscleCount& muscle : count_muscles(scene, model))
@@ -330,7 +329,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
   print_skin(report);
   std::vector<std::pair<std::string, std::string>> rows;
-  for (const scene::Clip& clip : clips_of(scene))
+  for (const rig::Clip& clip : clips_of(scene))
     rows.emplace_back(clip.name, number_text(clip.duration, 3) + " s" +
                                      (clip.name == scene::clip_name(scene) ? ", the one to bake" : ""));
   if (!rows.empty()) std::cout << "clips\n" << columns_text(rows);

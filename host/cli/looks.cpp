@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "host/gltf/gltf_looks.h"
+#include "host/gltf/gltf_rig.h"
 #include "host/render/decode_image.h"
-#include "host/scene/gltf_looks.h"
-#include "host/scene/gltf_rig.h"
 
 namespace fascicle::cli {
 namespace {
@@ -19,17 +19,17 @@ unsigned longest_side(std::size_t count) {
   return count <= 8 ? 2048 : count <= 32 ? 1024 : 512;
 }
 
-render::Wrap wrap_of(scene::TextureWrap wrap) {
-  return wrap == scene::TextureWrap::clamp    ? render::Wrap::clamp
-         : wrap == scene::TextureWrap::mirror ? render::Wrap::mirror
-                                              : render::Wrap::repeat;
+render::Wrap wrap_of(gltf::TextureWrap wrap) {
+  return wrap == gltf::TextureWrap::clamp    ? render::Wrap::clamp
+         : wrap == gltf::TextureWrap::mirror ? render::Wrap::mirror
+                                             : render::Wrap::repeat;
 }
 
 // Into looks.textures; of each texture of the file its number there, -1 where it could not be read.
-std::vector<std::int32_t> add_textures(const scene::Looks& read, const std::string& file,
-                                       render::Looks& looks, Log& log) {
+std::vector<std::int32_t> add_textures(const gltf::Looks& read, const std::string& file, render::Looks& looks,
+                                       Log& log) {
   std::vector<std::int32_t> numbers;
-  for (const scene::LookTexture& texture : read.textures) {
+  for (const gltf::LookTexture& texture : read.textures) {
     numbers.push_back(-1);
     if (numbers.size() > most_textures) continue;
     const render::DecodedImage image = render::decode_image(texture.bytes);
@@ -52,25 +52,25 @@ std::vector<std::int32_t> add_textures(const scene::Looks& read, const std::stri
 
 std::optional<render::Looks> looks_of(const std::filesystem::path& character, const model::Model& model,
                                       Log& log) {
-  const scene::Rig rig = scene::read_rig(character);
-  const scene::Looks read = scene::read_looks(character, rig);
+  const gltf::Rig rig = gltf::read_rig(character);
+  const gltf::Looks read = gltf::read_looks(character, rig);
   for (const std::string& note : read.notes) log.warning(character.string() + ": " + note);
   if (!read.has_colours) return std::nullopt;
   render::Looks looks;
   const std::vector<std::int32_t> textures = add_textures(read, character.string(), looks, log);
-  for (const scene::LookMaterial& material : read.materials)
+  for (const gltf::LookMaterial& material : read.materials)
     looks.paints.push_back(
         {.colour = material.base_colour.head<3>().cast<float>(),
          .alpha = static_cast<float>(material.base_colour[3]),
          .cutoff = static_cast<float>(material.alpha_cutoff),
          .texture = material.texture < 0 ? -1 : textures[static_cast<std::size_t>(material.texture)]});
   bool has_uvs = false, has_vertex_colours = false;
-  for (const scene::PartLooks& part : read.parts) {
+  for (const gltf::PartLooks& part : read.parts) {
     has_uvs = has_uvs || !part.uvs.empty();
     has_vertex_colours = has_vertex_colours || !part.colours.empty();
   }
   for (std::size_t p = 0; p < read.parts.size(); ++p) {
-    const scene::PartLooks& part = read.parts[p];
+    const gltf::PartLooks& part = read.parts[p];
     for (std::size_t i = 0; i < rig.parts[p].positions.size(); ++i) {
       looks.paint_of_vertex.push_back(part.material);
       if (has_uvs)

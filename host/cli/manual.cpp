@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "host/bake/bake.h"
-#include "host/bake/version.h"
+#include "host/bake/outputs.h"
+#include "host/base/version.h"
 #include "host/cli/command.h"
 
 namespace fascicle::cli {
@@ -111,7 +112,7 @@ std::string scene_names() {
 
 std::string manual_page(const CLI::App& app) {
   std::string page = ".\\\" Made by `fascicle manual man`.\n.TH FASCICLE 1 \"\" \"fascicle " +
-                     std::string(bake::fascicle_version) + "\" \"User Commands\"\n.SH NAME\nfascicle \\- " +
+                     std::string(base::fascicle_version) + "\" \"User Commands\"\n.SH NAME\nfascicle \\- " +
                      "bake how muscle and fat of animated characters move\n.SH SYNOPSIS\n"
                      ".B fascicle\n.I COMMAND\n[\\fIOPTIONS\\fR]\n.SH DESCRIPTION\n" +
                      roff(app.get_description()) + "\n.SH OPTIONS\n";

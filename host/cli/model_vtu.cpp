@@ -3,8 +3,8 @@
 #include <array>
 #include <cstddef>
 
-#include "host/bake/file.h"
-#include "host/bake/text.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
 
 namespace fascicle::cli {
 namespace {
@@ -17,7 +17,7 @@ void append_data(std::string& out, const std::string& type, const std::string& n
          std::to_string(components) + "\" format=\"ascii\">\n";
   for (std::size_t item = 0; item < items; ++item)
     for (std::size_t component = 0; component < components; ++component) {
-      out += bake::number_text(value(item, component));
+      out += base::number_text(value(item, component));
       out += component + 1 < components ? ' ' : '\n';
     }
   out += "</DataArray>\n";
@@ -85,7 +85,7 @@ std::string model_vtu_text(const model::Model& model) {
 }
 
 void write_model_vtu(const std::filesystem::path& path, const model::Model& model) {
-  bake::write_whole(std::filesystem::absolute(path), model_vtu_text(model));
+  base::write_whole(std::filesystem::absolute(path), model_vtu_text(model));
 }
 
 }  // namespace fascicle::cli

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "host/bake/drive_source.h"
 #include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/drive/drive_source.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
@@ -48,7 +48,7 @@ class OpenBake {
   bake::FrameCacheReader cache_;
   model::Model model_;
   std::unique_ptr<scene::Scene> scene_;
-  std::optional<bake::DriveSource> drives_;
+  std::optional<drive::DriveSource> drives_;
 };
 
 }  // namespace fascicle::cli

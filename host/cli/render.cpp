@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host/bake/bake.h"
-#include "host/bake/file.h"
+#include "host/base/part_file.h"
 #include "host/cli/artist.h"
 #include "host/cli/command.h"
 #include "host/cli/drawn_frames.h"
@@ -135,7 +135,7 @@ unsigned columns_of(const Plan& plan, const render::Image& cell) {
 }
 
 void write_png(const fs::path& path, const render::Image& image) {
-  bake::write_whole(fs::absolute(path), render::encode_png(image));
+  base::write_whole(fs::absolute(path), render::encode_png(image));
 }
 
 // "bone #ede4cf"

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "host/bake/bake.h"
-#include "host/bake/version.h"
+#include "host/base/nearest_name.h"
+#include "host/base/version.h"
 #include "host/cli/command.h"
 #include "host/scene/scene_table.h"
 
@@ -36,7 +37,7 @@ std::string usage_text(const CLI::ParseError& error, const CLI::App& app, int ar
   std::vector<std::string> names;
   for (const CLI::App* subcommand : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(subcommand->get_name());
-  const std::string hint = scene::nearest_name_hint(argv[1], names);
+  const std::string hint = base::nearest_name_hint(argv[1], names);
   return "there is no command \"" + std::string(argv[1]) + "\"" + hint + (hint.empty() ? "; see" : " See") +
          " fascicle --help";
 }
@@ -83,7 +84,7 @@ int run(int argc, const char* const* argv) {
   CLI::App app{
       "Bakes how muscle and fat move on rigged, animated characters, with the same bits on CPU and GPU."};
   app.name("fascicle");
-  app.set_version_flag("--version", std::string("fascicle ") + bake::fascicle_version,
+  app.set_version_flag("--version", std::string("fascicle ") + base::fascicle_version,
                        "Print the version and end");
   app.require_subcommand(1);
   app.footer(

@@ -40,9 +40,9 @@ std::string use_text(const build::JointReport& joint) {
 }
 
 // What was measured on a character, as comments.
-void print_character(const scene::Scene& scene, const scene::Character& character) {
+void print_character(const scene::Scene& scene, const rig::Character& character) {
   std::set<std::string> objects, materials;
-  for (const scene::SurfacePart& part : character.parts) {
+  for (const rig::SurfacePart& part : character.parts) {
     objects.insert(part.object);
     if (!part.material.empty()) materials.insert(part.material);
   }
@@ -51,10 +51,10 @@ void print_character(const scene::Scene& scene, const scene::Character& characte
             << count_text(character.surface.triangles.size()) << " triangles\n";
   if (!objects.empty()) std::cout << "# Objects: " << names_text(objects) << "\n";
   if (!materials.empty()) std::cout << "# Materials: " << names_text(materials) << "\n";
-  for (const scene::PaintedAttribute& painted : character.painted)
+  for (const rig::PaintedAttribute& painted : character.painted)
     std::cout << "# Painted: " << in_comment(painted.name) << ", " << painted.width << " to a vertex\n";
   for (std::size_t k = 0; k < character.clips.size(); ++k) {
-    const scene::Clip& clip = character.clips[k];
+    const rig::Clip& clip = character.clips[k];
     std::cout << "# Clip: " << (clip.name.empty() ? "number " + std::to_string(k) : in_comment(clip.name))
               << ", " << number_text(clip.duration, 4) << " s\n";
   }
@@ -69,11 +69,11 @@ void print_documented(const scene::Scene& scene) {
   std::cout << "# " << in_comment(scene.name)
             << ": its scene with every key. Keys behind a # without a space are "
                "at their defaults:\n# take the # away to change them. Metres, kilograms, seconds, Y up.\n#\n";
-  if (const auto* character = std::get_if<scene::Character>(&scene.geometry))
+  if (const auto* character = std::get_if<rig::Character>(&scene.geometry))
     print_character(scene, *character);
-  else if (const auto* surface = std::get_if<scene::SurfaceMesh>(&scene.geometry))
+  else if (const auto* surface = std::get_if<mesh::SurfaceMesh>(&scene.geometry))
     std::cout << "# Extent: " << extent_text(surface->vertices, scene.scale) << " (x, y, z)\n";
-  else if (const auto* mesh = std::get_if<scene::TetMesh>(&scene.geometry))
+  else if (const auto* mesh = std::get_if<mesh::TetMesh>(&scene.geometry))
     std::cout << "# Extent: " << extent_text(mesh->vertices, scene.scale) << " (x, y, z)\n";
   std::cout << scene::documented_text(scene);
 }

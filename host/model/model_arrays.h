@@ -1,7 +1,7 @@
 // The table of a Model's members, one row each, in the order of model.h. Checking (model_check.cpp), hashing
 // and the file (host/bake), byte counts, the GPU's buffers (gpu/model_buffers.cpp) and the arrays that stages
-// in lanes see (cpu_reference/lane_stages.h) follow from it. How to add an array: docs/architecture.md,
-// "Adding a model array, adding a scene key".
+// in lanes see (cpu_reference/solver/lane_stages.h) follow from it. How to add an array:
+// docs/architecture.md, "Adding a model array, adding a scene key".
 //
 // A member of Model without a row here does not compile.
 #pragma once

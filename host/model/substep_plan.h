@@ -39,7 +39,7 @@ enum class Kernel : std::uint8_t {
 inline constexpr std::uint32_t kernel_count = 14;
 
 // What changes from substep to substep. Each is a buffer of shaders/buffers.h and an array, or a part of one,
-// of cpu_reference/fields.h. There, an explicit substep keeps the velocities that predict makes in
+// of cpu_reference/solver/fields.h. There, an explicit substep keeps the velocities that predict makes in
 // `predicted`.
 enum class Field : std::uint8_t {
   position,
@@ -133,9 +133,9 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
 std::vector<Kernel> kernels_of(const SubstepPlan& plan);
 
 // The steps of a block that temporal blocking may carry through several repetitions in one sweep over the
-// body (cpu_reference/sweeps.h): a region's map follows the positions of its one-ring, a vertex the maps of
-// its one-ring, and `skin`, if any, is the vertex's own affair. None where a step reaches further or where
-// the block has other steps.
+// body (cpu_reference/solver/sweeps.h): a region's map follows the positions of its one-ring, a vertex the
+// maps of its one-ring, and `skin`, if any, is the vertex's own affair. None where a step reaches further or
+// where the block has other steps.
 struct SweptSteps {
   std::optional<Kernel> skin;
   Kernel region, move;

@@ -5,19 +5,19 @@
 
 #include <unistd.h>
 
-#include "host/bake/drive_source.h"
 #include "host/bake/folder.h"
+#include "host/base/content_hash.h"
 #include "host/build/cache.h"
 #include "host/build/filled_body.h"
+#include "host/drive/drive_source.h"
 #include "host/pipeline/text.h"
-#include "host/scene/content_hash.h"
 
 namespace fascicle::pipeline {
 namespace {
 
 // What is to be said of the clip before anything is built; empty: nothing.
 std::string warning_of_clip(const scene::Scene& scene) {
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr || !character->clips.empty()) return "";
   const std::uint64_t frames = scene::frame_count(scene);
   return "the character has no clip: " +
@@ -28,14 +28,14 @@ std::string warning_of_clip(const scene::Scene& scene) {
 
 // Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
 std::string warning_of_throws(const scene::Scene& scene, const model::Model& model,
-                              bake::DriveSource& drives) {
+                              drive::DriveSource& drives) {
   constexpr std::size_t most_named = 4;
   std::uint32_t soft = 0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
   if (soft == 0) return "";  // a robot, which feels nothing
-  const std::vector<bake::DriveSource::Thrown> thrown = drives.thrown();
+  const std::vector<drive::DriveSource::Thrown> thrown = drives.thrown();
   if (thrown.empty()) return "";
-  const auto& skeleton = std::get<scene::Character>(scene.geometry).skeleton;
+  const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
   std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
                      number_text(drives.acceleration_limit(), 3) + " m/s^2; flesh feels no more than that: ";
   for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
@@ -52,7 +52,7 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
   if (!programs) return;
   const build::Cache cache(paths.cache);
   const auto name = [programs = *programs](const std::string& key) {
-    scene::ContentHash hash;
+    base::ContentHash hash;
     hash.add(std::string_view("start"));
     hash.add(std::string_view(programs));
     hash.add(std::string_view(key));
@@ -85,7 +85,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   prepared.built = build_scene(scene, request.build, say);
   const Built& built = prepared.built;
   say_warnings(built.report, say);
-  bake::DriveSource drives(scene, built.model);
+  drive::DriveSource drives(scene, built.model);
   warn(warning_of_throws(scene, built.model, drives));
   prepared.expected = bake::expected_look(scene, built.model, drives);
   DeviceRequest device = request.device;

@@ -22,7 +22,7 @@ namespace fascicle::pipeline {
 struct BakeRequest {
   std::filesystem::path folder;
   std::vector<std::string> formats;  // of bake::format_names()
-  bake::GlbOptions glb = {};
+  formats::GlbOptions glb = {};
   std::optional<std::uint64_t>
       first_number;  // of the range's first frame; without it what is written begins at 0
   bool usd_skel = false;

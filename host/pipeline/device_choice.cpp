@@ -7,9 +7,9 @@
 #include <thread>
 #include <utility>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "gpu/vulkan_solver.h"
-#include "host/bake/version.h"
+#include "host/base/version.h"
 #include "host/build/cache.h"
 
 namespace fascicle::pipeline {
@@ -34,7 +34,7 @@ std::string levels_text(const std::vector<Simd>& levels) {
 // Another version of the solver has other shaders, and would only add to what is kept.
 std::string key_of_pipelines(const gpu::DeviceInfo& info) {
   char digits[16];
-  std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(bake::solver_version));
+  std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(base::solver_version));
   return info.pipelines_key + digits;
 }
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cpu_reference/simd.h"
+#include "cpu_reference/solver/simd.h"
 #include "gpu/device.h"
 #include "host/bake/bake.h"
 #include "host/model/solver.h"

@@ -52,18 +52,18 @@ std::string rounded(double value) {
   return out.str();
 }
 
-bool is_painted(const Character& character, const std::string& name) {
+bool is_painted(const rig::Character& character, const std::string& name) {
   return std::any_of(
       character.painted.begin(), character.painted.end(),
-      [&](const PaintedAttribute& attribute) { return attribute.name == name && attribute.width == 1; });
+      [&](const rig::PaintedAttribute& attribute) { return attribute.name == name && attribute.width == 1; });
 }
 
 }  // namespace
 
 std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh) {
   std::vector<Vector3d> none;
-  const auto* tets = std::get_if<TetMesh>(&mesh);
-  const auto* surface = std::get_if<SurfaceMesh>(&mesh);
+  const auto* tets = std::get_if<mesh::TetMesh>(&mesh);
+  const auto* surface = std::get_if<mesh::SurfaceMesh>(&mesh);
   const double size = size_of(tets ? tets->vertices : surface ? surface->vertices : none);
   return "[scene]\n"
          "fps = 60\n"
@@ -93,7 +93,7 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
          "where = { above = { axis = \"y\", fraction = 0.95 } }\n";
 }
 
-Stiffness stiffness_for(const Character& character, const std::optional<std::string>& integrator,
+Stiffness stiffness_for(const rig::Character& character, const std::optional<std::string>& integrator,
                         const std::optional<std::string>& weights) {
   if (integrator) return *integrator == "explicit" ? Stiffness::alpha : Stiffness::modulus;
   if (weights == "kaneda2017") return Stiffness::alpha;
@@ -109,7 +109,7 @@ int implicit_substeps(double fps) {
                                        : most;
 }
 
-std::string layers_for_character(const Character& character, Stiffness by, double fps) {
+std::string layers_for_character(const rig::Character& character, Stiffness by, double fps) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
@@ -151,7 +151,7 @@ std::string layers_for_character(const Character& character, Stiffness by, doubl
                     std::to_string(implicit_substeps(fps)) + "\n");
 }
 
-std::string scene_for_character(const std::filesystem::path& path, const Character& character,
+std::string scene_for_character(const std::filesystem::path& path, const rig::Character& character,
                                 Stiffness stiffness, double fps) {
   return "[scene]\n"
          "fps = 60\n"

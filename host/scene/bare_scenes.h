@@ -18,15 +18,15 @@ enum class Stiffness { alpha, modulus };
 // By solver.integrator, where the scene names one. Else the modulus, but alpha where solver.weights are the
 // paper's, which the implicit integrator does not know, and where _STIFFNESS is painted, which multiplies
 // alpha and has no part in a modulus.
-Stiffness stiffness_for(const Character& character, const std::optional<std::string>& integrator,
+Stiffness stiffness_for(const rig::Character& character, const std::optional<std::string>& integrator,
                         const std::optional<std::string>& weights);
 
 // What a character gets whose scene says nothing of layers: [layers.NAME] and [solver].
 // Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3
 // fat) by that. Fibres from the field. Moduli by the character's size. Implicit substeps are as many as make
 // 240 a second at `fps` frames a second, so that flesh moves the same at every frame rate.
-std::string layers_for_character(const Character& character, Stiffness stiffness, double fps);
-std::string scene_for_character(const std::filesystem::path& path, const Character& character,
+std::string layers_for_character(const rig::Character& character, Stiffness stiffness, double fps);
+std::string scene_for_character(const std::filesystem::path& path, const rig::Character& character,
                                 Stiffness stiffness, double fps);
 
 }  // namespace fascicle::scene

@@ -6,14 +6,14 @@
 #include <memory>
 #include <system_error>
 
-#include "host/scene/file.h"
+#include "host/base/file.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "host/scene/convert.h"
-#include "host/scene/gltf.h"
-#include "host/scene/mesh_file.h"
+#include "host/gltf/convert.h"
+#include "host/gltf/gltf.h"
+#include "host/mesh/mesh_file.h"
 
 namespace fascicle::scene {
 namespace {
@@ -61,23 +61,23 @@ std::string hash_of(std::string_view bytes) {
 }
 
 bool reads_as_character(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
+  const std::string extension = base::lower_extension(path);
   return extension == ".glb" || extension == ".gltf" || extension == ".vrm" ||
-         (is_convertible_file(path) && can_convert());
+         (gltf::is_convertible_file(path) && gltf::can_convert());
 }
 
 std::string conversion_advice(const std::filesystem::path& path) {
   static constexpr std::array<const char*, 17> known{".fbx", ".dae",  ".blend", ".bvh",  ".x",      ".abc",
                                                      ".usd", ".usda", ".usdc",  ".usdz", ".ma",     ".mb",
                                                      ".max", ".c4d",  ".pmx",   ".b3d",  ".md5mesh"};
-  const std::string extension = lower_extension(path);
+  const std::string extension = base::lower_extension(path);
   const bool is_known = std::find(known.begin(), known.end(), extension) != known.end();
   if (!is_known || reads_as_character(path)) return {};
   return path.string() + ": " + extension +
-         (is_convertible_file(path)
+         (gltf::is_convertible_file(path)
               ? " is not read without fascicle-convert, which is not beside this program; "
               : " is not read; ") +
-         "characters are glTF (.glb .gltf .vrm). " + conversion_by_hand(path);
+         "characters are glTF (.glb .gltf .vrm). " + gltf::conversion_by_hand(path);
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes) {
@@ -95,17 +95,17 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t mos
 void load_mesh(const std::filesystem::path& path, Scene& scene) {
   if (reads_as_character(path))
     throw InputFileError(path.string() + " is a character; name it under [character]");
-  if (is_tet_mesh_file(path)) {
+  if (mesh::is_tet_mesh_file(path)) {
     check_regular(path);
-    scene.geometry = read_tet_mesh(path);
-  } else if (is_surface_mesh_file(path)) {
+    scene.geometry = mesh::read_tet_mesh(path);
+  } else if (mesh::is_surface_mesh_file(path)) {
     check_regular(path);
-    scene.geometry = read_surface_mesh(path);
+    scene.geometry = mesh::read_surface_mesh(path);
   } else {
     throw InputFileError(
         path.string() + " is not a mesh file; mesh files are .mesh .node .ele .msh .vtu .off .obj .ply .stl");
   }
-  const std::string extension = lower_extension(path);
+  const std::string extension = base::lower_extension(path);
   if (extension == ".node" || extension == ".ele") {
     // The reader took both, in the given extension's case.
     const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
@@ -124,8 +124,15 @@ void load_character(const std::filesystem::path& path, Scene& scene) {
                          " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
-  scene.geometry = read_gltf(path, &files);
+  scene.geometry = gltf::read_gltf(path, &files);
   for (const auto& file : files) add_hash(file, scene);
+}
+
+std::filesystem::path character_file(const Scene& scene) {
+  if (std::holds_alternative<rig::Character>(scene.geometry))
+    for (const auto& [file, hash] : scene.input_hashes)
+      if (reads_as_character(file)) return file;
+  return {};
 }
 
 }  // namespace fascicle::scene

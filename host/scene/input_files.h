@@ -32,4 +32,7 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t mos
 void load_mesh(const std::filesystem::path& path, Scene& scene);
 void load_character(const std::filesystem::path& path, Scene& scene);
 
+// The glTF file a scene's character was read from; empty if it was made otherwise.
+std::filesystem::path character_file(const Scene& scene);
+
 }  // namespace fascicle::scene

@@ -1,9 +1,10 @@
 #include <cmath>
 
+#include "host/base/nearest_name.h"
+#include "host/gltf/gltf.h"
+#include "host/mesh/mesh_file.h"
 #include "host/scene/bare_scenes.h"
-#include "host/scene/gltf.h"
 #include "host/scene/input_files.h"
-#include "host/scene/mesh_file.h"
 #include "host/scene/overrides.h"
 #include "host/scene/scene_file.h"
 #include "host/scene/scene_table.h"
@@ -29,7 +30,7 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
                    ": no such scene; give a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj "
                    ".ply .stl), a "
                    "character (.glb .gltf .vrm .fbx .dae) or a built-in scene" +
-                   nearest_name_hint(name, names));
+                   base::nearest_name_hint(name, names));
 }
 
 }  // namespace
@@ -55,10 +56,10 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
   const std::string stem = path.stem().string();
   try {
     if (path.extension() == ".toml") return load_scene_file(path, overrides);
-    if (is_tet_mesh_file(path) || is_surface_mesh_file(path)) {
+    if (mesh::is_tet_mesh_file(path) || mesh::is_surface_mesh_file(path)) {
       // Read twice, as a character is: the substeps follow from the size.
-      const Geometry mesh =
-          is_tet_mesh_file(path) ? Geometry(read_tet_mesh(path)) : Geometry(read_surface_mesh(path));
+      const Geometry mesh = mesh::is_tet_mesh_file(path) ? Geometry(mesh::read_tet_mesh(path))
+                                                         : Geometry(mesh::read_surface_mesh(path));
       return parse_scene({stem, name, scene_for_mesh(path, mesh), {}}, overrides);
     }
     if (reads_as_character(path)) {
@@ -68,8 +69,8 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       load_character(path, sized);
       return parse_scene({stem,
                           name,
-                          scene_for_character(path, std::get<Character>(sized.geometry),
-                                              stiffness_for(std::get<Character>(sized.geometry),
+                          scene_for_character(path, std::get<rig::Character>(sized.geometry),
+                                              stiffness_for(std::get<rig::Character>(sized.geometry),
                                                             overridden(overrides, "solver.integrator"),
                                                             overridden(overrides, "solver.weights")),
                                               fps_of(overrides, std::nullopt)),

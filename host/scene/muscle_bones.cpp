@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "host/base/nearest_name.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::scene {
@@ -14,9 +15,10 @@ constexpr double same_place = 1e-4;
 
 class Finder {
  public:
-  Finder(const Character& character, const Muscle& muscle) : joints_(character.skeleton), muscle_(muscle) {
+  Finder(const rig::Character& character, const Muscle& muscle)
+      : joints_(character.skeleton), muscle_(muscle) {
     std::optional<Vector3d> low, high;
-    for (const Joint& joint : joints_) {
+    for (const rig::Joint& joint : joints_) {
       place_.push_back(joint.skins ? joint_place(joint) : Vector3d(Vector3d::Zero()));
       if (!joint.skins) continue;
       low = low ? Vector3d(low->cwiseMin(place_.back())) : place_.back();
@@ -74,7 +76,7 @@ class Finder {
       if (joints_[j].name == name) return j;
       names.push_back(joints_[j].name);
     }
-    refuse(key, "no joint is called \"" + name + "\"" + nearest_name_hint(name, names) +
+    refuse(key, "no joint is called \"" + name + "\"" + base::nearest_name_hint(name, names) +
                     "; `fascicle inspect` lists them");
   }
 
@@ -163,7 +165,7 @@ class Finder {
     }
   }
 
-  const std::vector<Joint>& joints_;
+  const std::vector<rig::Joint>& joints_;
   const Muscle& muscle_;
   std::vector<Vector3d> place_;
   std::vector<double> skin_;
@@ -173,17 +175,17 @@ class Finder {
 
 }  // namespace
 
-Vector3d joint_place(const Joint& joint) {
+Vector3d joint_place(const rig::Joint& joint) {
   // The place p where the inverse bind matrix leads to the joint's origin: L p + t = 0.
   const Eigen::Matrix3d linear = joint.inverse_bind.topLeftCorner<3, 3>();
   return -(linear.inverse() * joint.inverse_bind.topRightCorner<3, 1>());
 }
 
-MuscleBones muscle_bones(const Character& character, const Muscle& muscle) {
+MuscleBones muscle_bones(const rig::Character& character, const Muscle& muscle) {
   return Finder(character, muscle).find();
 }
 
-ContractionChannel contraction_channel(const Character& character, const Muscle& muscle) {
+ContractionChannel contraction_channel(const rig::Character& character, const Muscle& muscle) {
   const Finder finder(character, muscle);
   const std::string& text = muscle.contraction_channel;
   const auto refuse = [&] {
@@ -200,15 +202,16 @@ ContractionChannel contraction_channel(const Character& character, const Muscle&
   const char letter = text[axis + 1];
   if ((part != "translation" && part != "scale") || letter < 'x' || letter > 'z') refuse();
   return {finder.named("contraction_channel", text.substr(0, path)),
-          part == "scale" ? ChannelPath::scale : ChannelPath::translation,
+          part == "scale" ? rig::ChannelPath::scale : rig::ChannelPath::translation,
           static_cast<std::uint32_t>(letter - 'x')};
 }
 
-const Channel* find_channel(const Clip* clip, const ContractionChannel& wanted) {
+const rig::Channel* find_channel(const rig::Clip* clip, const ContractionChannel& wanted) {
   if (clip == nullptr) return nullptr;
-  const auto found = std::find_if(clip->channels.begin(), clip->channels.end(), [&](const Channel& channel) {
-    return channel.joint == wanted.joint && channel.path == wanted.path;
-  });
+  const auto found =
+      std::find_if(clip->channels.begin(), clip->channels.end(), [&](const rig::Channel& channel) {
+        return channel.joint == wanted.joint && channel.path == wanted.path;
+      });
   return found == clip->channels.end() ? nullptr : &*found;
 }
 

@@ -29,21 +29,21 @@ struct MuscleBones {
 };
 
 // Where a joint stands in the bind pose, metres of the file.
-Vector3d joint_place(const Joint& joint);
+Vector3d joint_place(const rig::Joint& joint);
 
 // Throws SceneError, "muscle.NAME.KEY: ...", for a joint there is not, bones that do not follow each other,
 // and bones without length.
-MuscleBones muscle_bones(const Character& character, const Muscle& muscle);
+MuscleBones muscle_bones(const rig::Character& character, const Muscle& muscle);
 
 // The clip's channel for a muscle's contraction. Throws SceneError where the text names none that could be.
 struct ContractionChannel {
   std::uint32_t joint = 0;
-  ChannelPath path = ChannelPath::translation;
+  rig::ChannelPath path = rig::ChannelPath::translation;
   std::uint32_t axis = 0;
 };
-ContractionChannel contraction_channel(const Character& character, const Muscle& muscle);
+ContractionChannel contraction_channel(const rig::Character& character, const Muscle& muscle);
 // Null where the clip does not key it, or there is no clip.
-const Channel* find_channel(const Clip* clip, const ContractionChannel& wanted);
+const rig::Channel* find_channel(const rig::Clip* clip, const ContractionChannel& wanted);
 
 // A curve's value: straight between keys, held before the first and after the last. At least one key.
 double value_at(const KeyedCurve& curve, double x);

@@ -6,31 +6,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "host/base/errors.h"
+#include "host/mesh/mesh.h"
+#include "host/rig/character.h"
+
 namespace fascicle::scene {
 
+using base::SceneError;
 using Eigen::Vector3d;
-
-// Input that cannot be used. what() reads "FILE:LINE: KEY: what is wrong; what to do".
-struct SceneError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-struct TetMesh {
-  std::vector<Vector3d> vertices;
-  std::vector<std::array<std::uint32_t, 4>> tetrahedra;
-};
-
-struct SurfaceMesh {
-  std::vector<Vector3d> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-};
 
 // A box of Kuhn tetrahedra, six a cell, from the origin to `size`; `vertices` along each axis (at least 2).
 // Interior vertices are moved by up to jitter x spacing along each axis.
@@ -41,79 +30,7 @@ struct Bar {
   std::uint64_t seed = 1;
 };
 
-struct Joint {
-  std::string name;
-  std::int32_t parent = -1;  // index into Skeleton::joints, before the child
-  Eigen::Matrix4d rest_local =
-      Eigen::Matrix4d::Identity();  // node's local transform where no channel moves it
-  Eigen::Matrix4d inverse_bind =
-      Eigen::Matrix4d::Identity();               // mesh space (metres, bind pose) to joint space
-  Vector3d rest_translation = Vector3d::Zero();  // rest_local, split, for channels that move one part
-  Eigen::Vector4d rest_rotation{0, 0, 0, 1};     // x y z w
-  Vector3d rest_scale = Vector3d::Ones();
-  bool skins = false;  // false: a node in between that no vertex follows
-};
-
-enum class Interpolation { step, linear, cubic_spline };
-enum class ChannelPath { translation, rotation, scale };
-
-struct Channel {
-  std::uint32_t joint = 0;
-  ChannelPath path = ChannelPath::translation;
-  Interpolation interpolation = Interpolation::linear;
-  std::vector<double> times;   // s, ascending
-  std::vector<double> values;  // 3 or 4 a key; cubic_spline: in-tangent, value, out-tangent
-  // cubic_spline: not 0 where the stretch after this key runs as between linear keys; empty: nowhere.
-  std::vector<char> straight = {};
-};
-
-// The weights of a part's blend shapes over time.
-struct WeightChannel {
-  std::uint32_t node = 0;  // in the file: SurfacePart::node
-  Interpolation interpolation = Interpolation::linear;
-  std::vector<double> times;   // s, ascending
-  std::vector<double> values;  // one a shape a key; cubic_spline: in-tangents, values, out-tangents
-};
-
-struct Clip {
-  std::string name;
-  double duration = 0.0;  // s, the last key of any channel
-  std::vector<Channel> channels;
-  std::vector<WeightChannel> weights = {};
-};
-
-// Values painted on a character's vertices: a glTF attribute whose name begins with _ or COLOR_. 0 on the
-// primitives that lack it. _FIBER is a direction and stands in the bind pose, like the positions.
-struct PaintedAttribute {
-  std::string name;
-  std::uint32_t width = 1;     // numbers a vertex, 1 to 4
-  std::vector<double> values;  // width a vertex of the surface
-};
-
-// What one primitive of the file gave: a stretch of the surface's vertices and of its triangles. The parts
-// cover the surface in its order. Those of one node are one object of the scene.
-struct SurfacePart {
-  std::string object;      // the node's name, or its mesh's, or "mesh N"
-  std::string material;    // empty: none, or one without a name
-  std::uint32_t node = 0;  // in the file
-  std::uint32_t first_vertex = 0, vertex_count = 0;
-  std::uint32_t first_triangle = 0, triangle_count = 0;
-};
-
-// A rigged character: the render mesh in its bind pose, its weights, its joints and its clips.
-struct Character {
-  SurfaceMesh surface;                               // metres, file's vertex order, seams not welded
-  std::vector<std::array<std::uint32_t, 8>> joints;  // a vertex: indices into skeleton
-  std::vector<std::array<double, 8>> weights;        // a vertex: sums to 1
-  std::vector<Joint> skeleton;                       // parents before children
-  std::vector<Clip> clips;
-  std::vector<PaintedAttribute> painted;
-  std::vector<SurfacePart> parts;                      // none: the surface is one part without names
-  Eigen::Matrix4d root = Eigen::Matrix4d::Identity();  // what stands above the skeleton's roots
-  std::vector<std::string> notes;                      // what was not taken as the file has it
-};
-
-using Geometry = std::variant<Bar, TetMesh, SurfaceMesh, Character>;
+using Geometry = std::variant<Bar, mesh::TetMesh, mesh::SurfaceMesh, rig::Character>;
 
 enum class Axis { x = 0, y = 1, z = 2 };
 
@@ -365,6 +282,8 @@ struct Scene {
 std::uint64_t cycle_frames(const Scene& scene);
 // Frames after frame 0: all cycles and the hold.
 std::uint64_t frame_count(const Scene& scene);
+// The name of the clip that the scene plays; empty where it plays none.
+std::string clip_name(const Scene& scene);
 
 // Changes to a scene before it is checked.
 struct SceneOverrides {

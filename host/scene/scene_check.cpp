@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "host/base/nearest_name.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -118,7 +119,8 @@ void check_text(const toml::node& node, const Key& key, const std::string& path)
   const auto& allowed = key.allowed;
   if (allowed.empty() || std::find(allowed.begin(), allowed.end(), text->get()) != allowed.end()) return;
   fail(node.source(), path,
-       in_quotes(text->get()) + " is not one of " + list(allowed) + nearest_name_hint(text->get(), allowed));
+       in_quotes(text->get()) + " is not one of " + list(allowed) +
+           base::nearest_name_hint(text->get(), allowed));
 }
 
 void check_texts(const toml::node& node, const Key& key, const std::string& path) {
@@ -312,7 +314,7 @@ void fail(const toml::source_region& source, std::string_view path, std::string_
 
 void fail_unknown(const toml::source_region& source, std::string_view path, std::string_view name,
                   const std::vector<std::string>& names) {
-  const std::string hint = nearest_name_hint(name, names);
+  const std::string hint = base::nearest_name_hint(name, names);
   const std::string there_is = names.empty()  ? "; no name is known here"
                                : hint.empty() ? "; known here: " + list(names)
                                               : hint + " Known here: " + list(names);

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include "host/made/made_character.h"
 #include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
-#include "host/scene/made_character.h"
 #include "host/scene/material.h"
 #include "host/scene/overrides.h"
 #include "host/scene/scene_check.h"
@@ -237,7 +237,7 @@ void read_body(const toml::table& root, Scene& scene) {
   read_resolution(table, scene);
   if (root.contains("body") && std::holds_alternative<Bar>(scene.geometry))
     fail(table.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
-  if (root.contains("body") && std::holds_alternative<TetMesh>(scene.geometry))
+  if (root.contains("body") && std::holds_alternative<mesh::TetMesh>(scene.geometry))
     fail(table.source(), "body",
          "the mesh file holds tetrahedra, they are taken as they are; leave this table out");
 }
@@ -268,7 +268,7 @@ void read_character(const toml::table& table, const std::filesystem::path& folde
   if (table.contains("made")) {
     std::string name;
     read(table, "made", name);
-    scene.geometry = make_character(name);
+    scene.geometry = made::make_character(name);
     return;
   }
   std::string file;
@@ -318,23 +318,23 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   const toml::table* table = root["character"].as_table();
   if (table == nullptr || root.contains("layers")) return false;
   Scene loaded;
-  loaded.geometry = Character{};
+  loaded.geometry = rig::Character{};
   try {
     if (const auto file = character_file(*table, overrides))
       load_character(folder / *file, loaded);
     else if (const auto made = overridden(overrides, "character.made"))
-      loaded.geometry = make_character(*made);
+      loaded.geometry = made::make_character(*made);
     else if (const auto name = (*table)["made"].value<std::string>())
-      loaded.geometry = make_character(*name);
+      loaded.geometry = made::make_character(*name);
   } catch (const std::runtime_error&) {
     // Is found again, and told with its place, when the character is read.
-    loaded.geometry = Character{};
+    loaded.geometry = rig::Character{};
   }
   const auto of_solver = [&](const char* key) {
     const auto set = overridden(overrides, std::string("solver.") + key);
     return set ? set : root["solver"][key].value<std::string>();
   };
-  const auto& character = std::get<Character>(loaded.geometry);
+  const auto& character = std::get<rig::Character>(loaded.geometry);
   const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
   toml::table defaults = toml::parse(
       layers_for_character(character, stiffness, fps_of(overrides, root["scene"]["fps"].value<double>())),
@@ -408,8 +408,8 @@ std::string documented_text(const Scene& scene) {
   // What goes with the other integrator, or with another body, would be refused.
   std::vector<const char*> left_out{"iterations"};
   if (scene.solver.integrator == "implicit") left_out.assign(explicit_keys.begin(), explicit_keys.end());
-  if (!std::holds_alternative<Character>(scene.geometry)) left_out.push_back("skeleton");
-  if (std::holds_alternative<Bar>(scene.geometry) || std::holds_alternative<TetMesh>(scene.geometry))
+  if (!std::holds_alternative<rig::Character>(scene.geometry)) left_out.push_back("skeleton");
+  if (std::holds_alternative<Bar>(scene.geometry) || std::holds_alternative<mesh::TetMesh>(scene.geometry))
     left_out.push_back("body");
   return write_documented_scene(root, left_out);
 }

@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <variant>
 
-#include "host/scene/pose.h"
+#include "host/rig/pose.h"
 #include "host/scene/scene_keys.h"
 
 namespace fascicle::scene {
@@ -27,23 +27,23 @@ struct ShapeJson {
   Json operator()(const Everywhere&) const { return "everywhere"; }
 };
 
-Json painted_names(const Character& character) {
+Json painted_names(const rig::Character& character) {
   Json names = Json::array();
-  for (const PaintedAttribute& attribute : character.painted) names.push_back(attribute.name);
+  for (const rig::PaintedAttribute& attribute : character.painted) names.push_back(attribute.name);
   return names;
 }
 
 struct GeometryJson {
   Json operator()(const Bar& bar) const { return {{"bar", json_of(bar)}}; }
-  Json operator()(const TetMesh& mesh) const {
+  Json operator()(const mesh::TetMesh& mesh) const {
     return {{"tetrahedra", {{"vertices", mesh.vertices.size()}, {"tetrahedra", mesh.tetrahedra.size()}}}};
   }
-  Json operator()(const SurfaceMesh& mesh) const {
+  Json operator()(const mesh::SurfaceMesh& mesh) const {
     return {{"surface", {{"vertices", mesh.vertices.size()}, {"triangles", mesh.triangles.size()}}}};
   }
-  Json operator()(const Character& character) const {
+  Json operator()(const rig::Character& character) const {
     Json clips = Json::array();
-    for (const Clip& clip : character.clips)
+    for (const rig::Clip& clip : character.clips)
       clips.push_back({{"name", clip.name}, {"duration", clip.duration}, {"channels", clip.channels.size()}});
     return {{"character",
              {{"vertices", character.surface.vertices.size()},

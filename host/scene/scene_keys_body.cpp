@@ -1,5 +1,5 @@
 // What the body is and how it is filled: [scene], [bar], [mesh], [character], [body].
-#include "host/scene/made_character.h"
+#include "host/made/made_character.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_rows.h"
 
@@ -62,7 +62,7 @@ const auto& character_rows() {
                  .type = KeyType::text,
                  .doc = "A character made in code: a bear that jumps, an arm that curls, straight or bent by "
                         "46 degrees in its bind pose.",
-                 .allowed = made_character_names()}),
+                 .allowed = made::made_character_names()}),
       key(&Scene::clip,
           {.name = "clip", .doc = "The animation, by name or by number from 0; empty: the first."}),
       key(&Scene::resolution,

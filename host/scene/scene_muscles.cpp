@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "host/base/nearest_name.h"
 #include "host/scene/muscle_bones.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
@@ -33,7 +34,8 @@ void check_muscle(const Muscle& muscle, const toml::table& table, const std::str
   std::vector<std::string> names;
   for (const Layer& layer : layers) names.push_back(layer.name);
   if (!muscle.layer.empty() && std::find(names.begin(), names.end(), muscle.layer) == names.end())
-    refuse("layer", "there is no layer \"" + muscle.layer + "\"" + nearest_name_hint(muscle.layer, names));
+    refuse("layer",
+           "there is no layer \"" + muscle.layer + "\"" + base::nearest_name_hint(muscle.layer, names));
 }
 
 }  // namespace
@@ -50,7 +52,7 @@ void read_muscles(const toml::table& root, const Surroundings& surroundings, Sce
 }
 
 void check_muscle_bones(const toml::table& root, const Scene& scene) {
-  const auto* character = std::get_if<Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr) return;
   for (const Muscle& muscle : scene.muscles) {
     try {

@@ -74,11 +74,4 @@ inline constexpr std::size_t longest_name = 64;
 inline constexpr std::size_t most_named = 256;  // shader::tag_layer_mask leaves a byte for the layer
 bool is_valid_name(std::string_view name);
 
-// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near:
-// one that shares less than half of its letters is a guess, not a hint.
-std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
-
-// "; did you mean NAME?", or empty if none is near.
-std::string nearest_name_hint(std::string_view given, const std::vector<std::string>& names);
-
 }  // namespace fascicle::scene

@@ -1,20 +1,20 @@
 #include <algorithm>
 
-#include "host/scene/pose.h"
+#include "host/rig/pose.h"
+#include "host/rig/smooth_clip.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_file.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
-#include "host/scene/smooth_clip.h"
 
 namespace fascicle::scene {
 namespace {
 
-const Clip* clip_of(const toml::table& root, const Scene& scene) {
-  const auto* character = std::get_if<Character>(&scene.geometry);
+const rig::Clip* clip_of(const toml::table& root, const Scene& scene) {
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr) return nullptr;
   try {
-    return find_clip(*character, scene.clip);
+    return rig::find_clip(*character, scene.clip);
   } catch (const SceneError& error) {
     const toml::table& table = table_at(root, "character");
     const toml::node* node = table.get("clip");
@@ -25,17 +25,32 @@ const Clip* clip_of(const toml::table& root, const Scene& scene) {
 // Whether nothing moves: a character that hangs by gravity in its rest pose, without a clip and without
 // forces.
 bool is_rest_bake(const toml::table& root, const Scene& scene) {
-  const auto* character = std::get_if<Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   std::string rest = "sculpted";
   read(table_at(root, "motion"), "rest", rest);
   return character != nullptr && character->clips.empty() && scene.forces.empty() && rest == "sculpted";
 }
 
+void smooth_played_clip(Scene& scene) {
+  auto& character = std::get<rig::Character>(scene.geometry);
+  const rig::Clip* played = rig::find_clip(character, scene.clip);
+  if (played == nullptr) return;
+  const bool repeats = scene.motion.seamless || scene.motion.loop > 1;
+  rig::Clip& clip = character.clips[static_cast<std::size_t>(played - character.clips.data())];
+  clip = rig::smooth_clip(clip, repeats, scene.start, scene.end);
+}
+
 }  // namespace
+
+std::string clip_name(const Scene& scene) {
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  const rig::Clip* clip = character != nullptr ? rig::find_clip(*character, scene.clip) : nullptr;
+  return clip != nullptr ? clip->name : std::string();
+}
 
 void read_time(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "scene");
-  const Clip* clip = clip_of(root, scene);
+  const rig::Clip* clip = clip_of(root, scene);
   const toml::node* end = table.get("end");
   if (end == nullptr) {
     if (clip != nullptr)
@@ -74,7 +89,7 @@ void add_handles(Scene& scene) {
 
 void read_motion(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "motion");
-  const bool is_character = std::holds_alternative<Character>(scene.geometry);
+  const bool is_character = std::holds_alternative<rig::Character>(scene.geometry);
   const auto refuse = [&](const char* key, const std::string& what) {
     fail(table.get(key)->source(), join_path("motion", key), what);
   };

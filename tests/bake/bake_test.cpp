@@ -18,13 +18,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/bake/checkpoint.h"
 #include "host/bake/export.h"
+#include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/model/validate.h"
-#include "tests/bake/bending_bar.h"
 #include "tests/bake/fake_bakes.h"
+#include "tests/drive/bending_bar.h"
 
 namespace fascicle::tests {
 namespace {

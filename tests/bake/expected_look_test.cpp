@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/lead_in.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/bake/look.h"
-#include "host/scene/smooth_clip.h"
-#include "tests/bake/bending_bar.h"
+#include "host/drive/lead_in.h"
+#include "host/rig/smooth_clip.h"
+#include "tests/drive/bending_bar.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {
@@ -27,7 +27,7 @@ BendingBar thrown_bar(double damping) {
     const double t = k / 24.0;
     keys.push_back({t, Vector3d(0, 0.5 * acceleration * t * t, 0)});
   }
-  bar.character().clips.push_back(scene::smooth_clip({"throw", 1.0, {root_channel(keys)}}, false, 0.0, 1.0));
+  bar.character().clips.push_back(rig::smooth_clip({"throw", 1.0, {root_channel(keys)}}, false, 0.0, 1.0));
   for (model::Layer& layer : bar.model.layers) layer.damping = damping;
   return bar;
 }
@@ -39,20 +39,20 @@ BendingBar elastic_bar(double youngs_modulus, double damping = 12.0) {
 }
 
 bake::ExpectedLook expected(const BendingBar& bar) {
-  bake::DriveSource drives(bar.scene, bar.model);
+  drive::DriveSource drives(bar.scene, bar.model);
   return bake::expected_look(bar.scene, bar.model, drives).value();
 }
 
 // The largest score of LookMeasure::distance.
 double measured(const BendingBar& bar) {
-  bake::DriveSource drives(bar.scene, bar.model);
+  drive::DriveSource drives(bar.scene, bar.model);
   const auto solver = cpu_reference::make_cpu_solver(
       bar.model,
       {.integrator =
            bar.model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step},
       2);
-  solver->load(bake::lead_in(bar.scene, bar.model, drives, *solver).state);
-  const bake::LookBody body = bake::look_body(bar.model, &std::get<scene::Character>(bar.scene.geometry));
+  solver->load(drive::lead_in(bar.scene, bar.model, drives, *solver).state);
+  const bake::LookBody body = bake::look_body(bar.model, &std::get<rig::Character>(bar.scene.geometry));
   bake::Look look(bar.model, body, bar.scene.fps);
   double largest = 0.0;
   for (std::uint64_t k = 1; k <= scene::cycle_frames(bar.scene); ++k) {
@@ -125,7 +125,7 @@ TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
     const BendingBar bar = elastic_bar(youngs_modulus);
     const auto solver =
         cpu_reference::make_cpu_solver(bar.model, {.integrator = model::Integrator::implicit_step}, 2);
-    bake::DriveSource drives(bar.scene, bar.model);
+    drive::DriveSource drives(bar.scene, bar.model);
     const std::uint64_t frame = scene::cycle_frames(bar.scene) / 2;
     const bake::TriedLook tried = bake::try_look(bar.scene, bar.model, drives, *solver, frame);
     EXPECT_LT(tried.first, frame);
@@ -142,7 +142,7 @@ TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
 TEST(ExpectedLook, AsksFreeFleshAndASkeleton) {
   BendingBar bar = elastic_bar(1e4);
   for (std::uint32_t i = 0; i < bar.model.vertex_count; ++i) make_kinematic(bar.model, i);
-  bake::DriveSource still(bar.scene, bar.model);
+  drive::DriveSource still(bar.scene, bar.model);
   EXPECT_FALSE(bake::expected_look(bar.scene, bar.model, still).has_value());
 }
 

@@ -10,7 +10,8 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "host/bake/surface.h"
+#include "host/bake/outputs.h"
+#include "host/formats/surface.h"
 
 namespace fascicle::tests {
 
@@ -87,7 +88,7 @@ void FakeSolver::submit(const model::Drive& drive, model::Read what, model::Prob
       .index = state_.frame, .origin = state_.origin, .positions = {}, .velocities = {}, .surface = {}};
   if (what.positions) frame.positions = state_.positions;
   if (what.velocities) frame.velocities = state_.velocities;
-  if (what.surface) frame.surface = bake::embed(model_, state_.positions);
+  if (what.surface) frame.surface = formats::embed(model_, state_.positions);
   // Of a skeleton it knows nothing: skinning leaves its body at rest.
   if (what.skinned) frame.skinned = model_.rest;
   if (options_.not_finite_at == state_.frame) {

@@ -6,7 +6,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/export.h"
-#include "host/bake/timeline.h"
+#include "host/drive/timeline.h"
 #include "host/scene/scene_file.h"
 #include "tests/bake/fake_solver.h"
 
@@ -24,8 +24,8 @@ scene::Scene arm_scene(const std::string& motion, const scene::SceneOverrides& o
       overrides);
 }
 
-bake::Timeline timeline_of(const scene::Scene& scene) {
-  return bake::Timeline(scene, std::get<scene::Character>(scene.geometry), 1.0);
+drive::Timeline timeline_of(const scene::Scene& scene) {
+  return drive::Timeline(scene, std::get<rig::Character>(scene.geometry), 1.0);
 }
 
 TEST(Handles, PosesOfTheRangeAreThoseWithout) {
@@ -34,20 +34,20 @@ TEST(Handles, PosesOfTheRangeAreThoseWithout) {
     const scene::Scene plain = arm_scene(motion), with = arm_scene(motion, {.handles = handles});
     const std::uint64_t frames = scene::frame_count(plain);
     ASSERT_EQ(scene::frame_count(with), frames + 2 * handles) << motion;
-    bake::Timeline before = timeline_of(plain), after = timeline_of(with);
+    drive::Timeline before = timeline_of(plain), after = timeline_of(with);
     ASSERT_EQ(plain.solver.substeps, with.solver.substeps);
     const std::uint64_t substeps = plain.solver.substeps;
     for (std::uint64_t k = 0; k <= frames; ++k) {
       // The start is a sum of two times: rounding of doubles near 1.
       EXPECT_NEAR(after.clip_time((k + handles) * substeps), before.clip_time(k * substeps), 1e-15);
-      const bake::Pose &a = before.pose(k * substeps), &b = after.pose((k + handles) * substeps);
+      const drive::Pose &a = before.pose(k * substeps), &b = after.pose((k + handles) * substeps);
       for (std::size_t j = 0; j < a.size(); ++j)
         EXPECT_LT((a[j] - b[j]).norm(), 1e-13) << motion << "frame " << k << ", joint " << j;
     }
     // Six frames of the clip lie before its start, and three before there is a clip.
     EXPECT_NEAR(after.clip_time(0), 0.25 - 9.0 / 24.0, 1e-15);
-    const bake::Pose first = after.pose(0), third = after.pose(3 * substeps),
-                     later = after.pose((handles + 6) * substeps);
+    const drive::Pose first = after.pose(0), third = after.pose(3 * substeps),
+                      later = after.pose((handles + 6) * substeps);
     double still = 0.0, moved = 0.0;
     for (std::size_t j = 0; j < first.size(); ++j) {
       still += (third[j] - first[j]).norm();

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "tests/bake/bending_bar.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/bake/fake_bakes.h"
+#include "tests/drive/bending_bar.h"
 
 namespace fascicle::tests {
 namespace {

@@ -230,8 +230,8 @@ TEST_F(LookAtBar, InvertedIsBesideSkinning) {
 }
 
 // The bar's skin as that of a character: all of it on joint 1, or a blend of both.
-scene::Character character_of(const model::Model& model, bool is_hard) {
-  scene::Character character;
+rig::Character character_of(const model::Model& model, bool is_hard) {
+  rig::Character character;
   character.skeleton = {{.name = "hip"}, {.name = "claw"}};
   character.joints.assign(model.surface_count(), {0, 1});
   character.weights.assign(model.surface_count(), {});
@@ -240,7 +240,7 @@ scene::Character character_of(const model::Model& model, bool is_hard) {
 }
 
 TEST_F(LookAtBar, RigidPartsMayTurnButNotStrain) {
-  const scene::Character hard = character_of(model_, true), soft = character_of(model_, false);
+  const rig::Character hard = character_of(model_, true), soft = character_of(model_, false);
   const LookBody plate = bake::look_body(model_, &hard), flesh = bake::look_body(model_, &soft);
   ASSERT_EQ(plate.rigid.size(), 1u);
   EXPECT_EQ(plate.rigid[0].triangles.size(), model_.surface_triangle.size() / 3);
@@ -261,7 +261,7 @@ TEST_F(LookAtBar, RigidPartsMayTurnButNotStrain) {
 
 // Two bars' skins that only share a place are two parts, if they are two objects.
 TEST_F(LookAtBar, ARigidPartIsOfOneObject) {
-  scene::Character character = character_of(model_, true);
+  rig::Character character = character_of(model_, true);
   const std::uint32_t half = model_.surface_count() / 2;
   // Everything in the first half of the vertices is soft.
   for (std::uint32_t v = 0; v < half; ++v) character.weights[v] = {0.5, 0.5};

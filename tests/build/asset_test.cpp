@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "host/build/measures.h"
+#include "host/gltf/gltf.h"
+#include "host/mesh/mesh_file.h"
 #include "host/model/model.h"
-#include "host/scene/gltf.h"
-#include "host/scene/mesh_file.h"
 #include "tests/build/scenes.h"
 #include "tests/support/assets.h"
 
@@ -29,7 +29,7 @@ Vector3d metres(const Model& m, std::uint32_t i) {
 }
 
 // The render mesh is the file's, vertex for vertex and triangle for triangle, and stands in its place.
-void expect_own_surface(const Model& model, const scene::SurfaceMesh& surface, double scale) {
+void expect_own_surface(const Model& model, const mesh::SurfaceMesh& surface, double scale) {
   ASSERT_EQ(model.surface_count(), surface.vertices.size());
   ASSERT_EQ(model.surface_triangle.size(), 3 * surface.triangles.size());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
@@ -43,7 +43,7 @@ void expect_own_surface(const Model& model, const scene::SurfaceMesh& surface, d
   }
 }
 
-double enclosed_volume(const scene::SurfaceMesh& surface) {
+double enclosed_volume(const mesh::SurfaceMesh& surface) {
   double volume = 0.0;
   for (const auto& t : surface.triangles)
     volume += surface.vertices[t[0]].dot(surface.vertices[t[1]].cross(surface.vertices[t[2]])) / 6.0;
@@ -60,7 +60,7 @@ scene::Layer layer_named(const std::string& name, const scene::Where& where = {}
 TEST(Assets, TheBunnyInThreeLayers) {
   const std::filesystem::path file = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(file);
-  const scene::SurfaceMesh surface = scene::read_surface_mesh(file);
+  const mesh::SurfaceMesh surface = mesh::read_surface_mesh(file);
   scene::Scene scene = bar_scene();
   scene.geometry = surface;
   Vector3d low = surface.vertices[0], high = low;
@@ -88,7 +88,7 @@ TEST(Assets, TheBunnyInThreeLayers) {
 TEST(Assets, TheBunnysLayersNestAndFillTheirShares) {
   const std::filesystem::path file = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(file);
-  const scene::SurfaceMesh surface = scene::read_surface_mesh(file);
+  const mesh::SurfaceMesh surface = mesh::read_surface_mesh(file);
   scene::Scene scene = bar_scene();
   scene.geometry = surface;
   Vector3d low = surface.vertices[0], high = low;
@@ -124,7 +124,7 @@ TEST(Assets, TheBunnysLayersNestAndFillTheirShares) {
 TEST(Assets, RefusesAnOpenSurfaceByItsName) {
   const std::filesystem::path file = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(file);
-  scene::SurfaceMesh surface = scene::read_surface_mesh(file);
+  mesh::SurfaceMesh surface = mesh::read_surface_mesh(file);
   surface.triangles.pop_back();
   scene::Scene scene = bar_scene();
   scene.geometry = surface;
@@ -133,7 +133,7 @@ TEST(Assets, RefusesAnOpenSurfaceByItsName) {
   expect_refusal([&] { build::build_model(scene, report, with_mesher()); }, "test: mesh: ");
 }
 
-scene::Scene man_scene(const scene::Character& man) {
+scene::Scene man_scene(const rig::Character& man) {
   scene::Scene scene = bar_scene();
   scene.geometry = man;
   scene.body.cage = "off";
@@ -148,7 +148,7 @@ scene::Scene man_scene(const scene::Character& man) {
 TEST(Assets, TheWalkingMan) {
   const std::filesystem::path file = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(file);
-  const scene::Character man = scene::read_gltf(file);
+  const rig::Character man = gltf::read_gltf(file);
   build::Report report;
   const Model model = build::build_model(man_scene(man), report, with_mesher());
   ASSERT_NO_THROW(model::check_model(model));
@@ -203,7 +203,7 @@ TEST(Assets, TheExampleOfACharacterBuilds) {
 TEST(Assets, TheWalkingManIsTheSameEveryTime) {
   const std::filesystem::path file = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(file);
-  const scene::Scene scene = man_scene(scene::read_gltf(file));
+  const scene::Scene scene = man_scene(gltf::read_gltf(file));
   build::Report report;
   const Model a = build::build_model(scene, report, with_mesher());
   const Model b = build::build_model(scene, report, with_mesher());
@@ -219,7 +219,7 @@ TEST(Assets, TheWalkingManIsTheSameEveryTime) {
 TEST(Assets, TheWalkingMansBoneLayerHoldsTogether) {
   const std::filesystem::path file = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(file);
-  const Model m = build_with(man_scene(scene::read_gltf(file)), with_mesher());
+  const Model m = build_with(man_scene(gltf::read_gltf(file)), with_mesher());
   std::vector<char> seen(m.vertex_count, 0);
   std::size_t bone_vertices = 0, largest = 0;
   for (std::uint32_t start = 0; start < m.vertex_count; ++start) {

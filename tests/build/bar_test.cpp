@@ -15,14 +15,14 @@ namespace {
 
 using build::signed_volume;
 
-double smallest_volume(const scene::TetMesh& mesh) {
+double smallest_volume(const mesh::TetMesh& mesh) {
   double smallest = 1e300;
   for (const auto& t : mesh.tetrahedra) smallest = std::min(smallest, signed_volume(mesh, t));
   return smallest;
 }
 
 TEST(Bar, HasSixEqualTetrahedraACell) {
-  const scene::TetMesh mesh = build::make_bar({.size = {0.4, 0.1, 0.2}, .vertices = {5, 3, 4}}, "test");
+  const mesh::TetMesh mesh = build::make_bar({.size = {0.4, 0.1, 0.2}, .vertices = {5, 3, 4}}, "test");
   ASSERT_EQ(mesh.vertices.size(), 60u);
   ASSERT_EQ(mesh.tetrahedra.size(), 4u * 2u * 3u * 6u);
   const double each = 0.4 * 0.1 * 0.2 / 144.0;
@@ -33,7 +33,7 @@ TEST(Bar, HasSixEqualTetrahedraACell) {
 
 TEST(Bar, SpansItsSizeExactly) {
   const scene::Bar bar{.size = {0.3, 0.7, 1.1}, .vertices = {7, 4, 12}, .jitter = 0.3};
-  const scene::TetMesh mesh = build::make_bar(bar, "test");
+  const mesh::TetMesh mesh = build::make_bar(bar, "test");
   scene::Vector3d low = mesh.vertices[0], high = low;
   for (const auto& p : mesh.vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
   EXPECT_EQ(low, scene::Vector3d::Zero());
@@ -52,8 +52,8 @@ TEST(Bar, JitterMovesInsideVerticesOnlyAndNoFurtherThanAsked) {
   const scene::Bar still{.vertices = {6, 5, 7}};
   scene::Bar jittered = still;
   jittered.jitter = 0.2;
-  const scene::TetMesh a = build::make_bar(still, "test");
-  const scene::TetMesh b = build::make_bar(jittered, "test");
+  const mesh::TetMesh a = build::make_bar(still, "test");
+  const mesh::TetMesh b = build::make_bar(jittered, "test");
   const scene::Vector3d spacing = still.size.cwiseQuotient(scene::Vector3d(5, 4, 6));
   std::size_t moved = 0;
   for (std::size_t i = 0; i < a.vertices.size(); ++i) {
@@ -81,7 +81,7 @@ TEST(Bar, JitterFollowsItsSeed) {
 // SplitMix64 from seed 1 begins 0x910a2dec89025cc1 (any published implementation): the first displacement
 // follows by hand.
 TEST(Bar, JitterIsTheSameOnEveryMachine) {
-  const scene::TetMesh mesh =
+  const mesh::TetMesh mesh =
       build::make_bar({.size = {2, 2, 2}, .vertices = {3, 3, 3}, .jitter = 0.1, .seed = 1}, "test");
   const double expected = static_cast<double>(0x910a2dec89025cc1u >> 11) * 0x1p-52 - 1.0;
   EXPECT_EQ(mesh.vertices[13][0], 1.0 + 0.1 * expected);

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/scene/gltf.h"
+#include "host/gltf/gltf.h"
 #include "tests/build/scenes.h"
 #include "tests/build/surfaces.h"
 #include "tests/support/assets.h"
@@ -34,9 +34,9 @@ std::vector<std::pair<Joint, double>> weights_at(const Vector3d& p) {
 
 using WeightsAt = std::vector<std::pair<Joint, double>> (*)(const Vector3d&);
 
-scene::Character column_of_flesh(WeightsAt weights_of = weights_at) {
+rig::Character column_of_flesh(WeightsAt weights_of = weights_at) {
   constexpr std::uint32_t around = 32, up = 80, across = 8;
-  scene::Character c;
+  rig::Character c;
   c.skeleton = {joint_at("floor", -1, {1, -1, 0}),     joint_at("hip", 0, {0, 0.3, 0}),
                 joint_at("chest", 1, {0, 1.0, 0}),     joint_at("head", 2, {0, 1.6, 0}),
                 joint_at("breast", 2, {0, 1.25, 0.1}), joint_at("twist", 2, {0, 1.0, 0}),
@@ -169,7 +169,7 @@ TEST(BoneChoice, DoesNotDependOnTheUnit) {
 }
 
 TEST(BoneChoice, LeadsThroughNodesThatDoNotSkin) {
-  scene::Character c = column_of_flesh();
+  rig::Character c = column_of_flesh();
   c.skeleton[chest].skins = false;
   for (auto& joints : c.joints)
     for (std::uint32_t& joint : joints)
@@ -180,7 +180,7 @@ TEST(BoneChoice, LeadsThroughNodesThatDoNotSkin) {
 }
 
 TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
-  scene::Character c = column_of_flesh();
+  rig::Character c = column_of_flesh();
   c.skeleton[hip].inverse_bind.setZero();
   expect_refusal([&] { build::choose_bones(c, {}, 1.0, "test"); }, "\"hip\"");
 }
@@ -188,7 +188,7 @@ TEST(BoneChoice, RefusesAMatrixWithoutInverse) {
 // A leg whose foot hangs on the floor's joint, not on the shank, and stands far off: an IK target.
 TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
   enum Leg : std::uint32_t { ground, thigh, shank, foot };
-  scene::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
+  rig::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
     return {{static_cast<Joint>(p[1] > 1.2 ? thigh : p[1] > 0.3 ? shank : foot), 1.0}};
   });
   c.skeleton = {joint_at("ground", -1, {1, -1, 0}), joint_at("thigh", ground, {0, 1.9, 0}),
@@ -216,7 +216,7 @@ TEST(BoneChoice, LegsLeadToFeetThatAreTargetsOfTheirOwn) {
 // A head as flat as a breast, where a chain goes on, is a bone; a breast is none.
 TEST(BoneChoice, ChainsGoOnIntoFlatSkin) {
   enum Torso : std::uint32_t { ground, pelvis, spine, neck, bosom, top };
-  scene::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
+  rig::Character c = column_of_flesh([](const Vector3d& p) -> std::vector<std::pair<Joint, double>> {
     if (p[1] > 1.1 && p[1] < 1.45 && p[2] > 0.14) return {{static_cast<Joint>(bosom), 1.0}};
     return {{static_cast<Joint>(p[1] < 1.0 ? pelvis : p[1] < 1.75 ? spine : p[1] < 1.9 ? neck : top), 1.0}};
   });
@@ -253,7 +253,7 @@ struct Expected {
 
 void expect_choice(const Expected& expected) {
   FASCICLE_NEEDS_ASSET(asset(expected.file));
-  const scene::Character character = scene::read_gltf(asset(expected.file));
+  const rig::Character character = gltf::read_gltf(asset(expected.file));
   const BoneChoice choice = build::choose_bones(character, {}, 1.0, expected.file);
   std::map<std::string, build::JointReport> named;
   std::size_t bones = 0;

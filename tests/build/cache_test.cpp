@@ -187,7 +187,7 @@ TEST(CacheFolder, ComesFromTheEnvironment) {
 
 // A cube of two joints, split at an edge as by a seam.
 scene::Scene cube_character() {
-  scene::Character character;
+  rig::Character character;
   character.surface = cube_surface(2.0);
   character.surface.vertices.push_back(character.surface.vertices[0]);
   character.surface.triangles[0][0] = 8;
@@ -271,8 +271,8 @@ class FilledBodyTest : public testing::Test {
   build::FilledBody body_, read_;
   build::Report found_, found_again_;
   scene::Scene scene_;
-  scene::Character character_;
-  scene::SurfaceMesh surface_;
+  rig::Character character_;
+  mesh::SurfaceMesh surface_;
   build::WeldedSurface welded_;
   std::vector<build::Bone> bones_;
 };
@@ -283,10 +283,10 @@ TEST_F(FilledBodyTest, IsKeptUnderItsClips) {
     return build::fill_key({scene_, surface_, welded_, bones_, &character_}, "programs");
   };
   const std::string still = key();
-  scene::Clip& clip = character_.clips.emplace_back();
+  rig::Clip& clip = character_.clips.emplace_back();
   clip.duration = 1.0;
   clip.channels.push_back(
-      {0, scene::ChannelPath::translation, scene::Interpolation::linear, {0.0, 1.0}, {0, 0, 0, 1, 0, 0}});
+      {0, rig::ChannelPath::translation, rig::Interpolation::linear, {0.0, 1.0}, {0, 0, 0, 1, 0, 0}});
   const std::string moving = key();
   EXPECT_NE(moving, still);
   clip.name = "a name that nothing reads";

@@ -20,7 +20,7 @@
 #include "host/build/tetrahedralize.h"
 #include "host/build/unions.h"
 #include "host/build/wrap.h"
-#include "host/scene/gltf.h"
+#include "host/gltf/gltf.h"
 #include "tests/build/made_surfaces.h"
 #include "tests/build/scenes.h"
 #include "tests/support/assets.h"
@@ -28,8 +28,8 @@
 namespace fascicle::tests {
 namespace {
 
-using scene::SurfaceMesh;
-using scene::TetMesh;
+using mesh::SurfaceMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 
 scene::Scene scene_of(scene::Geometry geometry, const std::string& cage = "auto") {
@@ -50,11 +50,11 @@ struct Filled {
 
 Filled fill(const scene::Scene& scene) {
   Filled filled;
-  const auto* character = std::get_if<scene::Character>(&scene.geometry);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
   const SurfaceMesh& surface =
       character != nullptr ? character->surface : std::get<SurfaceMesh>(scene.geometry);
   filled.welded = build::weld(surface, "test", filled.report);
-  const std::vector<scene::Joint> no_skeleton;
+  const std::vector<rig::Joint> no_skeleton;
   if (character != nullptr)
     filled.skin = build::welded_skin_weights(*character, filled.welded.of_vertex,
                                              filled.welded.surface.vertices.size(), "test");
@@ -334,7 +334,7 @@ scene::Scene legs_scene(double gap) {
 // The control: the cage as it comes from the mesher joins the legs, and the measure sees it.
 TEST(Legs, AreFusedByAWrapAlone) {
   const scene::Scene scene = legs_scene(0.01);
-  const auto& legs = std::get<scene::Character>(scene.geometry);
+  const auto& legs = std::get<rig::Character>(scene.geometry);
   build::Report report;
   const build::WeldedSurface welded = build::weld(legs.surface, "test", report);
   const build::SkinWeights skin =
@@ -346,7 +346,7 @@ TEST(Legs, AreFusedByAWrapAlone) {
                                                0.04, {}, with_mesher());
   // Without weights nothing is a limb of its own, so nothing is cut.
   const build::SkinWeights no_weights;
-  const std::vector<scene::Joint> no_skeleton;
+  const std::vector<rig::Joint> no_skeleton;
   const build::Limbs limbs(welded.surface, no_weights, no_skeleton, {});
   build::CutMesh uncut = build::cut_limbs(filled, welded.surface, limbs);
   EXPECT_EQ(uncut.cut_tetrahedra, 0u);
@@ -383,23 +383,23 @@ TEST(Legs, AreNotFused) {
 // As jaws: either leg follows the hips by half, so that they have half of all weights in common, and a clip
 // moves them along x.
 scene::Scene jaws_scene(double gap, double way_of_left, double way_of_right) {
-  scene::Character jaws = make_legs(gap);
+  rig::Character jaws = make_legs(gap);
   for (std::size_t v = 0; v < jaws.joints.size(); ++v) {
     if (jaws.joints[v][0] == 2) continue;
     jaws.joints[v][1] = 2;
     jaws.weights[v][0] = jaws.weights[v][1] = 0.5;
   }
-  for (scene::Joint& joint : jaws.skeleton) {
+  for (rig::Joint& joint : jaws.skeleton) {
     joint.rest_translation = -joint.inverse_bind.block<3, 1>(0, 3);
     joint.rest_local.block<3, 1>(0, 3) = joint.rest_translation;
   }
-  scene::Clip& clip = jaws.clips.emplace_back();
+  rig::Clip& clip = jaws.clips.emplace_back();
   clip.name = "open";
   clip.duration = 1.0;
   for (const std::uint32_t leg : {0u, 1u}) {
     const Vector3d at = jaws.skeleton[leg].rest_translation;
     const double way = leg == 0 ? way_of_left : way_of_right;
-    scene::Channel& channel = clip.channels.emplace_back();
+    rig::Channel& channel = clip.channels.emplace_back();
     channel.joint = leg;
     channel.times = {0.0, 1.0};
     channel.values = {at.x(), at.y(), at.z(), at.x() + way, at.y(), at.z()};
@@ -449,7 +449,7 @@ TEST(Shells, InsideOthersAreLeftOut) {
 
 // The measure of limbs that were fused: edges whose ends lie at skin with nothing in common and
 // farther apart along it than five edges.
-std::size_t fused_edges(const Filled& filled, const std::vector<scene::Joint>& skeleton) {
+std::size_t fused_edges(const Filled& filled, const std::vector<rig::Joint>& skeleton) {
   const double edge = (filled.report.fill.cage.edges.low + filled.report.fill.cage.edges.high) / 2.0;
   constexpr double nothing = 1e-9;
   const build::Limbs limbs(filled.welded.surface, filled.skin, skeleton, {5.0 * edge, nothing});
@@ -489,13 +489,13 @@ class CagesOfAssets : public ::testing::TestWithParam<std::pair<const char*, std
 TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   const std::filesystem::path file = asset(GetParam().first);
   FASCICLE_NEEDS_ASSET(file);
-  scene::Scene scene = scene_of(scene::read_gltf(file));
+  scene::Scene scene = scene_of(gltf::read_gltf(file));
   scene.body.vertices = GetParam().second;
   Filled filled = fill(scene);
   EXPECT_FALSE(filled.body.keeps_skin);
   // The bounds a cage must keep. The skin's own volume is below that of a fine wrap around it.
   EXPECT_LE(filled.report.fill.cage.spacing.ratio(), 4.0);
-  const auto skin = build::embed_surface(std::get<scene::Character>(scene.geometry).surface, filled.welded,
+  const auto skin = build::embed_surface(std::get<rig::Character>(scene.geometry).surface, filled.welded,
                                          filled.body, filled.weights, filled.skin, filled.report);
   // Toes thinner than the cage's edges: where a cut between two of them ends, a few edges still join them,
   // and single vertices, whose own tetrahedra hung by an edge, stick out further than -0.05: one of 13,380 by
@@ -506,7 +506,7 @@ TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   EXPECT_LE(outside.farthest, 0.0005);
   EXPECT_LE(build::total_volume(filled.body.mesh), 1.08 * filled.report.fill.cage.skin_volume);
   EXPECT_EQ(parts_of(filled.body.mesh), 1u);
-  EXPECT_LE(fused_edges(filled, std::get<scene::Character>(scene.geometry).skeleton), has_toes ? 5u : 0u);
+  EXPECT_LE(fused_edges(filled, std::get<rig::Character>(scene.geometry).skeleton), has_toes ? 5u : 0u);
   const double wanted = GetParam().second;
   EXPECT_NEAR(static_cast<double>(filled.body.mesh.vertices.size()), wanted, 0.3 * wanted);
   EXPECT_NO_THROW(build::boundary_triangles(filled.body.mesh, "test"));

@@ -18,7 +18,7 @@
 namespace fascicle::tests {
 namespace {
 
-using scene::SurfaceMesh;
+using mesh::SurfaceMesh;
 using scene::Vector3d;
 using Fate = build::OpenEnd::Fate;
 
@@ -41,8 +41,8 @@ SurfaceMesh upright(double x, double low, double high, double radius, bool open_
 
 // A skirt of joint 0 from the hips down to y = 0, open there, closed at the top, and in it two legs, of
 // joints 1 and 2, that hang out of it; open at the top, in the skirt, or whole and reaching up to its top.
-scene::Character dressed(bool legs_are_open) {
-  scene::Character character;
+rig::Character dressed(bool legs_are_open) {
+  rig::Character character;
   const auto add = [&](const SurfaceMesh& mesh, std::uint32_t joint) {
     append(character.surface, mesh);
     for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
@@ -59,7 +59,7 @@ scene::Character dressed(bool legs_are_open) {
   return character;
 }
 
-std::vector<build::OpenEnd> ends_of(const scene::Character& character) {
+std::vector<build::OpenEnd> ends_of(const rig::Character& character) {
   build::Report report;
   const build::WeldedSurface welded = build::weld(character.surface, "test", report);
   const build::SkinWeights skin =
@@ -71,7 +71,7 @@ std::vector<build::OpenEnd> ends_of(const scene::Character& character) {
 }
 
 std::vector<build::OpenEnd> ends_of(const SurfaceMesh& surface) {
-  scene::Character bare;
+  rig::Character bare;
   bare.surface = surface;
   return ends_of(bare);
 }
@@ -192,7 +192,7 @@ TEST(Caps, LeaveAHemOpenAroundWholeLegs) {
 // Legs and skirt as above: 25 mm of gaps would be closed, the legs are 120 wide.
 TEST(Caps, MakeLimbsSolid) {
   scene::Scene scene = bar_scene();
-  const scene::Character character = dressed(true);
+  const rig::Character character = dressed(true);
   scene.geometry = character;
   scene.resolution = 0.025;
   scene.body.cage_detail = 40.0;
@@ -213,7 +213,7 @@ TEST(Caps, MakeLimbsSolid) {
   // The control: a wrap of the skin as it is goes inside.
   build::WrapOrder order;
   order.alpha = order.edge.emplace(0.025);
-  const scene::TetMesh hollow = build::tetrahedralize(
+  const mesh::TetMesh hollow = build::tetrahedralize(
       build::wrap_surface(welded.surface, order, with_mesher()), 0.025, {}, with_mesher());
   EXPECT_LT(build::total_volume(hollow), 0.5 * (legs + skirt));
 }

@@ -19,7 +19,7 @@ using build::BodyMesh;
 using build::RenderMesh;
 using build::SkinWeights;
 using build::WeldedSurface;
-using scene::TetMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 
 // The tetrahedron in which a point lies deepest, by looking at all: coordinates from a linear solve where the
@@ -129,7 +129,7 @@ TEST(Embedding, AKeptSkinRidesOnItself) {
   body.mesh = build::make_bar(cage_bar, "test");
   WeldedSurface welded = skin_of({body.mesh.vertices[0], body.mesh.vertices[1], body.mesh.vertices[2]});
   welded.of_vertex = {0, 1, 2, 1};
-  scene::SurfaceMesh surface = welded.surface;
+  mesh::SurfaceMesh surface = welded.surface;
   surface.vertices.push_back(surface.vertices[1]);
   build::Report report;
   const RenderMesh render = build::embed_surface(surface, welded, body, {}, {}, report);
@@ -141,7 +141,7 @@ TEST(Embedding, AKeptSkinRidesOnItself) {
 TEST(Embedding, BothSidesOfASeamRideAlike) {
   const TetMesh mesh = build::make_bar(cage_bar, "test");
   WeldedSurface welded = skin_of(points_within({1.0, 0.5, 0.5}, 3));
-  scene::SurfaceMesh surface = welded.surface;
+  mesh::SurfaceMesh surface = welded.surface;
   surface.vertices.push_back(surface.vertices[1]);
   const BodyMesh body = cage_of(mesh, welded);
   welded.of_vertex = {0, 1, 2, 1};
@@ -238,7 +238,7 @@ TEST(Embedding, ReportsWhatSticksOutAndWhatOtherJointsMoveByTheFilesVertices) {
   const TwoLimbs limbs = two_limbs({5, 0, 0});
   // Vertex 4 of the file, 3 once welded, lies half a cell outside.
   WeldedSurface welded = skin_of({{0.1, 0.2, 0.3}, {0.2, 0.2, 0.3}, {0.3, 0.3, 0.3}, {-0.06, 0.2, 0.2}});
-  scene::SurfaceMesh surface = welded.surface;
+  mesh::SurfaceMesh surface = welded.surface;
   surface.vertices.insert(surface.vertices.begin(), surface.vertices[0]);
   BodyMesh body = cage_of(build::make_bar(cage_bar, "test"), welded);
   body.mesh = limbs.mesh;

@@ -20,7 +20,7 @@ using build::FibreSolution;
 using scene::Vector3d;
 
 struct Mesh {
-  scene::TetMesh tets;
+  mesh::TetMesh tets;
   build::OneRings rings;
 };
 

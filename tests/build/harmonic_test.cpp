@@ -21,7 +21,7 @@ using scene::Vector3d;
 
 // Gradients of the four hat functions from the inverse of the matrix of corners, and the volume from its
 // determinant, where the library takes face normals.
-MatrixXd dense_matrix(const scene::TetMesh& mesh) {
+MatrixXd dense_matrix(const mesh::TetMesh& mesh) {
   const auto count = static_cast<Eigen::Index>(mesh.vertices.size());
   MatrixXd matrix = MatrixXd::Zero(count, count);
   for (const auto& t : mesh.tetrahedra) {
@@ -38,14 +38,14 @@ MatrixXd dense_matrix(const scene::TetMesh& mesh) {
   return matrix;
 }
 
-std::vector<char> on_boundary(const scene::TetMesh& mesh) {
+std::vector<char> on_boundary(const mesh::TetMesh& mesh) {
   std::vector<char> flag(mesh.vertices.size(), 0);
   for (const auto& t : build::boundary_triangles(mesh, "test"))
     for (const std::uint32_t corner : t) flag[corner] = 1;
   return flag;
 }
 
-VectorXd dense_solution(const scene::TetMesh& mesh, const std::vector<char>& given, const VectorXd& values) {
+VectorXd dense_solution(const mesh::TetMesh& mesh, const std::vector<char>& given, const VectorXd& values) {
   const MatrixXd matrix = dense_matrix(mesh);
   std::vector<Eigen::Index> inner, outer;
   for (std::size_t v = 0; v < given.size(); ++v)
@@ -61,7 +61,7 @@ VectorXd dense_solution(const scene::TetMesh& mesh, const std::vector<char>& giv
 const scene::Bar long_bar{.size = {2.0, 0.2, 0.2}, .vertices = {51, 6, 6}, .jitter = 0.25};
 
 TEST(Harmonic, MatrixIsThatOfTheHatFunctions) {
-  const scene::TetMesh mesh = build::make_bar({.vertices = {5, 4, 4}, .jitter = 0.2}, "test");
+  const mesh::TetMesh mesh = build::make_bar({.vertices = {5, 4, 4}, .jitter = 0.2}, "test");
   const build::LaplaceMatrix matrix = build::laplace_matrix(mesh);
   const MatrixXd dense = dense_matrix(mesh);
   for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -73,7 +73,7 @@ TEST(Harmonic, MatrixIsThatOfTheHatFunctions) {
 }
 
 TEST(Harmonic, IsTheDenseSolution) {
-  const scene::TetMesh mesh = build::make_bar(long_bar, "test");
+  const mesh::TetMesh mesh = build::make_bar(long_bar, "test");
   const std::vector<char> given = on_boundary(mesh);
   const build::LaplaceMatrix matrix = build::laplace_matrix(mesh);
   build::HarmonicExtension extension(matrix, given);
@@ -111,7 +111,7 @@ TEST(Harmonic, IsTheDenseSolution) {
 }
 
 TEST(Harmonic, AFieldThatReachesEverythingIsSolvedTightly) {
-  const scene::TetMesh mesh =
+  const mesh::TetMesh mesh =
       build::make_bar({.size = {1, 1, 1}, .vertices = {7, 7, 7}, .jitter = 0.3}, "test");
   const std::vector<char> given = on_boundary(mesh);
   VectorXd values = VectorXd::Zero(static_cast<Eigen::Index>(mesh.vertices.size()));
@@ -128,7 +128,7 @@ TEST(Harmonic, AFieldThatReachesEverythingIsSolvedTightly) {
 }
 
 TEST(Harmonic, ForgetsTheSolveBefore) {
-  const scene::TetMesh mesh = build::make_bar(long_bar, "test");
+  const mesh::TetMesh mesh = build::make_bar(long_bar, "test");
   const std::vector<char> given = on_boundary(mesh);
   const build::LaplaceMatrix matrix = build::laplace_matrix(mesh);
   const std::vector<VertexValue> first{{0, 1.0}, {1, 0.5}}, second{{0, 0.25}};
@@ -145,7 +145,7 @@ TEST(Harmonic, ForgetsTheSolveBefore) {
 }
 
 TEST(Harmonic, ReachesNothingWhereAllIsGiven) {
-  const scene::TetMesh mesh = build::make_bar({.vertices = {3, 2, 2}}, "test");
+  const mesh::TetMesh mesh = build::make_bar({.vertices = {3, 2, 2}}, "test");
   const std::vector<char> given(mesh.vertices.size(), 1);
   const build::LaplaceMatrix matrix = build::laplace_matrix(mesh);
   const std::vector<VertexValue> all{{0, 1.0}};

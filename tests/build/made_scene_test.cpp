@@ -19,7 +19,7 @@ TEST_P(MadeScenes, AreBuiltWithoutAWarning) {
   const model::Model model = build::build_model(scene, report, options);
   for (const build::Warning& warning : report.warnings) ADD_FAILURE() << warning.text;
   EXPECT_TRUE(model.has_skeleton());
-  const auto& character = std::get<scene::Character>(scene.geometry);
+  const auto& character = std::get<rig::Character>(scene.geometry);
   EXPECT_EQ(model.surface_count(), character.surface.vertices.size());
   ASSERT_EQ(report.layers.size(), 3u);
   for (const build::LayerShare& layer : report.layers)

@@ -13,7 +13,7 @@
 
 namespace fascicle::tests {
 
-inline void append(scene::SurfaceMesh& mesh, const scene::SurfaceMesh& other,
+inline void append(mesh::SurfaceMesh& mesh, const mesh::SurfaceMesh& other,
                    const scene::Vector3d& shift = scene::Vector3d::Zero()) {
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
   for (const scene::Vector3d& p : other.vertices) mesh.vertices.push_back(p + shift);
@@ -23,9 +23,8 @@ inline void append(scene::SurfaceMesh& mesh, const scene::SurfaceMesh& other,
 
 // A tube of `radius` along a line of points, `around` vertices to a ring, both ends closed by a point. Faces
 // outward. Ring k is vertices [k x around, (k + 1) x around).
-inline scene::SurfaceMesh tube(const std::vector<scene::Vector3d>& line, double radius,
-                               std::uint32_t around) {
-  scene::SurfaceMesh mesh;
+inline mesh::SurfaceMesh tube(const std::vector<scene::Vector3d>& line, double radius, std::uint32_t around) {
+  mesh::SurfaceMesh mesh;
   const auto rings = static_cast<std::uint32_t>(line.size());
   // Lines lie in the x-y plane: z is across all of them.
   const scene::Vector3d across(0, 0, 1);
@@ -56,8 +55,8 @@ inline scene::SurfaceMesh tube(const std::vector<scene::Vector3d>& line, double 
 }
 
 // A ball of rings and sectors.
-inline scene::SurfaceMesh ball(double radius, std::uint32_t around) {
-  scene::SurfaceMesh mesh;
+inline mesh::SurfaceMesh ball(double radius, std::uint32_t around) {
+  mesh::SurfaceMesh mesh;
   const std::uint32_t rings = around / 2;
   for (std::uint32_t k = 1; k < rings; ++k) {
     const double polar = 3.14159265358979 * k / rings;
@@ -87,7 +86,7 @@ inline scene::SurfaceMesh ball(double radius, std::uint32_t around) {
 // between them (m; negative: they cross). Joint 0 moves the left leg, 1 the right one, 2 the bend and the
 // upper 0.2 m of both; nothing is blended. So the way along the skin from one leg's own part to the other's
 // is 0.4 m at least.
-inline scene::Character make_legs(double gap) {
+inline rig::Character make_legs(double gap) {
   constexpr std::uint32_t around = 24;
   constexpr double radius = 0.1, length = 0.7, hips = 0.2, step = 0.02;
   const double half = radius + gap / 2.0;
@@ -101,7 +100,7 @@ inline scene::Character make_legs(double gap) {
   }
   for (std::size_t k = bend; k-- > 0;) line.emplace_back(half, line[k].y(), 0);
 
-  scene::Character legs;
+  rig::Character legs;
   legs.surface = tube(line, radius, around);
   for (const scene::Vector3d& p : legs.surface.vertices) {
     const std::uint32_t joint = p.y() > -hips ? 2 : p.x() < 0.0 ? 0 : 1;

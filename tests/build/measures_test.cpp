@@ -65,14 +65,14 @@ TEST(BoneDistance, OfASegmentWithoutLengthIsThatOfItsPoint) {
 // trying all.
 constexpr double rod_length = 2.0, rod_thickness = 0.2, rod_spacing = 0.025;
 
-scene::TetMesh rod() {
+mesh::TetMesh rod() {
   scene::Bar bar;
   bar.size = {rod_length, rod_thickness, rod_thickness};
   bar.vertices = {81, 9, 9};
   return build::make_bar(bar, "rod");
 }
 
-std::vector<double> from_skin_of(const scene::TetMesh& mesh) {
+std::vector<double> from_skin_of(const mesh::TetMesh& mesh) {
   std::vector<double> distance;
   for (const Vector3d& p : mesh.vertices)
     distance.push_back(
@@ -81,7 +81,7 @@ std::vector<double> from_skin_of(const scene::TetMesh& mesh) {
 }
 
 TEST(LocalRadius, IsThatOfTheLargestBallThatReachesAVertex) {
-  const scene::TetMesh mesh = rod();
+  const mesh::TetMesh mesh = rod();
   const std::vector<double> from_skin = from_skin_of(mesh), radius = build::local_radii(mesh, from_skin);
   for (std::size_t i = 0; i < radius.size(); ++i) {
     double largest = 0.0;

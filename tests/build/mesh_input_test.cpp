@@ -20,7 +20,7 @@
 namespace fascicle::tests {
 namespace {
 
-using scene::TetMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 
 // A bar as a mesh; jittered, so that no two vertices tie in the numbering.

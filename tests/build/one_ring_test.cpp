@@ -10,11 +10,11 @@
 namespace fascicle::tests {
 namespace {
 
-scene::TetMesh small_bar() {
+mesh::TetMesh small_bar() {
   return build::make_bar({.vertices = {4, 3, 3}}, "test");
 }
 
-std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_by_brute_force(const scene::TetMesh& mesh) {
+std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_by_brute_force(const mesh::TetMesh& mesh) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const auto& t : mesh.tetrahedra)
     for (const std::uint32_t a : t)
@@ -24,7 +24,7 @@ std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_by_brute_force(const sce
 }
 
 TEST(OneRing, HoldsExactlyThePairsThatShareATetrahedron) {
-  const scene::TetMesh mesh = small_bar();
+  const mesh::TetMesh mesh = small_bar();
   const build::OneRings rings = build::one_rings(mesh.vertices.size(), mesh.tetrahedra);
   ASSERT_EQ(rings.size(), mesh.vertices.size());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> listed;
@@ -36,7 +36,7 @@ TEST(OneRing, HoldsExactlyThePairsThatShareATetrahedron) {
 }
 
 TEST(OneRing, MirrorLeadsToTheOppositeEntryAndBack) {
-  const scene::TetMesh mesh = small_bar();
+  const mesh::TetMesh mesh = small_bar();
   const build::OneRings rings = build::one_rings(mesh.vertices.size(), mesh.tetrahedra);
   const std::vector<std::uint32_t> mirror = build::mirror_entries(rings);
   for (std::uint32_t r = 0; r < rings.size(); ++r)

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
 #include "host/model/model.h"
 #include "tests/build/scenes.h"
 

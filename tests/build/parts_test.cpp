@@ -84,7 +84,7 @@ std::set<std::uint32_t> joints_with_free_flesh(const std::vector<std::string>& o
 
 TEST(Parts, OnlyTheFleshOfTheJointsNamedIsFree) {
   const scene::Scene arm = scene::parse_scene({"test", "test.toml", "[character]\nmade = \"arm\"\n", {}}, {});
-  const auto& skeleton = std::get<scene::Character>(arm.geometry).skeleton;
+  const auto& skeleton = std::get<rig::Character>(arm.geometry).skeleton;
   std::uint32_t forearm = 0, upper_arm = 0;
   for (std::uint32_t j = 0; j < skeleton.size(); ++j) {
     if (skeleton[j].name == "forearm") forearm = j;

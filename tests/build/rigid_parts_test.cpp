@@ -24,26 +24,26 @@ enum Joint : std::uint32_t { pelvis, chest, plate_joint };
 
 // What hangs on the trunk: a surface, where, and by which weights.
 struct Piece {
-  scene::SurfaceMesh surface;
+  mesh::SurfaceMesh surface;
   Vector3d place;
   std::vector<std::pair<std::uint32_t, double>> weights;
   std::string object, material;
 };
 
 Piece plate() {
-  scene::SurfaceMesh box = cube_surface(0.2);
+  mesh::SurfaceMesh box = cube_surface(0.2);
   for (Vector3d& p : box.vertices) p[2] *= 0.1;
   return {box, {0, 0.9, trunk_radius + 0.02}, {{plate_joint, 1.0}}, "Plate", "Steel"};
 }
 
-void add(scene::Character& c, const Piece& piece) {
-  scene::SurfacePart part{piece.object,
-                          piece.material,
-                          static_cast<std::uint32_t>(c.parts.size()),
-                          static_cast<std::uint32_t>(c.surface.vertices.size()),
-                          static_cast<std::uint32_t>(piece.surface.vertices.size()),
-                          static_cast<std::uint32_t>(c.surface.triangles.size()),
-                          static_cast<std::uint32_t>(piece.surface.triangles.size())};
+void add(rig::Character& c, const Piece& piece) {
+  rig::SurfacePart part{piece.object,
+                        piece.material,
+                        static_cast<std::uint32_t>(c.parts.size()),
+                        static_cast<std::uint32_t>(c.surface.vertices.size()),
+                        static_cast<std::uint32_t>(piece.surface.vertices.size()),
+                        static_cast<std::uint32_t>(c.surface.triangles.size()),
+                        static_cast<std::uint32_t>(piece.surface.triangles.size())};
   c.parts.push_back(part);
   append(c.surface, piece.surface, piece.place);
   for (std::size_t v = 0; v < piece.surface.vertices.size(); ++v) {
@@ -57,10 +57,10 @@ void add(scene::Character& c, const Piece& piece) {
 }
 
 // The trunk's lower half follows the pelvis and its upper one the chest, hard or blended over 0.4 m.
-scene::Character trunk_with(const std::vector<Piece>& pieces, bool is_hard = false) {
+rig::Character trunk_with(const std::vector<Piece>& pieces, bool is_hard = false) {
   std::vector<Vector3d> line;
   for (int k = 0; k <= 28; ++k) line.emplace_back(0, trunk_height * k / 28, 0);
-  scene::Character c;
+  rig::Character c;
   add(c, {tube(line, trunk_radius, trunk_around), Vector3d::Zero(), {{pelvis, 1.0}}, "Body", "Skin"});
   for (std::size_t v = 0; v < c.surface.vertices.size(); ++v) {
     double up = std::clamp((c.surface.vertices[v][1] - 0.5) / 0.4, 0.0, 1.0);
@@ -74,7 +74,7 @@ scene::Character trunk_with(const std::vector<Piece>& pieces, bool is_hard = fal
   return c;
 }
 
-scene::Scene scene_of(scene::Character character) {
+scene::Scene scene_of(rig::Character character) {
   scene::Scene scene;
   scene.name = "trunk";
   scene.source = "test";
@@ -94,7 +94,7 @@ struct Found {
   build::WeldedSurface welded;
 };
 Found find_in(const scene::Scene& scene) {
-  const auto& character = std::get<scene::Character>(scene.geometry);
+  const auto& character = std::get<rig::Character>(scene.geometry);
   build::Report report;
   Found found;
   found.welded = build::weld(character.surface, "test", report);
@@ -142,7 +142,7 @@ struct Ride {
   double error = 0.0;
   bool is_kinematic = true;
 };
-Ride ride_of(const model::Model& m, const scene::Character& c, std::uint32_t vertex) {
+Ride ride_of(const model::Model& m, const rig::Character& c, std::uint32_t vertex) {
   Ride ride;
   Vector3d at = Vector3d::Zero(), wanted = Vector3d::Zero();
   for (std::size_t k = 0; k < 4; ++k) {
@@ -162,14 +162,14 @@ constexpr double ride_tolerance = 2e-6;
 
 TEST(RigidParts, APlateRidesOnItsJointAlone) {
   const scene::Scene scene = scene_of(trunk_with({plate()}));
-  const auto& character = std::get<scene::Character>(scene.geometry);
+  const auto& character = std::get<rig::Character>(scene.geometry);
   build::Report report;
   const model::Model m = build::build_model(scene, report, with_mesher());
   ASSERT_EQ(report.rigid_parts.size(), 1u);
   EXPECT_EQ(report.rigid_parts[0].name, "Plate / Steel");
   EXPECT_EQ(report.rigid_parts[0].joint, "PlateJoint");
   EXPECT_EQ(report.rigid_parts[0].vertices, 8u);
-  const scene::SurfacePart& part = character.parts[1];
+  const rig::SurfacePart& part = character.parts[1];
   for (std::uint32_t v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v) {
     const Ride ride = ride_of(m, character, v);
     EXPECT_TRUE(ride.is_kinematic) << v;
@@ -205,12 +205,12 @@ TEST(RigidParts, AnEvenBlendIsRigidAndAnUnevenOneIsNot) {
   horn.weights = {{chest, 0.55}, {pelvis, 0.45}};
   scene::Scene scene = scene_of(trunk_with({horn}));
   EXPECT_EQ(count_rigid(scene), 8u);
-  const auto& character = std::get<scene::Character>(scene.geometry);
+  const auto& character = std::get<rig::Character>(scene.geometry);
   const model::Model m = build_with(scene, with_mesher());
   for (std::uint32_t v = character.parts[1].first_vertex; v < character.surface.vertices.size(); ++v)
     EXPECT_LT(ride_of(m, character, v).error, ride_tolerance) << v;
 
-  scene::Character uneven = character;
+  rig::Character uneven = character;
   uneven.weights.back() = {0.4, 0.6};
   EXPECT_EQ(count_rigid(scene_of(uneven)), 0u);
 }
@@ -222,7 +222,7 @@ TEST(RigidParts, OnePieceOfHardWeightsIsFlesh) {
 // The trunk with what lies on its front from `low` to `high` taken out and put back in a material of its own.
 scene::Scene inlaid_trunk(double low, double high, const std::string& material,
                           double weight_of_chest = 1.0) {
-  scene::Character c = trunk_with({});
+  rig::Character c = trunk_with({});
   Piece inlay{
       {}, Vector3d::Zero(), {{chest, weight_of_chest}, {pelvis, 1.0 - weight_of_chest}}, "Body", material};
   std::map<std::uint32_t, std::uint32_t> number;
@@ -253,7 +253,7 @@ scene::Scene inlaid_trunk(double low, double high, const std::string& material,
 
 TEST(RigidParts, AToothThatIsModelledIntoTheSkinIsRigid) {
   const scene::Scene scene = inlaid_trunk(1.08, 1.22, "Tooth");
-  const auto& character = std::get<scene::Character>(scene.geometry);
+  const auto& character = std::get<rig::Character>(scene.geometry);
   const Found found = find_in(scene);
   ASSERT_EQ(found.rigid.report.size(), 1u);
   EXPECT_EQ(found.rigid.report[0].name, "Body / Tooth");
@@ -271,7 +271,7 @@ TEST(RigidParts, OtherPatchesOfTheSkinAreFlesh) {
   EXPECT_EQ(count_rigid(inlaid_trunk(1.08, 1.22, "Tooth", 0.8)), 0u);
   EXPECT_EQ(count_rigid(inlaid_trunk(0.95, 1.35, "Bib")), 0u);
   scene::Scene same = inlaid_trunk(1.08, 1.22, "Skin");
-  std::get<scene::Character>(same.geometry).parts.pop_back();
+  std::get<rig::Character>(same.geometry).parts.pop_back();
   EXPECT_EQ(count_rigid(same), 0u);
 }
 
@@ -281,7 +281,7 @@ TEST(RigidParts, LargePartsAreFleshUnlessAllAreHard) {
   twin.surface = trunk_with({}).surface;
   EXPECT_EQ(count_rigid(scene_of(trunk_with({twin}))), 0u);
   // A robot: the trunk follows the pelvis, its twin a joint of its own.
-  scene::Character robot = trunk_with({twin});
+  rig::Character robot = trunk_with({twin});
   for (std::size_t v = 0; v < robot.parts[0].vertex_count; ++v) robot.weights[v] = {1.0, 0.0};
   const scene::Scene scene = scene_of(robot);
   EXPECT_EQ(count_rigid(scene), robot.surface.vertices.size());
@@ -311,14 +311,14 @@ TEST(RigidParts, FleshThatLayersMakeRigidIsWarnedOf) {
 // The plate comes first in the file and has a seam, and the trunk is open: its rim is named by the file's
 // numbers, and the plate has as many vertices as in the file.
 TEST(RigidParts, VerticesAreCountedAsInTheFile) {
-  scene::Character c = trunk_with({});
+  rig::Character c = trunk_with({});
   Piece trunk{c.surface, Vector3d::Zero(), {{pelvis, 1.0}}, "Body", "Skin"}, seamed = plate();
   const auto cut = trunk.surface.triangles[trunk.surface.triangles.size() / 2];
   trunk.surface.triangles.erase(trunk.surface.triangles.begin() +
                                 static_cast<std::ptrdiff_t>(trunk.surface.triangles.size() / 2));
   seamed.surface.vertices.push_back(seamed.surface.vertices[seamed.surface.triangles[0][0]]);
   seamed.surface.triangles[0][0] = 8;
-  scene::Character both;
+  rig::Character both;
   both.skeleton = c.skeleton;
   add(both, seamed);
   add(both, trunk);
@@ -343,7 +343,7 @@ TEST(RigidParts, VerticesAreCountedAsInTheFile) {
 TEST(RigidParts, CanBeAskedFor) {
   Piece soft = plate();
   soft.weights = {{chest, 0.5}, {plate_joint, 0.5}};
-  scene::Character character = trunk_with({soft});
+  rig::Character character = trunk_with({soft});
   character.weights.back() = {0.9, 0.1};
   EXPECT_EQ(count_rigid(scene_of(character)), 0u);
   for (const char* name : {"Plate", "Steel"}) {
@@ -357,7 +357,7 @@ TEST(RigidParts, CanBeAskedFor) {
   scene.skeleton.rigid = {"Sted"};
   expect_refusal([&] { find_in(scene); }, "did you mean Steel");
   // Painted: one patch of the trunk, which stays in one piece.
-  scene::PaintedAttribute paint{"_RIGID", 1, {}};
+  rig::PaintedAttribute paint{"_RIGID", 1, {}};
   for (const Vector3d& p : character.surface.vertices)
     paint.values.push_back(p[1] > 1.2 && p[2] < 0.3 && std::abs(p[0]) < 0.5 ? 1.0 : 0.0);
   character.painted = {paint};

@@ -19,12 +19,12 @@ using scene::Vector3d;
 
 // A bar whose surface vertices come first, as tetrahedralize() leaves them.
 struct SurfaceFirst {
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   std::size_t surface_count = 0;
 };
 
 SurfaceFirst bar_surface_first(const scene::Bar& bar) {
-  const scene::TetMesh given = build::make_bar(bar, "test");
+  const mesh::TetMesh given = build::make_bar(bar, "test");
   std::vector<char> outside(given.vertices.size(), 0);
   for (const auto& t : build::boundary_triangles(given, "test"))
     for (const std::uint32_t corner : t) outside[corner] = 1;
@@ -45,7 +45,7 @@ SurfaceFirst bar_surface_first(const scene::Bar& bar) {
   return result;
 }
 
-build::SkinWeights weights_on(const SurfaceFirst& bar, const scene::Character& character,
+build::SkinWeights weights_on(const SurfaceFirst& bar, const rig::Character& character,
                               std::span<const std::uint32_t> welded) {
   return build::harmonic_skin_weights(
       bar.mesh, build::welded_skin_weights(character, welded, bar.surface_count, "test"),
@@ -54,8 +54,8 @@ build::SkinWeights weights_on(const SurfaceFirst& bar, const scene::Character& c
 
 // A character on the bar's surface with `count` joints; weight_of(point, joint).
 template <class WeightOf>
-scene::Character character_on(const SurfaceFirst& bar, std::uint32_t count, WeightOf weight_of) {
-  scene::Character character;
+rig::Character character_on(const SurfaceFirst& bar, std::uint32_t count, WeightOf weight_of) {
+  rig::Character character;
   for (std::uint32_t j = 0; j < count; ++j)
     character.skeleton.push_back(joint_at("joint", static_cast<std::int32_t>(j) - 1, {0, 0, 0}));
   for (std::size_t i = 0; i < bar.surface_count; ++i) {
@@ -87,7 +87,7 @@ double weight_of(const build::SkinWeights& skin, std::size_t i, std::uint32_t jo
 TEST(SkinWeights, ALinearFieldGoesOnInsideUnchanged) {
   // Linear functions are harmonic, and linear finite elements hold them exactly, on jittered tetrahedra too.
   const SurfaceFirst bar = bar_surface_first({.size = {1, 0.5, 0.5}, .vertices = {11, 6, 6}, .jitter = 0.2});
-  const scene::Character character =
+  const rig::Character character =
       character_on(bar, 2, [](const Vector3d& p, std::uint32_t j) { return j == 0 ? 1.0 - p[0] : p[0]; });
   const build::SkinWeights skin = weights_on(bar, character, identity(bar.surface_count));
   ASSERT_EQ(skin.offset.size(), bar.mesh.vertices.size() + 1);
@@ -99,7 +99,7 @@ TEST(SkinWeights, ALinearFieldGoesOnInsideUnchanged) {
 
 TEST(SkinWeights, SumToOneInFloatsInAnyOrder) {
   const SurfaceFirst bar = bar_surface_first({.vertices = {8, 5, 5}, .jitter = 0.2});
-  const scene::Character character = character_on(bar, 8, [](const Vector3d& p, std::uint32_t j) {
+  const rig::Character character = character_on(bar, 8, [](const Vector3d& p, std::uint32_t j) {
     const double x = 10.0 * p[0] + 20.0 * p[1] - j;
     return 1.0 / (1.0 + x * x) / 7.0;
   });
@@ -119,7 +119,7 @@ TEST(SkinWeights, SumToOneInFloatsInAnyOrder) {
 
 TEST(SkinWeights, DoNotDependOnTheNumberOfThreads) {
   const SurfaceFirst bar = bar_surface_first({.vertices = {20, 6, 6}, .jitter = 0.2});
-  const scene::Character character = character_on(bar, 8, [](const Vector3d& p, std::uint32_t j) {
+  const rig::Character character = character_on(bar, 8, [](const Vector3d& p, std::uint32_t j) {
     const double x = 20.0 * p[0] - j;
     return 1.0 / (1.0 + x * x);
   });
@@ -137,7 +137,7 @@ TEST(SkinWeights, DoNotDependOnTheNumberOfThreads) {
 TEST(SkinWeights, InsideIsBoundedByTheSurface) {
   // Two joints, sharp border: undershoot below 0 and overshoot above 1 are cut.
   const SurfaceFirst bar = bar_surface_first({.vertices = {12, 6, 6}, .jitter = 0.3});
-  const scene::Character character = character_on(
+  const rig::Character character = character_on(
       bar, 2, [](const Vector3d& p, std::uint32_t j) { return (p[0] < 0.2) == (j == 0) ? 1.0 : 0.0; });
   const build::SkinWeights skin = weights_on(bar, character, identity(bar.surface_count));
   for (std::size_t i = bar.surface_count; i < bar.mesh.vertices.size(); ++i) {
@@ -156,7 +156,7 @@ TEST(SkinWeights, InsideIsBoundedByTheSurface) {
 
 TEST(SkinWeights, AWeldedVertexTakesTheMean) {
   const SurfaceFirst bar = bar_surface_first({.vertices = {3, 3, 3}});
-  scene::Character character =
+  rig::Character character =
       character_on(bar, 2, [](const Vector3d&, std::uint32_t j) { return j == 0 ? 1.0 : 0.0; });
   // A second vertex in the place of vertex 0, wholly joint 1's.
   character.surface.vertices.push_back(character.surface.vertices[0]);
@@ -172,17 +172,17 @@ TEST(SkinWeights, AWeldedVertexTakesTheMean) {
 
 TEST(SkinWeights, RefuseVerticesThatNoJointMoves) {
   const SurfaceFirst bar = bar_surface_first({.vertices = {3, 3, 3}});
-  const scene::Character whole = character_on(bar, 2, [](const Vector3d&, std::uint32_t) { return 0.5; });
-  const auto refusal = [&](const std::function<void(scene::Character&)>& spoil, const std::string& part) {
-    scene::Character character = whole;
+  const rig::Character whole = character_on(bar, 2, [](const Vector3d&, std::uint32_t) { return 0.5; });
+  const auto refusal = [&](const std::function<void(rig::Character&)>& spoil, const std::string& part) {
+    rig::Character character = whole;
     spoil(character);
     expect_refusal([&] { weights_on(bar, character, identity(bar.surface_count)); }, part);
   };
-  refusal([](scene::Character& c) { c.weights[5] = {}; }, "vertex 5 ");
-  refusal([](scene::Character& c) { c.weights[6][0] = -0.5; }, "vertex 6 ");
-  refusal([](scene::Character& c) { c.weights[7][1] = NAN; }, "vertex 7 ");
-  refusal([](scene::Character& c) { c.joints[8][1] = 2; }, "vertex 8 ");
-  refusal([](scene::Character& c) { c.weights.pop_back(); }, "every vertex");
+  refusal([](rig::Character& c) { c.weights[5] = {}; }, "vertex 5 ");
+  refusal([](rig::Character& c) { c.weights[6][0] = -0.5; }, "vertex 6 ");
+  refusal([](rig::Character& c) { c.weights[7][1] = NAN; }, "vertex 7 ");
+  refusal([](rig::Character& c) { c.joints[8][1] = 2; }, "vertex 8 ");
+  refusal([](rig::Character& c) { c.weights.pop_back(); }, "every vertex");
 }
 
 }  // namespace

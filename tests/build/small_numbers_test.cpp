@@ -10,7 +10,7 @@ namespace {
 
 // Two tetrahedra that do not touch, the second `ratio` times the size of the first.
 scene::Scene two_tetrahedra(double ratio) {
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   for (const double size : {1.0, ratio}) {
     const scene::Vector3d corner(size == 1.0 ? 0.0 : 2.0, 0.0, 0.0);
     mesh.vertices.push_back(corner);

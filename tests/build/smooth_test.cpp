@@ -15,7 +15,7 @@
 namespace fascicle::tests {
 namespace {
 
-using scene::TetMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 
 double worst_quality(const TetMesh& mesh) {

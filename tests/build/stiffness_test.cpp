@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/oracle_implicit.h"
+#include "cpu_reference/oracle/oracle_implicit.h"
 #include "host/build/lowest_mode.h"
 #include "host/scene/scene.h"
 #include "tests/build/scenes.h"
@@ -40,7 +40,7 @@ TEST(Stiffness, IsTheOracles) {
 // A regular tetrahedron's four vertices: S = (m/4) sum r r^T is a multiple of the identity s, C = 1/s.
 TEST(Stiffness, OfARegularTetrahedronIsByHand) {
   scene::Scene scene = elastic_scene(1e3);
-  scene::TetMesh mesh;
+  mesh::TetMesh mesh;
   mesh.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
   mesh.tetrahedra = {{0, 1, 2, 3}};
   scene.geometry = mesh;

@@ -15,7 +15,7 @@ namespace {
 
 using build::SurfacePoint;
 using build::SurfaceSearch;
-using scene::SurfaceMesh;
+using mesh::SurfaceMesh;
 using scene::Vector3d;
 
 // The library's distributions differ between implementations; this does not.

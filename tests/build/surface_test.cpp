@@ -12,7 +12,7 @@
 namespace fascicle::tests {
 namespace {
 
-using scene::SurfaceMesh;
+using mesh::SurfaceMesh;
 using scene::Vector3d;
 
 TEST(Weld, MakesOneVertexOfEqualOnes) {

@@ -8,8 +8,8 @@
 namespace fascicle::tests {
 
 // A cube around the origin, facing outward, 8 vertices and 12 triangles.
-inline scene::SurfaceMesh cube_surface(double side) {
-  scene::SurfaceMesh cube;
+inline mesh::SurfaceMesh cube_surface(double side) {
+  mesh::SurfaceMesh cube;
   for (int k = 0; k < 8; ++k)
     cube.vertices.push_back(0.5 * side * scene::Vector3d(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
   cube.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
@@ -18,8 +18,8 @@ inline scene::SurfaceMesh cube_surface(double side) {
 }
 
 // A joint that stands unrotated at `place` in the bind pose.
-inline scene::Joint joint_at(const std::string& name, std::int32_t parent, const scene::Vector3d& place) {
-  scene::Joint joint;
+inline rig::Joint joint_at(const std::string& name, std::int32_t parent, const scene::Vector3d& place) {
+  rig::Joint joint;
   joint.name = name;
   joint.parent = parent;
   joint.inverse_bind.block<3, 1>(0, 3) = -place;

@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "host/scene/mesh_file.h"
+#include "host/mesh/mesh_file.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
@@ -25,8 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using build::BuildOptions;
-using scene::SurfaceMesh;
-using scene::TetMesh;
+using mesh::SurfaceMesh;
+using mesh::TetMesh;
 using scene::Vector3d;
 using Triangle = std::array<std::uint32_t, 3>;
 
@@ -198,7 +198,7 @@ TEST_F(Tetrahedralize, InsidePointsBecomeVerticesInOrder) {
 TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
   const fs::path file = asset("bunny.off");
   FASCICLE_NEEDS_ASSET(file);
-  const SurfaceMesh surface = scene::read_surface_mesh(file);
+  const SurfaceMesh surface = mesh::read_surface_mesh(file);
   double own_edge = 0.0;
   for (const Triangle& t : surface.triangles) {
     for (std::size_t k = 0; k < 3; ++k)

@@ -14,7 +14,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/oracle_implicit.h"
+#include "cpu_reference/oracle/oracle_implicit.h"
 #include "host/bake/identity.h"
 #include "host/build/stiffness.h"
 #include "tests/build/scenes.h"
@@ -183,7 +183,7 @@ TEST(Ties, ASheetIsAsStiffAsTheOraclesAndFinite) {
   scene.layers[1].youngs_modulus = 3.5e4;
   for (const double bend : {0.0, 0.3}) {
     // A curved one too: the bar bent to a piece of an arch.
-    scene::TetMesh mesh;
+    mesh::TetMesh mesh;
     const Model flat = build_quietly(skin_scene());
     for (std::uint32_t i = 0; i < flat.vertex_count; ++i) {
       const double x = double{flat.rest[3 * i]} * flat.unit, y = double{flat.rest[3 * i + 1]} * flat.unit;

@@ -359,7 +359,7 @@ TEST(Shares, DoNotDependOnScaleOrPlace) {
   scene::Scene scaled = scene;
   scaled.scale = 0.37;
   scene::Scene moved = scene;
-  for (auto& p : std::get<scene::TetMesh>(moved.geometry).vertices) p += Vector3d(3.3, -1.7, 0.9);
+  for (auto& p : std::get<mesh::TetMesh>(moved.geometry).vertices) p += Vector3d(3.3, -1.7, 0.9);
   // Rest floats round differently: directions by 1e-6, shares by as much, and then by one step.
   compare(scaled, 0x1p-16);
   compare(moved, 0x1p-16);

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "cpu_reference/simd.h"
+#include "cpu_reference/solver/simd.h"
 #include "host/bake/bake.h"
 #include "host/cli/bench_measure.h"
 #include "host/cli/bench_results.h"

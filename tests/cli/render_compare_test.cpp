@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <png.h>
 
-#include "host/bake/surface.h"
 #include "host/cli/drawn_frames.h"
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
+#include "host/formats/surface.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -162,7 +162,7 @@ TEST_F(RenderCompare, SkinnedSurfaceIsWhereTheDriveSkinsIt) {
   for (const std::uint64_t k : {std::uint64_t{0}, std::uint64_t{7}, frames.count() - 1}) {
     const std::vector<float> vertices = frames.skinned_vertices(k), surface = frames.skinned_surface(k);
     ASSERT_EQ(surface.size(), std::size_t{3} * model.surface_count());
-    const std::vector<float> carried = bake::embed(model, vertices);
+    const std::vector<float> carried = formats::embed(model, vertices);
     double most = 0.0;
     for (std::size_t i = 0; i < surface.size(); ++i)
       most = std::max(most, std::fabs(double{surface[i]} - double{carried[i]}));

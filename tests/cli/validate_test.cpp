@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "cpu_reference/simd.h"
+#include "cpu_reference/solver/simd.h"
 #include "host/scene/scene.h"
 #include "tests/cli/program.h"
 

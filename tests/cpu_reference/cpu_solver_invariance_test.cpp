@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/cpu_reference/mapped_scene.h"
 
 namespace fascicle::tests {

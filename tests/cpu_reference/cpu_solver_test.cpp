@@ -1,6 +1,6 @@
 // CpuSolver: one result for every number of threads, probed or not, saved and loaded or not; near the Oracle;
 // and the invariants of the method in float.
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 
 #include <bit>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
 #include "host/model/validate.h"
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"

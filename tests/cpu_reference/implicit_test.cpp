@@ -9,9 +9,9 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/oracle.h"
-#include "cpu_reference/oracle_implicit.h"
+#include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_implicit.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/model/validate.h"
 #include "tests/cpu_reference/oracle_run.h"
 #include "tests/cpu_reference/solver_runs.h"

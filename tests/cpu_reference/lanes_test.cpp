@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/slices.h"
+#include "cpu_reference/solver/cpu_solver.h"
+#include "cpu_reference/solver/slices.h"
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 

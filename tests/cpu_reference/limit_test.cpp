@@ -11,9 +11,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/oracle.h"
-#include "cpu_reference/oracle_limit.h"
+#include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_limit.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/support/bar_model.h"
 #include "tests/support/limit_models.h"
 #include "tests/support/test_models.h"

@@ -1,5 +1,5 @@
 // The equations one by one: (9), (8)(10)(11) on rigid motions, (15)(16)(17).
-#include "cpu_reference/oracle_equations.h"
+#include "cpu_reference/oracle/oracle_equations.h"
 
 #include <cmath>
 #include <numbers>

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {

@@ -1,5 +1,5 @@
 // Trajectories of the Oracle against closed forms.
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
 
 #include <cmath>
 #include <complex>

@@ -1,12 +1,12 @@
 // The weights w_ir: equations (12), (13), (14), their holes, and the momentum scaling.
-#include "cpu_reference/oracle_weights.h"
+#include "cpu_reference/oracle/oracle_weights.h"
 
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
 #include "tests/cpu_reference/oracle_run.h"
 
 namespace fascicle::tests {

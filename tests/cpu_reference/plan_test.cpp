@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/stages.h"
+#include "cpu_reference/solver/stages.h"
 #include "host/model/implicit.h"
 #include "host/model/substep_plan.h"
 #include "tests/support/bar_model.h"

@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/oracle_equations.h"
+#include "cpu_reference/oracle/oracle_equations.h"
 
 namespace fascicle::tests {
 namespace {

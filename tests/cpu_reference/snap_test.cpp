@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/support/test_models.h"
 
 #if defined(__x86_64__)

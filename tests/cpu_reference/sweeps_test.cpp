@@ -1,6 +1,6 @@
 // Several passes over the body in one: whatever the cut, each reads what the pass before left and nothing
 // else, and the bits are those of stage after stage.
-#include "cpu_reference/sweeps.h"
+#include "cpu_reference/solver/sweeps.h"
 
 #include <algorithm>
 #include <numeric>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/support/bar_model.h"
 
 namespace fascicle::tests {

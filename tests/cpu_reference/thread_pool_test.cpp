@@ -1,6 +1,6 @@
 // ThreadPool: every item once, whatever the number of threads, also where the system makes fewer than asked
 // for.
-#include "cpu_reference/thread_pool.h"
+#include "cpu_reference/solver/thread_pool.h"
 
 #include <atomic>
 #include <chrono>
@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"
 

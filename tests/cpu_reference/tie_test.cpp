@@ -9,8 +9,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/oracle.h"
+#include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/model/validate.h"
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/sliding_models.h"

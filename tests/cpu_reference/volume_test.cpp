@@ -9,8 +9,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "cpu_reference/oracle_equations.h"
+#include "cpu_reference/oracle/oracle_equations.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/cpu_reference/oracle_run.h"
 #include "tests/cpu_reference/solver_runs.h"
 #include "tests/support/test_models.h"

@@ -2,4 +2,4 @@
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
-#include "cpu_reference/lane_stages_baseline.cpp"
+#include "cpu_reference/solver/lane_stages_baseline.cpp"

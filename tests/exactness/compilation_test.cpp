@@ -67,10 +67,10 @@ TEST(ExactnessFlavours, HoldAllCodeThatReachesAResult) {
   // Names that any rule for the list must have brought: one of each kind the numbers pass through.
   const std::set<std::string> listed(sources.begin(), sources.end());
   for (const char* name :
-       {"cpu_reference/stages.cpp", "host/build/shares.cpp", "host/build/fibre.cpp", "host/build/where.cpp",
-        "host/build/bones.cpp", "host/build/weld.cpp", "host/build/skin_weights.cpp",
-        "host/build/tetrahedralize.cpp", "host/bake/drive_source.cpp", "host/scene/pose_interpolation.cpp",
-        "host/scene/trigonometry.cpp", "host/scene/made_shape.cpp", "host/scene/made_bear_motion.cpp"})
+       {"cpu_reference/solver/stages.cpp", "host/build/shares.cpp", "host/build/fibre.cpp",
+        "host/build/where.cpp", "host/build/bones.cpp", "host/build/weld.cpp", "host/build/skin_weights.cpp",
+        "host/build/tetrahedralize.cpp", "host/drive/drive_source.cpp", "host/rig/pose_interpolation.cpp",
+        "host/base/trigonometry.cpp", "host/made/made_shape.cpp", "host/made/made_bear_motion.cpp"})
     EXPECT_TRUE(listed.count(name)) << name;
   for (const auto& [flavour, level] : {std::pair{"O0", "-O0"}, std::pair{"O3_native", "-O3"}}) {
     const std::string output =
@@ -105,8 +105,8 @@ std::vector<std::string> kernel_sources() {
   return found;
 }
 
-// "cpu_reference/stages.cpp" in .../cpu_reference/CMakeFiles/ROOM.dir/stages.cpp.o, or in
-// .../FLAVOUR.dir/__/__/cpu_reference/stages.cpp.o, or in an object of a unity build.
+// "cpu_reference/solver/stages.cpp" in .../cpu_reference/solver/CMakeFiles/ROOM.dir/stages.cpp.o, or in
+// .../FLAVOUR.dir/__/__/cpu_reference/solver/stages.cpp.o, or in an object of a unity build.
 std::vector<std::string> objects_of(const std::string& source, const std::string& all) {
   const fs::path path(source);
   std::vector<std::string> found;
@@ -152,7 +152,7 @@ TEST(ExactnessFlavours, ObjectsInLanesShareNoFunction) {
     return std::atoi(run("nm --defined-only '" + object + "' | grep -c ' [WVu] '").text.c_str());
   };
   for (const char* level : {"baseline", "sse4", "avx2", "avx512"}) {
-    const std::string source = std::string("cpu_reference/lane_stages_") + level + ".cpp";
+    const std::string source = std::string("cpu_reference/solver/lane_stages_") + level + ".cpp";
     const std::vector<std::string> objects = objects_of(source, FASCICLE_BUILD_OBJECTS);
     ASSERT_EQ(objects.size(), 1u) << source << " must be an object of its own";
     EXPECT_FALSE(objects[0].find("/Unity/") != std::string::npos) << objects[0];
@@ -160,7 +160,7 @@ TEST(ExactnessFlavours, ObjectsInLanesShareNoFunction) {
   }
   // The control: an ordinary object has some.
   const std::vector<std::string> ordinary =
-      objects_of("cpu_reference/cpu_solver.cpp", FASCICLE_BUILD_OBJECTS);
+      objects_of("cpu_reference/solver/cpu_solver.cpp", FASCICLE_BUILD_OBJECTS);
   ASSERT_FALSE(ordinary.empty());
   EXPECT_GT(shared_functions(ordinary[0]), 0) << "the grep finds nothing at all";
 }

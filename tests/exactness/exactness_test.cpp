@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "cpu_reference/simd.h"
+#include "cpu_reference/solver/simd.h"
 #include "host/scene/scene.h"
 #include "tests/exactness/process.h"
 #include "tests/support/assets.h"

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
-#include "host/bake/lead_in.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
 #include "host/build/stiffness.h"
+#include "host/drive/drive_source.h"
+#include "host/drive/lead_in.h"
 #include "host/model/validate.h"
 #include "host/scene/scene.h"
 #ifdef FASCICLE_WITH_VULKAN
@@ -66,8 +66,8 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
     if (!simd) throw std::runtime_error(device + ": no such level");
     solver = cpu_reference::make_cpu_solver(model, solver_options, number, *simd);
   }
-  bake::DriveSource drives(scene, model);
-  solver->load(bake::lead_in(scene, model, drives, *solver).state);
+  drive::DriveSource drives(scene, model);
+  solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= frames; ++k) {
     solver->submit(drives.drive(k), {.positions = true, .velocities = true, .surface = true});
     const model::Frame frame = solver->collect();

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "gpu/experiments.h"
 #include "host/model/validate.h"
 #include "tests/gpu/vulkan_device.h"

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "gpu/experiments.h"
 #include "gpu/sliced_rings.h"
 #include "host/model/validate.h"

@@ -36,7 +36,7 @@ TEST(Names, EveryStageHasItsShaderKernelAndCpuFunction) {
   const std::filesystem::path root(FASCICLE_SOURCE_DIR);
   std::string stages;
   for (const Source& source : read_sources(root))
-    if (source.path == "cpu_reference/stages.h") stages = without_comments(source.text);
+    if (source.path == "cpu_reference/solver/stages.h") stages = without_comments(source.text);
   ASSERT_FALSE(stages.empty());
   for (const model::Stage stage : model::all_stages) {
     const std::string name = model::name_of(stage);
@@ -49,7 +49,7 @@ TEST(Names, EveryStageHasItsShaderKernelAndCpuFunction) {
 TEST(Names, EveryEquationIsFoundByItsNumberInTheOracle) {
   const std::vector<Source> sources = read_sources(FASCICLE_SOURCE_DIR);
   for (int equation = first_equation; equation <= last_equation; ++equation)
-    EXPECT_TRUE(names_equation(sources, {"cpu_reference/oracle"}, equation))
+    EXPECT_TRUE(names_equation(sources, {"cpu_reference/oracle/oracle"}, equation))
         << "no comment of the oracle names equation " << marked(equation);
 }
 

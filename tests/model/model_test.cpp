@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/model/validate.h"
 #include "tests/support/limit_models.h"
 #include "tests/support/sliding_models.h"

@@ -8,10 +8,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
-#include "host/scene/pose.h"
+#include "host/drive/drive_source.h"
+#include "host/rig/pose.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::tests {
@@ -43,8 +43,8 @@ struct Arm {
   }
 
   double angle_at(double time) const {
-    const auto& character = std::get<scene::Character>(scene.geometry);
-    const auto joints = scene::joint_transforms_at(character, scene::find_clip(character, scene.clip), time);
+    const auto& character = std::get<rig::Character>(scene.geometry);
+    const auto joints = rig::joint_transforms_at(character, rig::find_clip(character, scene.clip), time);
     const auto place = [&](std::size_t j) -> Vector3d { return joints[j].topRightCorner<3, 1>(); };
     return std::acos(std::clamp((place(2) - place(1)).normalized().dot((place(3) - place(2)).normalized()),
                                 -1.0, 1.0)) *
@@ -61,7 +61,7 @@ struct Arm {
   Held held(double degrees) const {
     scene::Scene posed = scene;
     posed.start = time_of(degrees);
-    bake::DriveSource drives(posed, model);
+    drive::DriveSource drives(posed, model);
     const auto solver = cpu_reference::make_cpu_solver(model, {}, 2);
     solver->load(drives.initial_state());
     model::Frame frame;
@@ -105,7 +105,7 @@ struct Arm {
     double girth = 0.0, top = -1.0, bottom = 1.0;
   };
   Cut cut(const Held& held) const {
-    const auto& rest = std::get<scene::Character>(scene.geometry).surface;
+    const auto& rest = std::get<rig::Character>(scene.geometry).surface;
     Cut cut;
     for (const auto& t : rest.triangles) {
       // The forearm may fold through the plane: it is not meant.

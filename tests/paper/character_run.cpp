@@ -2,9 +2,9 @@
 
 #include <variant>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
-#include "host/bake/lead_in.h"
+#include "cpu_reference/solver/cpu_solver.h"
+#include "host/drive/drive_source.h"
+#include "host/drive/lead_in.h"
 #include "tests/paper/built_scene.h"
 #include "tests/support/assets.h"
 
@@ -12,20 +12,20 @@ namespace fascicle::tests {
 
 void run_character(
     const char* file, const scene::SceneOverrides& overrides,
-    const std::function<void(const model::Model&, const scene::Character&, const model::Frame&)>& see) {
+    const std::function<void(const model::Model&, const rig::Character&, const model::Frame&)>& see) {
   scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
   const model::Model model = built(scene);
-  bake::DriveSource drives(scene, model);
+  drive::DriveSource drives(scene, model);
   const auto solver =
       cpu_reference::make_cpu_solver(model,
                                      {.integrator = model.is_implicit() ? model::Integrator::implicit_step
                                                                         : model::Integrator::explicit_step,
                                       .iterations = scene.solver.iterations},
                                      0);
-  solver->load(bake::lead_in(scene, model, drives, *solver).state);
+  solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {
     solver->submit(drives.drive(k), {.positions = true, .skinned = true});
-    see(model, std::get<scene::Character>(scene.geometry), solver->collect());
+    see(model, std::get<rig::Character>(scene.geometry), solver->collect());
   }
 }
 

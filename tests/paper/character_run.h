@@ -12,6 +12,6 @@ namespace fascicle::tests {
 // `file` is an asset's. Calls `see` with each frame after the first; it has positions and skinned.
 void run_character(
     const char* file, const scene::SceneOverrides& overrides,
-    const std::function<void(const model::Model&, const scene::Character&, const model::Frame&)>& see);
+    const std::function<void(const model::Model&, const rig::Character&, const model::Frame&)>& see);
 
 }  // namespace fascicle::tests

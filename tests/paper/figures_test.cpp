@@ -11,9 +11,9 @@
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
+#include "host/drive/drive_source.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
@@ -61,7 +61,7 @@ Motion run(const std::string& name, const std::vector<std::string>& set = {},
   build::Report report;
   motion.model = build::build_model(motion.scene, report);
   const model::Model& model = motion.model;
-  bake::DriveSource drives(motion.scene, model);
+  drive::DriveSource drives(motion.scene, model);
   const auto solver = cpu_reference::make_cpu_solver(model, {}, 2);
   solver->load(drives.initial_state());
   const auto keep = [&](const std::array<double, 3>& origin, const std::vector<float>& values) {

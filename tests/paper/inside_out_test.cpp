@@ -38,7 +38,7 @@ struct Count {
 Count count(const char* file, const char* clip, const std::vector<std::string>& set) {
   Count result;
   run_character(file, {.set = set, .clip = clip},
-                [&](const model::Model& model, const scene::Character&, const model::Frame& frame) {
+                [&](const model::Model& model, const rig::Character&, const model::Frame& frame) {
                   result.at_the_end = inside_out(model, frame.positions);
                   const std::uint64_t skinned = inside_out(model, frame.skinned);
                   result.frames += 5 * result.at_the_end > 6 * skinned ? 1 : 0;

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/bake/expected_look.h"
 #include "host/bake/look.h"
+#include "host/drive/drive_source.h"
 #include "tests/paper/built_scene.h"
 #include "tests/paper/character_run.h"
 #include "tests/support/assets.h"
@@ -23,7 +23,7 @@ double worst_look(const char* file, const scene::SceneOverrides& overrides) {
   std::unique_ptr<bake::Look> look;
   double worst = 0.0;
   run_character(file, overrides,
-                [&](const model::Model& model, const scene::Character& character, const model::Frame& frame) {
+                [&](const model::Model& model, const rig::Character& character, const model::Frame& frame) {
                   if (!look) {
                     body = bake::look_body(model, &character);
                     look = std::make_unique<bake::Look>(model, body, scene::Scene{}.fps);
@@ -52,7 +52,7 @@ struct Foreseen {
 Foreseen foreseen(const char* file, const char* clip, double softness) {
   scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
   const model::Model model = built(scene);
-  bake::DriveSource drives(scene, model);
+  drive::DriveSource drives(scene, model);
   const bake::ExpectedLook expected = bake::expected_look(scene, model, drives).value();
   const auto solver = cpu_reference::make_cpu_solver(model, {.integrator = model::Integrator::implicit_step});
   return {expected.score, bake::try_look(scene, model, drives, *solver, expected.frame).worst.score};

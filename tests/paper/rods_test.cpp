@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
+#include "host/drive/drive_source.h"
 #include "host/scene/scene.h"
 #include "tests/paper/built_scene.h"
 
@@ -31,7 +31,7 @@ struct RodSwing {
 RodSwing swing_of(scene::Scene scene) {
   const double fps = scene.fps;
   const model::Model model = built(scene);
-  bake::DriveSource drives(scene, model);
+  drive::DriveSource drives(scene, model);
   const auto solver = cpu_reference::make_cpu_solver(
       model, {.integrator = model::Integrator::implicit_step, .iterations = scene.solver.iterations}, 2);
   solver->load(drives.initial_state());
@@ -69,10 +69,10 @@ double sag(const std::string& name, std::vector<std::string> set = {}, double fp
 }
 
 // The hanging rod as a surface, squares cut along diagonals that alternate, with so many vertices along.
-scene::SurfaceMesh rod_surface(std::uint32_t along) {
+mesh::SurfaceMesh rod_surface(std::uint32_t along) {
   const std::array<std::uint32_t, 3> count{(along - 1) / 5 + 1, along, (along - 1) / 5 + 1};
   const std::array<double, 3> size{0.08, 0.4, 0.08};
-  scene::SurfaceMesh mesh;
+  mesh::SurfaceMesh mesh;
   std::map<std::array<std::uint32_t, 3>, std::uint32_t> number;
   const auto vertex = [&](const std::array<std::uint32_t, 3>& at) {
     const auto [entry, is_new] = number.try_emplace(at, static_cast<std::uint32_t>(mesh.vertices.size()));

@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
 #include "host/build/stiffness.h"
+#include "host/drive/drive_source.h"
 #include "host/model/validate.h"
 #include "host/scene/scene.h"
 
@@ -36,7 +36,7 @@ Sag cheek_sag(const std::string& integrator, bool sliding, const std::vector<std
   const model::Model model = build::build_model(scene, report);
   EXPECT_TRUE(report.warnings.empty()) << report.warnings.front().text;
   build::choose_steps(scene, model, report);
-  bake::DriveSource drives(scene, model);
+  drive::DriveSource drives(scene, model);
   model::SolverOptions options;
   if (model.is_implicit()) options = {.integrator = model::Integrator::implicit_step, .iterations = 20};
   const auto solver = cpu_reference::make_cpu_solver(model, options, 0);

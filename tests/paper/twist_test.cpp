@@ -9,9 +9,9 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
+#include "host/drive/drive_source.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::tests {
@@ -40,12 +40,12 @@ struct TwistedArm {
                         "layers.muscle.alpha=1", "layers.muscle.where={bone_distance={maximum=0.045}}",
                         "layers.bone.where={bone_distance={maximum=0.006}}"}});
     scene.muscles = {{.name = "wound", .bone = "forearm", .gain = 0.0, .twist = twist}};
-    auto& character = std::get<scene::Character>(scene.geometry);
-    scene::Clip still{.name = "turned", .duration = 1.0, .channels = {}};
+    auto& character = std::get<rig::Character>(scene.geometry);
+    rig::Clip still{.name = "turned", .duration = 1.0, .channels = {}};
     const double sine = std::sin(turn / 2.0), cosine = std::cos(turn / 2.0);
     still.channels.push_back({hand_joint,
-                              scene::ChannelPath::rotation,
-                              scene::Interpolation::linear,
+                              rig::ChannelPath::rotation,
+                              rig::Interpolation::linear,
                               {0.0, 1.0},
                               {sine, 0.0, 0.0, cosine, sine, 0.0, 0.0, cosine}});
     character.clips = {still};
@@ -56,7 +56,7 @@ struct TwistedArm {
     build::BuildOptions options;
     options.mesher = FASCICLE_MESHER;
     model = build::build_model(scene, report, options);
-    bake::DriveSource drives(scene, model);
+    drive::DriveSource drives(scene, model);
     const auto solver = cpu_reference::make_cpu_solver(model, {}, 2);
     solver->load(drives.initial_state());
     model::Frame frame;

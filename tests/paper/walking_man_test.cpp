@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
-#include "host/bake/drive_source.h"
+#include "cpu_reference/solver/cpu_solver.h"
+#include "host/drive/drive_source.h"
 #include "host/scene/scene.h"
 #include "tests/paper/built_scene.h"
 #include "tests/support/assets.h"
@@ -23,7 +23,7 @@ Frames bake(const std::string& file, const std::vector<std::string>& set, std::u
   overrides.set = set;
   scene::Scene scene = scene::load_scene(file, overrides);
   const model::Model model = built(scene);
-  bake::DriveSource drives(scene, model);
+  drive::DriveSource drives(scene, model);
   model::SolverOptions stepping;
   stepping.integrator =
       model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step;

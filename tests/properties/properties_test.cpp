@@ -13,11 +13,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "gpu/device.h"
 #include "gpu/vulkan_solver.h"
-#include "host/bake/drive_source.h"
 #include "host/build/build.h"
+#include "host/drive/drive_source.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 #include "tests/gpu/vulkan_device.h"
@@ -147,7 +147,7 @@ class Properties : public testing::Test {
     }
     ++built_;
     model::check_model(model);
-    bake::DriveSource drives(scene, model);
+    drive::DriveSource drives(scene, model);
     const model::SolverOptions solver_options{
         .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016};
     const auto threads = static_cast<unsigned>(*rc::gen::inRange(1, 4));
@@ -198,7 +198,7 @@ TEST_F(Properties, RandomBarsStayFinite) {
 // Points anywhere, also on top of each other and in one plane; tetrahedra of any four of them.
 TEST_F(Properties, RandomTetrahedraStayFiniteOrAreRefused) {
   EXPECT_TRUE(rc::check("any tetrahedra stay finite or are refused", [&] {
-    scene::TetMesh mesh;
+    mesh::TetMesh mesh;
     const int points = *rc::gen::inRange(0, 12);
     for (int k = 0; k < points; ++k) {
       const double coordinate = *rc::gen::element(0.0, 1.0, number_in(-1, 1), 1e-30, 1e30, std::nan(""));
@@ -216,8 +216,8 @@ TEST_F(Properties, RandomTetrahedraStayFiniteOrAreRefused) {
 }
 
 // A good mesh of random form: a tetrahedron grown by gluing tetrahedra to its faces.
-scene::TetMesh grown_mesh() {
-  scene::TetMesh mesh;
+mesh::TetMesh grown_mesh() {
+  mesh::TetMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.tetrahedra = {{0, 1, 2, 3}};
   std::vector<std::array<std::uint32_t, 3>> faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
@@ -247,7 +247,7 @@ TEST_F(Properties, GrownMeshesStayFinite) {
 // One or two things wrong with a good mesh, or nothing.
 TEST_F(Properties, DamagedMeshesStayFiniteOrAreRefused) {
   EXPECT_TRUE(rc::check("a damaged mesh stays finite or is refused", [&] {
-    scene::TetMesh mesh = grown_mesh();
+    mesh::TetMesh mesh = grown_mesh();
     const int damages = *rc::gen::inRange(0, 3);
     for (int k = 0; k < damages; ++k) {
       const auto vertex = *rc::gen::inRange<std::size_t>(0, mesh.vertices.size());
@@ -282,8 +282,8 @@ TEST_F(Properties, DamagedMeshesStayFiniteOrAreRefused) {
 
 // An octahedron, each triangle cut into four twice, its vertices at random distances from the middle: closed,
 // and star-shaped, so it never crosses itself.
-scene::SurfaceMesh random_surface() {
-  scene::SurfaceMesh surface;
+mesh::SurfaceMesh random_surface() {
+  mesh::SurfaceMesh surface;
   surface.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   surface.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                        {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};

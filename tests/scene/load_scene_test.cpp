@@ -9,7 +9,7 @@
 
 #include "host/scene/input_files.h"
 #include "host/scene/scene_file.h"
-#include "tests/scene/gltf_builder.h"
+#include "tests/gltf/gltf_builder.h"
 #include "tests/scene/scene_samples.h"
 #include "tests/support/assets.h"
 
@@ -320,7 +320,7 @@ TEST(Overrides, OneFormOfAChoiceReplacesTheOther) {
   write_tetrahedron_off(folder.path() / "a.off");
   const Scene mesh =
       parse(bar_sample(), {.set = {"mesh.file=" + (folder.path() / "a.off").string(), "mesh.scale=2"}});
-  EXPECT_TRUE(std::holds_alternative<SurfaceMesh>(mesh.geometry));
+  EXPECT_TRUE(std::holds_alternative<mesh::SurfaceMesh>(mesh.geometry));
   EXPECT_EQ(mesh.scale, 2.0);
 }
 
@@ -379,7 +379,7 @@ TEST(LoadScene, HashesBothFilesOfATetGenMesh) {
   write_file(folder.path() / "a.node", "4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
   write_file(folder.path() / "a.ele", "1 4 0\n1 1 2 3 4\n");
   const Scene scene = load_scene((folder.path() / "a.ele").string());
-  EXPECT_TRUE(std::holds_alternative<TetMesh>(scene.geometry));
+  EXPECT_TRUE(std::holds_alternative<mesh::TetMesh>(scene.geometry));
   ASSERT_EQ(scene.input_hashes.size(), 2u);
   EXPECT_TRUE(scene.input_hashes[0].first.ends_with("a.node"));
   EXPECT_TRUE(scene.input_hashes[1].first.ends_with("a.ele"));
@@ -416,7 +416,7 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   const auto path = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(path);
   const Scene scene = load_scene(path.string());
-  EXPECT_TRUE(std::holds_alternative<Character>(scene.geometry));
+  EXPECT_TRUE(std::holds_alternative<rig::Character>(scene.geometry));
   // Later layers win: fat is what neither muscle nor bone claims.
   ASSERT_EQ(scene.layers.size(), 3u);
   EXPECT_EQ(scene.layers[0].name, "fat");
@@ -479,10 +479,10 @@ TEST(LoadScene, KeysOfFilesAreSmooth) {
   EXPECT_EQ(load_scene("jump").motion.interpolation, KeyInterpolation::as_authored);
   const auto kind = [](const SceneOverrides& overrides) {
     const Scene scene = load_scene("jump", overrides);
-    return std::get<Character>(scene.geometry).clips[0].channels[0].interpolation;
+    return std::get<rig::Character>(scene.geometry).clips[0].channels[0].interpolation;
   };
-  EXPECT_EQ(kind({}), Interpolation::linear);
-  EXPECT_EQ(kind({.interpolation = "smooth"}), Interpolation::cubic_spline);
+  EXPECT_EQ(kind({}), rig::Interpolation::linear);
+  EXPECT_EQ(kind({.interpolation = "smooth"}), rig::Interpolation::cubic_spline);
   EXPECT_NE(refusal("bar-layers-iii", {.interpolation = "smooth"}).find("motion.interpolation"),
             std::string::npos);
   EXPECT_NE(refusal("jump", {.interpolation = "smoth"}).find("did you mean smooth?"), std::string::npos);

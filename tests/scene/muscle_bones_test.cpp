@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/scene/made_character.h"
+#include "host/made/made_character.h"
 
 namespace fascicle::tests {
 namespace {
@@ -14,8 +14,8 @@ using scene::Vector3d;
 
 constexpr std::uint32_t shoulder = 0, upper_arm = 1, forearm = 2, hand = 3;
 
-const scene::Character& made_arm() {
-  static const scene::Character character = scene::make_character("arm");
+const rig::Character& made_arm() {
+  static const rig::Character character = made::make_character("arm");
   return character;
 }
 
@@ -85,7 +85,7 @@ TEST(MuscleBones, RefusesWhatDoesNotFit) {
 
 // What no vertex follows has no inverse bind matrix, and so no place in the bind pose.
 TEST(MuscleBones, RefusesJointsThatSkinNothing) {
-  scene::Character character = made_arm();
+  rig::Character character = made_arm();
   character.skeleton[hand].skins = false;
   for (const Muscle& muscle : {Muscle{.name = "m", .joint = "forearm", .child = "hand"},
                                Muscle{.name = "m", .bone = "forearm", .twist_joint = "hand"}})
@@ -96,7 +96,7 @@ TEST(ContractionChannel, IsAJointAPartAndAnAxis) {
   const scene::ContractionChannel channel =
       scene::contraction_channel(made_arm(), {.name = "m", .contraction_channel = "hand.scale.y"});
   EXPECT_EQ(channel.joint, hand);
-  EXPECT_EQ(channel.path, scene::ChannelPath::scale);
+  EXPECT_EQ(channel.path, rig::ChannelPath::scale);
   EXPECT_EQ(channel.axis, 1u);
   for (const char* text :
        {"", "x", ".x", "hand.x", "hand.rotation.x", "hand.scale.w", "hand.scale.", "hund.scale.x"})

@@ -473,7 +473,7 @@ TEST_F(SceneKeys, FleshOfACharacterWithoutLayersGoesByItsSize) {
   const Scene arm = parse("[character]\nmade = \"arm\"\n"), bear = parse("[character]\nmade = \"bear\"\n");
   const auto extent = [](const Scene& of) {
     Eigen::AlignedBox3d box;
-    for (const scene::Vector3d& p : std::get<scene::Character>(of.geometry).surface.vertices) box.extend(p);
+    for (const scene::Vector3d& p : std::get<rig::Character>(of.geometry).surface.vertices) box.extend(p);
     return box.sizes().maxCoeff();
   };
   const double larger = extent(bear) / extent(arm);

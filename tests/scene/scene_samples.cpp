@@ -328,10 +328,10 @@ std::string describe(const Scene& scene) {
          scene.body.vertices ? std::to_string(*scene.body.vertices) : "");
   if (const auto* bar = std::get_if<Bar>(&scene.geometry)) {
     d.line("bar", bar->size, bar->vertices[0], bar->vertices[1], bar->vertices[2], bar->jitter, bar->seed);
-  } else if (const auto* surface = std::get_if<SurfaceMesh>(&scene.geometry)) {
+  } else if (const auto* surface = std::get_if<mesh::SurfaceMesh>(&scene.geometry)) {
     for (const Vector3d& p : surface->vertices) d.line("vertex", p);
     for (const auto& t : surface->triangles) d.line("triangle", t[0], t[1], t[2]);
-  } else if (const auto* character = std::get_if<Character>(&scene.geometry)) {
+  } else if (const auto* character = std::get_if<rig::Character>(&scene.geometry)) {
     for (const Vector3d& p : character->surface.vertices) d.line("vertex", p);
   }
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host/scene/scene.h"
-#include "tests/scene/gltf_builder.h"  // TemporaryFolder
+#include "tests/gltf/gltf_builder.h"  // TemporaryFolder
 
 namespace fascicle::tests {
 

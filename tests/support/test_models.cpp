@@ -10,8 +10,8 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "cpu_reference/oracle.h"
-#include "cpu_reference/oracle_implicit.h"
+#include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_implicit.h"
 
 namespace fascicle::tests {
 

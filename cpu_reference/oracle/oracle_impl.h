@@ -1,0 +1,95 @@
+// What Oracle holds and what its stages do, one by one: oracle_stages.cpp. oracle.cpp runs them in their
+// order.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_equations.h"
+#include "cpu_reference/oracle/oracle_implicit.h"
+#include "cpu_reference/oracle/oracle_limit.h"
+#include "cpu_reference/oracle/oracle_tie.h"
+#include "cpu_reference/oracle/oracle_weights.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/model/substep_plan.h"
+
+namespace fascicle::cpu_reference {
+
+struct Oracle::Impl {
+  Impl(const model::Model& of, const model::SolverOptions& with);
+
+  const model::Model& model;
+  const model::SolverOptions options;
+  const Points rest;
+  const Weights weights;
+  const Ties ties;
+  const Limits limits;
+  std::vector<Eigen::Matrix3d> rest_moment;  // A_r at rest
+  std::vector<double> stiffness;             // K_i; empty with the explicit integrator
+
+  // History.
+  std::uint64_t frame = 0;
+  std::array<double, 3> origin{0, 0, 0};
+  Points q, v;
+  Points skinned;                   // of the last substep; empty without a skeleton
+  Points skinned_velocities;        // u of the last substep; empty where the model carries nothing
+  std::vector<RegionPose> regions;  // of these only R is history
+  Points q_before, v_before;        // implicit: a substep before
+  double step_before = 0.0;         // s: the length of that substep; 0 if there was none
+
+  // Between the stages of a substep.
+  Points skinned_before;
+  Points turned_gravity;  // the bones' change of gravity
+  Points tied;            // accelerations by ties; empty without
+  Points goals;
+  Points surface;
+  Points y, iterate_before;            // implicit
+  std::vector<VertexHistory> history;  // implicit: as the substep began
+
+  std::deque<model::Frame> frames;
+
+  // What the kernels of one substep are given.
+  struct Substep {
+    double h;
+    Eigen::Vector3d gravity;
+    std::span<const shader::Bone> bones;
+    std::span<const shader::Muscle> muscles;
+    std::span<const shader::Force> forces;
+    std::span<const float> decay;
+    std::optional<Stepping> stepping = std::nullopt;    // implicit
+    std::optional<Chebyshev> chebyshev = std::nullopt;  // implicit
+  };
+  Substep substep_of(const model::Drive& drive, std::uint32_t number) const;
+  // A kernel of the plan (host/model/substep_plan.h). All passes of stage limit are one call: they are asked
+  // for by Kernel::limit.
+  void run(model::Kernel kernel, const Substep& now, std::uint32_t iteration);
+
+  void skin(std::span<const shader::Bone> bones);
+  void predict(const Eigen::Vector3d& gravity, std::span<const shader::Force> forces, double h);
+  void region(std::span<const shader::Muscle> muscles);
+  void goal();
+  void integrate(std::span<const float> decay, double h);
+  Eigen::Vector3d acceleration_of(std::uint32_t i, const Eigen::Vector3d& gravity,
+                                  std::span<const shader::Force> forces) const;
+  void begin_implicit(const Eigen::Vector3d& gravity, std::span<const shader::Force> forces,
+                      const Stepping& step, double share);
+  void relax(double gain, double omega, const Stepping& step);
+  void finish_implicit(const Stepping& step);
+  double stiffest(const Stepping& step) const;
+  void embed();
+
+  Eigen::Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
+  Eigen::Vector3d skinned_velocity(std::uint32_t i, double h) const;
+  void carry(const model::Cut& cut, double h);
+  std::vector<float> output(model::Stage stage) const;
+};
+
+}  // namespace fascicle::cpu_reference

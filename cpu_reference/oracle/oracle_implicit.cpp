@@ -1,0 +1,221 @@
+#include "cpu_reference/oracle/oracle_implicit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "cpu_reference/oracle/oracle_tie.h"
+#include "cpu_reference/oracle/oracle_weights.h"
+
+namespace fascicle::cpu_reference {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using model::Model;
+
+namespace {
+
+Vector3d rest_of(const Model& model, std::uint32_t i) {
+  return Vector3d(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
+}
+
+// Calls visit(face, n) for each triangle of the body's surface, n its outward normal as long as its area.
+template <class Visit>
+void for_each_surface_triangle(const Model& model, Visit visit) {
+  struct Sides {
+    int tetrahedra = 0;
+    std::uint32_t opposite = 0;
+  };
+  std::map<std::array<std::uint32_t, 3>, Sides> faces;
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
+    for (std::size_t opposite = 0; opposite < 4; ++opposite) {
+      std::array<std::uint32_t, 3> face{};
+      for (std::size_t k = 0; k < 3; ++k) face[k] = model.tetrahedron[t + (opposite + 1 + k) % 4];
+      std::sort(face.begin(), face.end());
+      Sides& sides = faces[face];
+      ++sides.tetrahedra;
+      sides.opposite = model.tetrahedron[t + opposite];
+    }
+  for (const auto& [face, sides] : faces) {
+    if (sides.tetrahedra != 1) continue;
+    const Vector3d o = rest_of(model, face[0]);
+    const Vector3d n = (rest_of(model, face[1]) - o).cross(rest_of(model, face[2]) - o) / 2.0;
+    visit(face, n.dot(rest_of(model, sides.opposite) - o) > 0.0 ? Vector3d(-n) : n);
+  }
+}
+
+// The mean of u u^T over the directions u in which stress is passed on at each vertex: I/3 inside; (I - N)/2
+// on the free surface, N the mean of n n^T by area over the surface's triangles at the vertex.
+std::vector<Matrix3d> stress_directions(const Model& model) {
+  std::vector<Matrix3d> normals(model.vertex_count, Matrix3d::Zero());
+  std::vector<double> area(model.vertex_count, 0.0);
+  for_each_surface_triangle(model, [&](const auto& face, const Vector3d& n) {
+    for (const std::uint32_t v : face) {
+      area[v] += n.norm();
+      normals[v] += n.norm() * n.normalized() * n.normalized().transpose();
+    }
+  });
+  // Flesh ends under skin that slides: at the tetrahedra with one corner in it.
+  const std::vector<bool> slides = sliding_vertices(model);
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    std::vector<std::uint32_t> below;
+    for (std::size_t k = t; k < t + 4; ++k)
+      if (!slides[model.tetrahedron[k]]) below.push_back(model.tetrahedron[k]);
+    if (below.size() != 3) continue;
+    const Vector3d o = rest_of(model, below[0]);
+    const Vector3d n = (rest_of(model, below[1]) - o).cross(rest_of(model, below[2]) - o) / 2.0;
+    for (const std::uint32_t v : below) {
+      area[v] += n.norm();
+      normals[v] += n * n.transpose() / n.norm();
+    }
+  }
+  std::vector<Matrix3d> directions(model.vertex_count, Matrix3d::Identity() / 3.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (area[i] > 0.0) directions[i] = (Matrix3d::Identity() - normals[i] / area[i]) / 2.0;
+  return directions;
+}
+
+// The tangents of the regions that are sheets (of free vertices in layers that slide, with all members on the
+// surface in such layers) as two columns: across the mean normal of the surface within these layers. 0 of
+// others.
+std::vector<Eigen::Matrix<double, 3, 2>> sheet_tangents(const Model& model) {
+  const std::vector<bool> slides = sliding_vertices(model);
+  std::vector<Vector3d> normals(model.vertex_count, Vector3d::Zero());
+  std::vector<bool> in_sheet(model.vertex_count);
+  for_each_surface_triangle(model, [&](const auto& face, const Vector3d& n) {
+    const bool all_slide = slides[face[0]] && slides[face[1]] && slides[face[2]];
+    for (const std::uint32_t v : face) {
+      in_sheet[v] = slides[v];
+      if (all_slide) normals[v] += n;
+    }
+  });
+  std::vector<Eigen::Matrix<double, 3, 2>> tangents(model.vertex_count, Eigen::Matrix<double, 3, 2>::Zero());
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    bool is_sheet = in_sheet[r] && !model.is_kinematic(r) && !normals[r].isZero(0.0);
+    for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e)
+      is_sheet = is_sheet && in_sheet[model.ring[e]];
+    if (!is_sheet) continue;
+    const Vector3d n = normals[r].normalized();
+    tangents[r] << n.unitOrthogonal(), n.cross(n.unitOrthogonal());
+  }
+  return tangents;
+}
+
+}  // namespace
+
+std::vector<double> region_stiffness(const Model& model) {
+  std::vector<double> volume(model.vertex_count, 0.0);
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+    const std::uint32_t* corner = &model.tetrahedron[t];
+    const Vector3d o = rest_of(model, corner[0]);
+    const double v = (rest_of(model, corner[1]) - o)
+                         .cross(rest_of(model, corner[2]) - o)
+                         .dot(rest_of(model, corner[3]) - o) /
+                     6.0;
+    for (int k = 0; k < 4; ++k) volume[corner[k]] += v / 4.0;
+  }
+  const std::vector<Matrix3d> directions = stress_directions(model);
+  const std::vector<Eigen::Matrix<double, 3, 2>> tangents = sheet_tangents(model);
+  std::vector<double> k(model.vertex_count);
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    Matrix3d S = Matrix3d::Zero();
+    const auto add = [&](std::uint32_t i) {
+      const Vector3d r_i = offset_from_mass_centre(model, i, r);
+      S += model.mass[i] * r_i * r_i.transpose();
+    };
+    add(r);
+    for (std::uint32_t e = model.ring_offset[r]; e < model.ring_offset[r + 1]; ++e) add(model.ring[e]);
+    // k_r D S = V_r u u^T under the stress u u^T, D what is left of the deformation when the region is turned
+    // back: it stretches by u.D u = (V_r/k_r) u.S^-1 u. Lengths are in working units: V holds unit^3 and S
+    // unit^2.
+    // In a sheet, u lies in it and so does D.
+    const Eigen::Matrix<double, 3, 2>& B = tangents[r];
+    const double compliance = B.isZero(0.0) ? (directions[r] * S.inverse()).trace()
+                                            : Eigen::Matrix2d(B.transpose() * S * B).inverse().trace() / 2.0;
+    k[r] = model.youngs_modulus[r] * volume[r] * model.unit * compliance;
+  }
+  return k;
+}
+
+std::vector<double> vertex_stiffness(const Model& model, const std::vector<double>& region) {
+  std::vector<double> K(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    double sum = region[i];
+    for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
+      sum += region[model.ring[e]];
+    K[i] = sum * model.mass[i];
+  }
+  return K;
+}
+
+// y = (4 q - q_prev)/3 + H v_y,  (v_y - (4 v - v_prev)/3)/H = f - d (v_y - u); q + h v_y without history.
+Vector3d predicted_position(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
+                            const Vector3d& u) {
+  const auto continued = [&](const Vector3d& now, const Vector3d& before) {
+    return step.has_history ? Vector3d((4.0 * now - before) / 3.0) : now;
+  };
+  const double H = step.length();
+  const Vector3d v_y = (continued(past.v, past.v_before) + H * (f + d * u)) / (1.0 + d * H);
+  return continued(past.q, past.q_before) + H * v_y;
+}
+
+// q + h v_s with v_s = v + t (v - v_prev)/2 + (1 - t) h/2 p f/|f|,  p = clamp((v - v_prev) . f / (h |f|), 0,
+// |f|), damped as v_y is. Without history v.
+Vector3d start_of_iterations(const VertexHistory& past, const Stepping& step, const Vector3d& f, double d,
+                             const Vector3d& u, double share) {
+  Vector3d v = past.v;
+  if (step.has_history) v += share * (past.v - past.v_before) / 2.0;
+  // Below 2^-20 an acceleration counts as none.
+  if (step.has_history && f.squaredNorm() >= std::ldexp(1.0, -40)) {
+    const double p = std::clamp((past.v - past.v_before).dot(f) / (step.h * f.norm()), 0.0, f.norm());
+    v += (1.0 - share) * step.h / 2.0 * p * f.normalized();
+  }
+  return past.q + step.h * (v + d * step.length() * u) / (1.0 + d * step.length());
+}
+
+// a = K H^2 / (m (1 + d H) + K H^2)
+Vector3d pulled_position(const Vector3d& y, const Vector3d& g, double mass, double stiffness, double d,
+                         const Stepping& step) {
+  const double H = step.length();
+  const double inertia = mass * (1.0 + d * H), pull = stiffness * H * H;
+  return (inertia * y + pull * g) / (inertia + pull);
+}
+
+// v = (3 q_new - 4 q + q_prev)/(2h); (q_new - q)/h without history.
+Vector3d differentiated_position(const Vector3d& q, const VertexHistory& past, const Stepping& step) {
+  if (!step.has_history) return (q - past.q) / step.h;
+  return (3.0 * q - 4.0 * past.q + past.q_before) / (2.0 * step.h);
+}
+
+// [0, a] lies on [-rho, rho] after the shift that the gain makes, and for a_N T_{N-1}(1/rho) = 20. Where
+// factors go down to -s a, the share 1/(1 + s a) of each pass brings them to [0, (a + s a)/(1 + s a)].
+Chebyshev::Chebyshev(std::uint32_t steps, double largest, double overshoot)
+    : iterations(steps), stiffest(largest), share(1.0 / (1.0 + overshoot * largest)) {
+  const double slowest = (largest + overshoot * largest) * share;
+  rho = std::min(1.0 / std::cosh(std::acosh(20.0) / double(steps - 1)), slowest / (2.0 - slowest));
+}
+
+double Chebyshev::gain(std::uint32_t k) const {
+  return k + 1 == iterations ? share : share * (1.0 + rho);
+}
+
+double Chebyshev::extrapolated() const {
+  const double least_rho = 1.0 / std::cosh(std::acosh(20.0) / double(iterations - 1));
+  const double reached = 2.0 * least_rho / (1.0 + least_rho);
+  return std::min(1.0, reached / (1.0 - reached) / (stiffest / (1.0 - stiffest)));
+}
+
+// omega_k = (2/rho) T_k(1/rho) / T_{k+1}(1/rho), but 1 at first, where there is no x_prev. With 1/rho = cosh
+// t that is the following.
+double Chebyshev::omega(std::uint32_t k) const {
+  if (k == 0 || k + 1 == iterations) return 1.0;
+  const double t = std::acosh(1.0 / rho);
+  const auto power = [&](double n) { return std::exp(-2.0 * n * t); };
+  return (1.0 + power(1)) * (1.0 + power(k)) / (1.0 + power(k + 1));
+}
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,68 @@
+#include "cpu_reference/oracle/oracle_limit.h"
+
+#include <cstddef>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+namespace fascicle::cpu_reference {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double relaxation = 1.5;
+
+}  // namespace
+
+// V = (b - a) . (c - a) x (d - a) / 6; the gradient by a corner is the area of the face across, towards it,
+// over 3.
+VolumeGradients volume_gradients(const Points& q, const std::array<std::uint32_t, 4>& corner) {
+  const Vector3d &a = q[corner[0]], &b = q[corner[1]], &c = q[corner[2]], &d = q[corner[3]];
+  VolumeGradients g;
+  g.by[0] = (d - b).cross(c - b) / 6.0;
+  g.by[1] = (c - a).cross(d - a) / 6.0;
+  g.by[2] = (d - a).cross(b - a) / 6.0;
+  g.by[3] = (b - a).cross(c - a) / 6.0;
+  g.volume = g.by[1].dot(b - a);
+  return g;
+}
+
+// Limits hold volumes times 6 and squares of gradients times 36, in parts of their size.
+Limits::Limits(const model::Model& model) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    mobility_.push_back(model.is_kinematic(i) ? 0.0 : 1.0 / model.mass[i]);
+  for (const shader::Limit& l : model.limit) {
+    const double size = double{l.size};
+    tetrahedra_.push_back({.corner = {l.corner_a, l.corner_b, l.corner_c, l.corner_d},
+                           .least_volume = double{l.least} * size * size * size / 6.0,
+                           .least_square = double{l.least_square} * size * size * size * size / 36.0});
+  }
+}
+
+void Limits::apply(Points& q) const {
+  for (std::uint32_t pass = 0; pass < shader::limit_passes; ++pass) {
+    std::vector<double> crowd(q.size(), 0.0);
+    std::vector<std::optional<VolumeGradients>> lacking;
+    for (const Tetrahedron& t : tetrahedra_) {
+      const VolumeGradients g = volume_gradients(q, t.corner);
+      lacking.push_back(g.volume < t.least_volume ? std::optional(g) : std::nullopt);
+      if (!lacking.back()) continue;
+      for (const std::uint32_t i : t.corner) crowd[i] += 1.0;
+    }
+    Points moved = q;
+    for (std::size_t k = 0; k < tetrahedra_.size(); ++k) {
+      if (!lacking[k]) continue;
+      const auto& [corner, least_volume, least_square] = tetrahedra_[k];
+      double sum = 0.0;
+      for (std::size_t j = 0; j < 4; ++j)
+        sum += crowd[corner[j]] * mobility_[corner[j]] * (lacking[k]->by[j].squaredNorm() + least_square);
+      const double push = (least_volume - lacking[k]->volume) / sum;
+      for (std::size_t j = 0; j < 4; ++j)
+        moved[corner[j]] += relaxation * mobility_[corner[j]] * push * lacking[k]->by[j];
+    }
+    q = moved;
+  }
+}
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,225 @@
+// The stages of a substep in double precision, as the paper has them.
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "cpu_reference/oracle/oracle_impl.h"
+
+namespace fascicle::cpu_reference {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+namespace {
+
+Eigen::Affine3d map_of(const shader::Bone& B) {
+  Eigen::Affine3d map = Eigen::Affine3d::Identity();
+  map.matrix().topRows<3>() << B.xx, B.xy, B.xz, B.xt, B.yx, B.yy, B.yz, B.yt, B.zx, B.zy, B.zz, B.zt;
+  return map;
+}
+
+// The rotation in a map; none (the identity) if it mirrors or flattens.
+Quaterniond rotation_in(const Eigen::Affine3d& map) {
+  const Matrix3d linear = map.linear();
+  if (linear.determinant() <= 0.0) return Quaterniond::Identity();
+  return best_rotation(linear, Quaterniond::Identity());
+}
+
+}  // namespace
+
+// Linear blend skinning: sum_k w_k B_k q0_i, and the same blend of the bones' change of gravity, g - R_k g.
+void Oracle::Impl::skin(std::span<const shader::Bone> bones) {
+  skinned_before = skinned;
+  turned_gravity.assign(skinned.size(), Vector3d::Zero());
+  for (std::uint32_t i = 0; i < skinned.size(); ++i) {
+    skinned[i].setZero();
+    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k) {
+      const shader::Bone& bone = bones[model.skin_joint[k]];
+      skinned[i] += double(model.skin_weight[k]) * (map_of(bone) * rest[i]);
+      turned_gravity[i] +=
+          double(model.skin_weight[k]) * Vector3d(bone.gravity_x, bone.gravity_y, bone.gravity_z);
+    }
+  }
+}
+
+// A cut: relative to the skeleton nothing happens. With R the turn from the blended map of the motion that
+// ends to that of the one that begins, q' = s' + R (q - s) and v' = u' + R (v - u).
+void Oracle::Impl::carry(const model::Cut& cut, double h) {
+  const auto blended = [&](std::span<const shader::Bone> pose, std::uint32_t i) {
+    Eigen::Affine3d map;
+    map.matrix().setZero();
+    for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k)
+      map.matrix() += double(model.skin_weight[k]) * map_of(pose[model.skin_joint[k]]).matrix();
+    return map;
+  };
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Eigen::Affine3d from = blended(cut.at, i), to = blended(cut.to, i);
+    const Vector3d s = from * rest[i], s_next = to * rest[i];
+    const Vector3d u = (s - blended(cut.before, i) * rest[i]) / h;
+    const Vector3d u_next = (blended(cut.after, i) * rest[i] - s_next) / h;
+    const Quaterniond R = rotation_in(to) * rotation_in(from).conjugate();
+    q[i] = s_next + R * (q[i] - s);
+    v[i] = u_next + R * (v[i] - u);
+    skinned[i] = s_next;
+    if (!model.carried.empty()) skinned_velocities[i] = u_next;
+    regions[i].R = (R * regions[i].R).normalized();
+  }
+  step_before = 0.0;
+}
+
+// f_i/m_i = gravity, as it has changed in the bones' frames, + the scene's forces by their coefficients +
+// ties.
+Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
+                                       std::span<const shader::Force> forces) const {
+  Vector3d acceleration = tied.empty() ? gravity : gravity + tied[i];
+  if (model.has_skeleton()) acceleration += turned_gravity[i];
+  if (model.force_count > 0) {
+    for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
+      const shader::Force& f = forces[model.force_index[k]];
+      acceleration += double(model.force_coefficient[k]) * Vector3d(f.x, f.y, f.z);
+    }
+  }
+  return acceleration;
+}
+
+// The forces' half of (4). What of the skeleton's acceleration the vertex does not feel moves it along.
+void Oracle::Impl::predict(const Vector3d& gravity, std::span<const shader::Force> forces, double h) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    if (!model.carried.empty())
+      v[i] += double(model.carried[i]) * (skinned_velocity(i, h) - skinned_velocities[i]);
+    v[i] = velocity_with_forces(v[i], acceleration_of(i, gravity, forces), h);
+  }
+}
+
+// (15)(16)(17) of all muscles of a region, then the shear of their twist; the identity outside the muscles.
+Matrix3d Oracle::Impl::scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const {
+  if (model.muscle_count == 0) return Matrix3d::Identity();
+  const shader::RegionFrame& directions = model.region_frame[r];
+  const Vector3d n =
+      Vector3d(directions.normal_x, directions.normal_y, directions.normal_z).stableNormalized();
+  const Vector3d axis(directions.axis_x, directions.axis_y, directions.axis_z);
+  const Vector3d around(directions.around_x, directions.around_y, directions.around_z);
+  double bulge = 0.0, shear = 0.0;
+  for (std::uint32_t e = model.muscle_offset[r]; e < model.muscle_offset[r + 1]; ++e) {
+    const shader::RegionMuscle& entry = model.region_muscle[e];
+    const shader::Muscle& muscle = muscles[entry.muscle];
+    bulge += double(entry.bulge) * (n.dot(Vector3d(muscle.tau_x, muscle.tau_y, muscle.tau_z)) + muscle.swell);
+    shear += double(entry.shear) * muscle.twist;
+  }
+  return muscle_twist(axis, around, shear) * muscle_scale(n, muscle_stretch(bulge));
+}
+
+// (8), (9) and the volume term. A moment below 2^-40 of the rest moment keeps the last rotation, and so does
+// a region without weights.
+void Oracle::Impl::region(std::span<const shader::Muscle> muscles) {
+  for (std::uint32_t r = 0; r < model.vertex_count; ++r) {
+    RegionPose& pose = regions[r];
+    pose.T = scale_of_region(r, muscles);
+    pose.c = region_centre(weights, r, q);
+    const Matrix3d A = region_moment(weights, r, pose.T, rest, pose.c0, q, pose.c);
+    if (A.norm() > std::ldexp(rest_moment[r].norm(), -40)) pose.R = best_rotation(A, pose.R);
+    if (!model.volume_gain.empty() && model.volume_gain[r] > 0.0f) {
+      const Matrix3d untouched = region_moment(weights, r, Matrix3d::Identity(), rest, pose.c0, q, pose.c);
+      pose.V = volume_push(untouched, rest_moment[r], double(model.volume_gain[r]));
+    }
+  }
+}
+
+// (10) and (11).
+void Oracle::Impl::goal() {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    goals[i] = blended_goal(weights, i, regions, rest, q);
+}
+
+Vector3d Oracle::Impl::skinned_velocity(std::uint32_t i, double h) const {
+  if (!model.has_skeleton()) return Vector3d::Zero();
+  return (skinned[i] - skinned_before[i]) / h;
+}
+
+// The other half of (4), damping, and (5). Kinematic vertices go where skinning takes them, or stay.
+void Oracle::Impl::integrate(std::span<const float> decay, double h) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d u = skinned_velocity(i, h);
+    if (!model.carried.empty()) skinned_velocities[i] = u;
+    if (model.is_kinematic(i)) {
+      if (model.has_skeleton()) q[i] = skinned[i];
+      v[i] = u;
+      continue;
+    }
+    v[i] = velocity_to_goal(v[i], model.alpha[i], goals[i], q[i], h);
+    v[i] = damped_velocity(v[i], u, decay[model.layer_of(i)]);
+    q[i] = moved_position(q[i], v[i], h);
+  }
+}
+
+// The implicit integrator's predict: y and where the iterations start. The velocity u that damping is
+// relative to is the skinned one at the substep's end, and what the vertex does not feel of the skeleton's
+// acceleration is an acceleration.
+void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces,
+                                  const Stepping& step, double share) {
+  history.resize(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    history[i] = {q[i], step.has_history ? q_before[i] : q[i], v[i], step.has_history ? v_before[i] : v[i]};
+    if (model.is_kinematic(i)) {
+      if (model.has_skeleton()) q[i] = skinned[i];
+      y[i] = q[i];
+      continue;
+    }
+    Vector3d f = acceleration_of(i, gravity, forces);
+    Vector3d u = skinned_velocity(i, step.h);
+    if (!model.carried.empty()) {
+      f += double(model.carried[i]) * (u - skinned_velocities[i]) / step.h;
+      if (step.has_history) u = (3.0 * u - skinned_velocities[i]) / 2.0;
+    }
+    const double d = model.layers[model.layer_of(i)].damping;
+    y[i] = predicted_position(history[i], step, f, d, u);
+    q[i] = start_of_iterations(history[i], step, f, d, u, share);
+  }
+  iterate_before = q;
+}
+
+// x <- x_prev + omega (gain (x_hat - x) + x - x_prev)
+void Oracle::Impl::relax(double gain, double omega, const Stepping& step) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    const double d = model.layers[model.layer_of(i)].damping;
+    const Vector3d x_hat = pulled_position(y[i], goals[i], model.mass[i], stiffness[i], d, step);
+    const Vector3d x = omega * (gain * (x_hat - q[i]) + q[i] - iterate_before[i]) + iterate_before[i];
+    iterate_before[i] = q[i];
+    q[i] = x;
+  }
+}
+
+// The largest a of a free vertex: how far x_hat goes with the goal.
+double Oracle::Impl::stiffest(const Stepping& step) const {
+  double largest = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const double d = model.layers[model.layer_of(i)].damping;
+    const Vector3d x_hat =
+        pulled_position(Vector3d::Zero(), Vector3d::UnitX(), model.mass[i], stiffness[i], d, step);
+    if (!model.is_kinematic(i)) largest = std::max(largest, x_hat.x());
+  }
+  return largest;
+}
+
+void Oracle::Impl::finish_implicit(const Stepping& step) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const Vector3d u = skinned_velocity(i, step.h);
+    if (!model.carried.empty()) skinned_velocities[i] = u;
+    q_before[i] = history[i].q;
+    v_before[i] = v[i];
+    v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step);
+  }
+}
+
+// A render vertex rides on its four vertices by barycentric coordinates.
+void Oracle::Impl::embed() {
+  surface.assign(model.surface_count(), Vector3d::Zero());
+  for (std::size_t k = 0; k < model.surface_vertex.size(); ++k)
+    surface[k / 4] += double(model.surface_weight[k]) * q[model.surface_vertex[k]];
+}
+
+}  // namespace fascicle::cpu_reference

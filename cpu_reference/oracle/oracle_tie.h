@@ -1,0 +1,40 @@
+// Ties between skin that slides and the flesh below, in double precision, from the rest data: springs
+// to a vertex's foot on the plane below, which bear a share of what a substep can. They are ours and not the
+// paper's.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cpu_reference/oracle/oracle_equations.h"
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+class Ties {
+ public:
+  explicit Ties(const model::Model& model);
+  bool empty() const { return springs_.empty(); }
+  // The accelerations of all vertices in a substep of h seconds that begins at `q` with `v`. The implicit
+  // integrator's ties stand where the vertices would come to by themselves.
+  Points accelerations(const Points& q, const Points& v, double h) const;
+
+ private:
+  struct Spring {
+    std::uint32_t sliding;
+    std::array<std::uint32_t, 3> corners;
+    double rest_height;
+  };
+  std::vector<Spring> springs_;
+  bool looks_ahead_;
+  std::vector<double> ties_at_;   // a vertex, as a corner
+  std::vector<double> mobility_;  // inverse masses, 0 of kinematic vertices
+};
+
+// The vertices in layers whose vertices ties hold.
+std::vector<bool> sliding_vertices(const model::Model& model);
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,17 @@
+// CpuSolver: the float solver on the CPU, with the bits of VulkanSolver for any number of threads and any
+// vector instructions. Submit a Drive for each frame and collect its positions (host/model/solver.h).
+#pragma once
+
+#include <memory>
+
+#include "cpu_reference/solver/simd.h"
+#include "host/model/solver.h"
+
+namespace fascicle::cpu_reference {
+
+// `threads` 0: one for each core. The model must outlive the solver and have passed check_model. Throws
+// std::invalid_argument for options that do not fit the model, and for instructions that the machine has not.
+std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
+                                               unsigned threads = 0, Simd simd = Simd::automatic);
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,77 @@
+// Stages in lanes: the stages of stages.h over slices of vertices, many vertices an instruction, with the
+// same bits. The arithmetic is that of shaders/kernel, instantiated for numbers that are vectors (lanes.inc);
+// the stages are written once (lane_stages.inc) and compiled for each instruction set.
+#pragma once
+
+#include <cstdint>
+
+#include "cpu_reference/solver/fields.h"
+#include "cpu_reference/solver/simd.h"
+#include "cpu_reference/solver/slices.h"
+#include "cpu_reference/solver/stages.h"
+#include "host/model/model_arrays.h"
+
+namespace fascicle::cpu_reference {
+
+// Plain pointers and numbers: an instruction set's code must share no inline function of a library with code
+// for others, or the linker may give one's to the other.
+struct LaneInput {
+  std::uint32_t vertex_count;
+  const std::uint32_t* first_row;
+  const std::uint32_t* full_rows;
+  const std::uint32_t* degree;
+  const std::int32_t* taken_degree;
+  const std::uint8_t* is_held;
+  const std::uint32_t* layer;
+  const std::uint32_t* reach;
+  const std::int16_t* near_ring;  // null: far_ring and shares as floats
+  const std::uint16_t *taken_parts, *given_parts;
+  const std::int32_t* far_ring;
+  const float *taken, *given;
+
+  // The model's arrays, by their rows in model_arrays; null where empty. array_of gives them their types.
+  const void* arrays[model::model_member_count];
+  std::uint32_t muscle_count, force_count;
+  bool has_skeleton;
+
+  // Of stage limit: those that a range of slices counts, by number; null: all.
+  std::uint32_t limit_count;
+  const std::uint32_t* listed_limit;
+
+  shader::Substep step;
+  shader::ImplicitStep implicit;
+  const shader::Response* responses;
+  const shader::Bone* bones;
+  const shader::Muscle* muscles;
+  const shader::Force* forces;
+  const float* decay;
+
+  // As in Fields.
+  float *vertices, *regions, *velocities, *predicted, *goals, *skinned, *skinned_velocities, *gravity;
+  const float* tied;  // null without
+  float *iterate_before, *positions_before, *velocities_before;
+  const float* skinned_before;
+  float* lack;
+  std::uint8_t* some_lack;
+};
+
+LaneInput lane_input(const model::Model& model, const Slices& slices, const SubstepInput& in, Fields& fields);
+
+// The range is one of slices.
+using LaneStage = void (*)(const LaneInput& in, Range slices);
+struct LaneStages {
+  LaneStage skin, region, update, iterate;
+  LaneStage predict, integrate;  // of an implicit substep; an explicit one's are in update
+  LaneStage lack;                // over slices of limits
+};
+
+// Null for scalar, and where this build has none for the level.
+const LaneStages* lane_stages(Simd level);
+
+// One for each instruction set; null where the compiler was not told to use it.
+const LaneStages* baseline_lane_stages();
+const LaneStages* sse4_lane_stages();
+const LaneStages* avx2_lane_stages();
+const LaneStages* avx512_lane_stages();
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,43 @@
+// Stages in lanes with SSE4.1, four lanes. Compiled with -msse4.1.
+#include "cpu_reference/solver/lane_stages.h"
+
+#ifdef __SSE4_1__
+
+#include <cstddef>
+#include <utility>
+
+#define KERNEL_FUNCTION \
+  template <class Real> \
+  [[gnu::always_inline]] inline
+#include "shaders/kernel/goal.inc"
+#include "shaders/kernel/integrate.inc"
+#include "shaders/kernel/limit.inc"
+#include "shaders/kernel/predict.inc"
+#include "shaders/kernel/region.inc"
+#include "shaders/kernel/relax.inc"
+#include "shaders/kernel/skin.inc"
+#include "shaders/kernel/tie.inc"
+#include "shaders/kernel/volume.inc"
+
+#define FASCICLE_LANES 4
+#include "cpu_reference/solver/lane_stages.inc"
+
+namespace fascicle::cpu_reference {
+
+const LaneStages* sse4_lane_stages() {
+  return &stages_in_lanes;
+}
+
+}  // namespace fascicle::cpu_reference
+
+#else
+
+namespace fascicle::cpu_reference {
+
+const LaneStages* sse4_lane_stages() {
+  return nullptr;
+}
+
+}  // namespace fascicle::cpu_reference
+
+#endif

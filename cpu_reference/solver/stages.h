@@ -1,0 +1,54 @@
+// The stages of a substep on the CPU, over a range of vertices (regions, render vertices). Only indexing: the
+// arithmetic is in shaders/kernel. Call a stage for ranges that cover the body, on any threads, and wait for
+// all of them before the next stage. What a stage reads of other vertices, an earlier stage wrote; what it
+// overwrites (rotations, velocities, positions), only the vertex itself reads in that stage.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "cpu_reference/solver/fields.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "shaders/shared.h"
+
+namespace fascicle::cpu_reference {
+
+struct Range {
+  std::uint32_t first, last;
+};
+
+// One substep's uniform values and this substep's bones, muscles and forces.
+struct SubstepInput {
+  shader::Substep step{};
+  std::span<const shader::Bone> bones;
+  std::span<const shader::Muscle> muscles;
+  std::span<const shader::Force> forces;
+  std::span<const float> decay;
+  bool mueller = false;
+  shader::ImplicitStep implicit{};
+  std::span<const shader::Response> responses;  // those of the step: n, or none
+};
+
+// Each follows the integrator of the model. Only implicit models have relax.
+void rebase(const SubstepInput& in, Fields& fields, Range range);
+void skin(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void tie(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void predict(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void region(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void goal(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void relax(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+// A pass of stage limit: over the model's limits, over the vertices, over the limits that lack volume, over
+// the vertices.
+void lack(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void crowd(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void push(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void limit(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void integrate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+// predict, goal and integrate in one pass over the vertices; the same bits.
+void update(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+// goal and relax in one pass over the vertices; the same bits.
+void iterate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void embed(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,19 @@
+// What is thrown where an input or an output cannot be used: a message for the user.
+#pragma once
+
+#include <stdexcept>
+
+namespace fascicle::base {
+
+// Input that cannot be used. what() reads "FILE:LINE: KEY: what is wrong; what to do".
+struct SceneError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A folder that cannot be baked into, or a cache that does not fit: bad input or usage. what() says what to
+// do.
+struct BakeError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace fascicle::base

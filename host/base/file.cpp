@@ -1,0 +1,171 @@
+#include "host/base/file.h"
+
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace fascicle::base {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little,
+              "the binary formats are written as they lie in memory");
+
+namespace {
+
+[[noreturn]] void fail(const char* what, const fs::path& path) {
+  const int code = errno;
+  throw std::system_error(code, std::generic_category(), std::string(what) + " " + path.string());
+}
+
+fs::path with_suffix(const fs::path& path, const std::string& suffix) {
+  return fs::path(path.string() + suffix);
+}
+
+// Writes beside `path`, then renames.
+void replace_file(const fs::path& path, const fs::path& temporary, std::string_view bytes, bool sync) {
+  try {
+    File file(temporary, FileMode::replace);
+    file.write(bytes);
+    if (sync) file.sync();
+    file.close();
+    rename_over(temporary, path);
+  } catch (const std::system_error&) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
+}  // namespace
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
+void rename_over(const fs::path& from, const fs::path& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) fail("cannot rename to", to);
+}
+
+File::File(fs::path path, FileMode mode) : path_(std::move(path)) {
+  const int flags = mode == FileMode::read     ? O_RDONLY
+                    : mode == FileMode::modify ? O_RDWR
+                                               : O_RDWR | O_CREAT | O_TRUNC;
+  do descriptor_ = ::open(path_.c_str(), flags | O_CLOEXEC, 0666);
+  while (descriptor_ < 0 && errno == EINTR);
+  if (descriptor_ < 0) fail("cannot open", path_);
+  if (mode == FileMode::modify && ::lseek(descriptor_, 0, SEEK_END) < 0) {
+    const int code = errno;
+    ::close(descriptor_);
+    errno = code;
+    fail("cannot seek in", path_);
+  }
+}
+
+File::~File() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+File::File(File&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+File& File::operator=(File&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+std::uint64_t File::size() const {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) fail("cannot ask the size of", path_);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+void File::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::write(descriptor_, bytes.data(), bytes.size());
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail("cannot write", path_);
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+  }
+}
+
+void File::write_at(std::uint64_t offset, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t done = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail("cannot write", path_);
+    bytes.remove_prefix(static_cast<std::size_t>(done));
+    offset += static_cast<std::uint64_t>(done);
+  }
+}
+
+bool File::read_at(std::uint64_t offset, std::span<char> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t done = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) fail("cannot read", path_);
+    if (done == 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(done));
+    offset += static_cast<std::uint64_t>(done);
+  }
+  return true;
+}
+
+void File::truncate(std::uint64_t size) {
+  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) fail("cannot shorten", path_);
+  if (::lseek(descriptor_, static_cast<off_t>(size), SEEK_SET) < 0) fail("cannot seek in", path_);
+}
+
+void File::sync() {
+  if (::fsync(descriptor_) != 0) fail("cannot write to disk", path_);
+}
+
+void File::close() {
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail("cannot write", path_);
+}
+
+void sync_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) fail("cannot open", folder);
+  const int result = ::fsync(descriptor);
+  const int code = errno;
+  ::close(descriptor);
+  // Some file systems cannot sync a folder and say EINVAL; their renames are as durable as they get.
+  if (result != 0 && code != EINVAL) {
+    errno = code;
+    fail("cannot write to disk", folder);
+  }
+}
+
+void write_whole(const fs::path& path, std::string_view bytes) {
+  replace_file(path, with_suffix(path, temporary_suffix), bytes, true);
+  sync_folder(path.parent_path());
+}
+
+void write_whole_unsynced(const fs::path& path, std::string_view bytes) {
+  replace_file(path, with_suffix(path, temporary_suffix), bytes, false);
+}
+
+void write_whole_beside_others(const fs::path& path, std::string_view bytes) {
+  static std::atomic<std::uint64_t> count{0};
+  const std::string own = "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + temporary_suffix;
+  replace_file(path, with_suffix(path, own), bytes, true);
+  sync_folder(path.parent_path());
+}
+
+void sync_file(const fs::path& path) {
+  File(path, FileMode::modify).sync();
+}
+
+}  // namespace fascicle::base

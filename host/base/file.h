@@ -1,0 +1,79 @@
+// Files that appear whole or not at all. Every failure of the system throws std::system_error with the path.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace fascicle::base {
+
+enum class FileMode {
+  read,
+  modify,   // must exist; writes go to its end
+  replace,  // empty; made if it is not there
+};
+
+// An open file. Move-only.
+class File {
+ public:
+  File(std::filesystem::path path, FileMode mode);
+  ~File();
+  File(File&& other) noexcept;
+  File& operator=(File&& other) noexcept;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t size() const;
+  // Appends all of it.
+  void write(std::string_view bytes);
+  // Writes over bytes that are there; the next write goes to the end as before.
+  void write_at(std::uint64_t offset, std::string_view bytes);
+  // Fills `bytes` from `offset`; false if the file ends before.
+  bool read_at(std::uint64_t offset, std::span<char> bytes) const;
+  // Cuts to `size` bytes; the next write goes there.
+  void truncate(std::uint64_t size);
+  // On return what was written survives a power cut.
+  void sync();
+  // Reports what a delayed write still had to say; the destructor cannot.
+  void close();
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+// Makes new and removed names in a folder survive a power cut.
+void sync_folder(const std::filesystem::path& folder);
+
+// The new name takes the place of what it named before.
+void rename_over(const std::filesystem::path& from, const std::filesystem::path& to);
+
+// With its dot; only ASCII letters are lowered.
+std::string lower_extension(const std::filesystem::path& path);
+
+// Suffix of what write_whole writes before the final name appears.
+inline constexpr const char* temporary_suffix = ".tmp";
+// `path` holds either its old content or all of `bytes`, whatever happens.
+void write_whole(const std::filesystem::path& path, std::string_view bytes);
+// The same as far as other processes see, also if this one is killed; durable only after sync_file and
+// sync_folder.
+void write_whole_unsynced(const std::filesystem::path& path, std::string_view bytes);
+void sync_file(const std::filesystem::path& path);
+
+// The same through a temporary file of a name of its own, so that several may write one path at a time; the
+// last one's stays.
+void write_whole_beside_others(const std::filesystem::path& path, std::string_view bytes);
+
+// Raw bytes of a number or of an array of numbers, as they lie in memory (files here are little-endian).
+template <class T>
+void append_bytes(std::string& out, const T& value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+template <class T>
+void append_array(std::string& out, std::span<const T> values) {
+  out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+}
+
+}  // namespace fascicle::base

@@ -1,0 +1,47 @@
+#include "host/base/nearest_name.h"
+
+#include <algorithm>
+#include <array>
+
+namespace fascicle::base {
+namespace {
+
+// Insertions, deletions, substitutions and swaps of neighbours that lead from a to b.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::array<std::vector<std::size_t>, 3> rows;
+  for (auto& row : rows) row.resize(b.size() + 1);
+  auto& [before_last, last, row] = rows;
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+    std::swap(before_last, last);
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view given, const std::vector<std::string>& names) {
+  // Longer than any name that could be meant; keeps the cost of a hostile key small.
+  given = given.substr(0, 256);
+  const auto nearest =
+      std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
+        return edit_distance(given, a) < edit_distance(given, b);
+      });
+  if (nearest == names.end()) return {};
+  const bool is_near = 2 * edit_distance(given, *nearest) <= std::max(given.size(), nearest->size());
+  return is_near ? *nearest : std::string{};
+}
+
+std::string nearest_name_hint(std::string_view given, const std::vector<std::string>& names) {
+  const std::string nearest = nearest_name(given, names);
+  return nearest.empty() ? "" : "; did you mean " + nearest + "?";
+}
+
+}  // namespace fascicle::base

@@ -1,0 +1,17 @@
+// Hints for names that were mistyped.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fascicle::base {
+
+// The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near:
+// one that shares less than half of its letters is a guess, not a hint.
+std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
+
+// "; did you mean NAME?", or empty if none is near.
+std::string nearest_name_hint(std::string_view given, const std::vector<std::string>& names);
+
+}  // namespace fascicle::base

@@ -1,0 +1,218 @@
+#include "host/base/process.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace fascicle::base {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
+  ~Descriptor() { close(); }
+  int get() const { return number_; }
+  void close() {
+    if (number_ >= 0) ::close(std::exchange(number_, -1));
+  }
+
+ private:
+  int number_;
+};
+
+[[noreturn]] void throw_error(int error, const std::string& what) {
+  throw std::system_error(error, std::generic_category(), what);
+}
+
+std::pair<Descriptor, Descriptor> make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw_error(errno, "pipe");
+  return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
+
+// Everything the child needs, made before fork(): between fork() and exec() nothing may allocate.
+struct Launch {
+  const char* program;
+  char* const* arguments;
+  int error_output;  // becomes stderr
+  int report;        // gets errno if exec() fails
+  pid_t parent;
+  rlimit memory, processor, core;
+};
+
+[[noreturn]] void start_child(const Launch& launch) {
+  const auto give_up = [&] {
+    const int error = errno;
+    [[maybe_unused]] const ssize_t written = ::write(launch.report, &error, sizeof error);
+    ::_exit(127);
+  };
+  ::setpgid(0, 0);
+  if (::prctl(PR_SET_PDEATHSIG, SIGKILL) != 0) give_up();
+  if (::getppid() != launch.parent) ::_exit(127);  // it died before prctl()
+  sigset_t none;
+  sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGCHLD}) ::signal(number, SIG_DFL);
+  const int null = ::open("/dev/null", O_RDWR);
+  if (null < 0 || ::dup2(null, STDIN_FILENO) < 0 || ::dup2(null, STDOUT_FILENO) < 0 ||
+      ::dup2(launch.error_output, STDERR_FILENO) < 0) {
+    give_up();
+  }
+  if (::setrlimit(RLIMIT_CORE, &launch.core) != 0 || ::setrlimit(RLIMIT_CPU, &launch.processor) != 0 ||
+      ::setrlimit(RLIMIT_AS, &launch.memory) != 0) {
+    give_up();
+  }
+  ::execv(launch.program, launch.arguments);
+  give_up();
+  ::_exit(127);
+}
+
+// A limit of ours, or the one that holds already if that is lower.
+rlimit limit_of(decltype(RLIMIT_AS) resource, rlim_t soft, rlim_t hard) {
+  rlimit current{};
+  if (::getrlimit(resource, &current) != 0) throw_error(errno, "getrlimit");
+  return {std::min(soft, current.rlim_max), std::min(hard, current.rlim_max)};
+}
+
+// Reads what is there. False at the end of the stream.
+bool read_some(int descriptor, std::string& tail) {
+  constexpr std::size_t kept = 4096;
+  std::array<char, 4096> buffer;
+  const ssize_t size = ::read(descriptor, buffer.data(), buffer.size());
+  if (size < 0) return errno == EAGAIN || errno == EINTR;
+  tail.append(buffer.data(), static_cast<std::size_t>(size));
+  if (tail.size() > kept) tail.erase(0, tail.size() - kept);
+  return size > 0;
+}
+
+enum class ChildState { running, ended, reaped };  // reaped by others: its number may be another's by now
+
+ChildState state_of(pid_t child) {
+  siginfo_t info{};
+  // WNOWAIT leaves it a zombie, so that its number, and its group's, stay ours until it is reaped.
+  if (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
+    return errno == ECHILD ? ChildState::reaped : ChildState::running;
+  return info.si_pid == child ? ChildState::ended : ChildState::running;
+}
+
+// Processor time that a child has used, s; below 0 where the system does not say.
+double processor_seconds(pid_t child) {
+  clockid_t clock{};
+  timespec used{};
+  if (::clock_getcpuclockid(child, &clock) != 0 || ::clock_gettime(clock, &used) != 0) return -1.0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+// Waits for the end of the child or of its time; `exited` if it ended by itself, in whatever way. Nothing
+// where others reaped it.
+std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, double seconds, std::string& tail) {
+  constexpr int slice = 20;  // ms: the end of stderr wakes us at once, this is for a child that has closed it
+  bool is_open = true;
+  double used = 0.0;
+  Clock::time_point moved = Clock::now();
+  for (;;) {
+    const ChildState state = state_of(child);
+    if (state == ChildState::ended) return ProcessEnd::exited;
+    if (state == ChildState::reaped) return std::nullopt;
+    if (const double now = processor_seconds(child); now > used) {
+      used = now;
+      moved = Clock::now();
+    }
+    if (used > seconds) return ProcessEnd::timed_out;
+    if (std::chrono::duration<double>(Clock::now() - moved).count() > seconds) return ProcessEnd::stalled;
+    pollfd event{is_open ? error_output : -1, POLLIN, 0};
+    const int ready = ::poll(&event, 1, slice);
+    if (ready > 0) is_open = read_some(error_output, tail);
+  }
+}
+
+}  // namespace
+
+ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                          const ProcessLimits& limits) {
+  auto [error_output, child_error] = make_pipe();
+  auto [report, child_report] = make_pipe();
+  std::string name = program.string();
+  std::vector<std::string> words = arguments;
+  std::vector<char*> pointers = {name.data()};
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  const auto seconds = static_cast<rlim_t>(std::ceil(std::clamp(limits.seconds, 0.0, 1e9)));
+  Launch launch{};
+  launch.program = name.c_str();
+  launch.arguments = pointers.data();
+  launch.error_output = child_error.get();
+  launch.report = child_report.get();
+  launch.parent = ::getpid();
+  launch.memory = limit_of(RLIMIT_AS, limits.bytes, limits.bytes);
+  launch.processor = limit_of(RLIMIT_CPU, seconds + 1, seconds + 2);
+  launch.core = {0, 0};
+
+  const pid_t child = ::fork();
+  if (child < 0) throw_error(errno, "fork");
+  if (child == 0) start_child(launch);
+  ::setpgid(child, child);  // here too: whichever of the two comes first
+  child_error.close();
+  child_report.close();
+
+  int exec_error = 0;
+  ssize_t reported = 0;
+  do {
+    reported =
+        ::read(report.get(), &exec_error, sizeof exec_error);  // ends when exec() closes the child's end
+  } while (reported < 0 && errno == EINTR);
+
+  ProcessResult result;
+  ::fcntl(error_output.get(), F_SETFL, O_NONBLOCK);
+  std::optional<ProcessEnd> waited =
+      wait_for_end(child, error_output.get(), limits.seconds, result.last_words);
+  int status = 0;
+  if (waited) {
+    ::kill(-child, SIGKILL);
+    pid_t reaped = 0;
+    do {
+      reaped = ::waitpid(child, &status, 0);
+    } while (reaped < 0 && errno == EINTR);
+    // How one ended that was killed for its time is known all the same.
+    if (reaped < 0 && waited == ProcessEnd::exited) waited.reset();
+  }
+  for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {
+  }
+  if (reported == static_cast<ssize_t>(sizeof exec_error)) throw_error(exec_error, name);
+  if (!waited)
+    throw std::runtime_error(name +
+                             ": a child of this process was reaped by others; the program that uses fascicle "
+                             "must leave SIGCHLD at its default and not wait for all children");
+  if (waited != ProcessEnd::exited) {
+    result.end = *waited;
+  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    result.end = ProcessEnd::timed_out;
+  } else if (WIFSIGNALED(status)) {
+    result.end = ProcessEnd::signalled;
+    result.code = WTERMSIG(status);
+  } else {
+    result.code = WEXITSTATUS(status);
+  }
+  return result;
+}
+
+}  // namespace fascicle::base

@@ -1,0 +1,405 @@
+#include "host/drive/drive_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/base/trigonometry.h"
+#include "host/drive/felt_acceleration.h"
+#include "host/drive/muscle_drive.h"
+#include "host/drive/pose_bones.h"
+#include "host/drive/timeline.h"
+
+namespace fascicle::drive {
+
+using scene::Vector3d;
+
+struct DriveSource::Impl {
+  Impl(const scene::Scene& scene, const model::Model& model);
+
+  double h() const { return 1.0 / (static_cast<double>(substeps) * scene.fps); }
+  Vector3d rest_origin() const { return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]}; }
+  Vector3d origin(std::uint64_t count);  // of the pose at the end of substep `count`
+  void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const {
+    if (timeline) drive::append_bones(scene, model, pose, origin, to);
+  }
+  void append_pose(const Pose& pose, const Vector3d& origin, double time);
+  void append_forces(double time);
+  void clear();
+  Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
+  Pose followed_back(std::uint64_t count);
+  Pose followed_on(std::uint64_t count);
+  void append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before, const Vector3d& after);
+  bool accelerates(std::uint64_t count);
+  bool is_bounded(std::uint64_t count);
+  void append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+                    const Vector3d& after);
+  std::vector<shader::Bone> start_after(const Vector3d& origin);
+  model::Drive drive_to(const Vector3d& end);
+
+  const scene::Scene& scene;
+  const model::Model& model;
+  std::uint64_t substeps;
+  std::optional<Timeline> timeline;         // nothing without a skeleton
+  std::optional<FeltAcceleration> felt;     // the same
+  std::optional<MuscleDrive> muscle_drive;  // nothing without muscles
+  std::vector<shader::Bone> bones;
+  std::vector<shader::Muscle> muscles;
+  std::vector<shader::Force> forces;
+  std::vector<float> decay;
+  std::vector<std::vector<shader::Bone>> cut_poses;  // four a cut
+  std::vector<model::Cut> cuts;
+};
+
+DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
+    : scene(s), model(m), substeps(s.solver.substeps) {
+  const auto must_fit = [](const char* what, std::size_t of_scene, std::size_t of_model) {
+    if (of_scene != of_model) {
+      throw std::invalid_argument("DriveSource: the scene has " + std::to_string(of_scene) + " " + what +
+                                  ", the model " + std::to_string(of_model));
+    }
+  };
+  const rig::Character* character = nullptr;
+  if (model.has_skeleton()) character = std::get_if<rig::Character>(&scene.geometry);
+  must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
+  must_fit("forces", scene.forces.size(), model.force_count);
+  must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
+  if (character != nullptr) timeline.emplace(scene, *character, model::extent(model));
+  if (character != nullptr) felt.emplace(scene, *character, model);
+  if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
+  for (const model::Layer& layer : model.layers)
+    decay.push_back(static_cast<float>(base::exact_exp(-layer.damping * h())));
+}
+
+Vector3d DriveSource::Impl::origin(std::uint64_t count) {
+  if (!timeline) return rest_origin();
+  return whole_units(timeline->root(timeline->pose(count)), model.unit);
+}
+
+// A substep's end: the bones, and what the pose at this time of the clip makes of the muscles.
+void DriveSource::Impl::append_pose(const Pose& pose, const Vector3d& origin, double time) {
+  append_bones(pose, origin, bones);
+  if (muscle_drive) muscle_drive->append(pose, time, muscles);
+}
+
+void DriveSource::Impl::clear() {
+  bones.clear();
+  muscles.clear();
+  forces.clear();
+  cut_poses.clear();
+  cuts.clear();
+}
+
+void DriveSource::Impl::append_forces(double time) {
+  for (const scene::Force& force : scene.forces) {
+    const bool acts = force.start <= time && time < force.end;
+    const Vector3d f = acts ? Vector3d(force.vector / model.unit) : Vector3d(Vector3d::Zero());
+    forces.push_back({static_cast<float>(f[0]), static_cast<float>(f[1]), static_cast<float>(f[2]), 0.0f});
+  }
+}
+
+// Poses added up with weights that sum to 1.
+Pose DriveSource::Impl::mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts) {
+  Pose sum;
+  for (const auto& [weight, count] : parts) {
+    const Pose& pose = timeline->pose(count);
+    if (sum.empty()) sum.assign(pose.size(), Eigen::Matrix4d::Zero());
+    for (std::size_t j = 0; j < pose.size(); ++j) sum[j] += weight * pose[j];
+  }
+  return sum;
+}
+
+// The motion that begins with a cut before the end of substep `count`, followed back to the substep's
+// beginning: with constant acceleration where the clip lets one see it.
+Pose DriveSource::Impl::followed_back(std::uint64_t count) {
+  if (timeline->is_cut(count + 1) || timeline->is_cut(count + 2))
+    return mixed({{2.0, count}, {-1.0, count + 1}});
+  return mixed({{3.0, count}, {-3.0, count + 1}, {1.0, count + 2}});
+}
+
+// A pose that lies a substep before that at the end of substep count - 1, if the motion came from it with the
+// speed with which it would have gone on: so both motions are taken at the same time, the middle of substep
+// `count`, and a cut in the midst of a steady motion changes nothing. After a cut in the substep before, the
+// motion is the one that began there.
+Pose DriveSource::Impl::followed_on(std::uint64_t count) {
+  if (count == 1) return timeline->pose(0);
+  if (timeline->is_cut(count - 1)) return followed_back(count - 1);
+  if (count == 2 || timeline->is_cut(count - 2)) return timeline->pose(count - 2);
+  return mixed({{-1.0, count - 1}, {3.0, count - 2}, {-1.0, count - 3}});
+}
+
+// The cut between the ends of substeps count - 1 and count, substep number `substep` of its frame.
+void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+                                   const Vector3d& after) {
+  const std::size_t first = cut_poses.size();
+  cut_poses.resize(first + 4);
+  append_bones(followed_on(count), before, cut_poses[first]);
+  append_bones(timeline->pose(count - 1), before, cut_poses[first + 1]);
+  append_bones(followed_back(count), after, cut_poses[first + 2]);
+  append_bones(timeline->pose(count), after, cut_poses[first + 3]);
+  cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
+}
+
+// Whether the ends of substeps count - 2, count - 1 and count lie in one motion.
+bool DriveSource::Impl::accelerates(std::uint64_t count) {
+  return count >= 2 && !timeline->is_cut(count) && !timeline->is_cut(count - 1);
+}
+
+// Whether a joint's acceleration into substep `count` is beyond what its flesh is to feel.
+bool DriveSource::Impl::is_bounded(std::uint64_t count) {
+  if (!accelerates(count)) return false;
+  const Pose &before = timeline->pose(count - 2), &at = timeline->pose(count - 1),
+             &to = timeline->pose(count);
+  for (std::size_t j = 0; j < to.size(); ++j)
+    if (felt->of_joint(j, before, at, to, h()) > felt->limit()) return true;
+  return false;
+}
+
+// A cut at which the body stays where it is: flesh is given that part of the skeleton's change of velocity
+// into substep `count` which it is not to feel.
+void DriveSource::Impl::append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
+                                     const Vector3d& after) {
+  const Pose &old = timeline->pose(count - 2), &at = timeline->pose(count - 1), &to = timeline->pose(count);
+  Pose given(at.size());
+  for (std::size_t j = 0; j < at.size(); ++j) {
+    const double acceleration = felt->of_joint(j, old, at, to, h());
+    const double share = acceleration > felt->limit() ? 1.0 - felt->limit() / acceleration : 0.0;
+    given[j] = (1.0 - share) * (2.0 * at[j] - old[j]) + share * to[j];
+  }
+  const std::size_t first = cut_poses.size();
+  cut_poses.resize(first + 4);
+  append_bones(old, before, cut_poses[first]);
+  append_bones(at, before, cut_poses[first + 1]);
+  append_bones(at, after, cut_poses[first + 2]);
+  append_bones(given, after, cut_poses[first + 3]);
+  cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
+}
+
+// The pose after the clip's first substep, by which the start is seen to move; the first one where the motion
+// breaks there.
+std::vector<shader::Bone> DriveSource::Impl::start_after(const Vector3d& origin) {
+  std::vector<shader::Bone> after;
+  append_bones(timeline->pose(timeline->is_cut(1) ? 0 : 1), origin, after);
+  return after;
+}
+
+// A drive of what stands in bones, forces and cuts, towards the origin `end`.
+model::Drive DriveSource::Impl::drive_to(const Vector3d& end) {
+  model::Drive drive;
+  drive.substeps = static_cast<std::uint32_t>(substeps);
+  drive.h = h();
+  drive.origin = array_of(end);
+  // Where the rest shape hangs by gravity already, only the bones' change of it acts.
+  const bool hangs = timeline && scene.motion.rest == scene::Rest::sculpted;
+  for (int a = 0; a < 3; ++a)
+    drive.gravity[static_cast<std::size_t>(a)] =
+        hangs ? 0.0f : static_cast<float>(scene.gravity[a] / model.unit);
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    cuts[k].before = cut_poses[4 * k];
+    cuts[k].at = cut_poses[4 * k + 1];
+    cuts[k].to = cut_poses[4 * k + 2];
+    cuts[k].after = cut_poses[4 * k + 3];
+  }
+  drive.bones = bones;
+  drive.muscles = muscles;
+  drive.forces = forces;
+  drive.decay = decay;
+  drive.cuts = cuts;
+  return drive;
+}
+
+DriveSource::DriveSource(const scene::Scene& scene, const model::Model& model)
+    : impl_(std::make_unique<Impl>(scene, model)) {}
+
+DriveSource::~DriveSource() = default;
+
+model::Drive DriveSource::drive(std::uint64_t frame) {
+  if (frame == 0)
+    throw std::invalid_argument("DriveSource: frame 0 is the initial state; drives begin with frame 1");
+  Impl& impl = *impl_;
+  impl.clear();
+  const std::uint64_t substeps = impl.substeps, first = (frame - 1) * substeps;
+  const Vector3d before = impl.origin(first), end = impl.origin(first + substeps);
+  // Without a cut the frame is seen from its end's origin; the first cut takes the body there.
+  bool cut_ahead = false;
+  for (std::uint64_t s = 1; impl.timeline && s <= substeps; ++s)
+    cut_ahead = cut_ahead || impl.timeline->is_cut(first + s) || impl.is_bounded(first + s);
+  const Vector3d shift = cut_ahead ? Vector3d(Vector3d::Zero()) : Vector3d((end - before) / impl.model.unit);
+  Vector3d origin = cut_ahead ? before : end;
+  for (std::uint64_t s = 0; s < substeps; ++s) {
+    const std::uint64_t count = first + s + 1;
+    if (impl.timeline && impl.timeline->is_cut(count)) {
+      impl.append_cut(static_cast<std::uint32_t>(s), count, origin, end);
+      origin = end;
+    } else if (impl.timeline && impl.is_bounded(count)) {
+      impl.append_bound(static_cast<std::uint32_t>(s), count, origin, end);
+      origin = end;
+    }
+    if (impl.timeline) impl.append_pose(impl.timeline->pose(count), origin, impl.timeline->clip_time(count));
+    // A force acts through a substep or not at all: whether it does is settled where the substep begins.
+    impl.append_forces(impl.scene.start +
+                       static_cast<double>(count - 1) / (static_cast<double>(substeps) * impl.scene.fps));
+  }
+  model::Drive drive = impl.drive_to(end);
+  for (int a = 0; a < 3; ++a) drive.origin_shift[static_cast<std::size_t>(a)] = static_cast<float>(shift[a]);
+  return drive;
+}
+
+model::State DriveSource::initial_state() const {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return model::initial_state(impl.model, {}, impl.model.rest_origin);
+  const Vector3d origin = impl.origin(0);
+  std::vector<shader::Bone> bones;
+  impl.append_bones(impl.timeline->pose(0), origin, bones);
+  return started(model::initial_state(impl.model, bones, array_of(origin)));
+}
+
+model::State DriveSource::state_on_skeleton(std::uint64_t frame) const {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return initial_state();
+  const Vector3d origin = impl.origin(frame * impl.substeps);
+  std::vector<shader::Bone> at, after;
+  impl.append_bones(impl.timeline->pose(frame * impl.substeps), origin, at);
+  impl.append_bones(impl.timeline->pose(frame * impl.substeps + 1), origin, after);
+  model::State state = model::initial_state(impl.model, at, array_of(origin));
+  state = model::carried(impl.model, state, impl.h(), {0, array_of(origin), at, at, at, after});
+  state.frame = frame;
+  return state;
+}
+
+std::vector<DriveSource::Thrown> DriveSource::thrown() {
+  Impl& impl = *impl_;
+  std::vector<Thrown> worst;
+  if (!impl.timeline) return worst;
+  const std::uint64_t substeps = impl.substeps, last = scene::cycle_frames(impl.scene) * substeps;
+  std::vector<Thrown> of_joint(impl.model.joint_count);
+  for (std::uint64_t count = 2; count <= last; ++count) {
+    if (!impl.accelerates(count)) continue;
+    const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1),
+               &to = impl.timeline->pose(count);
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const double a = impl.felt->of_joint(j, before, at, to, impl.h());
+      if (a > std::max(impl.felt->limit(), of_joint[j].acceleration))
+        of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count + substeps - 1) / substeps};
+    }
+  }
+  for (const Thrown& joint : of_joint)
+    if (joint.acceleration > 0.0) worst.push_back(joint);
+  std::stable_sort(worst.begin(), worst.end(),
+                   [](const Thrown& a, const Thrown& b) { return a.acceleration > b.acceleration; });
+  return worst;
+}
+
+double DriveSource::acceleration_limit() const {
+  return impl_->felt ? impl_->felt->limit() : 0.0;
+}
+
+void DriveSource::for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit) {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return;
+  const auto& skeleton = std::get<rig::Character>(impl.scene.geometry).skeleton;
+  const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
+  std::vector<Throw> thrown(skeleton.size());
+  for (std::uint64_t count = 1; count <= last; ++count) {
+    const Pose& to = impl.timeline->pose(count);
+    const bool accelerates = impl.accelerates(count);
+    for (std::size_t j = 0; j < thrown.size(); ++j) {
+      thrown[j] = {};
+      if (!impl.felt->has_flesh(j)) continue;
+      thrown[j].gravity = impl.scene.motion.rest == scene::Rest::sculpted
+                              ? change_of_gravity(to[j] * skeleton[j].inverse_bind, impl.scene.gravity)
+                              : impl.scene.gravity;
+      if (!accelerates) continue;
+      const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1);
+      const double most = impl.felt->of_joint(j, before, at, to, impl.h());
+      const double felt = most > impl.felt->limit() ? impl.felt->limit() / most : 1.0;
+      thrown[j].inertia = -felt * impl.felt->in_middle(j, before, at, to, impl.h());
+    }
+    visit(thrown);
+  }
+}
+
+std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {
+  if (!impl_->timeline) return {};
+  return impl_->timeline->pose(frame * impl_->substeps);
+}
+
+double DriveSource::clip_time(std::uint64_t frame) const {
+  return impl_->timeline ? impl_->timeline->clip_time(frame * impl_->substeps) : 0.0;
+}
+
+std::uint64_t DriveSource::preroll_frames() const {
+  if (!impl_->timeline) return 0;
+  return static_cast<std::uint64_t>(std::llround(impl_->scene.motion.preroll * impl_->scene.fps));
+}
+
+model::State DriveSource::preroll_state() const {
+  Impl& impl = *impl_;
+  if (!impl.timeline) return initial_state();
+  const Pose pose = preroll_frames() > 0 ? impl.timeline->preroll_pose(0.0) : impl.timeline->pose(0);
+  const Vector3d origin = impl.origin(0);
+  std::vector<shader::Bone> bones;
+  impl.append_bones(pose, origin, bones);
+  return model::initial_state(impl.model, bones, array_of(origin));
+}
+
+model::Drive DriveSource::preroll_drive(std::uint64_t frame) {
+  Impl& impl = *impl_;
+  impl.clear();
+  const Vector3d origin = impl.origin(0);
+  const double last = static_cast<double>(preroll_frames() * impl.substeps);
+  for (std::uint64_t s = 1; s <= impl.substeps; ++s) {
+    const double x = static_cast<double>((frame - 1) * impl.substeps + s) / last;
+    // Begins and ends without speed.
+    if (impl.timeline)
+      impl.append_pose(impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)), origin, impl.scene.start);
+    impl.append_forces(impl.scene.start);
+  }
+  return impl.drive_to(origin);
+}
+
+model::Drive DriveSource::settle_drive() {
+  Impl& impl = *impl_;
+  impl.clear();
+  const Vector3d origin = impl.origin(0);
+  for (std::uint64_t s = 0; s < impl.substeps; ++s) {
+    if (impl.timeline) impl.append_pose(impl.timeline->pose(0), origin, impl.scene.start);
+    impl.append_forces(impl.scene.start);
+  }
+  return impl.drive_to(origin);
+}
+
+model::State DriveSource::started(const model::State& resting) const {
+  Impl& impl = *impl_;
+  model::State state = resting;
+  state.frame = 0;
+  if (!impl.timeline) return state;
+  const Vector3d origin(resting.origin[0], resting.origin[1], resting.origin[2]);
+  std::vector<shader::Bone> first;
+  impl.append_bones(impl.timeline->pose(0), origin, first);
+  const std::vector<shader::Bone> after = impl.start_after(origin);
+  return model::carried(impl.model, state, impl.h(), {0, resting.origin, first, first, first, after});
+}
+
+model::State DriveSource::begun_again(const model::State& cycled) const {
+  Impl& impl = *impl_;
+  model::State state = cycled;
+  state.frame = 0;
+  if (!impl.timeline || impl.timeline->returns()) return state;
+  const std::uint64_t last = scene::cycle_frames(impl.scene) * impl.substeps;
+  const Vector3d ended(cycled.origin[0], cycled.origin[1], cycled.origin[2]);
+  const Vector3d origin = impl.origin(0);
+  std::vector<shader::Bone> before, at, to;
+  impl.append_bones(impl.timeline->pose(last - 1), ended, before);
+  impl.append_bones(impl.timeline->pose(last), ended, at);
+  impl.append_bones(impl.timeline->pose(0), origin, to);
+  const std::vector<shader::Bone> after = impl.start_after(origin);
+  return model::carried(impl.model, state, impl.h(), {0, array_of(origin), before, at, to, after});
+}
+
+}  // namespace fascicle::drive

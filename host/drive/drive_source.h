@@ -1,0 +1,77 @@
+// From a scene's clip, gravity and forces to the drive of each frame.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::drive {
+
+// The scene and model must outlive it. Frame k covers the time from start + (k-1)/fps to start + k/fps;
+// substep s of it ends at start + (k - 1 + s/substeps)/fps, s = 1..substeps, and the clip is sampled there
+// (timeline.h says how time runs through several cycles). Each frame's origin is the root joint's position at
+// the frame's end rounded to whole working units (constant without a skeleton).
+//
+// The spans of a drive stay valid until the next call that returns one.
+class DriveSource {
+ public:
+  DriveSource(const scene::Scene& scene, const model::Model& model);
+  ~DriveSource();
+
+  // The state before frame 1 if the flesh follows the skeleton from the first pose on: skinned, and moving as
+  // the clip begins to move.
+  model::State initial_state() const;
+  // The state at the end of frame k, k >= 1 and not the last, if the flesh followed the skeleton up to there.
+  model::State state_on_skeleton(std::uint64_t frame) const;
+  // The drive of frame k >= 1. Frames may be asked for in any order.
+  model::Drive drive(std::uint64_t frame);
+
+  // Where the skeleton throws flesh harder than the bound on what it feels (felt_acceleration.h), in one
+  // cycle of the clip: each joint once, with its largest acceleration, the worst first. Goes through all
+  // substeps.
+  struct Thrown {
+    std::size_t joint = 0;
+    double acceleration = 0.0;  // m/s^2
+    double time = 0.0;          // s of the clip
+    std::uint64_t frame = 0;    // at whose end, or before it, that was
+  };
+  std::vector<Thrown> thrown();
+  double acceleration_limit() const;  // m/s^2; 0 without a skeleton
+
+  // What throws the flesh in the middle of each joint's, in one cycle of the clip, m/s^2: gravity as the rest
+  // shape feels it, and the skeleton's acceleration there turned round, within the bound on what flesh feels.
+  // visit(throws) at the end of each substep; both are 0 of joints without free flesh.
+  struct Throw {
+    scene::Vector3d gravity = scene::Vector3d::Zero(), inertia = scene::Vector3d::Zero();
+  };
+  void for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit);
+
+  // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
+  // the first pose. Nothing without a skeleton.
+  std::vector<Eigen::Matrix4d> joints(std::uint64_t frame);
+  // The clip's time that a frame shows, s; 0 without a skeleton.
+  double clip_time(std::uint64_t frame) const;
+
+  // Before frame 0. The preroll begins in preroll_state(), at rest, and lasts preroll_frames(); frame k of it
+  // is k = 1.. of them, which begins and ends at rest. Without a preroll its state is that of the first pose.
+  std::uint64_t preroll_frames() const;
+  model::State preroll_state() const;
+  model::Drive preroll_drive(std::uint64_t frame);
+  // A frame that holds the first pose.
+  model::Drive settle_drive();
+  // The state before frame 1, from one that rests in the first pose: set moving as the clip begins to move.
+  model::State started(const model::State& resting) const;
+  // The state before frame 1, from that at the end of the clip's cycle: carried to the first pose where the
+  // clip does not lead there itself. Frame 0 again.
+  model::State begun_again(const model::State& cycled) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace fascicle::drive

@@ -1,0 +1,61 @@
+// The skeleton's motion on a bake's time line: which pose stands at the end of which substep, and where the
+// motion breaks.
+//
+// Substeps are counted from 0, the first pose, which is frame 0. With one cycle, substep c ends at the time
+// start + c / (substeps fps) of the clip. With several, or seamless, each cycle takes a whole number of
+// frames and the clip is stretched to fill them, by less than half a frame a cycle: frames then repeat
+// exactly. After the last cycle the last pose is held.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::drive {
+
+using Pose = std::vector<Eigen::Matrix4d>;  // a joint: from its own space to the world, the file's metres
+
+class Timeline {
+ public:
+  // `extent`: the body's, metres. The scene and its character must outlive it.
+  Timeline(const scene::Scene& scene, const rig::Character& character, double extent);
+
+  const Pose& pose(std::uint64_t count);
+  // The pose halfway from the bind pose, standing where the first pose stands and as its root is turned, to
+  // the first pose; `share` from 0 to 1.
+  Pose preroll_pose(double share);
+
+  // The clip's time at the end of substep `count`, s.
+  double clip_time(std::uint64_t count) const;
+
+  // Where the joint stands that the body goes with, metres of the scene.
+  scene::Vector3d root(const Pose& pose) const;
+
+  // Whether the motion breaks between the ends of substeps count - 1 and count, count >= 1: at a marked cut;
+  // where the root goes too far; and where a cycle begins anew, if the clip does not end as it begins.
+  bool is_cut(std::uint64_t count);
+  // Whether the clip's last pose is its first, to a thousandth of the body's extent at every joint.
+  bool returns() const { return returns_; }
+
+ private:
+  bool is_marked(std::uint64_t count) const;
+  bool begins_cycle(std::uint64_t count) const;
+  double root_step(std::uint64_t from, std::uint64_t to);
+  bool is_jump(std::uint64_t count);
+
+  const scene::Scene& scene_;
+  const rig::Character& character_;
+  const rig::Clip* clip_;
+  std::size_t root_ = 0;
+  std::uint64_t substeps_ = 1, cycle_ = 1;  // of a frame, of a cycle
+  double cut_distance_ = 0.0;
+  bool returns_ = true;
+  struct Kept {
+    std::uint64_t count = ~std::uint64_t{0};
+    Pose pose;
+  };
+  std::vector<Kept> kept_;  // the last poses asked for, by count modulo the size
+};
+
+}  // namespace fascicle::drive

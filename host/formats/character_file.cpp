@@ -1,0 +1,252 @@
+#include "host/formats/character_file.h"
+
+#include <algorithm>
+#include <array>
+
+#include "host/base/errors.h"
+#include "host/base/version.h"
+#include "host/formats/gltf_writer.h"
+#include "host/formats/surface.h"
+#include "host/formats/surface_normals.h"
+#include "host/rig/blend_shapes.h"
+#include "host/rig/pose.h"
+#include "host/rig/rig_math.h"
+#include "host/scene/input_files.h"
+
+namespace fascicle::formats {
+
+using nlohmann::json;
+
+namespace {
+
+json asset() {
+  return {{"version", "2.0"}, {"generator", std::string("fascicle ") + base::fascicle_version}};
+}
+
+gltf::GltfDocument empty_document() {
+  return {.json = {{"asset", asset()},
+                   {"scene", 0},
+                   {"scenes", json::array({{{"nodes", json::array({0})}}})},
+                   {"nodes", json::array()},
+                   {"meshes", json::array()},
+                   {"accessors", json::array()},
+                   {"bufferViews", json::array()}},
+          .binary = {}};
+}
+
+// The render mesh at rest as a primitive.
+json primitive_of(const model::Model& model, gltf::GltfDocument& document) {
+  const std::vector<float> rest = embed(model, model.rest);
+  const std::vector<float> points = world_positions(rest, model.unit, model.rest_origin);
+  const std::size_t position = add_accessor(document, std::span<const float>(points), 3, true);
+  const std::vector<float> normals = SurfaceNormals(model).of(rest);
+  const std::size_t normal = add_accessor(document, std::span<const float>(normals), 3);
+  const std::size_t indices = add_accessor(document, std::span<const std::uint32_t>(model.surface_triangle));
+  return {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}};
+}
+
+std::vector<double> numbers(const Eigen::Matrix4d& m) {
+  return {m.data(), m.data() + 16};  // column by column, in both
+}
+
+// A character that no file holds, in metres.
+gltf::GltfDocument made_document(const rig::Character& character, const model::Model& model) {
+  gltf::GltfDocument document = empty_document();
+  json primitive = primitive_of(model, document);
+  const std::size_t vertices = character.weights.size();
+  for (std::size_t set = 0; set < 2; ++set) {
+    std::vector<std::uint16_t> joints;
+    std::vector<float> weights;
+    for (std::size_t i = 0; i < vertices; ++i) {
+      // The file wants the floats to sum to 1: the rounding goes to the largest.
+      double rest = 1.0;
+      const auto largest = static_cast<std::size_t>(
+          std::max_element(character.weights[i].begin(), character.weights[i].end()) -
+          character.weights[i].begin());
+      for (std::size_t k = 0; k < 8; ++k)
+        if (k != largest) rest -= double{static_cast<float>(character.weights[i][k])};
+      for (std::size_t k = 4 * set; k < 4 * set + 4; ++k) {
+        joints.push_back(
+            static_cast<std::uint16_t>(character.weights[i][k] > 0.0 ? character.joints[i][k] : 0));
+        weights.push_back(static_cast<float>(k == largest ? rest : character.weights[i][k]));
+      }
+    }
+    if (set == 1 && std::all_of(weights.begin(), weights.end(), [](float w) { return w == 0.0f; })) break;
+    const std::string suffix = '_' + std::to_string(set);
+    primitive["attributes"]["JOINTS" + suffix] =
+        add_accessor(document, std::span<const std::uint16_t>(joints), 4);
+    primitive["attributes"]["WEIGHTS" + suffix] = add_accessor(document, std::span<const float>(weights), 4);
+  }
+  document.json["meshes"].push_back({{"name", "body"}, {"primitives", json::array({primitive})}});
+
+  // Node 0 stands above all, joint j is node j + 1, the mesh is the last.
+  json& nodes = document.json["nodes"];
+  nodes.push_back({{"name", "character"}, {"children", json::array()}});
+  if (!character.root.isIdentity(0.0)) nodes[0]["matrix"] = numbers(character.root);
+  json joint_nodes = json::array();
+  std::vector<float> inverse_bind;
+  for (const rig::Joint& joint : character.skeleton) {
+    joint_nodes.push_back(nodes.size());
+    const std::size_t parent = joint.parent < 0 ? 0 : static_cast<std::size_t>(joint.parent) + 1;
+    if (!nodes[parent].contains("children")) nodes[parent]["children"] = json::array();
+    nodes[parent]["children"].push_back(nodes.size());
+    const auto list = [](const auto& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
+    nodes.push_back({{"name", joint.name},
+                     {"translation", list(joint.rest_translation)},
+                     {"rotation", list(joint.rest_rotation)},
+                     {"scale", list(joint.rest_scale)}});
+    for (const double value : numbers(joint.inverse_bind)) inverse_bind.push_back(static_cast<float>(value));
+  }
+  nodes.push_back({{"name", "body"}, {"mesh", 0}, {"skin", 0}});
+  document.json["scenes"][0]["nodes"].push_back(nodes.size() - 1);
+  document.json["skins"] = json::array(
+      {{{"joints", joint_nodes},
+        {"inverseBindMatrices", add_accessor(document, std::span<const float>(inverse_bind), 16)}}});
+  return document;
+}
+
+constexpr const char* baked_mark = "fascicle_baked";
+
+// The values of one channel, frame after frame.
+struct Track {
+  std::uint32_t joint = 0;
+  rig::ChannelPath path = rig::ChannelPath::translation;
+  std::vector<float> values;
+
+  void append(const rig::JointParts& parts) {
+    if (path != rig::ChannelPath::rotation) {
+      const scene::Vector3d& value = path == rig::ChannelPath::scale ? parts.scale : parts.translation;
+      for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(value[c]));
+      return;
+    }
+    // Of the two quaternions of a rotation the one nearer to the last, for readers that mix them plainly.
+    double dot = 0.0;
+    if (!values.empty())
+      for (int c = 0; c < 4; ++c)
+        dot += parts.rotation[c] * double{values[values.size() - 4 + static_cast<std::size_t>(c)]};
+    const double sign = dot < 0.0 ? -1.0 : 1.0;
+    std::array<float, 4> value;
+    for (int c = 0; c < 4; ++c)
+      value[static_cast<std::size_t>(c)] = static_cast<float>(sign * parts.rotation[c]);
+    values.insert(values.end(), value.begin(), value.end());
+  }
+};
+
+const char* name_of(rig::ChannelPath path) {
+  return path == rig::ChannelPath::rotation ? "rotation"
+         : path == rig::ChannelPath::scale  ? "scale"
+                                            : "translation";
+}
+
+// The skeleton's motion at the bake's frames, as the first animation.
+void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, const rig::Character& character,
+                    const std::vector<std::uint32_t>& joint_node, const PoseOfFrame& pose,
+                    const TimeOfFrame& time) {
+  const rig::Clip* clip = rig::find_clip(character, scene.clip);
+  if (clip == nullptr || (clip->channels.empty() && clip->weights.empty())) return;
+  std::vector<Track> tracks;
+  for (const rig::Channel& channel : clip->channels)
+    tracks.push_back({.joint = channel.joint, .path = channel.path, .values = {}});
+  std::vector<std::vector<float>> weights(clip->weights.size());
+  std::vector<float> times;
+  const std::uint64_t frames = scene::frame_count(scene);
+  for (std::uint64_t k = 0; k <= frames; ++k) {
+    times.push_back(static_cast<float>(static_cast<double>(k) / scene.fps));
+    const std::vector<Eigen::Matrix4d> joints = pose(k);
+    for (Track& track : tracks) {
+      const rig::Joint& joint = character.skeleton[track.joint];
+      const Eigen::Matrix4d& above =
+          joint.parent < 0 ? character.root : joints[static_cast<std::size_t>(joint.parent)];
+      track.append(rig::joint_parts(above, joints[track.joint], joint.rest_scale));
+    }
+    for (std::size_t w = 0; w < weights.size(); ++w)
+      for (const double value : rig::weights_at(clip->weights[w], time(k)))
+        weights[w].push_back(static_cast<float>(value));
+  }
+  const std::size_t input = add_accessor(document, std::span<const float>(times), 1, true);
+  json samplers = json::array(), channels = json::array();
+  for (const Track& track : tracks) {
+    const std::size_t width = track.path == rig::ChannelPath::rotation ? 4 : 3;
+    samplers.push_back({{"input", input},
+                        {"output", add_accessor(document, std::span<const float>(track.values), width)},
+                        {"interpolation", "LINEAR"}});
+    channels.push_back({{"sampler", samplers.size() - 1},
+                        {"target", {{"node", joint_node.at(track.joint)}, {"path", name_of(track.path)}}}});
+  }
+  for (std::size_t w = 0; w < weights.size(); ++w) {
+    samplers.push_back({{"input", input},
+                        {"output", add_accessor(document, std::span<const float>(weights[w]), 1)},
+                        {"interpolation", "LINEAR"}});
+    channels.push_back({{"sampler", samplers.size() - 1},
+                        {"target", {{"node", clip->weights[w].node}, {"path", "weights"}}}});
+  }
+  json& animations = document.json["animations"];
+  if (!animations.is_array()) animations = json::array();
+  animations.insert(animations.begin(),
+                    json({{"name", clip->name.empty() ? "baked" : clip->name + " (baked)"},
+                          {"extras", {{baked_mark, true}}},
+                          {"samplers", samplers},
+                          {"channels", channels}}));
+}
+
+void add_scale(json& document, double scale) {
+  json& nodes = document["nodes"];
+  json& shown = document["scenes"][document.value("scene", std::size_t{0})];
+  nodes.push_back({{"name", "metres"},
+                   {"scale", {scale, scale, scale}},
+                   {"children", shown.value("nodes", json::array())}});
+  shown["nodes"] = json::array({nodes.size() - 1});
+}
+
+}  // namespace
+
+bool has_baked_clip(const json& document) {
+  const auto animations = document.find("animations");
+  if (animations == document.end() || !animations->is_array() || animations->empty()) return false;
+  const json& extras = (*animations)[0].value("extras", json());
+  return extras.is_object() && extras.contains(baked_mark);
+}
+
+std::string character_glb(const scene::Scene& scene, const model::Model& model, const PoseOfFrame& pose,
+                          const TimeOfFrame& time, std::vector<std::string>& missing) {
+  const auto& character = std::get<rig::Character>(scene.geometry);
+  const std::filesystem::path file = scene::character_file(scene);
+  gltf::GltfDocument document;
+  if (file.empty()) {
+    document = made_document(character, model);
+    std::vector<std::uint32_t> joint_node;
+    for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) joint_node.push_back(j + 1);
+    add_baked_clip(document, scene, character, joint_node, pose, time);
+  } else {
+    document = gltf::pack_gltf(file, missing);
+    const gltf::Rig rig = gltf::read_rig(file);
+    add_baked_clip(document, scene, rig.character, rig.joint_node, pose, time);
+    if (scene.scale != 1.0 && document.json.contains("scenes")) add_scale(document.json, scene.scale);
+  }
+  json& extras = document.json["extras"];
+  if (!extras.is_object()) extras = json::object();
+  extras["fascicle"] = {{"fps", scene.fps},
+                        {"first_frame", 0},
+                        {"first_frame_seconds", scene.start},
+                        {"meters_per_unit", 1},
+                        {"up_axis", "Y"}};
+  return glb_text(std::move(document));
+}
+
+std::vector<Eigen::Matrix4d> baked_joints(const gltf::Rig& rig, bool has_clip, std::uint64_t frame,
+                                          double fps) {
+  if (rig.character.skeleton.empty()) return {};
+  const rig::Clip* clip = has_clip ? rig::find_clip(rig.character, "") : nullptr;
+  const auto time = static_cast<float>(static_cast<double>(frame) / fps);
+  return rig::joint_transforms_at(rig.character, clip, double{time});
+}
+
+gltf::GltfDocument plain_document(const model::Model& model) {
+  gltf::GltfDocument document = empty_document();
+  json primitive = primitive_of(model, document);
+  document.json["meshes"].push_back({{"name", "surface"}, {"primitives", json::array({primitive})}});
+  document.json["nodes"].push_back({{"name", "surface"}, {"mesh", 0}});
+  return document;
+}
+
+}  // namespace fascicle::formats

@@ -1,0 +1,503 @@
+// surface.glb: the character with its skeleton and looks, and the flesh as morph targets.
+//
+// A target holds how far each vertex stands from where skinning alone puts it, taken back through the
+// vertex's blended joint transform: viewers add the morph first and skin after, so at a target's frame they
+// show the baked surface, and between frames the skeleton turns as it should while only the small rest is
+// mixed linearly. What skinning does right is not stored at all: targets are sparse. A body without skeleton
+// has its whole motion in the targets. Normals are the file's own, turned along (SurfaceNormals): creases
+// stay. Where the surface is turned as skinning alone turns it they are not stored either.
+//
+// The numbers of a target go into a stream beside the file; the JSON that must stand before them is known
+// last. Where they are to be few, glb_compress.h makes them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+
+#include <Eigen/Eigenvalues>
+
+#include "host/base/errors.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/formats/character_file.h"
+#include "host/formats/formats.h"
+#include "host/formats/glb_compress.h"
+#include "host/formats/glb_targets.h"
+#include "host/formats/gltf_writer.h"
+#include "host/formats/surface.h"
+#include "host/formats/surface_normals.h"
+#include "host/formats/surface_objects.h"
+#include "host/gltf/gltf_file.h"
+#include "host/rig/pose.h"
+#include "host/rig/rig_math.h"
+
+namespace fascicle::formats {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using nlohmann::json;
+
+// A normal turned by less (radians) is left as it is.
+constexpr double least_turn = 0.004;
+constexpr double default_tolerance = 1e-6;  // of the body's diagonal
+constexpr std::size_t most_targets = 65535;
+// Viewers in browsers keep targets in the layers of a texture, and WebGL 2 promises no more.
+constexpr std::size_t most_in_browsers = 256;
+
+// A part's piece of a target: where its numbers lie in the stream.
+struct Piece {
+  std::uint32_t count = 0;
+  std::uint64_t indices = 0, positions = 0, normals = 0;
+  std::array<float, 3> least{}, greatest{};
+};
+
+class GlbSink final : public FrameSink {
+ public:
+  std::string name() const override { return "glb"; }
+  model::Read needs() const override { return {.surface = true}; }
+  bool resumes() const override { return false; }
+  void begin(const BakeInfo& info) override;
+  void write(const model::Frame& frame) override;
+  // Nothing counts on it: a resumed bake begins the file anew.
+  void sync() override {}
+  void finish() override;
+  SinkReport report() const override;
+
+ private:
+  void read_character(const BakeInfo& info);
+  std::vector<double> stretch() const;
+  GlbFrame frame_of(const model::Frame& frame) const;
+  void write_target(const GlbFrame& frame);
+  Piece write_part(const gltf::RigPart& part, std::size_t first, const GlbFrame& frame);
+  std::vector<std::size_t> own_meshes(json& document) const;
+  void add_still_targets(json& document, const std::vector<std::size_t>& meshes) const;
+  void add_targets(json& document, const std::vector<std::size_t>& meshes);
+  json targets_of(std::size_t part, std::size_t first_accessor) const;
+  std::string target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes, json& document) const;
+
+  BakeInfo info_;
+  double tolerance_ = 0.0;
+  gltf::GltfDocument document_;
+  gltf::Rig rig_;
+  std::optional<SurfaceNormals> normals_;
+  std::optional<GlbTargetChoice> choice_;
+  std::optional<GlbCompression> compression_;
+  std::vector<std::uint64_t> targets_;  // their frames
+  std::vector<Piece> pieces_;           // of all parts, target by target
+  std::optional<base::SpoolFile> stream_;
+  std::uint64_t stream_bytes_ = 0;
+};
+
+void GlbSink::read_character(const BakeInfo& info) {
+  const model::Model& model = *info.model;
+  if (info.character.empty()) {
+    document_ = plain_document(model);
+    gltf::RigPart& part = rig_.parts.emplace_back();
+    const std::vector<float> rest = embed(model, model.rest);
+    const std::vector<float> points = world_positions(rest, model.unit, model.rest_origin);
+    const std::vector<float> normals = SurfaceNormals(model).of(rest);
+    for (std::size_t i = 0; i < model.surface_count(); ++i) {
+      part.positions.push_back(vector_at(points, i));
+      part.normals.push_back(vector_at(normals, i));
+    }
+    return;
+  }
+  gltf::GltfFile file = gltf::read_gltf_file(info.character);
+  document_.json = std::move(file.document);
+  document_.binary.assign(file.binary.begin(), file.binary.end());
+  rig_ = gltf::read_rig(info.character);
+  std::size_t vertices = 0;
+  for (const gltf::RigPart& part : rig_.parts) vertices += part.positions.size();
+  if (vertices != model.surface_count())
+    throw base::BakeError(info.character.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
+                          " vertices, and the baked surface " + base::number_text(model.surface_count()) +
+                          "; bake again with --overwrite");
+}
+
+void GlbSink::begin(const BakeInfo& info) {
+  info_ = info;
+  const model::Model& model = *info.model;
+  if (model.surface_count() == 0)
+    throw base::BakeError("glb: the scene has no surface to write; leave out --format glb");
+  if (info.glb.stride == 0) throw base::BakeError("glb: the stride is 0; it must be at least 1");
+  read_character(info);
+  normals_.emplace(model, objects_of(info)->normals);
+  choice_.emplace(rig_.parts, info.frames, info.glb.stride, info.glb.error);
+  const std::array<float, 6> box = bounds(world_positions(embed(model, model.rest), model.unit, {0, 0, 0}));
+  const Vector3d diagonal(double{box[3]} - double{box[0]}, double{box[4]} - double{box[1]},
+                          double{box[5]} - double{box[2]});
+  tolerance_ = info.glb.tolerance.value_or(default_tolerance * diagonal.norm());
+  if (info.glb.compress) compression_.emplace(rig_, document_.json, stretch(), *info.glb.compress);
+  stream_.emplace(base::SpoolFile::start(info.folder / glb_spool));
+}
+
+// Of each part: how much longer its joints make a way in any frame. A blend stretches no more than the joint
+// that stretches most.
+std::vector<double> GlbSink::stretch() const {
+  std::vector<double> most(rig_.parts.size(), 0.0);
+  const bool has_clip = has_baked_clip(document_.json);
+  for (std::uint64_t k = 0; k <= info_.frames; ++k) {
+    const std::vector<Matrix4d> joints = baked_joints(rig_, has_clip, k, info_.fps);
+    for (std::size_t p = 0; p < most.size(); ++p) {
+      const gltf::RigPart& part = rig_.parts[p];
+      if (part.influence_offset.empty()) most[p] = 1.0;
+      for (std::size_t slot = 0; slot < part.skin_joint.size(); ++slot) {
+        const Matrix3d map = (joints[part.skin_joint[slot]] * part.inverse_bind[slot]).topLeftCorner<3, 3>();
+        const Eigen::SelfAdjointEigenSolver<Matrix3d> squares(map.transpose() * map, Eigen::EigenvaluesOnly);
+        most[p] = std::max(most[p], std::sqrt(std::max(squares.eigenvalues()[2], 0.0)));
+      }
+    }
+  }
+  return most;
+}
+
+void GlbSink::write(const model::Frame& frame) {
+  // Nothing is asked of frames between targets where no error is bounded, but the error itself.
+  for (const GlbFrame& target : choice_->next(frame_of(frame))) write_target(target);
+}
+
+GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
+  const model::Model& model = *info_.model;
+  const std::size_t count = model.surface_count();
+  const std::vector<Matrix4d> joints =
+      baked_joints(rig_, has_baked_clip(document_.json), frame.index, info_.fps);
+  GlbFrame result;
+  result.index = frame.index;
+  std::vector<Vector3d> away(count);
+  std::vector<Matrix3d> blends(count);
+  std::vector<float> skinned_values;
+  std::size_t vertex = 0;
+  for (const gltf::RigPart& part : rig_.parts) {
+    std::vector<Matrix4d>& slots = result.slots.emplace_back();
+    for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
+      slots.push_back(joints[part.skin_joint[k]] * part.inverse_bind[k]);
+    for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
+      const Matrix4d blend = blend_of(part, slots, i);
+      blends[vertex] = blend.topLeftCorner<3, 3>();
+      const Vector3d skinned = blends[vertex] * part.positions[i] + blend.topRightCorner<3, 1>();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<Eigen::Index>(axis);
+        away[vertex][a] =
+            frame.origin[axis] + model.unit * double{frame.surface[3 * vertex + axis]} - skinned[a];
+        // Relative to the frame's origin: far from the world's, floats would lose the normals.
+        skinned_values.push_back(static_cast<float>((skinned[a] - frame.origin[axis]) / model.unit));
+      }
+    }
+  }
+  const std::vector<float> normals = normals_->of(frame.surface);
+  const std::vector<float> smooth = normals_->smooth_of(frame.surface);
+  const std::vector<float> smooth_skinned = normals_->smooth_of(skinned_values);
+  vertex = 0;
+  for (const gltf::RigPart& part : rig_.parts)
+    for (std::size_t i = 0; i < part.positions.size(); ++i, ++vertex) {
+      const Matrix3d& linear = blends[vertex];
+      const Vector3d move = rig::solve(linear, away[vertex]);
+      result.moved.push_back(away[vertex].norm() > tolerance_ ? 1 : 0);
+      // What a viewer's skinning turns into the normal wanted. Small differences are the angle.
+      Vector3d turn = Vector3d::Zero();
+      if (!part.normals.empty() &&
+          (vector_at(smooth, vertex) - vector_at(smooth_skinned, vertex)).norm() > least_turn)
+        turn = rig::solve(linear, vector_at(normals, vertex)).normalized() - part.normals[i];
+      for (int axis = 0; axis < 3; ++axis) {
+        result.moves.push_back(static_cast<float>(move[axis]));
+        result.turns.push_back(static_cast<float>(turn[axis]));
+      }
+    }
+  return result;
+}
+
+void GlbSink::write_target(const GlbFrame& frame) {
+  if (targets_.size() == most_targets)
+    throw base::BakeError("glb: more than " + base::number_text(std::uint64_t{most_targets}) +
+                          " morph targets; give a larger --glb-stride or --glb-error");
+  targets_.push_back(frame.index);
+  if (compression_) {
+    const std::string bytes = compression_->target(frame);
+    stream_->write(bytes);
+    stream_bytes_ += bytes.size();
+    return;
+  }
+  std::size_t first = 0;
+  for (const gltf::RigPart& part : rig_.parts) {
+    pieces_.push_back(write_part(part, first, frame));
+    first += part.positions.size();
+  }
+}
+
+Piece GlbSink::write_part(const gltf::RigPart& part, std::size_t first, const GlbFrame& frame) {
+  std::vector<std::uint32_t> indices;
+  std::vector<float> moves, turns;
+  const std::size_t count = part.positions.size();
+  const bool has_normals = !part.normals.empty();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t v = 3 * (first + i);
+    const bool moved = frame.moved[first + i] != 0;
+    const bool is_turned = frame.turns[v] != 0.0f || frame.turns[v + 1] != 0.0f || frame.turns[v + 2] != 0.0f;
+    // A sparse accessor must replace at least one element.
+    const bool last_chance = i + 1 == count && indices.empty();
+    if (!moved && !is_turned && !last_chance) continue;
+    indices.push_back(static_cast<std::uint32_t>(i));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      moves.push_back(moved ? frame.moves[v + axis] : 0.0f);
+      turns.push_back(frame.turns[v + axis]);
+    }
+  }
+  Piece piece{.count = static_cast<std::uint32_t>(indices.size())};
+  const std::array<float, 6> box = bounds(moves);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Vertices that the target leaves out are at 0.
+    const bool all = indices.size() == count;
+    piece.least[axis] = all ? box[axis] : std::min(box[axis], 0.0f);
+    piece.greatest[axis] = all ? box[3 + axis] : std::max(box[3 + axis], 0.0f);
+  }
+  std::string bytes;
+  base::append_array(bytes, std::span<const std::uint32_t>(indices));
+  base::append_array(bytes, std::span<const float>(moves));
+  if (has_normals) base::append_array(bytes, std::span<const float>(turns));
+  piece.indices = stream_bytes_;
+  piece.positions = piece.indices + indices.size() * sizeof(std::uint32_t);
+  piece.normals = piece.positions + moves.size() * sizeof(float);
+  stream_->write(bytes);
+  stream_bytes_ += bytes.size();
+  return piece;
+}
+
+// The source's own morph targets are gone, and so is what moved them: the targets of the baked clip hold what
+// they did to the surface. `kept`: animations that stay even if nothing is left in them.
+void drop_weight_channels(json& animations, std::size_t kept) {
+  for (json& animation : animations) {
+    json others = json::array();
+    for (const json& channel : animation.value("channels", json::array()))
+      if (channel.value("target", json::object()).value("path", std::string()) != "weights")
+        others.push_back(channel);
+    animation["channels"] = std::move(others);
+  }
+  auto& list = animations.get_ref<json::array_t&>();
+  const auto first = list.begin() + static_cast<std::ptrdiff_t>(std::min(kept, list.size()));
+  list.erase(
+      std::remove_if(first, list.end(), [](const json& animation) { return animation["channels"].empty(); }),
+      list.end());
+}
+
+// Each part's mesh: of nodes that show one mesh all but the first get their own.
+std::vector<std::size_t> GlbSink::own_meshes(json& document) const {
+  std::vector<std::size_t> meshes;
+  std::vector<std::uint32_t> taken;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    const gltf::RigPart& part = rig_.parts[p];
+    if (p > 0 && part.node == rig_.parts[p - 1].node) {
+      meshes.push_back(meshes.back());
+      continue;
+    }
+    std::size_t mesh = part.mesh;
+    if (std::find(taken.begin(), taken.end(), part.mesh) != taken.end()) {
+      document["meshes"].push_back(json(document["meshes"][part.mesh]));
+      mesh = document["meshes"].size() - 1;
+      document["nodes"][part.node]["mesh"] = mesh;
+    }
+    taken.push_back(part.mesh);
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+// Numbers of the targets' accessors begin where the document's end: POSITION and NORMAL (where there is one)
+// of each part, target by target.
+json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
+  if (compression_) return compression_->targets_of(part, first_accessor);
+  std::size_t step = 0, before = 0;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    if (p == part) before = step;
+    step += rig_.parts[p].normals.empty() ? 1 : 2;
+  }
+  json list = json::array();
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
+    const std::size_t number = first_accessor + k * step + before;
+    json target{{"POSITION", number}};
+    if (!rig_.parts[part].normals.empty()) target["NORMAL"] = number + 1;
+    list.push_back(std::move(target));
+  }
+  return list;
+}
+
+// A mesh's primitives must have equally many targets: those outside the rig (lines) get still ones.
+void GlbSink::add_still_targets(json& document, const std::vector<std::size_t>& meshes) const {
+  std::map<std::size_t, std::set<std::size_t>> in_rig;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) in_rig[meshes[p]].insert(rig_.parts[p].primitive);
+  for (const auto& [mesh, primitives] : in_rig) {
+    json& list = document["meshes"][mesh]["primitives"];
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      if (primitives.contains(k) || !list[k]["attributes"].contains("POSITION")) continue;
+      const std::size_t position = list[k]["attributes"]["POSITION"];
+      const std::size_t still = add_still_accessor(document, document["accessors"][position]["count"]);
+      list[k]["targets"] = std::vector<json>(targets_.size(), json{{"POSITION", still}});
+    }
+  }
+}
+
+// Targets into the primitives, their weights into the animation.
+void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes) {
+  const std::size_t count = targets_.size();
+  const std::uint64_t keys = count;
+  std::vector<float> times;
+  std::string diagonal, ones;
+  for (std::uint64_t k = 0; k < keys; ++k) {
+    times.push_back(static_cast<float>(static_cast<double>(targets_[k]) / info_.fps));
+    base::append_bytes(diagonal, static_cast<std::uint32_t>(k * keys + k));
+    base::append_bytes(ones, 1.0f);
+  }
+  const std::size_t input = add_accessor(document_, std::span<const float>(times), 1, true);
+  // Weight k is 1 at key k and 0 at the others.
+  json& accessors = document["accessors"];
+  const std::size_t indices = add_view(document_, diagonal), values = add_view(document_, ones);
+  accessors.push_back({{"componentType", 5126},
+                       {"count", keys * keys},
+                       {"type", "SCALAR"},
+                       {"sparse",
+                        {{"count", keys},
+                         {"indices", {{"bufferView", indices}, {"componentType", 5125}}},
+                         {"values", {{"bufferView", values}}}}}});
+  const std::size_t output = accessors.size() - 1;
+
+  const bool has_clip = has_baked_clip(document);
+  json& animations = document["animations"];
+  if (!animations.is_array()) animations = json::array();
+  drop_weight_channels(animations, has_clip ? 1 : 0);
+  if (!has_clip)
+    animations.insert(animations.begin(),
+                      json({{"name", "baked"}, {"samplers", json::array()}, {"channels", json::array()}}));
+  json& animation = animations[0];
+  const std::size_t sampler = animation["samplers"].size();
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+
+  add_still_targets(document, meshes);
+  json names = json::array();
+  for (const std::uint64_t frame : targets_)
+    names.push_back("frame " + base::number_text(info_.first_number + frame));
+  std::optional<std::uint32_t> node;
+  for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+    const gltf::RigPart& part = rig_.parts[p];
+    json& shown = document["meshes"][meshes[p]];
+    if (node != part.node) {
+      node = part.node;
+      if (!shown["extras"].is_object()) shown["extras"] = json::object();
+      shown["extras"]["targetNames"] = names;
+      shown.erase("weights");
+      document["nodes"][part.node].erase("weights");
+      animation["channels"].push_back(
+          {{"sampler", sampler}, {"target", {{"node", part.node}, {"path", "weights"}}}});
+    }
+    shown["primitives"][part.primitive]["targets"] = targets_of(p, accessors.size());
+  }
+}
+
+// The accessors of all targets as text, each with a comma before it.
+std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes,
+                                      json& document) const {
+  // Two views of the same bytes: one holds indices, the other values.
+  json& views = document["bufferViews"];
+  const std::size_t view = views.size();
+  for (int copy = 0; copy < 2; ++copy)
+    views.push_back({{"buffer", 0}, {"byteOffset", frames_at}, {"byteLength", frames_bytes}});
+  const auto triple = [](const std::array<float, 3>& v) {
+    return '[' + base::number_text(v[0]) + ',' + base::number_text(v[1]) + ',' + base::number_text(v[2]) +
+           ']';
+  };
+  std::string text;
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const Piece& piece = pieces_[k];
+    const gltf::RigPart& part = rig_.parts[k % rig_.parts.size()];
+    const auto add = [&](std::uint64_t values, const std::string& bounds_text) {
+      text +=
+          ",{\"componentType\":5126,\"count\":" + base::number_text(std::uint64_t{part.positions.size()}) +
+          ",\"type\":\"VEC3\"" + bounds_text + ",\"sparse\":{\"count\":" + base::number_text(piece.count) +
+          ",\"indices\":{\"bufferView\":" + base::number_text(std::uint64_t{view}) +
+          ",\"byteOffset\":" + base::number_text(piece.indices) +
+          ",\"componentType\":5125},\"values\":{\"bufferView\":" +
+          base::number_text(std::uint64_t{view} + 1) + ",\"byteOffset\":" + base::number_text(values) + "}}}";
+    };
+    add(piece.positions, ",\"min\":" + triple(piece.least) + ",\"max\":" + triple(piece.greatest));
+    if (!part.normals.empty()) add(piece.normals, "");
+  }
+  return text;
+}
+
+void GlbSink::finish() {
+  json& document = document_.json;
+  const std::vector<std::size_t> meshes = own_meshes(document);
+  if (compression_) compression_->quantise(document_, meshes);
+  add_targets(document, meshes);
+  json& extras = document["extras"]["fascicle"];
+  extras["first_frame"] = info_.first_number;
+  extras["interpolation_error"] = choice_->error();
+  if (compression_) extras["quantisation_error"] = compression_->error();
+  std::string targets;
+  std::string& binary = document_.binary;
+  binary.resize((binary.size() + 3) / 4 * 4, '\0');
+  if (compression_) {
+    targets = compression_->accessors(document["bufferViews"].size());
+    compression_->pack(document_, stream_bytes_);
+  } else {
+    targets = target_accessors(binary.size(), stream_bytes_, document);
+    document["buffers"] = json::array({{{"byteLength", binary.size() + stream_bytes_}}});
+  }
+  const std::uint64_t total = binary.size() + stream_bytes_;
+  std::string accessors = document["accessors"].dump();
+  document.erase("accessors");
+  accessors.pop_back();
+  std::string text = document.dump(-1, ' ', false, json::error_handler_t::replace);
+  text.pop_back();
+  text += ",\"accessors\":" + accessors + targets + "]}";
+  base::PartFile file = base::PartFile::start(info_.folder / "surface.glb");
+  file.write(glb_head(std::move(text), total));
+  file.write(binary);
+  stream_->move_to(file);
+  file.finish();
+}
+
+SinkReport GlbSink::report() const {
+  SinkReport report;
+  const std::uint64_t count = targets_.size(), frames = info_.frames + 1;
+  if (count < frames)
+    report.notes.push_back("surface.glb: " + base::number_text(count) + " morph targets for " +
+                           base::number_text(frames) + " frames; between them a viewer is off by at most " +
+                           base::number_text(std::round(choice_->error() * 1e5) / 1e2) + " mm");
+  if (compression_)
+    report.notes.push_back("surface.glb: quantised, which moves a vertex by at most " +
+                           base::number_text(std::round(compression_->error() * 1e6) / 1e3) +
+                           " mm, and compressed");
+  if (count > most_in_browsers)
+    report.warnings.push_back("surface.glb has " + base::number_text(count) +
+                              " morph targets; viewers in browsers (WebGL 2) load at most " +
+                              base::number_text(std::uint64_t{most_in_browsers}) +
+                              ": --glb-error 0.002 takes as few as keep within 2 mm, --glb-stride " +
+                              base::number_text((frames + most_in_browsers - 2) / (most_in_browsers - 1)) +
+                              " takes every so many frames");
+  return report;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_glb_sink() {
+  return std::make_unique<GlbSink>();
+}
+
+std::uint64_t glb_target_count(std::uint64_t frames, const GlbOptions& options) {
+  const std::uint64_t stride = std::max<std::uint64_t>(options.stride, 1);
+  return (frames + stride - 1) / stride + 1;
+}
+
+std::uint64_t glb_bytes(const model::Model& model, std::uint64_t targets) {
+  // The most: every vertex in every target, with its number; about 700 bytes of JSON a target; the character
+  // itself with about 64 bytes a vertex and 12 a triangle.
+  return targets * (700 + std::uint64_t{28} * model.surface_count()) + 4000 +
+         std::uint64_t{64} * model.surface_count() + model.surface_triangle.size() * 4;
+}
+
+}  // namespace fascicle::formats

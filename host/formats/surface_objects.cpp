@@ -1,0 +1,305 @@
+#include "host/formats/surface_objects.h"
+
+#include <algorithm>
+#include <set>
+#include <span>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "host/base/errors.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/gltf/gltf.h"
+#include "host/gltf/gltf_file.h"
+#include "host/gltf/gltf_rig.h"
+
+namespace fascicle::formats {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+using nlohmann::json;
+
+constexpr const char* texture_prefix = "image_";
+
+// Names that are given out once.
+class UniqueNames {
+ public:
+  std::string take(const std::string& wanted) {
+    std::string name = wanted;
+    for (std::uint64_t k = 2; !taken_.insert(name).second; ++k) name = wanted + '_' + base::number_text(k);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+// A name that every format can hold on one line and in a path.
+std::string one_line(const std::string& name) {
+  std::string result = name;
+  for (char& c : result)
+    if (c == '/' || static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '_';
+  return result;
+}
+
+// An entry of a list of the document; null where there is none.
+const json* entry(const json& document, const char* list, const json& number) {
+  const auto entries = document.find(list);
+  if (entries == document.end() || !entries->is_array() || !number.is_number_unsigned()) return nullptr;
+  const auto k = number.get<std::size_t>();
+  return k < entries->size() && (*entries)[k].is_object() ? &(*entries)[k] : nullptr;
+}
+
+double number_at(const json& of, const char* name, double otherwise) {
+  const auto found = of.find(name);
+  return found != of.end() && found->is_number() ? found->get<double>() : otherwise;
+}
+
+std::array<double, 4> numbers_at(const json& of, const char* name, std::array<double, 4> otherwise) {
+  const auto found = of.find(name);
+  if (found == of.end() || !found->is_array()) return otherwise;
+  for (std::size_t k = 0; k < 4 && k < found->size(); ++k)
+    if ((*found)[k].is_number()) otherwise[k] = (*found)[k].get<double>();
+  return otherwise;
+}
+
+const json& object_at(const json& of, const char* name) {
+  static const json none = json::object();
+  const auto found = of.find(name);
+  return found != of.end() && found->is_object() ? *found : none;
+}
+
+// Looks of one file: each material and image once, when first asked for.
+class Looks {
+ public:
+  Looks(const gltf::GltfFile& file, SurfaceObjects& to) : file_(file), to_(to) {}
+
+  // Its number in SurfaceObjects::materials.
+  std::uint32_t material(std::size_t in_file) {
+    const auto known = std::find(materials_.begin(), materials_.end(), in_file);
+    if (known != materials_.end()) return static_cast<std::uint32_t>(known - materials_.begin());
+    materials_.push_back(in_file);
+    const json& source = *entry(file_.document, "materials", in_file);
+    const json& metal = object_at(source, "pbrMetallicRoughness");
+    SurfaceMaterial material;
+    const auto name = source.find("name");
+    std::string wanted = name != source.end() && name->is_string() ? one_line(name->get<std::string>()) : "";
+    if (wanted.empty()) wanted = "material " + base::number_text(std::uint64_t{in_file});
+    material.name = names_.take(wanted);
+    material.identifier = identifiers_.take(identifier_of(wanted));
+    const std::array<double, 4> color = numbers_at(metal, "baseColorFactor", {1, 1, 1, 1});
+    material.color = {color[0], color[1], color[2]};
+    material.alpha = color[3];
+    material.metallic = number_at(metal, "metallicFactor", 1.0);
+    material.roughness = number_at(metal, "roughnessFactor", 1.0);
+    const std::array<double, 4> emission = numbers_at(source, "emissiveFactor", {0, 0, 0, 0});
+    material.emission = {emission[0], emission[1], emission[2]};
+    material.double_sided = source.value("doubleSided", json()) == true;
+    material.texture = texture(object_at(metal, "baseColorTexture"));
+    to_.materials.push_back(std::move(material));
+    return static_cast<std::uint32_t>(to_.materials.size() - 1);
+  }
+
+ private:
+  // The file of the image that a texture shows; empty where it lies in no view.
+  std::string texture(const json& reference) {
+    const json* shown = entry(file_.document, "textures", reference.value("index", json()));
+    if (shown == nullptr) return {};
+    const json number = shown->value("source", json());
+    const json* image = entry(file_.document, "images", number);
+    if (image == nullptr) return {};
+    const json* view = entry(file_.document, "bufferViews", image->value("bufferView", json()));
+    if (view == nullptr) return {};
+    const auto offset = static_cast<std::uint64_t>(number_at(*view, "byteOffset", 0.0));
+    const auto bytes = static_cast<std::uint64_t>(number_at(*view, "byteLength", 0.0));
+    if (offset > file_.binary.size() || bytes > file_.binary.size() - offset) return {};
+    const std::string type = image->value("mimeType", json("")) == "image/png" ? ".png" : ".jpg";
+    std::string digits = base::number_text(number.get<std::uint64_t>());
+    if (digits.size() < 3) digits.insert(0, 3 - digits.size(), '0');
+    const std::string path = std::string(textures_folder) + '/' + texture_prefix + digits + type;
+    for (const SurfaceTexture& known : to_.textures)
+      if (known.file == path) return path;
+    const auto* first = reinterpret_cast<const char*>(file_.binary.data()) + offset;
+    to_.textures.push_back({path, std::string(first, bytes)});
+    return path;
+  }
+
+  const gltf::GltfFile& file_;
+  SurfaceObjects& to_;
+  std::vector<std::size_t> materials_;  // of SurfaceObjects::materials, their numbers in the file
+  UniqueNames names_, identifiers_;
+};
+
+// The file's normals as the skin turns them into the bind pose.
+void append_normals(std::vector<float>& normals, const gltf::RigPart& part,
+                    const std::vector<Matrix4d>& bind) {
+  std::vector<Matrix4d> slots;
+  for (std::size_t k = 0; k < part.skin_joint.size(); ++k)
+    slots.push_back(bind.at(part.skin_joint[k]) * part.inverse_bind[k]);
+  for (std::size_t i = 0; i < part.positions.size(); ++i) {
+    Vector3d normal = part.normals.empty() ? Vector3d::Zero() : part.normals[i];
+    if (!part.influence_offset.empty() && !part.normals.empty()) {
+      Matrix4d blend = Matrix4d::Zero();
+      for (std::size_t k = part.influence_offset[i]; k < part.influence_offset[i + 1]; ++k)
+        blend += part.weight[k] * slots[part.slot[k]];
+      normal = blend.topLeftCorner<3, 3>().inverse().transpose() * normal;
+    }
+    const double length = normal.norm();
+    const bool has_one = length > 0.0 && normal.allFinite();
+    for (int axis = 0; axis < 3; ++axis)
+      normals.push_back(has_one ? static_cast<float>(normal[axis] / length) : 0.0f);
+  }
+}
+
+// The material of a primitive: its number in the file, where it has one.
+const json* material_of(const json& document, const gltf::RigPart& part) {
+  const json* mesh = entry(document, "meshes", json(std::size_t{part.mesh}));
+  if (mesh == nullptr) return nullptr;
+  const json& primitive = mesh->at("primitives").at(part.primitive);
+  const auto number = primitive.find("material");
+  return number != primitive.end() && entry(document, "materials", *number) != nullptr ? &*number : nullptr;
+}
+
+class Reader {
+ public:
+  Reader(const model::Model& model, const fs::path& path)
+      : model_(model),
+        path_(path),
+        file_(gltf::read_gltf_file(path)),
+        character_(gltf::read_gltf(path)),
+        rig_(gltf::read_rig(path)),
+        looks_(file_, result_) {}
+
+  SurfaceObjects run() {
+    check();
+    std::vector<Matrix4d> bind;
+    for (const rig::Joint& joint : character_.skeleton) bind.push_back(joint.inverse_bind.inverse());
+    for (std::size_t p = 0; p < rig_.parts.size(); ++p) {
+      if (p == 0 || rig_.parts[p].node != rig_.parts[p - 1].node) begin_object(p);
+      add_part(p);
+      append_normals(result_.normals, rig_.parts[p], bind);
+    }
+    if (std::all_of(result_.normals.begin(), result_.normals.end(), [](float n) { return n == 0.0f; }))
+      result_.normals.clear();
+    return std::move(result_);
+  }
+
+ private:
+  void check() const {
+    std::size_t vertices = 0, triangles = 0;
+    bool same = rig_.parts.size() == character_.parts.size();
+    for (std::size_t p = 0; same && p < rig_.parts.size(); ++p) {
+      const rig::SurfacePart& part = character_.parts[p];
+      same = part.first_vertex == vertices && part.vertex_count == rig_.parts[p].positions.size() &&
+             part.first_triangle == triangles;
+      vertices += part.vertex_count;
+      triangles += part.triangle_count;
+    }
+    if (!same || vertices != model_.surface_count() || 3 * triangles != model_.surface_triangle.size())
+      throw base::BakeError(path_.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
+                            " vertices, and the baked surface " + base::number_text(model_.surface_count()) +
+                            "; bake again with --overwrite");
+  }
+
+  void begin_object(std::size_t p) {
+    const rig::SurfacePart& part = character_.parts[p];
+    SurfaceObject& object = result_.objects.emplace_back();
+    object.name = names_.take(one_line(part.object));
+    object.identifier = identifiers_.take(identifier_of(part.object));
+    object.first_vertex = part.first_vertex;
+  }
+
+  void add_part(std::size_t p) {
+    const rig::SurfacePart& part = character_.parts[p];
+    SurfaceObject& object = result_.objects.back();
+    const auto first = static_cast<std::uint32_t>(object.triangle.size() / 3);
+    for (std::uint32_t i = 3 * part.first_triangle; i < 3 * (part.first_triangle + part.triangle_count); ++i)
+      object.triangle.push_back(model_.surface_triangle[i] - object.first_vertex);
+    if (const json* number = material_of(file_.document, rig_.parts[p])) {
+      const std::uint32_t material = looks_.material(number->get<std::size_t>());
+      auto set = std::find_if(object.face_sets.begin(), object.face_sets.end(),
+                              [&](const FaceSet& each) { return each.material == material; });
+      if (set == object.face_sets.end())
+        set = object.face_sets.insert(object.face_sets.end(), {.material = material, .triangles = {}});
+      for (std::uint32_t t = 0; t < part.triangle_count; ++t) set->triangles.push_back(first + t);
+    }
+    const auto& uvs = rig_.parts[p].uvs;
+    if (!uvs.empty()) {
+      // Parts of the object before this one may have none.
+      object.uvs.resize(std::size_t{2} * object.vertex_count, 0.0f);
+      for (const Eigen::Vector2d& uv : uvs) {
+        object.uvs.push_back(static_cast<float>(uv[0]));
+        object.uvs.push_back(static_cast<float>(1.0 - uv[1]));  // glTF's v runs down
+      }
+    } else if (!object.uvs.empty()) {
+      object.uvs.resize(object.uvs.size() + std::size_t{2} * part.vertex_count, 0.0f);
+    }
+    object.vertex_count += part.vertex_count;
+  }
+
+  const model::Model& model_;
+  const fs::path& path_;
+  const gltf::GltfFile file_;
+  const rig::Character character_;
+  const gltf::Rig rig_;
+  SurfaceObjects result_;
+  Looks looks_;
+  UniqueNames names_, identifiers_;
+};
+
+}  // namespace
+
+bool is_texture_name(const std::string& name) {
+  const std::string prefix = texture_prefix;
+  if (!name.starts_with(prefix) || !(name.ends_with(".png") || name.ends_with(".jpg"))) return false;
+  const std::string digits = name.substr(prefix.size(), name.size() - prefix.size() - 4);
+  return digits.size() >= 3 &&
+         std::all_of(digits.begin(), digits.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+SurfaceObjects read_surface_objects(const model::Model& model, const fs::path& character) {
+  if (!character.empty()) return Reader(model, character).run();
+  SurfaceObjects one;
+  one.objects.push_back({.name = "surface",
+                         .identifier = "surface",
+                         .first_vertex = 0,
+                         .vertex_count = static_cast<std::uint32_t>(model.surface_count()),
+                         .triangle = model.surface_triangle,
+                         .face_sets = {},
+                         .uvs = {}});
+  return one;
+}
+
+std::shared_ptr<const SurfaceObjects> objects_of(const BakeInfo& info) {
+  if (info.objects) return info.objects;
+  return std::make_shared<const SurfaceObjects>(read_surface_objects(*info.model, info.character));
+}
+
+void write_textures(const fs::path& folder, const SurfaceObjects& surface) {
+  if (surface.textures.empty()) return;
+  fs::create_directories(folder / textures_folder);
+  for (const SurfaceTexture& texture : surface.textures)
+    base::write_whole(folder / texture.file, texture.bytes);
+}
+
+std::string identifier_of(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+    const bool is_digit = c >= '0' && c <= '9';
+    if (is_digit && result.empty()) result += '_';
+    result += is_letter || is_digit ? c : '_';
+  }
+  return result.empty() ? "_" : result;
+}
+
+std::span<const float> values_of(const SurfaceObject& object, std::span<const float> surface,
+                                 std::size_t width) {
+  return surface.subspan(width * object.first_vertex, width * object.vertex_count);
+}
+
+}  // namespace fascicle::formats

@@ -1,0 +1,58 @@
+// VTK's XML files with compressed raw appended data, and ParaView's collections of them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fascicle::formats {
+
+// One array as it stands in the appended data: blocks of at most 1 MiB, each compressed by zlib, behind their
+// number, their size, the size of the last where it is smaller, and the compressed sizes (uint64).
+std::string vtk_compressed(std::string_view bytes);
+// At most so many bytes.
+std::uint64_t vtk_compressed_bound(std::uint64_t bytes);
+
+// The text and the appended data of one file, array by array.
+class VtkArrays {
+ public:
+  // The tag of an array whose compressed form is `compressed`.
+  std::string add(const std::string& type, const std::string& name, std::size_t components,
+                  std::string_view compressed);
+  template <class T>
+  std::string add(const std::string& type, const std::string& name, std::size_t components,
+                  std::span<const T> values) {
+    return add(type, name, components,
+               vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size_bytes()}));
+  }
+  // The file around `pieces`, the text of what `kind` ("PolyData") holds.
+  std::string file(const std::string& kind, const std::string& pieces) const;
+
+ private:
+  std::string data_;
+};
+
+// Field data: the time (s), and lists of names.
+struct VtkNames {
+  std::string name;
+  std::vector<std::string> values;
+};
+std::string vtk_field_data(double time, std::span<const VtkNames> names);
+
+// A .pvd: files and their times (s).
+struct VtkStep {
+  double time = 0.0;
+  std::string file;
+};
+std::string vtk_collection(std::span<const VtkStep> steps);
+
+// The bytes of a list of numbers, likewise.
+template <class T>
+std::string vtk_compressed_values(const std::vector<T>& values) {
+  return vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+}
+
+}  // namespace fascicle::formats

@@ -1,0 +1,125 @@
+// vtu/: VTK unstructured grids, one compressed file a frame, and a ParaView collection with their times. The
+// format has no way to share arrays between files: what no frame changes is compressed once and stands in
+// each.
+#include <limits>
+#include <optional>
+
+#include "host/base/errors.h"
+#include "host/base/part_file.h"
+#include "host/base/text.h"
+#include "host/formats/formats.h"
+#include "host/formats/frame_files.h"
+#include "host/formats/surface.h"
+#include "host/formats/vtk_xml.h"
+
+namespace fascicle::formats {
+
+namespace {
+
+constexpr std::uint8_t vtk_tetra = 10;
+
+class VtuSink final : public FrameSink {
+ public:
+  std::string name() const override { return "vtu"; }
+  model::Read needs() const override { return {.positions = true, .velocities = true}; }
+  void begin(const BakeInfo& info) override;
+  void write(const model::Frame& frame) override;
+  void sync() override { files_->sync(); }
+  void finish() override;
+
+ private:
+  double time_of(std::uint64_t frame) const { return info_.start + static_cast<double>(frame) / info_.fps; }
+
+  BakeInfo info_;
+  std::optional<FrameFiles> files_;
+  std::vector<VtkNames> names_;
+  // What no frame changes, compressed once.
+  std::string layer_, kinematic_, source_vertex_, connectivity_, offsets_, types_;
+};
+
+void VtuSink::begin(const BakeInfo& info) {
+  info_ = info;
+  const model::Model& model = *info.model;
+  if (model.tetrahedron.size() > std::numeric_limits<std::int32_t>::max())
+    throw base::BakeError("vtu: " + base::number_text(model.tetrahedron_count()) +
+                          " tetrahedra are more than its 32-bit offsets hold; leave out --format vtu");
+  std::vector<std::uint8_t> layer, kinematic;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    layer.push_back(static_cast<std::uint8_t>(model.layer_of(i)));
+    kinematic.push_back(model.is_kinematic(i) ? 1 : 0);
+  }
+  std::vector<std::int32_t> offsets;
+  for (std::uint32_t t = 1; t <= model.tetrahedron_count(); ++t)
+    offsets.push_back(static_cast<std::int32_t>(4 * t));
+  layer_ = vtk_compressed_values(layer);
+  kinematic_ = vtk_compressed_values(kinematic);
+  source_vertex_ = vtk_compressed_values(model.source_vertex);
+  connectivity_ = vtk_compressed_values(model.tetrahedron);  // below 2^31, so the same bits as Int32
+  offsets_ = vtk_compressed_values(offsets);
+  types_ = vtk_compressed_values(std::vector<std::uint8_t>(model.tetrahedron_count(), vtk_tetra));
+  VtkNames layers{.name = "layers", .values = {}};
+  for (const model::Layer& each : model.layers) layers.values.push_back(each.name);
+  names_ = {layers};
+  files_.emplace(info.folder, vtu_extension, info.first, info.first_number);
+}
+
+void VtuSink::write(const model::Frame& frame) {
+  const model::Model& model = *info_.model;
+  const std::vector<float> points = world_positions(frame.positions, model.unit, frame.origin);
+  std::vector<float> displacement(points.size()), velocity(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    // From the unrounded positions: far from the world's origin a difference of floats would lose what it
+    // shows.
+    const double moved = double{frame.positions[i]} - double{info_.initial->positions[i]};
+    displacement[i] =
+        static_cast<float>((frame.origin[i % 3] - info_.initial->origin[i % 3]) + model.unit * moved);
+    velocity[i] = static_cast<float>(model.unit * double{frame.velocities[i]});
+  }
+  VtkArrays arrays;
+  const auto floats = [&](const char* name, const std::vector<float>& values) {
+    return arrays.add("Float32", name, 3, std::span<const float>(values));
+  };
+  std::string text = vtk_field_data(time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
+                     base::number_text(model.vertex_count) + "\" NumberOfCells=\"" +
+                     base::number_text(model.tetrahedron_count()) + "\">\n";
+  // One array a statement: their order in the file is that of the calls.
+  text += "      <Points>\n";
+  text += floats("position", points);
+  text += "      </Points>\n      <PointData>\n";
+  text += floats("displacement", displacement);
+  text += floats("velocity", velocity);
+  text += arrays.add("UInt8", "layer", 1, layer_);
+  text += arrays.add("UInt8", "kinematic", 1, kinematic_);
+  text += arrays.add("UInt32", "source_vertex", 1, source_vertex_);
+  text += "      </PointData>\n      <Cells>\n";
+  text += arrays.add("Int32", "connectivity", 1, connectivity_);
+  text += arrays.add("Int32", "offsets", 1, offsets_);
+  text += arrays.add("UInt8", "types", 1, types_);
+  text += "      </Cells>\n    </Piece>\n";
+  files_->write(frame.index, arrays.file("UnstructuredGrid", text));
+}
+
+void VtuSink::finish() {
+  files_->sync();
+  std::vector<VtkStep> steps;
+  for (std::uint64_t k = 0; k <= info_.frames; ++k)
+    steps.push_back({time_of(k), frame_file_name(files_->number_of(k), vtu_extension)});
+  base::write_whole(files_->folder() / vtk_series, vtk_collection(steps));
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSink> make_vtu_sink() {
+  return std::make_unique<VtuSink>();
+}
+
+std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
+  const std::uint64_t points = model.vertex_count, cells = model.tetrahedron_count();
+  std::uint64_t bytes = 1700;
+  for (const std::uint64_t array :
+       {points * 12, points * 12, points * 12, points, points, points * 4, cells * 16, cells * 4, cells})
+    bytes += vtk_compressed_bound(array);
+  return frames * (bytes + 70);  // and the frame's line in the collection
+}
+
+}  // namespace fascicle::formats

@@ -1,0 +1,471 @@
+#include "host/gltf/gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "host/gltf/gltf_check.h"
+#include "host/gltf/gltf_decode.h"
+#include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_parts.h"
+#include "host/gltf/gltf_shapes.h"
+#include "host/gltf/gltf_skeleton.h"
+#include "host/rig/pose.h"
+
+namespace fascicle::gltf {
+namespace {
+
+// Far above any character, far below what would fill a machine from a small file that names one accessor many
+// times.
+constexpr std::size_t most_vertices = std::size_t{1} << 24;
+constexpr std::size_t most_triangles = std::size_t{1} << 25;
+constexpr std::size_t most_painted = 16;
+
+// Numbers a vertex of an attribute that can be painted; 0 for any other.
+std::uint32_t painted_width(const std::string& name, int type) {
+  if (!name.starts_with("_") && !name.starts_with("COLOR_")) return 0;
+  switch (type) {
+    case TINYGLTF_TYPE_SCALAR:
+      return 1;
+    case TINYGLTF_TYPE_VEC2:
+      return 2;
+    case TINYGLTF_TYPE_VEC3:
+      return 3;
+    case TINYGLTF_TYPE_VEC4:
+      return 4;
+    default:
+      return 0;
+  }
+}
+
+// Triangles of a primitive as numbers of its own vertices.
+std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t>& corners, int mode) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+      triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    return triangles;
+  }
+  for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
+    std::array<std::uint32_t, 3> t{corners[mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i], corners[i + 1],
+                                   corners[i + 2]};
+    if (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1) std::swap(t[1], t[2]);  // glTF 2.0, 3.7.2.1
+    // Strips are joined by repeated corners.
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+  }
+  return triangles;
+}
+
+class Reader {
+ public:
+  // `looks` is the document as the file has it: the decoder sees nothing about looks.
+  Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
+      : path_(path), looks_(looks), model_(model) {}
+
+  rig::Character run() {
+    const GltfParts found = find_parts(model_);
+    if (found.parts.empty()) {
+      fail("/nodes",
+           "the file's scene has no mesh that a skeleton or a clip moves; export the character with its "
+           "armature, or name a still mesh as .ply or .obj under [mesh]");
+    }
+    character_.notes = found.notes;
+    joint_of_ = read_skeleton(path_, model_, found, character_);
+    bind_ = rig::joint_transforms_at(character_, nullptr, 0.0);
+    is_bound_.assign(bind_.size(), false);
+    // In the order in which the parts first show them: skins may bind the same joints.
+    std::map<int, Skin> skins;
+    for (const GltfPart& part : found.parts)
+      if (part.skin >= 0 && !skins.contains(part.skin)) skins.emplace(part.skin, read_skin(part.skin));
+    bind_carriers(found);
+    for (const GltfPart& source : found.parts) {
+      rig::SurfacePart part = begun_part(source);
+      read_primitive(
+          model_.meshes[source.mesh].primitives[source.primitive],
+          source.skin >= 0 ? skins.at(source.skin) : carried(source), source,
+          "/meshes/" + std::to_string(source.mesh) + "/primitives/" + std::to_string(source.primitive));
+      part.vertex_count = static_cast<std::uint32_t>(character_.surface.vertices.size()) - part.first_vertex;
+      part.triangle_count =
+          static_cast<std::uint32_t>(character_.surface.triangles.size()) - part.first_triangle;
+      character_.parts.push_back(std::move(part));
+    }
+    if (character_.surface.triangles.empty()) fail("/meshes", "the character's meshes have no triangles");
+    note(normalised_, "had weights that do not sum to 1; they were normalised");
+    note(cut_, "followed more than 8 joints; the 8 of largest weight were kept");
+    return std::move(character_);
+  }
+
+ private:
+  struct Skin {
+    std::vector<std::uint32_t> joints;         // numbers in the skeleton
+    std::vector<Eigen::Matrix4d> raw_to_bind;  // raw position to bind pose, following one joint alone
+  };
+  struct Influence {
+    std::uint32_t joint;  // in the skin
+    double weight;
+  };
+
+  [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
+    gltf_error(path_, pointer, what);
+  }
+
+  void note(std::size_t vertices, const std::string& what) {
+    if (vertices > 0)
+      character_.notes.push_back("skin weights: " + std::to_string(vertices) + " of " +
+                                 std::to_string(character_.surface.vertices.size()) + " vertices " + what);
+  }
+
+  // The bind pose is what the inverse bind matrices say of the joints' places to each other. Where it stands
+  // and how large it is they do not say: the skin's topmost joint stands where the nodes put it, or where a
+  // skin read before put it. A skin without matrices is bound where its nodes stand.
+  Skin read_skin(int number) {
+    const tinygltf::Skin& source = model_.skins[static_cast<std::size_t>(number)];
+    Skin skin;
+    for (const int node : source.joints)
+      skin.joints.push_back(static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(node)]));
+    if (source.inverseBindMatrices < 0) {
+      for (const std::uint32_t joint : skin.joints) {
+        is_bound_[joint] = true;
+        skin.raw_to_bind.push_back(bind_[joint]);
+      }
+      return skin;
+    }
+    const std::vector<Eigen::Matrix4d> inverse_binds =
+        read_inverse_binds(source.inverseBindMatrices, skin.joints.size());
+    const auto is_before = [&](std::size_t a, std::size_t b) {
+      const std::uint32_t ja = skin.joints[a], jb = skin.joints[b];
+      return is_bound_[ja] != is_bound_[jb] ? is_bound_[ja] : ja < jb;
+    };
+    std::size_t top = 0;
+    for (std::size_t k = 1; k < skin.joints.size(); ++k)
+      if (is_before(k, top)) top = k;
+    const Eigen::Matrix4d raw_to_bind = bind_[skin.joints[top]] * inverse_binds[top];
+    for (std::size_t k = 0; k < skin.joints.size(); ++k) {
+      const std::uint32_t joint = skin.joints[k];
+      if (!is_bound_[joint]) bind_[joint] = raw_to_bind * affine_inverse(inverse_binds[k]);
+      is_bound_[joint] = true;
+      character_.skeleton[joint].inverse_bind = affine_inverse(bind_[joint]);
+      // The same for all joints, but where two skins bind the same joints in different poses.
+      skin.raw_to_bind.push_back(bind_[joint] * inverse_binds[k]);
+    }
+    return skin;
+  }
+
+  std::vector<Eigen::Matrix4d> read_inverse_binds(int accessor, std::size_t count) const {
+    const std::vector<double> matrices = accessor_numbers(path_, model_, accessor);
+    const auto refuse = [&](std::size_t k, const std::string& what) {
+      fail("/accessors/" + std::to_string(accessor), "matrix " + std::to_string(k) + ": " + what);
+    };
+    std::vector<Eigen::Matrix4d> inverse_binds;
+    for (std::size_t k = 0; k < count; ++k) {
+      Eigen::Matrix4d m = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
+      // Exporters invert in float: the last row may be off by a few of its digits.
+      if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-5)
+        refuse(k, "its last row must be 0 0 0 1");
+      m.row(3) = Eigen::RowVector4d(0, 0, 0, 1);
+      if (!affine_inverse(m).allFinite()) refuse(k, "it has no inverse");
+      inverse_binds.push_back(m);
+    }
+    return inverse_binds;
+  }
+
+  // A joint that carries hung meshes stands where its parent's bind pose and its own rest put it, unless a
+  // skin has said where.
+  void bind_carriers(const GltfParts& found) {
+    std::vector<bool> is_carrier(bind_.size(), false);
+    for (const int n : found.carriers)
+      is_carrier[static_cast<std::size_t>(joint_of_[static_cast<std::size_t>(n)])] = true;
+    std::vector<bool> is_rebound = is_bound_;
+    for (std::size_t j = 0; j < bind_.size(); ++j) {
+      rig::Joint& joint = character_.skeleton[j];
+      const auto parent = static_cast<std::size_t>(std::max(joint.parent, 0));
+      if (is_bound_[j] || joint.parent < 0 || !is_rebound[parent]) continue;
+      bind_[j] = bind_[parent] * joint.rest_local;
+      is_rebound[j] = true;
+      if (is_carrier[j]) joint.inverse_bind = affine_inverse(bind_[j]);
+    }
+  }
+
+  // What a hung part follows: one joint, wholly.
+  Skin carried(const GltfPart& part) const {
+    const auto joint = static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(part.carrier)]);
+    return {{joint}, {bind_[joint] * part.to_carrier}};
+  }
+
+  // The names of a part whose vertices and triangles come next.
+  rig::SurfacePart begun_part(const GltfPart& source) const {
+    rig::SurfacePart part;
+    part.object = name_of("nodes", source.node);
+    if (part.object.empty()) part.object = name_of("meshes", source.mesh);
+    if (part.object.empty()) part.object = "mesh " + std::to_string(source.mesh);
+    part.node = static_cast<std::uint32_t>(source.node);
+    part.first_vertex = static_cast<std::uint32_t>(character_.surface.vertices.size());
+    part.first_triangle = static_cast<std::uint32_t>(character_.surface.triangles.size());
+    const auto& shown = looks_["meshes"][source.mesh]["primitives"][source.primitive];
+    const auto number = shown.find("material");
+    if (number != shown.end() && number->is_number_unsigned())
+      part.material = name_of("materials", number->get<std::size_t>());
+    return part;
+  }
+
+  // Of an entry of one of the document's lists; empty where there is none.
+  std::string name_of(const char* list, std::size_t number) const {
+    const auto entries = looks_.find(list);
+    if (entries == looks_.end() || !entries->is_array() || number >= entries->size()) return {};
+    const nlohmann::json& entry = (*entries)[number];
+    if (!entry.is_object()) return {};
+    const auto name = entry.find("name");
+    return name != entry.end() && name->is_string() ? name->get<std::string>() : std::string();
+  }
+
+  int attribute(const tinygltf::Primitive& primitive, const std::string& name) const {
+    const auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+  }
+
+  std::vector<double> numbers(const std::string& pointer, int accessor, int type, bool is_allowed,
+                              std::size_t count) const {
+    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(accessor)];
+    if (a.type != type || !is_allowed) {
+      fail(pointer, "accessor " + std::to_string(accessor) + " has a type that glTF does not allow here");
+    }
+    if (count != 0 && a.count != count) {
+      fail(pointer, std::to_string(a.count) + " elements for " + std::to_string(count) + " positions");
+    }
+    return accessor_numbers(path_, model_, accessor);
+  }
+
+  // For each vertex every joint that has weight there, each joint once.
+  std::vector<std::vector<Influence>> read_influences(const tinygltf::Primitive& primitive, const Skin& skin,
+                                                      const std::string& pointer, std::size_t count) {
+    std::vector<std::vector<Influence>> influences(count);
+    for (int set = 0;; ++set) {
+      const std::string joints_name = "JOINTS_" + std::to_string(set),
+                        weights_name = "WEIGHTS_" + std::to_string(set);
+      const int joints_accessor = attribute(primitive, joints_name),
+                weights_accessor = attribute(primitive, weights_name);
+      const std::string joints_pointer = pointer + "/attributes/" + joints_name;
+      const std::string weights_pointer = pointer + "/attributes/" + weights_name;
+      if (joints_accessor < 0 && weights_accessor < 0 && set > 0) break;
+      if (joints_accessor < 0) fail(joints_pointer, "is missing; a skinned mesh needs joints and weights");
+      if (weights_accessor < 0) fail(weights_pointer, "is missing; a skinned mesh needs joints and weights");
+
+      const tinygltf::Accessor& j = model_.accessors[static_cast<std::size_t>(joints_accessor)];
+      const tinygltf::Accessor& w = model_.accessors[static_cast<std::size_t>(weights_accessor)];
+      const auto is_unsigned = [](int type) {
+        return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+               type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
+      };
+      const std::vector<double> joints = numbers(joints_pointer, joints_accessor, TINYGLTF_TYPE_VEC4,
+                                                 is_unsigned(j.componentType) && !j.normalized, count);
+      const std::vector<double> weights = numbers(
+          weights_pointer, weights_accessor, TINYGLTF_TYPE_VEC4,
+          w.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT || (is_unsigned(w.componentType) && w.normalized),
+          count);
+      for (std::size_t i = 0; i < 4 * count; ++i) {
+        const std::string vertex = "vertex " + std::to_string(i / 4);
+        if (weights[i] < 0.0) fail(weights_pointer, vertex + " has a negative weight");
+        if (weights[i] == 0.0) continue;  // what joint is named there says nothing
+        const auto joint = static_cast<std::uint32_t>(joints[i]);
+        if (joint >= skin.joints.size()) {
+          fail(joints_pointer, vertex + " follows joint " + std::to_string(joint) + " of a skin of " +
+                                   std::to_string(skin.joints.size()));
+        }
+        std::vector<Influence>& all = influences[i / 4];
+        const auto known =
+            std::find_if(all.begin(), all.end(), [&](const Influence& x) { return x.joint == joint; });
+        if (known != all.end()) {
+          known->weight += weights[i];
+        } else {
+          all.push_back({joint, weights[i]});
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      std::vector<Influence>& all = influences[i];
+      if (all.empty()) {
+        fail(pointer + "/attributes/WEIGHTS_0",
+             "vertex " + std::to_string(i) + " follows no joint; give it a weight");
+      }
+      std::sort(all.begin(), all.end(), [](const Influence& a, const Influence& b) {
+        return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
+      });
+      double sum = 0.0;
+      for (const Influence& x : all) sum += x.weight;
+      // What 16 bits and float rounding of exporters leave is not worth a word.
+      if (std::abs(sum - 1.0) > 1e-3) ++normalised_;
+      if (all.size() > 8) {
+        ++cut_;
+        all.resize(8);
+        sum = 0.0;
+        for (const Influence& x : all) sum += x.weight;
+      }
+      for (Influence& x : all) x.weight /= sum;
+    }
+    return influences;
+  }
+
+  std::vector<std::uint32_t> read_corners(const tinygltf::Primitive& primitive, const std::string& pointer,
+                                          std::size_t count) const {
+    std::vector<std::uint32_t> corners;
+    if (primitive.indices < 0) {
+      for (std::size_t i = 0; i < count; ++i) corners.push_back(static_cast<std::uint32_t>(i));
+    } else {
+      const int type = model_.accessors[static_cast<std::size_t>(primitive.indices)].componentType;
+      const bool is_index = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                            type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                            type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+      for (const double corner :
+           numbers(pointer + "/indices", primitive.indices, TINYGLTF_TYPE_SCALAR, is_index, 0)) {
+        if (corner >= static_cast<double>(count)) {
+          fail(pointer + "/indices", "names vertex " + std::to_string(static_cast<std::uint64_t>(corner)) +
+                                         " of " + std::to_string(count));
+        }
+        corners.push_back(static_cast<std::uint32_t>(corner));
+      }
+    }
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && corners.size() % 3 != 0) {
+      fail(pointer + (primitive.indices < 0 ? "/attributes/POSITION" : "/indices"),
+           std::to_string(corners.size()) + " corners do not make whole triangles");
+    }
+    return corners;
+  }
+
+  // The attribute of this name, 0 on all vertices before this primitive's.
+  rig::PaintedAttribute& painted_attribute(const std::string& name, std::uint32_t width,
+                                           const std::string& pointer) {
+    for (rig::PaintedAttribute& attribute : character_.painted) {
+      if (attribute.name != name) continue;
+      if (attribute.width != width)
+        fail(pointer, "has " + std::to_string(width) + " numbers a vertex, and " +
+                          std::to_string(attribute.width) + " on another primitive");
+      return attribute;
+    }
+    if (character_.painted.size() == most_painted)
+      fail(pointer, "more than " + std::to_string(most_painted) + " painted attributes; leave some out");
+    character_.painted.push_back({name, width, {}});
+    return character_.painted.back();
+  }
+
+  // After the primitive's vertices are in the surface.
+  void read_painted(const tinygltf::Primitive& primitive, const std::string& pointer, const Skin& skin,
+                    const std::vector<std::vector<Influence>>& influences) {
+    const std::size_t all = character_.surface.vertices.size(), count = influences.size();
+    for (const auto& [name, accessor] : primitive.attributes) {
+      const int type = model_.accessors[static_cast<std::size_t>(accessor)].type;
+      const std::uint32_t width = painted_width(name, type);
+      if (width == 0) continue;
+      const std::string here = pointer + "/attributes/" + name;
+      const std::vector<double> values = numbers(here, accessor, type, true, count);
+      rig::PaintedAttribute& attribute = painted_attribute(name, width, here);
+      attribute.values.resize(width * (all - count), 0.0);
+      attribute.values.insert(attribute.values.end(), values.begin(), values.end());
+      if (name != "_FIBER" || width != 3) continue;
+      for (std::size_t i = 0; i < count; ++i) {
+        Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+        for (const Influence& x : influences[i])
+          turn += x.weight * skin.raw_to_bind[x.joint].topLeftCorner<3, 3>();
+        double* value = attribute.values.data() + 3 * (all - count + i);
+        const Vector3d raw(value[0], value[1], value[2]);
+        // The direction turns with the skin; its length says how sure the painter was.
+        const Vector3d turned = turn * raw;
+        const double length = turned.norm();
+        for (int axis = 0; axis < 3; ++axis)
+          value[axis] = length > 0.0 ? turned[axis] * (raw.norm() / length) : 0.0;
+      }
+    }
+    for (rig::PaintedAttribute& attribute : character_.painted)
+      attribute.values.resize(attribute.width * all, 0.0);
+  }
+
+  void read_primitive(const tinygltf::Primitive& primitive, const Skin& skin, const GltfPart& source,
+                      const std::string& pointer) {
+    if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
+        primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN) {
+      fail(pointer + "/mode",
+           std::to_string(primitive.mode) + "; a skinned mesh must be of triangles, a strip or a fan");
+    }
+    const std::string position_pointer = pointer + "/attributes/POSITION";
+    const int position = attribute(primitive, "POSITION");
+    if (position < 0) fail(position_pointer, "is missing");
+    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(position)];
+    mesh::SurfaceMesh& surface = character_.surface;
+    if (surface.vertices.size() + a.count > most_vertices) {
+      fail(position_pointer, "more than " + std::to_string(most_vertices) + " vertices in all");
+    }
+    const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
+                                            a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
+    const std::vector<std::vector<Influence>> influences =
+        source.skin >= 0 ? read_influences(primitive, skin, pointer, a.count)
+                         : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
+
+    std::vector<Vector3d> points;
+    for (std::size_t i = 0; i < a.count; ++i) points.emplace_back(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
+    const std::vector<rig::BlendShape> shapes =
+        read_shapes(path_, model_, primitive, pointer, a.count, targets_left_);
+    add_shapes(shapes, rest_weights(looks_, source.node, source.mesh, shapes.size()), points);
+
+    const auto first = static_cast<std::uint32_t>(surface.vertices.size());
+    std::vector<bool> is_mirrored(a.count);
+    for (std::size_t i = 0; i < a.count; ++i) {
+      Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
+      std::array<std::uint32_t, 8> joints{};
+      std::array<double, 8> weights{};
+      for (std::size_t k = 0; k < influences[i].size(); ++k) {
+        const Influence& x = influences[i][k];
+        blend += x.weight * skin.raw_to_bind[x.joint];
+        joints[k] = skin.joints[x.joint];
+        weights[k] = x.weight;
+      }
+      const Vector3d& p = points[i];
+      const Vector3d bound = blend.topLeftCorner<3, 3>() * p + blend.topRightCorner<3, 1>();
+      if (!bound.allFinite())
+        fail(position_pointer, "vertex " + std::to_string(i) + " is skinned to no finite position");
+      is_mirrored[i] = blend.topLeftCorner<3, 3>().determinant() < 0.0;
+      surface.vertices.push_back(bound);
+      character_.joints.push_back(joints);
+      character_.weights.push_back(weights);
+    }
+
+    read_painted(primitive, pointer, skin, influences);
+
+    for (std::array<std::uint32_t, 3> t : expand(read_corners(primitive, pointer, a.count), primitive.mode)) {
+      // A mirroring transform turns triangles inside out.
+      if (is_mirrored[t[0]]) std::swap(t[1], t[2]);
+      surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+    if (surface.triangles.size() > most_triangles) {
+      fail(pointer, "more than " + std::to_string(most_triangles) + " triangles in all");
+    }
+  }
+
+  const std::filesystem::path& path_;
+  const nlohmann::json& looks_;
+  const tinygltf::Model& model_;
+  rig::Character character_;
+  std::vector<std::int32_t> joint_of_;  // of a node
+  std::vector<Eigen::Matrix4d> bind_;   // of a joint: its space to the bind pose, metres
+  std::size_t targets_left_ = most_target_positions;
+  std::size_t normalised_ = 0, cut_ = 0;  // vertices whose weights were not taken as they are
+  std::vector<bool> is_bound_;            // of a joint: whether a skin has said where it stands
+};
+
+}  // namespace
+
+rig::Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read) {
+  GltfFile file = read_gltf_file(path);
+  const std::vector<std::string> notes = file.notes;
+  const CheckedGltf checked = check_gltf(std::move(file));
+  const auto model = decode_gltf(checked);
+  rig::Character character = Reader(path, checked.plain, *model).run();
+  character.notes.insert(character.notes.end(), notes.begin(), notes.end());
+  if (files_read != nullptr) {
+    files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());
+  }
+  return character;
+}
+
+}  // namespace fascicle::gltf

@@ -1,0 +1,248 @@
+#include "host/gltf/gltf_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "host/base/errors.h"
+#include "host/base/helper_program.h"
+#include "host/gltf/convert.h"
+#include "host/rig/character.h"
+
+namespace fascicle::gltf {
+namespace {
+
+constexpr std::size_t deepest_nesting = 64;
+constexpr std::size_t most_values = 10'000'000;
+
+std::string system_message(int error) {
+  return std::generic_category().message(error);
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int value) : value_(value) {}
+  ~Descriptor() {
+    if (value_ >= 0) ::close(value_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+// The whole of a regular file; `fail` is called with what is wrong and does not return. O_NONBLOCK: a pipe
+// must not hang us.
+template <typename Fail>
+std::vector<unsigned char> read_regular_file(const std::filesystem::path& path, int flags, const Fail& fail) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags));
+  if (file.get() < 0) fail("cannot be opened: " + system_message(errno));
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) fail("cannot be read: " + system_message(errno));
+  if (!S_ISREG(status.st_mode)) fail("is not a regular file");
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (size > gltf_largest_file) {
+    fail("has " + std::to_string(size) + " bytes, more than the " + std::to_string(gltf_largest_file) +
+         " that are read");
+  }
+  std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(file.get(), bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail("cannot be read: " + system_message(errno));
+    if (got == 0) fail("became shorter while it was read");
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+std::uint32_t little_endian(const std::vector<unsigned char>& bytes, std::size_t at) {
+  return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
+         static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
+}
+
+constexpr std::uint32_t magic_glb = 0x46546C67, chunk_json = 0x4E4F534A, chunk_binary = 0x004E4942;
+
+nlohmann::json parse(const std::filesystem::path& path, const unsigned char* text, std::size_t size) {
+  std::size_t values = 0;
+  using Json = nlohmann::json;
+  const auto bound = [&](int depth, Json::parse_event_t event, Json&) {
+    if (static_cast<std::size_t>(depth) > deepest_nesting) {
+      gltf_error(path, "/", "the JSON is nested deeper than " + std::to_string(deepest_nesting) + " levels");
+    }
+    const bool is_start =
+        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+    if ((is_start || event == Json::parse_event_t::value) && ++values > most_values) {
+      gltf_error(path, "/", "the JSON has more than " + std::to_string(most_values) + " values");
+    }
+    return true;
+  };
+  try {
+    return Json::parse(text, text + size, bound);
+  } catch (const Json::exception& error) {
+    gltf_error(path, "/", std::string("not valid JSON: ") + error.what());
+  }
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& file) {
+  auto f = file.begin();
+  for (const auto& part : folder) {
+    if (f == file.end() || *f != part) return false;
+    ++f;
+  }
+  return f != file.end();
+}
+
+// `path` is what messages call it.
+GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
+  GltfFile file;
+  file.path = path;
+  if (bytes.size() < 4 || little_endian(bytes, 0) != magic_glb) {
+    file.document = parse(path, bytes.data(), bytes.size());
+    return file;
+  }
+
+  const auto fail = [&](std::size_t at, const std::string& what) {
+    gltf_error(path, "byte " + std::to_string(at), what);
+  };
+  if (bytes.size() < 20)
+    fail(0, "a GLB needs at least 20 bytes, the file has " + std::to_string(bytes.size()));
+  if (little_endian(bytes, 4) != 2)
+    fail(4, "GLB version " + std::to_string(little_endian(bytes, 4)) + "; only 2 is read");
+  if (little_endian(bytes, 8) != bytes.size()) {
+    fail(8, "the header says " + std::to_string(little_endian(bytes, 8)) + " bytes, the file has " +
+                std::to_string(bytes.size()) + "; it is truncated or damaged");
+  }
+  std::size_t at = 12, chunk = 0;
+  while (at < bytes.size()) {
+    if (bytes.size() - at < 8) fail(at, "a chunk's header is cut off");
+    const std::size_t length = little_endian(bytes, at);
+    const std::uint32_t type = little_endian(bytes, at + 4);
+    const std::size_t left = bytes.size() - at - 8;
+    if (length > left) {
+      fail(at, "a chunk of " + std::to_string(length) + " bytes where " + std::to_string(left) + " are left");
+    }
+    const unsigned char* data = bytes.data() + at + 8;
+    if (chunk == 0 && type != chunk_json) fail(at + 4, "the first chunk must hold JSON");
+    if (chunk > 0 && type == chunk_json) fail(at + 4, "a second JSON chunk");
+    if (type == chunk_json) file.document = parse(path, data, length);
+    if (chunk == 1 && type == chunk_binary) {
+      file.has_binary = true;
+      file.binary.assign(data, data + length);
+    }
+    at += 8 + length;
+    ++chunk;
+  }
+  return file;
+}
+
+// What a converter says of a file holds names from that file, as many as it likes.
+std::vector<std::string> notes_of(const nlohmann::json& document) {
+  constexpr std::size_t most_notes = 20;
+  const nlohmann::json all =
+      document.value(nlohmann::json::json_pointer("/asset/extras/notes"), nlohmann::json::array());
+  std::vector<std::string> notes;
+  for (const nlohmann::json& note : all) {
+    if (!note.is_string()) continue;
+    if (notes.size() == most_notes) {
+      notes.push_back("and " + std::to_string(all.size() - most_notes) + " more of this kind");
+      break;
+    }
+    std::string text = note.get<std::string>();
+    for (char& c : text)
+      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    notes.push_back(std::move(text));
+  }
+  return notes;
+}
+
+// The document stays in memory: what reads it again converts it again, which is a fraction of a second.
+GltfFile read_converted(const std::filesystem::path& path) try {
+  const base::TemporaryFolder folder;
+  const std::filesystem::path glb = folder.path() / "character.glb";
+  convert_character(path, glb);
+  GltfFile file = parse_gltf(path, read_regular_file(glb, 0, [&](const std::string& what) {
+                               throw base::SceneError(path.string() + ": as converted, " + what);
+                             }));
+  file.notes = notes_of(file.document);
+  return file;
+} catch (const std::system_error& error) {
+  fail_to_convert(path, error.what());
+}
+
+}  // namespace
+
+void gltf_error(const std::filesystem::path& path, const std::string& pointer, const std::string& what) {
+  throw base::SceneError(path.string() + ": " + pointer + ": " + what);
+}
+
+GltfFile read_gltf_file(const std::filesystem::path& path) {
+  if (is_convertible_file(path)) return read_converted(path);
+  return parse_gltf(path, read_regular_file(path, 0, [&](const std::string& what) {
+                      throw base::SceneError(path.string() + ": " + what);
+                    }));
+}
+
+std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, const std::string& pointer,
+                                            const std::string& uri,
+                                            std::vector<std::filesystem::path>& files_read) {
+  const auto fail = [&](const std::string& what) {
+    gltf_error(gltf, pointer, "`" + uri.substr(0, 100) + "` " + what);
+  };
+  const std::string advice = "; buffers must be files in the folder of the glTF file";
+  std::string name;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] != '%') {
+      name += uri[i];
+      continue;
+    }
+    const int high = i + 1 < uri.size() ? hex_digit(uri[i + 1]) : -1;
+    const int low = i + 2 < uri.size() ? hex_digit(uri[i + 2]) : -1;
+    if (high < 0 || low < 0) fail("has a `%` without two hexadecimal digits");
+    const char c = static_cast<char>(high * 16 + low);
+    // None of these needs encoding in an honest file name; encoded, they only serve to slip past a check.
+    if (c == '/' || c == '\\' || c == '.' || c == '%' || c == ':') {
+      fail("hides `" + std::string(1, c) + "` behind percent-encoding" + advice);
+    }
+    name += c;
+    i += 2;
+  }
+  for (const char c : name) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) fail("has a control character");
+  }
+  if (name.empty()) fail("names no file");
+  if (name.find('\\') != std::string::npos) fail("has a backslash; separate folders with `/`");
+  if (name.find(':') != std::string::npos) fail("has a scheme or drive" + advice);
+  if (name.front() == '/') fail("is an absolute path" + advice);
+  const std::filesystem::path relative(name);
+  for (const auto& part : relative) {
+    if (part == "..") fail("leads out of the folder" + advice);
+  }
+
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::canonical(
+      gltf.has_parent_path() ? gltf.parent_path() : std::filesystem::path("."), error);
+  if (error) fail("lies in a folder that cannot be opened: " + error.message());
+  const std::filesystem::path file = std::filesystem::canonical(folder / relative, error);
+  if (error) fail("cannot be opened: " + error.message());
+  if (!is_inside(folder, file)) fail("leads out of the folder through a symbolic link" + advice);
+  std::vector<unsigned char> bytes = read_regular_file(file, O_NOFOLLOW, fail);
+  files_read.push_back(file);
+  return bytes;
+}
+
+}  // namespace fascicle::gltf

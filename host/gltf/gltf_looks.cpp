@@ -1,0 +1,247 @@
+#include "host/gltf/gltf_looks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <optional>
+
+#include "host/base/errors.h"
+#include "host/gltf/gltf_check.h"
+#include "host/gltf/gltf_decode.h"
+#include "host/gltf/gltf_library.h"
+
+namespace fascicle::gltf {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A member, or null: looks are read from the file's own text, which was checked only as JSON.
+const json& member(const json& value, const char* name) {
+  static const json nothing;
+  if (!value.is_object()) return nothing;
+  const auto found = value.find(name);
+  return found == value.end() ? nothing : *found;
+}
+
+std::optional<std::size_t> index_in(const json& number, const json& list) {
+  if (!number.is_number_unsigned() || !list.is_array()) return std::nullopt;
+  const auto index = number.get<std::size_t>();
+  return index < list.size() ? std::optional(index) : std::nullopt;
+}
+
+double number_or(const json& value, double otherwise) {
+  if (!value.is_number()) return otherwise;
+  const double number = value.get<double>();
+  return std::isfinite(number) ? number : otherwise;
+}
+
+std::string text_or(const json& value, const std::string& otherwise) {
+  return value.is_string() ? value.get<std::string>() : otherwise;
+}
+
+TextureWrap wrap_of(const json& value) {
+  if (value == 33071) return TextureWrap::clamp;
+  if (value == 33648) return TextureWrap::mirror;
+  return TextureWrap::repeat;
+}
+
+int base64_value(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+' || c == '-') return 62;
+  if (c == '/' || c == '_') return 63;
+  return -1;
+}
+
+// What a data: URI holds; nothing where it is not base64.
+std::vector<unsigned char> bytes_of_data_uri(const std::string& uri) {
+  const std::size_t mark = uri.find(";base64,");
+  if (mark == std::string::npos) return {};
+  std::vector<unsigned char> bytes;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (std::size_t k = mark + 8; k < uri.size() && uri[k] != '='; ++k) {
+    const int value = base64_value(uri[k]);
+    if (value < 0) return {};
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes.push_back(static_cast<unsigned char>(bits >> count & 0xffu));
+  }
+  return bytes;
+}
+
+class LooksReader {
+ public:
+  LooksReader(const fs::path& path, const json& document, const tinygltf::Model& model)
+      : path_(path), document_(document), model_(model) {}
+
+  Looks run(const Rig& rig) {
+    std::vector<std::uint64_t> uv_sets;
+    for (const json& material : list("materials")) {
+      uv_sets.push_back(0);
+      looks_.materials.push_back(read_material(material, uv_sets.back()));
+    }
+    const auto white = static_cast<std::uint32_t>(looks_.materials.size());
+    looks_.materials.emplace_back();
+    uv_sets.push_back(0);
+    for (const RigPart& part : rig.parts) {
+      const json& primitive = primitive_of(part);
+      PartLooks looks{.material = white, .uvs = {}, .colours = {}};
+      if (const auto m = index_in(member(primitive, "material"), list("materials"))) {
+        looks.material = static_cast<std::uint32_t>(*m);
+        looks_.has_colours = true;
+      }
+      const std::size_t count = part.positions.size();
+      if (looks_.materials[looks.material].texture >= 0)
+        looks.uvs = uvs_of(part, primitive, uv_sets[looks.material]);
+      looks.colours = colours_of(primitive, count);
+      looks_.has_colours = looks_.has_colours || !looks.colours.empty();
+      looks_.parts.push_back(std::move(looks));
+    }
+    return std::move(looks_);
+  }
+
+ private:
+  const json& list(const char* name) const { return member(document_, name); }
+
+  const json& primitive_of(const RigPart& part) const {
+    return document_["meshes"][part.mesh]["primitives"][part.primitive];
+  }
+
+  LookMaterial read_material(const json& material, std::uint64_t& uv_set) {
+    LookMaterial result;
+    result.name = text_or(member(material, "name"), "");
+    const json& metallic = member(material, "pbrMetallicRoughness");
+    const json& specular = member(member(material, "extensions"), "KHR_materials_pbrSpecularGlossiness");
+    const json& colour =
+        specular.is_object() ? member(specular, "diffuseFactor") : member(metallic, "baseColorFactor");
+    if (colour.is_array())
+      for (std::size_t c = 0; c < std::min<std::size_t>(4, colour.size()); ++c)
+        result.base_colour[static_cast<Eigen::Index>(c)] = std::clamp(number_or(colour[c], 1.0), 0.0, 1.0);
+    if (text_or(member(material, "alphaMode"), "OPAQUE") == "MASK")
+      result.alpha_cutoff = number_or(member(material, "alphaCutoff"), 0.5);
+    const json& use =
+        specular.is_object() ? member(specular, "diffuseTexture") : member(metallic, "baseColorTexture");
+    const json& set = member(use, "texCoord");
+    if (set.is_number_unsigned()) uv_set = set.get<std::uint64_t>();
+    if (use.is_object()) result.texture = texture_of(member(use, "index"));
+    return result;
+  }
+
+  // Its number among those that were read; -1 where it cannot be.
+  std::int32_t texture_of(const json& number) {
+    const auto index = index_in(number, list("textures"));
+    if (!index) return -1;
+    if (const auto known = number_of_.find(*index); known != number_of_.end()) return known->second;
+    const json& texture = list("textures")[*index];
+    std::int32_t result = -1;
+    LookTexture read{.name = "texture " + std::to_string(*index), .bytes = {}};
+    if (const auto image = index_in(member(texture, "source"), list("images"))) {
+      read.name = "image " + std::to_string(*image);
+      const std::string name = text_or(member(list("images")[*image], "name"), "");
+      if (!name.empty()) read.name += " (" + name.substr(0, 60) + ")";
+      read.bytes = image_bytes(list("images")[*image], read.name);
+      if (const auto sampler = index_in(member(texture, "sampler"), list("samplers"))) {
+        read.across = wrap_of(member(list("samplers")[*sampler], "wrapS"));
+        read.down = wrap_of(member(list("samplers")[*sampler], "wrapT"));
+      }
+      if (!read.bytes.empty()) {
+        result = static_cast<std::int32_t>(looks_.textures.size());
+        looks_.textures.push_back(std::move(read));
+      }
+    } else {
+      looks_.notes.push_back(read.name + " is neither PNG nor JPEG; its surface gets its plain colour");
+    }
+    number_of_[*index] = result;
+    return result;
+  }
+
+  std::vector<unsigned char> image_bytes(const json& image, const std::string& name) {
+    std::vector<unsigned char> bytes;
+    std::string why = "holds nothing";
+    if (const auto view = index_in(member(image, "bufferView"), list("bufferViews"))) {
+      // The views of the decoder are those of the file, and were checked to lie in their buffers.
+      const tinygltf::BufferView& v = model_.bufferViews.at(*view);
+      const std::vector<unsigned char>& data = model_.buffers.at(static_cast<std::size_t>(v.buffer)).data;
+      if (v.byteOffset <= data.size() && v.byteLength <= data.size() - v.byteOffset) {
+        const auto first = data.begin() + static_cast<std::ptrdiff_t>(v.byteOffset);
+        bytes.assign(first, first + static_cast<std::ptrdiff_t>(v.byteLength));
+      }
+    } else if (const json& uri = member(image, "uri"); uri.is_string()) {
+      const auto text = uri.get<std::string>();
+      if (text.starts_with("data:")) {
+        bytes = bytes_of_data_uri(text);
+        why = "is not base64";
+      } else {
+        try {
+          std::vector<fs::path> ignored;
+          bytes = read_gltf_buffer(path_, "/images", text, ignored);
+        } catch (const base::SceneError& error) {
+          why = std::string("cannot be read: ") + error.what();
+        }
+      }
+    }
+    if (bytes.empty()) looks_.notes.push_back(name + " " + why + "; its surface gets its plain colour");
+    return bytes;
+  }
+
+  // An accessor of a primitive with as many elements as there are vertices.
+  const tinygltf::Accessor* accessor_of(const json& primitive, const std::string& attribute,
+                                        std::size_t count, int& number) const {
+    const json& value = member(member(primitive, "attributes"), attribute.c_str());
+    if (!value.is_number_unsigned() || value.get<std::size_t>() >= model_.accessors.size()) return nullptr;
+    number = value.get<int>();
+    const tinygltf::Accessor& accessor = model_.accessors[static_cast<std::size_t>(number)];
+    return accessor.count == count ? &accessor : nullptr;
+  }
+
+  std::vector<Eigen::Vector2d> uvs_of(const RigPart& part, const json& primitive, std::uint64_t set) const {
+    if (set == 0) return part.uvs;
+    std::vector<Eigen::Vector2d> uvs;
+    int number = -1;
+    const auto* accessor =
+        accessor_of(primitive, "TEXCOORD_" + std::to_string(set), part.positions.size(), number);
+    if (accessor == nullptr || accessor->type != TINYGLTF_TYPE_VEC2) return uvs;
+    const std::vector<double> values = accessor_numbers(path_, model_, number);
+    for (std::size_t i = 0; i + 1 < values.size(); i += 2) uvs.emplace_back(values[i], values[i + 1]);
+    return uvs;
+  }
+
+  std::vector<Eigen::Vector3d> colours_of(const json& primitive, std::size_t count) const {
+    std::vector<Eigen::Vector3d> colours;
+    int number = -1;
+    const auto* accessor = accessor_of(primitive, "COLOR_0", count, number);
+    if (accessor == nullptr) return colours;
+    const std::size_t width = accessor->type == TINYGLTF_TYPE_VEC3   ? 3
+                              : accessor->type == TINYGLTF_TYPE_VEC4 ? 4
+                                                                     : 0;
+    if (width == 0) return colours;
+    const std::vector<double> values = accessor_numbers(path_, model_, number);
+    for (std::size_t i = 0; i + width <= values.size(); i += width)
+      colours.push_back(Eigen::Vector3d(values[i], values[i + 1], values[i + 2]).cwiseMax(0.0).cwiseMin(1.0));
+    return colours;
+  }
+
+  const fs::path& path_;
+  const json& document_;
+  const tinygltf::Model& model_;
+  std::map<std::size_t, std::int32_t> number_of_;  // of the file's textures
+  Looks looks_;
+};
+
+}  // namespace
+
+Looks read_looks(const fs::path& path, const Rig& rig) {
+  GltfFile file = read_gltf_file(path);
+  const json document = file.document;
+  const auto model = decode_gltf(check_gltf(std::move(file)));
+  return LooksReader(path, document, *model).run(rig);
+}
+
+}  // namespace fascicle::gltf

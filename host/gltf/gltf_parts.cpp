@@ -1,0 +1,147 @@
+#include "host/gltf/gltf_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "host/gltf/gltf_library.h"
+#include "host/rig/pose_interpolation.h"
+
+namespace fascicle::gltf {
+namespace {
+
+std::vector<bool> nodes_in_scene(const tinygltf::Model& model) {
+  std::vector<bool> is_in(model.nodes.size(), model.scenes.empty());
+  if (model.scenes.empty()) return is_in;
+  std::vector<int> stack = model.scenes[static_cast<std::size_t>(std::max(model.defaultScene, 0))].nodes;
+  while (!stack.empty()) {
+    const auto n = static_cast<std::size_t>(stack.back());
+    stack.pop_back();
+    if (is_in[n]) continue;
+    is_in[n] = true;
+    stack.insert(stack.end(), model.nodes[n].children.begin(), model.nodes[n].children.end());
+  }
+  return is_in;
+}
+
+bool is_of_triangles(const tinygltf::Primitive& primitive) {
+  return primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+// Relative to a uniform scale of the same size, as of a joint's rest.
+bool is_flat(const Eigen::Matrix4d& m) {
+  const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>();
+  const double size = linear.norm();
+  return !m.allFinite() || !(std::abs(linear.determinant()) > 1e-12 * size * size * size);
+}
+
+void sort_unique(std::vector<int>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+class Finder {
+ public:
+  explicit Finder(const tinygltf::Model& model)
+      : model_(model), parents_(node_parents(model)), moves_(model.nodes.size(), false) {}
+
+  GltfParts run() {
+    const std::vector<bool> is_in = nodes_in_scene(model_);
+    const auto shows = [&](std::size_t n) { return is_in[n] && model_.nodes[n].mesh >= 0; };
+    for (std::size_t n = 0; n < model_.nodes.size(); ++n)
+      if (shows(n) && model_.nodes[n].skin >= 0) result_.skins.push_back(model_.nodes[n].skin);
+    sort_unique(result_.skins);
+    for (const int skin : result_.skins)
+      for (const int joint : model_.skins[static_cast<std::size_t>(skin)].joints)
+        moves_[static_cast<std::size_t>(joint)] = true;
+    for (const tinygltf::Animation& animation : model_.animations)
+      for (const auto& channel : animation.channels)
+        if (channel.target_path != "weights") moves_[static_cast<std::size_t>(channel.target_node)] = true;
+    for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
+      if (!shows(n)) continue;
+      GltfPart part;
+      part.node = n;
+      part.mesh = static_cast<std::size_t>(model_.nodes[n].mesh);
+      part.skin = model_.nodes[n].skin;
+      if (part.skin >= 0 || hang(part)) add(part);
+    }
+    sort_unique(result_.carriers);
+    return std::move(result_);
+  }
+
+ private:
+  // False where the part is left out.
+  bool hang(GltfPart& part) {
+    Eigen::Matrix4d above = Eigen::Matrix4d::Identity();
+    for (int n = static_cast<int>(part.node); n >= 0; n = parents_[static_cast<std::size_t>(n)]) {
+      const auto node = static_cast<std::size_t>(n);
+      if (moves_[node] && part.carrier < 0) {
+        part.carrier = n;
+        part.to_carrier = above;
+      }
+      above = (node_transform(model_, node) * above).eval();
+    }
+    if (part.carrier < 0) return leave_out(part.node, "nothing moves it: no skin, no joint and no clip");
+    if (is_flat(above)) return leave_out(part.node, "it is scaled to nothing in the rest pose");
+    return true;
+  }
+
+  bool leave_out(std::size_t node, const std::string& why) {
+    const std::string& name = model_.nodes[node].name;
+    result_.notes.push_back("the mesh of node " + std::to_string(node) +
+                            (name.empty() ? std::string() : " `" + name + "`") + " is left out: " + why);
+    return false;
+  }
+
+  void add(GltfPart part) {
+    const std::vector<tinygltf::Primitive>& primitives = model_.meshes[part.mesh].primitives;
+    bool is_taken = false;
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
+      if (part.skin < 0 && !is_of_triangles(primitives[p])) continue;
+      part.primitive = p;
+      result_.parts.push_back(part);
+      is_taken = true;
+    }
+    if (!is_taken) {
+      leave_out(part.node, "it has points or lines, no triangles");
+    } else if (part.skin < 0) {
+      result_.carriers.push_back(part.carrier);
+    }
+  }
+
+  const tinygltf::Model& model_;
+  std::vector<int> parents_;
+  std::vector<bool> moves_;  // of a node: it is a joint of a skin, or a clip moves it
+  GltfParts result_;
+};
+
+}  // namespace
+
+GltfParts find_parts(const tinygltf::Model& model) {
+  return Finder(model).run();
+}
+
+Eigen::Matrix4d node_transform(const tinygltf::Model& model, std::size_t number) {
+  const tinygltf::Node& node = model.nodes[number];
+  // Column by column, as Eigen keeps it.
+  if (!node.matrix.empty()) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero(), scale = Eigen::Vector3d::Ones();
+  Eigen::Vector4d rotation(0, 0, 0, 1);
+  if (!node.translation.empty()) translation = Eigen::Map<const Eigen::Vector3d>(node.translation.data());
+  if (!node.scale.empty()) scale = Eigen::Map<const Eigen::Vector3d>(node.scale.data());
+  if (!node.rotation.empty()) rotation = Eigen::Map<const Eigen::Vector4d>(node.rotation.data());
+  return rig::local_transform(translation, rotation, scale);
+}
+
+std::vector<int> node_parents(const tinygltf::Model& model) {
+  std::vector<int> parents(model.nodes.size(), -1);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    for (const int child : model.nodes[i].children)
+      parents[static_cast<std::size_t>(child)] = static_cast<int>(i);
+  }
+  return parents;
+}
+
+}  // namespace fascicle::gltf

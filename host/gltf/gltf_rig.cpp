@@ -1,0 +1,220 @@
+#include "host/gltf/gltf_rig.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "host/base/errors.h"
+#include "host/gltf/gltf_check.h"
+#include "host/gltf/gltf_decode.h"
+#include "host/gltf/gltf_library.h"
+#include "host/gltf/gltf_parts.h"
+#include "host/gltf/gltf_shapes.h"
+#include "host/gltf/gltf_skeleton.h"
+
+namespace fascicle::gltf {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A PNG of one white pixel.
+constexpr std::array<unsigned char, 67> white_pixel{
+    0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
+    0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
+    0x00, 0x00, 0x0a, 0x49, 0x44, 0x41, 0x54, 0x78, 0xda, 0x63, 0xf8, 0x0f, 0x00, 0x01, 0x01, 0x01, 0x00,
+    0x1c, 0xb0, 0x8c, 0x99, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+
+void append_aligned(std::string& binary, const unsigned char* bytes, std::size_t count) {
+  binary.resize((binary.size() + 7) / 8 * 8, '\0');
+  binary.append(reinterpret_cast<const char*>(bytes), count);
+}
+
+// One view more; its number.
+std::size_t add_view(GltfDocument& document, const unsigned char* bytes, std::size_t count) {
+  append_aligned(document.binary, bytes, count);
+  json& views = document.json["bufferViews"];
+  views.push_back({{"buffer", 0}, {"byteOffset", document.binary.size() - count}, {"byteLength", count}});
+  return views.size() - 1;
+}
+
+bool is_png(const std::vector<unsigned char>& bytes) {
+  return bytes.size() > 4 && bytes[0] == 0x89 && bytes[1] == 'P' && bytes[2] == 'N' && bytes[3] == 'G';
+}
+
+void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::string>& missing) {
+  if (!document.json.contains("images")) return;
+  std::size_t number = 0;
+  for (json& image : document.json["images"]) {
+    const std::string pointer = "/images/" + std::to_string(number++) + "/uri";
+    if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string()) continue;
+    const std::string uri = image["uri"];
+    if (uri.starts_with("data:")) continue;
+    std::vector<unsigned char> bytes;
+    try {
+      std::vector<fs::path> ignored;
+      bytes = read_gltf_buffer(path, pointer, uri, ignored);
+    } catch (const base::SceneError&) {
+      missing.push_back(uri);
+      bytes.assign(white_pixel.begin(), white_pixel.end());
+    }
+    image.erase("uri");
+    image["bufferView"] = add_view(document, bytes.data(), bytes.size());
+    image["mimeType"] = is_png(bytes) ? "image/png" : "image/jpeg";
+  }
+}
+
+class Reader {
+ public:
+  Reader(const fs::path& path, const json& document, const tinygltf::Model& model)
+      : path_(path), document_(document), model_(model) {}
+
+  Rig run() {
+    const GltfParts found = find_parts(model_);
+    const std::vector<std::int32_t> joint_of = read_skeleton(path_, model_, found, rig_.character);
+    rig_.joint_node.resize(rig_.character.skeleton.size());
+    for (std::size_t n = 0; n < joint_of.size(); ++n)
+      if (joint_of[n] >= 0)
+        rig_.joint_node[static_cast<std::size_t>(joint_of[n])] = static_cast<std::uint32_t>(n);
+    for (const GltfPart& part : found.parts) rig_.parts.push_back(read_part(part, joint_of));
+    return std::move(rig_);
+  }
+
+ private:
+  std::vector<double> numbers(int accessor) const { return accessor_numbers(path_, model_, accessor); }
+
+  std::vector<Eigen::Vector3d> vectors(int accessor) const {
+    const std::vector<double> values = numbers(accessor);
+    std::vector<Eigen::Vector3d> result;
+    for (std::size_t i = 0; i + 2 < values.size(); i += 3)
+      result.emplace_back(values[i], values[i + 1], values[i + 2]);
+    return result;
+  }
+
+  // The document, not the decoder: the decoder sees nothing about looks.
+  int looks_accessor(std::size_t mesh, std::size_t primitive, const char* name, int type,
+                     std::size_t count) const {
+    const json& attributes = document_["meshes"][mesh]["primitives"][primitive]["attributes"];
+    const auto found = attributes.find(name);
+    if (found == attributes.end() || !found->is_number_unsigned()) return -1;
+    const auto accessor = found->get<std::size_t>();
+    if (accessor >= model_.accessors.size()) return -1;
+    const tinygltf::Accessor& a = model_.accessors[accessor];
+    return a.type == type && a.count == count ? static_cast<int>(accessor) : -1;
+  }
+
+  RigPart read_part(const GltfPart& source, const std::vector<std::int32_t>& joint_of) {
+    const std::size_t mesh = source.mesh, p = source.primitive;
+    const tinygltf::Primitive& primitive = model_.meshes[mesh].primitives[p];
+    RigPart part;
+    part.node = static_cast<std::uint32_t>(source.node);
+    part.mesh = static_cast<std::uint32_t>(mesh);
+    part.primitive = static_cast<std::uint32_t>(p);
+    part.positions = vectors(primitive.attributes.at("POSITION"));
+    const std::size_t count = part.positions.size();
+    if (const int accessor = looks_accessor(mesh, p, "NORMAL", TINYGLTF_TYPE_VEC3, count); accessor >= 0)
+      part.normals = vectors(accessor);
+    if (const int accessor = looks_accessor(mesh, p, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, count);
+        accessor >= 0) {
+      const std::vector<double> values = numbers(accessor);
+      for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
+    }
+    part.shapes = read_shapes(path_, model_, primitive,
+                              "/meshes/" + std::to_string(mesh) + "/primitives/" + std::to_string(p), count,
+                              targets_left_);
+    part.rest_weights = rest_weights(document_, source.node, mesh, part.shapes.size());
+    if (source.skin < 0) {
+      part.skin_joint = {static_cast<std::uint32_t>(joint_of[static_cast<std::size_t>(source.carrier)])};
+      part.inverse_bind = {source.to_carrier};
+      part.slot.assign(count, 0);
+      part.weight.assign(count, 1.0);
+      for (std::size_t i = 0; i <= count; ++i) part.influence_offset.push_back(static_cast<std::uint32_t>(i));
+      return part;
+    }
+    read_influences(source, joint_of, part);
+    return part;
+  }
+
+  void read_influences(const GltfPart& source, const std::vector<std::int32_t>& joint_of,
+                       RigPart& part) const {
+    const tinygltf::Primitive& primitive = model_.meshes[source.mesh].primitives[source.primitive];
+    const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(source.skin)];
+    const std::size_t count = part.positions.size();
+    std::vector<double> matrices;
+    if (skin.inverseBindMatrices >= 0) matrices = numbers(skin.inverseBindMatrices);
+    for (std::size_t k = 0; k < skin.joints.size(); ++k) {
+      const auto node = static_cast<std::size_t>(skin.joints[k]);
+      part.skin_joint.push_back(static_cast<std::uint32_t>(joint_of[node]));
+      Eigen::Matrix4d inverse_bind = Eigen::Matrix4d::Identity();
+      if (!matrices.empty()) inverse_bind = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
+      part.inverse_bind.push_back(inverse_bind);
+    }
+    std::vector<std::vector<double>> joints, weights;
+    for (int set = 0; primitive.attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
+      joints.push_back(numbers(primitive.attributes.at("JOINTS_" + std::to_string(set))));
+      weights.push_back(numbers(primitive.attributes.at("WEIGHTS_" + std::to_string(set))));
+    }
+    part.influence_offset.push_back(0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t first = part.weight.size();
+      double sum = 0.0;
+      for (std::size_t set = 0; set < joints.size(); ++set)
+        for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
+          if (weights[set][k] == 0.0) continue;
+          part.slot.push_back(static_cast<std::uint32_t>(joints[set][k]));
+          part.weight.push_back(weights[set][k]);
+          sum += weights[set][k];
+        }
+      for (std::size_t k = first; k < part.weight.size(); ++k) part.weight[k] /= sum;
+      part.influence_offset.push_back(static_cast<std::uint32_t>(part.weight.size()));
+    }
+  }
+
+  const fs::path& path_;
+  const json& document_;
+  const tinygltf::Model& model_;
+  Rig rig_;
+  std::size_t targets_left_ = most_target_positions;
+};
+
+}  // namespace
+
+GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) {
+  CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  GltfDocument document{.json = std::move(checked.plain), .binary = {}};
+  std::vector<std::size_t> offsets;
+  for (const tinygltf::Buffer& buffer : model->buffers) {
+    append_aligned(document.binary, buffer.data.data(), buffer.data.size());
+    offsets.push_back(document.binary.size() - buffer.data.size());
+  }
+  for (json& view : document.json["bufferViews"]) {
+    const std::size_t offset = view.contains("byteOffset") ? view["byteOffset"].get<std::size_t>() : 0;
+    view["byteOffset"] = offsets.at(view["buffer"].get<std::size_t>()) + offset;
+    view["buffer"] = 0;
+  }
+  pack_images(path, document, missing);
+  document.json["buffers"] = json::array({{{"byteLength", document.binary.size()}}});
+  return document;
+}
+
+Rig read_rig(const fs::path& path) {
+  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+  const auto model = decode_gltf(checked);
+  return Reader(path, checked.plain, *model).run();
+}
+
+std::vector<double> shape_weights(const RigPart& part, const rig::Clip* clip, double time) {
+  if (clip != nullptr && !part.shapes.empty())
+    for (const rig::WeightChannel& channel : clip->weights)
+      if (channel.node == part.node) return rig::weights_at(channel, time);
+  return part.rest_weights;
+}
+
+std::vector<Eigen::Vector3d> shaped_positions(const RigPart& part, const rig::Clip* clip, double time) {
+  std::vector<Eigen::Vector3d> positions = part.positions;
+  add_shapes(part.shapes, shape_weights(part, clip, time), positions);
+  return positions;
+}
+
+}  // namespace fascicle::gltf

@@ -1,0 +1,29 @@
+// The joints and clips of a glTF file.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/gltf/gltf_parts.h"
+#include "host/rig/character.h"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace fascicle::gltf {
+
+// Inverse of a matrix whose last row is 0 0 0 1; not finite where there is none.
+Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m);
+
+// Fills the character's skeleton, root and clips: the joints of the parts' skins, the nodes that carry hung
+// parts and all nodes between and above them, less the chain at the top that neither carries nor moves, which
+// becomes Character::root. Returns each node's number in the skeleton, or -1. Inverse bind matrices are those
+// of the rest pose, until the skins say otherwise. Throws SceneError for joints scaled to nothing and for
+// keys out of order.
+std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
+                                        const GltfParts& parts, rig::Character& character);
+
+}  // namespace fascicle::gltf

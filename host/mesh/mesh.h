@@ -1,0 +1,24 @@
+// Meshes as their files hold them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace fascicle::mesh {
+
+using Eigen::Vector3d;
+
+struct TetMesh {
+  std::vector<Vector3d> vertices;
+  std::vector<std::array<std::uint32_t, 4>> tetrahedra;
+};
+
+struct SurfaceMesh {
+  std::vector<Vector3d> vertices;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+}  // namespace fascicle::mesh

@@ -1,0 +1,195 @@
+#include "host/mesh/mesh_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <new>
+#include <string>
+#include <system_error>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "host/base/errors.h"
+#include "host/base/file.h"
+#include "host/mesh/mesh_readers.h"
+
+namespace fascicle::mesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_one_of(const std::string& extension, std::initializer_list<const char*> list) {
+  return std::any_of(list.begin(), list.end(), [&](const char* each) { return extension == each; });
+}
+
+// NAME.node and NAME.ele, whichever of them `path` is; the other keeps the case of the given extension.
+TetMesh read_tetgen_pair(const fs::path& path) {
+  const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
+  fs::path node = path;
+  fs::path ele = path;
+  node.replace_extension(upper ? ".NODE" : ".node");
+  ele.replace_extension(upper ? ".ELE" : ".ele");
+  for (const fs::path& each : {node, ele}) {
+    if (!fs::exists(each)) {
+      throw base::SceneError(each.string() +
+                             ": no such file; a TetGen mesh is a .node and an .ele file of one name, put "
+                             "both into one folder");
+    }
+  }
+  const std::string nodes = read_whole_file(node);
+  const std::string elements = read_whole_file(ele);
+  return read_tetgen(node.string(), nodes, ele.string(), elements);
+}
+
+template <typename Read>
+auto with_memory_checked(const fs::path& path, Read read) {
+  try {
+    return read();
+  } catch (const std::bad_alloc&) {
+    throw base::SceneError(path.string() + ": not enough memory to read this mesh; use a coarser one");
+  }
+}
+
+void append_number(std::string& text, double value) {
+  std::array<char, 32>
+      digits;  // the shortest form that reads back to the same bits has at most 24 characters
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  text.append(digits.data(), end);
+}
+
+// Closes the file and removes it unless it was renamed to its place.
+class PendingFile {
+ public:
+  explicit PendingFile(const fs::path& path) : path_(path), temporary_(path) {
+    temporary_ += ".part-" + std::to_string(::getpid());
+    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail("cannot create");
+  }
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+  ~PendingFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!is_placed_) ::unlink(temporary_.c_str());
+  }
+
+  void write(std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t written = ::write(descriptor_, text.data(), text.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail("cannot write");
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+  void place() {
+    if (::fsync(descriptor_) != 0) fail("cannot write");
+    const int descriptor = descriptor_;
+    descriptor_ = -1;
+    if (::close(descriptor) != 0) fail("cannot write");
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot write");
+    is_placed_ = true;
+  }
+
+ private:
+  [[noreturn]] void fail(const char* what) const {
+    throw std::system_error(errno, std::generic_category(), std::string(what) + " " + path_.string());
+  }
+
+  fs::path path_, temporary_;
+  int descriptor_ = -1;
+  bool is_placed_ = false;
+};
+
+}  // namespace
+
+std::string read_whole_file(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw base::SceneError(path.string() + ": no such file; check the name");
+  if (!fs::is_regular_file(status)) {
+    throw base::SceneError(path.string() + ": not an ordinary file; name a mesh file");
+  }
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) throw base::SceneError(path.string() + ": " + error.message() + "; check its permissions");
+  if (size > largest_mesh_file) {
+    throw base::SceneError(path.string() + ": " + std::to_string(size) + " bytes, more than the " +
+                           std::to_string(largest_mesh_file) + " that are read; use a coarser mesh");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw base::SceneError(path.string() + ": cannot be opened; check its permissions");
+  std::string content(static_cast<std::size_t>(size), '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
+    throw base::SceneError(path.string() + ": cannot be read to its end; check the disk and its permissions");
+  }
+  return content;
+}
+
+bool is_tet_mesh_file(const fs::path& path) {
+  return is_one_of(base::lower_extension(path), {".mesh", ".node", ".ele", ".msh", ".vtu"});
+}
+
+TetMesh read_tet_mesh(const fs::path& path) {
+  const std::string extension = base::lower_extension(path);
+  return with_memory_checked(path, [&] {
+    if (is_one_of(extension, {".node", ".ele"})) return read_tetgen_pair(path);
+    if (!is_tet_mesh_file(path)) {
+      throw base::SceneError(path.string() +
+                             ": not a tetrahedral mesh by its name; use .mesh, .node, .ele, .msh or .vtu");
+    }
+    const std::string text = read_whole_file(path);
+    if (extension == ".mesh") return read_medit(path.string(), text);
+    if (extension == ".msh") return read_gmsh(path.string(), text);
+    return read_vtu(path.string(), text);
+  });
+}
+
+bool is_surface_mesh_file(const fs::path& path) {
+  return is_one_of(base::lower_extension(path), {".off", ".obj", ".ply", ".stl"});
+}
+
+SurfaceMesh read_surface_mesh(const fs::path& path) {
+  const std::string extension = base::lower_extension(path);
+  return with_memory_checked(path, [&] {
+    if (!is_surface_mesh_file(path)) {
+      throw base::SceneError(path.string() + ": not a surface by its name; use .off, .obj, .ply or .stl");
+    }
+    const std::string content = read_whole_file(path);
+    if (extension == ".off") return read_off(path.string(), content);
+    if (extension == ".obj") return read_obj(path.string(), content);
+    if (extension == ".ply") return read_ply(path.string(), content);
+    return read_stl(path.string(), content);
+  });
+}
+
+void write_off(const fs::path& path, const SurfaceMesh& mesh) {
+  constexpr std::size_t block = std::size_t{1} << 20;
+  PendingFile file(path);
+  std::string text =
+      "OFF\n" + std::to_string(mesh.vertices.size()) + " " + std::to_string(mesh.triangles.size()) + " 0\n";
+  const auto flush_over = [&](std::size_t limit) {
+    if (text.size() <= limit) return;
+    file.write(text);
+    text.clear();
+  };
+  for (const Vector3d& vertex : mesh.vertices) {
+    for (int axis = 0; axis < 3; ++axis) {
+      append_number(text, vertex[axis]);
+      text += axis < 2 ? ' ' : '\n';
+    }
+    flush_over(block);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    text += '3';
+    for (const std::uint32_t vertex : triangle) text.append(" ").append(std::to_string(vertex));
+    text += '\n';
+    flush_over(block);
+  }
+  flush_over(0);
+  file.place();
+}
+
+}  // namespace fascicle::mesh

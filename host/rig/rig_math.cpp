@@ -1,0 +1,47 @@
+#include "host/rig/rig_math.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace fascicle::rig {
+namespace {
+
+// Of the size of the matrix: its determinant over the cube of its norm.
+constexpr double flat = 1e-6;
+// Almost opposite directions have no shortest rotation: v is turned round.
+constexpr double opposite = -0.999;
+
+}  // namespace
+
+JointParts joint_parts(const Eigen::Matrix4d& above, const Eigen::Matrix4d& joint,
+                       const Vector3d& rest_scale) {
+  const Eigen::Matrix4d local = above.inverse() * joint;
+  JointParts parts{.translation = local.topRightCorner<3, 1>(), .scale = Vector3d::Zero(), .rotation = {}};
+  Eigen::Matrix3d rotation = local.topLeftCorner<3, 3>();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = rotation.col(axis).norm();
+    parts.scale[axis] = rest_scale[axis] < 0.0 ? -length : length;
+    if (length > 0.0) rotation.col(axis) /= parts.scale[axis];
+  }
+  parts.rotation = Eigen::Quaterniond(rotation).normalized().coeffs();
+  return parts;
+}
+
+Vector3d solve(const Eigen::Matrix3d& linear, const Vector3d& y) {
+  const double size = linear.norm();
+  if (std::abs(linear.determinant()) > flat * size * size * size) return linear.inverse() * y;
+  const Eigen::Matrix3d damped =
+      linear * linear.transpose() + (flat * size * size + 1e-30) * Eigen::Matrix3d::Identity();
+  return linear.transpose() * (damped.inverse() * y);
+}
+
+Vector3d turn(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
+  const Vector3d axis = a.cross(b);
+  const double cosine = a.dot(b);
+  if (cosine < opposite) return -v;
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1.0 + cosine);
+}
+
+}  // namespace fascicle::rig

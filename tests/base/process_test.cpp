@@ -1,0 +1,64 @@
+// Programs that are run under limits, also where the process that runs them does not keep its children.
+#include "host/base/process.h"
+
+#include <string>
+#include <system_error>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+namespace fascicle::tests {
+namespace {
+
+using base::ProcessEnd;
+using base::run_process;
+
+// How the process hears of children; as before when it goes.
+class ChildSignal {
+ public:
+  ChildSignal(void (*handler)(int), int flags) {
+    struct sigaction action {};
+    action.sa_handler = handler;
+    action.sa_flags = flags;
+    ::sigaction(SIGCHLD, &action, &before_);
+  }
+  ~ChildSignal() { ::sigaction(SIGCHLD, &before_, nullptr); }
+  ChildSignal(const ChildSignal&) = delete;
+  ChildSignal& operator=(const ChildSignal&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
+std::string refusal() {
+  try {
+    run_process("/bin/sh", {"-c", "exit 3"}, {.seconds = 5.0});
+  } catch (const std::system_error& error) {
+    return std::string("a system_error, as if it had not been started: ") + error.what();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Process, TellsHowItEnded) {
+  const ChildSignal as_usual(SIG_DFL, 0);
+  const auto result = run_process("/bin/sh", {"-c", "echo why >&2; exit 3"}, {.seconds = 5.0});
+  EXPECT_EQ(result.end, ProcessEnd::exited);
+  EXPECT_EQ(result.code, 3);
+  EXPECT_EQ(result.last_words, "why\n");
+}
+
+// The kernel reaps such children itself, and how they ended is lost.
+TEST(Process, SaysWhereOthersReapItsChildren) {
+  for (const bool ignored : {true, false}) {
+    const ChildSignal lost(ignored ? SIG_IGN : SIG_DFL, ignored ? 0 : SA_NOCLDWAIT);
+    EXPECT_NE(refusal().find("must leave SIGCHLD at its default"), std::string::npos) << refusal();
+    EXPECT_THROW(run_process("/no/such/program", {}, {.seconds = 5.0}), std::system_error);
+    // What does not depend on it is told as ever.
+    EXPECT_EQ(run_process("/bin/sleep", {"60"}, {.seconds = 0.1}).end, ProcessEnd::stalled);
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

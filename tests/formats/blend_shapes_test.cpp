@@ -1,0 +1,132 @@
+// What the blend shapes of a file do to a baked surface, against what a viewer shows of the file.
+#include "host/formats/blend_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "host/formats/character_file.h"
+#include "host/formats/skinned_surface.h"
+#include "host/gltf/gltf.h"
+#include "host/rig/pose.h"
+#include "tests/gltf/gltf_builder.h"
+#include "tests/gltf/gltf_viewer.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double fps = 8.0;
+
+// The file's character as it goes into a bake's folder.
+struct Baked {
+  TemporaryFolder folder;
+  scene::Scene scene;
+  model::Model model;
+  std::filesystem::path character;
+
+  Baked(const GltfBuilder& b, double scale) {
+    const std::filesystem::path file = folder.write("face.glb", b.glb());
+    scene.geometry = gltf::read_gltf(file);
+    scene.input_hashes.emplace_back(file.string(), "");
+    scene.scale = scale;
+    scene.fps = fps;
+    scene.start = 0.25;
+    scene.end = 1.0;
+    const auto& of = std::get<rig::Character>(scene.geometry);
+    model.unit = 4.0;
+    model.joint_count = static_cast<std::uint32_t>(of.skeleton.size());
+    model.surface_vertex.assign(4 * of.surface.vertices.size(), 0);
+    const auto time = [this](std::uint64_t frame) {
+      return scene.start + static_cast<double>(frame) / scene.fps;
+    };
+    const auto pose = [&](std::uint64_t frame) {
+      return rig::joint_transforms_at(of, &of.clips.front(), time(frame));
+    };
+    std::vector<std::string> missing;
+    const std::string bytes = formats::character_glb(scene, model, pose, time, missing);
+    character = folder.write("character.glb", bytes);
+  }
+};
+
+// The surface that skinning alone makes of the bind pose, which has the shapes at rest: flesh without flesh.
+std::vector<float> skinned(const Baked& baked, std::uint64_t frame) {
+  const auto& of = std::get<rig::Character>(baked.scene.geometry);
+  const auto pose = rig::pose_at(of, &of.clips.front(), baked.scene.start + static_cast<double>(frame) / fps);
+  std::vector<float> surface;
+  for (std::size_t i = 0; i < of.surface.vertices.size(); ++i) {
+    Eigen::Vector4d p = Eigen::Vector4d::Zero();
+    for (std::size_t k = 0; k < 8; ++k)
+      p += of.weights[i][k] * (pose[of.joints[i][k]] * of.surface.vertices[i].homogeneous());
+    for (int axis = 0; axis < 3; ++axis)
+      surface.push_back(static_cast<float>(p[axis] * baked.scene.scale / baked.model.unit));
+  }
+  return surface;
+}
+
+double distance(const std::vector<float>& surface, double unit, const std::vector<Vector3d>& shown,
+                double scale) {
+  EXPECT_EQ(surface.size(), 3 * shown.size());
+  double worst = 0.0;
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      worst = std::max(
+          worst, std::abs(unit * double{surface[3 * i + axis]} - scale * shown[i][static_cast<int>(axis)]));
+  return worst;
+}
+
+class BlendShapes : public testing::TestWithParam<double> {};
+
+TEST_P(BlendShapes, move_the_surface_as_a_viewer_shows_the_file) {
+  const double scale = GetParam();
+  const GltfBuilder b = column_with_shapes();
+  const Baked baked(b, scale);
+  const formats::BlendShapes shapes(baked.character, baked.model, fps);
+  ASSERT_FALSE(shapes.empty());
+  const formats::SkinnedSurface compared(baked.character, baked.model, fps);
+  const GltfViewer viewer(b);
+  double most = 0.0;
+  for (std::uint64_t frame = 0; frame <= 6; ++frame) {
+    std::vector<float> surface = skinned(baked, frame);
+    const std::vector<Vector3d> shown = viewer.shown(0, 0.25 + static_cast<double>(frame) / fps);
+    most = std::max(most, distance(surface, baked.model.unit, shown, scale));
+    shapes.add_to(frame, surface);
+    // Surface, matrices and the clip's keys in character.glb are floats of about 2.
+    EXPECT_LT(distance(surface, baked.model.unit, shown, scale), 2e-6 * scale) << frame;
+    EXPECT_LT(distance(compared.positions(frame), 1.0, shown, scale), 2e-6 * scale) << frame;
+  }
+  EXPECT_GT(most, 0.1 * scale) << "without them the surface is another";
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales, BlendShapes, testing::Values(1.0, 0.01));
+
+TEST(BlendShapesOf, a_file_without_any_changes_nothing) {
+  const Baked baked(column(), 1.0);
+  const formats::BlendShapes shapes(baked.character, baked.model, fps);
+  EXPECT_TRUE(shapes.empty());
+  const std::vector<float> before = skinned(baked, 3);
+  std::vector<float> after = before;
+  shapes.add_to(3, after);
+  EXPECT_EQ(after, before);
+}
+
+TEST(BlendShapesOf, a_still_vertex_keeps_its_bits) {
+  const Baked baked(column_with_shapes(), 1.0);
+  const formats::BlendShapes shapes(baked.character, baked.model, fps);
+  const std::vector<float> before = skinned(baked, 4);
+  std::vector<float> after = before;
+  shapes.add_to(4, after);
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) same += before[i] == after[i] ? 1 : 0;
+  EXPECT_GE(same, 3u * 8u);  // four of twelve vertices are moved
+  EXPECT_LT(same, after.size());
+}
+
+}  // namespace
+}  // namespace fascicle::tests

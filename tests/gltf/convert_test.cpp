@@ -1,0 +1,560 @@
+// Characters of other formats: against Blender, which writes one character as glTF, FBX and Collada, against
+// the formula of FBX's transforms, and with files that mean no good.
+
+#include "host/gltf/convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "host/gltf/gltf.h"
+#include "host/gltf/gltf_rig.h"
+#include "host/rig/pose.h"
+#include "host/scene/scene_file.h"
+#include "tests/gltf/gltf_builder.h"
+#include "tests/support/readers.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3d;
+using rig::Character;
+namespace fs = std::filesystem;
+
+std::vector<Vector3d> skinned(const Character& character, const rig::Clip* clip, double time) {
+  const std::vector<Eigen::Matrix4d> joints = rig::pose_at(character, clip, time);
+  std::vector<Vector3d> result;
+  for (std::size_t v = 0; v < character.surface.vertices.size(); ++v) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t k = 0; k < 8; ++k)
+      sum += character.weights[v][k] *
+             (joints[character.joints[v][k]] * character.surface.vertices[v].homogeneous()).head<3>();
+    result.push_back(sum);
+  }
+  return result;
+}
+
+// Of any point of the one to the nearest of the other: their vertices have orders and seams of their own.
+double distance(const std::vector<Vector3d>& one, const std::vector<Vector3d>& other) {
+  double largest = 0.0;
+  for (const Vector3d& p : one) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vector3d& q : other) nearest = std::min(nearest, (p - q).norm());
+    largest = std::max(largest, nearest);
+  }
+  return largest;
+}
+
+double both_ways(const std::vector<Vector3d>& one, const std::vector<Vector3d>& other) {
+  return std::max(distance(one, other), distance(other, one));
+}
+
+double height(const std::vector<Vector3d>& points) {
+  double low = points.front().y(), high = low;
+  for (const Vector3d& p : points) {
+    low = std::min(low, p.y());
+    high = std::max(high, p.y());
+  }
+  return high - low;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+bool has_joint(const Character& character, const std::string& name) {
+  return std::any_of(character.skeleton.begin(), character.skeleton.end(),
+                     [&](const rig::Joint& joint) { return joint.name == name; });
+}
+
+// Single precision through three changes of unit: 1e-6 of 1.8 m, a few times over.
+constexpr double file_rounding = 1e-5;
+
+class FromBlender : public testing::Test {
+ protected:
+  void SetUp() override {
+    FASCICLE_NEEDS_BLENDER;
+    const std::string command = std::string(
+                                    "blender --background --factory-startup --python-exit-code 1 "
+                                    "--python '") +
+                                FASCICLE_SOURCE_DIR + "/tests/readers/export_blender.py' -- '" +
+                                folder_.path().string() + "' > '" + (folder_.path() / "log").string() +
+                                "' 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << text_of(folder_.path() / "log");
+  }
+  Character read(const std::string& name) const { return gltf::read_gltf(folder_.path() / name); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(FromBlender, one_character_is_the_same_in_three_formats) {
+  const Character glb = read("post.glb");
+  const rig::Clip* const bend = rig::find_clip(glb, "bend");
+  for (const std::string name : {"post.fbx", "post.dae"}) {
+    const Character other = read(name);
+    EXPECT_TRUE(other.notes.empty()) << name << ": " << other.notes.front();
+    EXPECT_NEAR(height(other.surface.vertices), 1.8, file_rounding) << name << ": not in metres";
+    EXPECT_EQ(other.surface.triangles.size(), glb.surface.triangles.size()) << name;
+    for (const char* joint : {"lower", "upper"}) EXPECT_TRUE(has_joint(other, joint)) << name << ' ' << joint;
+    ASSERT_EQ(other.clips.size(), 1u) << name;
+    EXPECT_NEAR(other.clips[0].duration, bend->duration, file_rounding) << name;
+    EXPECT_LT(both_ways(skinned(other, nullptr, 0.0), skinned(glb, nullptr, 0.0)), file_rounding)
+        << name << ": the file was saved in the midst of the clip, and rests there";
+    double largest = 0.0, moved = 0.0;
+    for (int frame = 0; frame <= 24; ++frame) {
+      const std::vector<Vector3d> wanted = skinned(glb, bend, frame / 24.0);
+      largest = std::max(largest, both_ways(skinned(other, &other.clips[0], frame / 24.0), wanted));
+      moved = std::max(moved, both_ways(skinned(other, nullptr, 0.0), wanted));
+    }
+    EXPECT_LT(largest, file_rounding) << name;
+    EXPECT_GT(moved, 0.3) << name << ": the clip moves nothing, and the comparison says nothing";
+  }
+  EXPECT_EQ(read("post.fbx").clips[0].name, "Rig|bend");
+}
+
+// m, of the largest move that shapes make at a time.
+double most_shaped(const gltf::Rig& rig, const std::string& clip, double time) {
+  double largest = 0.0;
+  for (const gltf::RigPart& part : rig.parts) {
+    const std::vector<Vector3d> shaped =
+        gltf::shaped_positions(part, rig::find_clip(rig.character, clip), time);
+    for (std::size_t v = 0; v < shaped.size(); ++v)
+      largest = std::max(largest, (shaped[v] - part.positions[v]).norm());
+  }
+  return largest;
+}
+
+TEST_F(FromBlender, blend_shapes_come_with_their_clips) {
+  const gltf::Rig glb = gltf::read_rig(folder_.path() / "post.glb"),
+                  fbx = gltf::read_rig(folder_.path() / "post.fbx");
+  ASSERT_EQ(fbx.parts.size(), 1u);
+  EXPECT_EQ(fbx.parts[0].shapes.size(), 1u);
+  for (int frame = 0; frame <= 24; frame += 6) {
+    const double wanted = most_shaped(glb, "swell", frame / 24.0);
+    EXPECT_NEAR(most_shaped(fbx, "Rig|bend", frame / 24.0), wanted, file_rounding) << frame;
+    EXPECT_NEAR(wanted, 0.075 * frame / 24.0, file_rounding) << frame;
+  }
+}
+
+TEST_F(FromBlender, cut_off_and_damaged_files_are_refused_or_read) {
+  std::mt19937 random(7);
+  for (const std::string name : {"post.fbx", "post.dae"}) {
+    const std::string whole = text_of(folder_.path() / name);
+    for (const std::size_t part : {1u, 2u, 3u}) {
+      const fs::path cut = folder_.write("cut-" + name, whole.substr(0, whole.size() * part / 4));
+      try {
+        gltf::read_gltf(cut);
+        FAIL() << name << " was read with " << part << " quarters of it";
+      } catch (const base::SceneError& error) {
+        const std::string what = error.what();
+        EXPECT_EQ(what.find(cut.string() + ": "), 0u) << what;
+        EXPECT_NE(what.find("export `cut-post.glb`"), std::string::npos) << what;
+        EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      }
+    }
+    // Any end but a message or a character ends this test too.
+    for (int i = 0; i < 12; ++i) {
+      std::string damaged = whole;
+      for (int k = 0; k < 20; ++k) damaged[random() % damaged.size()] = static_cast<char>(random() % 256);
+      try {
+        gltf::read_gltf(folder_.write("damaged-" + name, damaged));
+      } catch (const base::SceneError&) {
+      }
+    }
+  }
+}
+
+// A plate on a turning node, in text: 40 lines are an FBX file.
+struct Post {
+  std::string properties = {};
+  int up = 1, up_sign = 1, right = 0, right_sign = 1;
+  double unit = 1.0;       // cm
+  bool has_still = false;  // keys at 0 and 2 s where the plate is, below the turning node
+};
+
+std::string property(const std::string& name, double x, double y, double z) {
+  std::ostringstream out;
+  out << "P: \"" << name << "\", \"Vector3D\", \"Vector\", \"\"," << x << ',' << y << ',' << z << "\n";
+  return out.str();
+}
+
+constexpr double ticks_a_second = 46186158000.0, degree = 3.14159265358979323846 / 180.0;
+
+// Turns by 0 to 90 degrees about Z within a second, 30 frames.
+std::string fbx_of(const Post& post) {
+  std::ostringstream out;
+  out << "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n"
+         "GlobalSettings: {\nVersion: 1000\nProperties70: {\n"
+      << "P: \"UpAxis\", \"int\", \"Integer\", \"\"," << post.up << "\nP: \"UpAxisSign\", \"int\", "
+      << "\"Integer\", \"\"," << post.up_sign << "\nP: \"FrontAxis\", \"int\", \"Integer\", \"\",2\n"
+      << "P: \"FrontAxisSign\", \"int\", \"Integer\", \"\",1\nP: \"CoordAxis\", \"int\", \"Integer\", \"\","
+      << post.right << "\nP: \"CoordAxisSign\", \"int\", \"Integer\", \"\"," << post.right_sign
+      << "\nP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," << post.unit
+      << "\nP: \"TimeMode\", \"enum\", \"\", \"\",6\n}\n}\n"
+         "Objects: {\n"
+         "Model: 10, \"Model::Arm\", \"Null\" {\nVersion: 232\nProperties70: {\n"
+      << post.properties
+      << "}\n}\nModel: 11, \"Model::Plate\", \"Mesh\" {\nVersion: 232\nProperties70: {\n}\n}\n"
+         "Geometry: 12, \"Geometry::Plate\", \"Mesh\" {\nVertices: *12 {\na: 0,0,0,10,0,0,0,20,0,0,0,30\n}\n"
+         "PolygonVertexIndex: *12 {\na: 0,2,-2,0,1,-4,1,2,-4,2,0,-4\n}\nGeometryVersion: 124\n}\n"
+         "AnimationStack: 20, \"AnimStack::turn\", \"\" {\n}\nAnimationLayer: 21, \"AnimLayer::base\", \"\" "
+         "{\n}\n"
+         "AnimationCurveNode: 22, \"AnimCurveNode::R\", \"\" {\n}\n";
+  for (int axis = 0; axis < 3; ++axis) {
+    out << "AnimationCurve: " << 23 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
+        << "KeyTime: *31 {\na: ";
+    for (int k = 0; k <= 30; ++k)
+      out << (k ? "," : "") << static_cast<long long>(std::llround(ticks_a_second * k / 30.0));
+    out << "\n}\nKeyValueFloat: *31 {\na: ";
+    for (int k = 0; k <= 30; ++k) out << (k ? "," : "") << (axis == 2 ? 3.0 * k : 0.0);
+    out << "\n}\n}\n";
+  }
+  for (int axis = 0; post.has_still && axis < 3; ++axis)
+    out << "AnimationCurve: " << 33 + axis << ", \"AnimCurve::\", \"\" {\nDefault: 0\nKeyVer: 4008\n"
+        << "KeyTime: *2 {\na: 0," << static_cast<long long>(2 * ticks_a_second)
+        << "\n}\nKeyValueFloat: *2 {\na: 0,0\n}\n}\n";
+  if (post.has_still) out << "AnimationCurveNode: 32, \"AnimCurveNode::T\", \"\" {\n}\n";
+  out << "}\nConnections: {\nC: \"OO\",10,0\nC: \"OO\",11,10\nC: \"OO\",12,11\nC: \"OO\",21,20\n"
+         "C: \"OO\",22,21\nC: \"OP\",22,10, \"Lcl Rotation\"\nC: \"OP\",23,22, \"d|X\"\n"
+         "C: \"OP\",24,22, \"d|Y\"\nC: \"OP\",25,22, \"d|Z\"\n";
+  if (post.has_still)
+    out << "C: \"OO\",32,21\nC: \"OP\",32,11, \"Lcl Translation\"\nC: \"OP\",33,32, \"d|X\"\n"
+           "C: \"OP\",34,32, \"d|Y\"\nC: \"OP\",35,32, \"d|Z\"\n";
+  out << "}\n";
+  return out.str();
+}
+
+// A plate that hangs on one joint, below a node, as Blender would write it. The clip leaves it alone for 2 s.
+std::string dae_of(const std::string& top, const std::string& joint) {
+  const std::string unit = "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1";
+  const auto numbers = [](const std::string& id, int count, const std::string& values, int width,
+                          const std::string& params) {
+    return "<source id=\"" + id + "\"><float_array id=\"" + id + "-array\" count=\"" + std::to_string(count) +
+           "\">" + values + "</float_array><technique_common><accessor source=\"#" + id +
+           "-array\" count=\"" + std::to_string(count / width) + "\" stride=\"" + std::to_string(width) +
+           "\">" + params + "</accessor></technique_common></source>\n";
+  };
+  const auto params = [](const std::string& names, const std::string& type) {
+    std::string result;
+    for (const char c : names) result += std::string("<param name=\"") + c + "\" type=\"" + type + "\"/>";
+    return result;
+  };
+  const std::string matrix = "<param name=\"TRANSFORM\" type=\"float4x4\"/>";
+  const std::string names_of = "<technique_common><accessor source=\"#";
+  return "<?xml version=\"1.0\"?>\n<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+         "version=\"1.4.1\">\n<asset><contributor><authoring_tool>Blender 3.4</authoring_tool></contributor>"
+         "<unit name=\"meter\" meter=\"1\"/><up_axis>Y_UP</up_axis></asset>\n"
+         "<library_geometries><geometry id=\"plate\" name=\"plate\"><mesh>\n" +
+         numbers("places", 12, "0 0 0 1 0 0 0 2 0 0 0 3", 3, params("XYZ", "float")) +
+         "<vertices id=\"corners\"><input semantic=\"POSITION\" source=\"#places\"/></vertices>\n"
+         "<triangles count=\"4\"><input semantic=\"VERTEX\" source=\"#corners\" offset=\"0\"/>"
+         "<p>0 2 1 0 1 3 1 2 3 2 0 3</p></triangles>\n</mesh></geometry></library_geometries>\n"
+         "<library_controllers><controller id=\"skin\"><skin source=\"#plate\"><bind_shape_matrix>" +
+         unit +
+         "</bind_shape_matrix>\n<source id=\"joints\"><Name_array id=\"joints-array\" count=\"1\">bone"
+         "</Name_array>" +
+         names_of +
+         "joints-array\" count=\"1\" stride=\"1\"><param name=\"JOINT\" type=\"name\"/></accessor>"
+         "</technique_common></source>\n" +
+         numbers("binds", 16, unit, 16, matrix) + numbers("weights", 1, "1", 1, params("W", "float")) +
+         "<joints><input semantic=\"JOINT\" source=\"#joints\"/><input semantic=\"INV_BIND_MATRIX\" "
+         "source=\"#binds\"/></joints>\n<vertex_weights count=\"4\"><input semantic=\"JOINT\" "
+         "source=\"#joints\" offset=\"0\"/><input semantic=\"WEIGHT\" source=\"#weights\" offset=\"1\"/>"
+         "<vcount>1 1 1 1</vcount><v>0 0 0 0 0 0 0 0</v></vertex_weights>\n</skin></controller>"
+         "</library_controllers>\n<library_animations><animation id=\"still\">\n" +
+         numbers("times", 2, "0 2", 1, params("T", "float")) +
+         numbers("turns", 32, unit + " " + unit, 16, matrix) +
+         "<source id=\"ways\"><Name_array id=\"ways-array\" count=\"2\">LINEAR LINEAR</Name_array>" +
+         names_of +
+         "ways-array\" count=\"2\" stride=\"1\"><param name=\"INTERPOLATION\" type=\"name\"/></accessor>"
+         "</technique_common></source>\n<sampler id=\"sampler\"><input semantic=\"INPUT\" "
+         "source=\"#times\"/><input semantic=\"OUTPUT\" source=\"#turns\"/><input "
+         "semantic=\"INTERPOLATION\" source=\"#ways\"/></sampler>\n<channel source=\"#sampler\" "
+         "target=\"bone/transform\"/></animation></library_animations>\n"
+         "<library_visual_scenes><visual_scene id=\"scene\" name=\"scene\">\n<node id=\"top\" name=\"" +
+         top + "\"><node id=\"bone\" sid=\"bone\" name=\"" + joint +
+         "\" type=\"JOINT\"><matrix sid=\"transform\">" + unit +
+         "</matrix></node>\n<node id=\"body\" name=\"body\"><instance_controller url=\"#skin\">"
+         "<skeleton>#bone</skeleton></instance_controller></node></node>\n</visual_scene>"
+         "</library_visual_scenes>\n<scene><instance_visual_scene url=\"#scene\"/></scene></COLLADA>\n";
+}
+
+Eigen::Affine3d turned(double x, double y, double z) {
+  return Eigen::Affine3d(Eigen::AngleAxisd(z * degree, Vector3d::UnitZ()) *
+                         Eigen::AngleAxisd(y * degree, Vector3d::UnitY()) *
+                         Eigen::AngleAxisd(x * degree, Vector3d::UnitX()));
+}
+Eigen::Affine3d moved(double x, double y, double z) {
+  return Eigen::Affine3d(Eigen::Translation3d(x, y, z));
+}
+
+const std::vector<Vector3d> plate{{0, 0, 0}, {10, 0, 0}, {0, 20, 0}, {0, 0, 30}};
+
+// `local` at an angle of the turn, in the file's axes and unit; `world` takes those to metres.
+template <typename Local>
+void expect_motion(const std::string& text, const Eigen::Matrix3d& world, const Local& local) {
+  const TemporaryFolder folder;
+  const Character character = gltf::read_gltf(folder.write("plate.fbx", text));
+  ASSERT_EQ(character.clips.size(), 1u);
+  EXPECT_EQ(character.clips[0].name, "turn");
+  EXPECT_NEAR(character.clips[0].duration, 1.0, 1e-6);
+  for (const double time : {0.0, 0.5, 1.0}) {
+    std::vector<Vector3d> wanted;
+    for (const Vector3d& p : plate) wanted.push_back(world * (local(90.0 * time) * p));
+    EXPECT_LT(both_ways(skinned(character, &character.clips[0], time), wanted),
+              file_rounding * world.norm() * 30.0)
+        << "at " << time << " s";
+  }
+}
+
+TEST(Fbx, axes_and_unit_become_metres_with_y_up) {
+  // 3ds Max: Z up, inches.
+  Post post{.properties = property("Lcl Translation", 1, 2, 3), .up = 2, .unit = 2.54};
+  Eigen::Matrix3d world;
+  world << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  expect_motion(fbx_of(post), 0.0254 * world,
+                [](double angle) { return moved(1, 2, 3) * turned(0, 0, angle); });
+  // Control: in the centimetres that most files have, the plate stands elsewhere.
+  const Eigen::Matrix3d inches = 0.0254 * world;
+  std::vector<Vector3d> in_inches;
+  for (const Vector3d& p : plate) in_inches.push_back(inches * (moved(1, 2, 3) * p));
+  post.unit = 1.0;
+  const TemporaryFolder folder;
+  const Character smaller = gltf::read_gltf(folder.write("plate.fbx", fbx_of(post)));
+  EXPECT_GT(both_ways(skinned(smaller, &smaller.clips.at(0), 0.0), in_inches), 0.01 * inches.norm());
+}
+
+TEST(Fbx, rotations_before_and_after_the_nodes_own_are_kept) {
+  const Post post{.properties = property("Lcl Translation", 1, 2, 3) + property("PreRotation", 90, 20, 0) +
+                                property("PostRotation", 0, 30, 10)};
+  expect_motion(fbx_of(post), 0.01 * Eigen::Matrix3d::Identity(), [](double angle) {
+    return moved(1, 2, 3) * turned(90, 20, 0) * turned(0, 0, angle) * turned(0, 30, 10).inverse();
+  });
+}
+
+TEST(Fbx, nodes_turn_about_their_pivots) {
+  const Post post{.properties = property("Lcl Translation", 1, 2, 3) + property("RotationOffset", 4, 0, 0) +
+                                property("RotationPivot", 0, 50, 0) + property("PreRotation", 0, 0, 40) +
+                                property("ScalingOffset", 0, 0, 7) + property("ScalingPivot", 5, 5, 5) +
+                                property("Lcl Scaling", 2, 2, 2)};
+  expect_motion(fbx_of(post), 0.01 * Eigen::Matrix3d::Identity(), [](double angle) {
+    return moved(1, 2, 3) * moved(4, 0, 0) * moved(0, 50, 0) * turned(0, 0, 40) * turned(0, 0, angle) *
+           moved(0, -50, 0) * moved(0, 0, 7) * moved(5, 5, 5) * Eigen::Scaling(2.0) * moved(-5, -5, -5);
+  });
+}
+
+// What stands still is left out, but not the time that it stands.
+TEST(Converter, clips_last_to_their_last_key) {
+  const TemporaryFolder folder;
+  const Character held = gltf::read_gltf(folder.write("held.fbx", fbx_of({.has_still = true})));
+  ASSERT_EQ(held.clips.size(), 1u);
+  EXPECT_NEAR(held.clips[0].duration, 2.0, 1e-6);
+  for (const rig::Channel& channel : held.clips[0].channels)
+    EXPECT_EQ(held.skeleton[channel.joint].name, "Arm") << "the plate stands still";
+  EXPECT_LT(both_ways(skinned(held, &held.clips[0], 2.0), skinned(held, &held.clips[0], 1.0)), file_rounding);
+
+  const Character still = gltf::read_gltf(folder.write("still.dae", dae_of("top", "bone")));
+  ASSERT_EQ(still.clips.size(), 1u);
+  EXPECT_NEAR(still.clips[0].duration, 2.0, 1e-6);
+  EXPECT_LT(both_ways(skinned(still, &still.clips[0], 1.0), skinned(still, nullptr, 0.0)), file_rounding);
+}
+
+TEST(Fbx, files_that_mean_no_good_get_one_message) {
+  const TemporaryFolder folder;
+  const std::string good = fbx_of({});
+  const auto refused = [&](const std::string& name, const std::string& text) {
+    try {
+      gltf::read_gltf(folder.write(name, text));
+    } catch (const base::SceneError& error) {
+      const std::string what = error.what();
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+      return what;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused("good.fbx", good), "");
+  EXPECT_NE(refused("empty.fbx", "").find("it is empty"), std::string::npos);
+  EXPECT_NE(refused("noise.fbx", "\x01\x02 noise").find("cannot be read"), std::string::npos);
+  // A header alone that promises blocks of 4 GiB.
+  std::string binary = "Kaydara FBX Binary  ";
+  binary += std::string("\0\x1a\0\xe8\x1c\0\0", 7) + std::string(64, '\xff');
+  EXPECT_NE(refused("huge.fbx", binary).find("cannot be read"), std::string::npos);
+  std::string counts = good;
+  counts.replace(counts.find("*12 {"), 5, "*4000000000 {");
+  EXPECT_NE(refused("counts.fbx", counts).find("cannot be read"), std::string::npos);
+  std::string nothing = good;
+  nothing.replace(nothing.find("C: \"OO\",12,11"), 13, "");
+  EXPECT_NE(refused("nothing.fbx", nothing).find("holds no mesh"), std::string::npos);
+  // By its name an FBX file, by its content one that would open others.
+  EXPECT_NE(
+      refused("other.fbx", "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").find("cannot be"),
+      std::string::npos);
+  // Names as assimp gives the links of an FBX node: in Collada, names like others, above all and of a joint.
+  const Character named = gltf::read_gltf(
+      folder.write("links.dae", dae_of("Top_$AssimpFbx$_Rotation", "Bone_$AssimpFbx$_Rotation")));
+  EXPECT_TRUE(has_joint(named, "Bone_$AssimpFbx$_Rotation"));
+  EXPECT_LT(both_ways(named.surface.vertices, {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}}), file_rounding);
+}
+
+// What the converter by itself says, and how it ends.
+std::string said_by_converter(const TemporaryFolder& folder, const std::string& arguments, int status) {
+  const std::string command = "cd '" + folder.path().string() + "' && '" + FASCICLE_BINARY_DIR +
+                              "/fascicle-convert' " + arguments + " 2> err";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), status) << arguments;
+  return text_of(folder.path() / "err");
+}
+
+TEST(Converter, writes_nothing_but_a_glb_that_is_another_file) {
+  const TemporaryFolder folder;
+  const std::string good = fbx_of({});
+  folder.write("man.fbx", good);
+  fs::create_hard_link(folder.path() / "man.fbx", folder.path() / "same.glb");
+  for (const char* out : {"man.fbx", "man", "man.gltf", "same.glb"}) {
+    const std::string said = said_by_converter(folder, std::string("man.fbx ") + out, 2);
+    EXPECT_NE(said.find(out), std::string::npos) << said;
+    EXPECT_EQ(text_of(folder.path() / "man.fbx"), good) << out;
+  }
+  fs::create_directories(folder.path() / "taken.glb" / "by");
+  EXPECT_NE(said_by_converter(folder, "man.fbx taken.glb", 4).find("taken.glb cannot be written"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(folder.path() / "taken.glb.part"));
+  EXPECT_EQ(said_by_converter(folder, "man.fbx man.glb", 0), "");
+  EXPECT_TRUE(fs::exists(folder.path() / "man.glb"));
+}
+
+TEST(Converter, messages_name_the_file_once) {
+  const TemporaryFolder folder;
+  folder.write("noise.fbx", "noise");
+  EXPECT_EQ(said_by_converter(folder, "noise.fbx noise.glb", 3).find("fascicle-convert: noise.fbx: "), 0u);
+  const fs::path noise = folder.path() / "noise.fbx";
+  try {
+    gltf::read_gltf(noise);
+    FAIL() << "noise was read";
+  } catch (const base::SceneError& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.find(noise.string() + ": cannot be read: "), 0u) << what;
+    EXPECT_EQ(what.find(noise.string(), 1), std::string::npos) << what;
+  }
+}
+
+// Run in place of the converter, or the converter itself under such limits.
+std::string refusal_of(const fs::path& input, const gltf::Converter& converter) {
+  try {
+    gltf::convert_character(input, fs::path(input).replace_extension(".glb"), converter);
+  } catch (const base::SceneError& error) {
+    return error.what();
+  }
+  return "converted";
+}
+
+TEST(Converter, that_takes_too_long_or_too_much_is_said_to) {
+  const TemporaryFolder folder;
+  const fs::path hero = folder.write("hero.fbx", fbx_of({}));
+  const auto said = [&](const std::string& script, const base::ProcessLimits& limits) {
+    const fs::path program = folder.write("converter", "#!/bin/sh\n" + script + "\n");
+    fs::permissions(program, fs::perms::owner_all);
+    return refusal_of(hero, {program, limits});
+  };
+  constexpr std::uint64_t gigabyte = std::uint64_t{1} << 30;
+  const std::string by_hand = ". Convert it with FBX2glTF, ";
+  for (const auto& [script, words] :
+       {std::pair{"while :; do :; done", "took longer to convert than the 0.3 s of processor time allowed"},
+        std::pair{"exec 2>&-; sleep 600",
+                  "was not converted: the converter got no processor time for 0.3 s; see what keeps this "
+                  "machine busy"},
+        std::pair{"exit 6", "cannot be read: it needs more than 1.5 GiB of memory"},
+        std::pair{"kill -SEGV $$", "cannot be read: the converter crashed on it (signal 11)"}})
+    EXPECT_EQ(said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2})
+                  .find(hero.string() + ": " + words + by_hand),
+              0u)
+        << said(script, {.seconds = 0.3, .bytes = 3 * gigabyte / 2});
+  // A busy machine gives it little of the processor, and it is waited for.
+  EXPECT_NE(said("i=0; while [ $i -lt 10 ]; do i=$((i+1)); sleep 0.2; done; exit 6", {.seconds = 1.0})
+                .find("more than 4 GiB of memory"),
+            std::string::npos);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+// The converter itself, with less and less: where it does not get by, it says so, and never that the file is
+// bad.
+TEST(Converter, a_file_that_needs_more_memory_is_not_called_bad) {
+  const TemporaryFolder folder;
+  // 400,000 numbers, of which a text of 5 MB and several copies are made.
+  std::string points, corners;
+  constexpr int count = 399996;
+  for (int k = 0; k < count; ++k) points += std::to_string(k % 1000) + " ";
+  for (int k = 0; k < count / 3; ++k) corners += std::to_string(k) + " ";
+  const fs::path large = folder.write(
+      "large.dae",
+      "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><library_geometries>"
+      "<geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"a\" count=\"" +
+          std::to_string(count) + "\">" + points +
+          "</float_array><technique_common><accessor source=\"#a\" count=\"" + std::to_string(count / 3) +
+          "\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+          "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\">"
+          "<input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"" +
+          std::to_string(count / 9) + "\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>" +
+          corners +
+          "</p></triangles></mesh></geometry></library_geometries><library_visual_scenes><visual_scene "
+          "id=\"s\">"
+          "<node id=\"n\"><instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes>"
+          "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>");
+  ASSERT_EQ(refusal_of(large, {}), "converted");
+  bool is_refused = false;
+  // Below this its libraries are not even loaded.
+  for (std::uint64_t megabytes = 256; megabytes >= 32; megabytes -= 4) {
+    const std::string said = refusal_of(large, {{}, {.bytes = megabytes << 20}});
+    if (said == "converted") continue;
+    if (said.find("shared librar") != std::string::npos) break;
+    is_refused = true;
+    EXPECT_NE(said.find("it needs more than 0."), std::string::npos) << megabytes << " MiB: " << said;
+  }
+  EXPECT_TRUE(is_refused);
+}
+
+#endif
+
+// No other converter would help there.
+TEST(Converter, a_machine_without_room_for_the_result_is_not_the_files_fault) {
+  const TemporaryFolder folder;
+  folder.write("hero.fbx", fbx_of({}));
+  const std::string command = "cd '" + folder.path().string() + "' && TMPDIR=/nowhere '" +
+                              FASCICLE_BINARY_DIR + "/fascicle' inspect hero.fbx > out 2> err";
+  EXPECT_NE(WEXITSTATUS(std::system(command.c_str())), 0);
+  const std::string said = text_of(folder.path() / "err");
+  for (const char* part : {"hero.fbx: ", "TMPDIR"}) EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(said.find("FBX2glTF"), std::string::npos) << said;
+}
+
+// A copy of the program where no helper lies beside it.
+TEST(Fbx, without_the_converter_the_message_names_others) {
+  const TemporaryFolder folder;
+  folder.write("hero.fbx", fbx_of({}));
+  fs::copy_file(fs::path(FASCICLE_BINARY_DIR) / "fascicle", folder.path() / "fascicle");
+  const std::string in_folder = "cd '" + folder.path().string() + "' && ";
+  const int status =
+      std::system((in_folder + "PATH=/nowhere ./fascicle inspect hero.fbx > out 2> err").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 3);
+  const std::string said = text_of(folder.path() / "err");
+  for (const char* part : {"hero.fbx: ", "fascicle-convert", "FBX2glTF", "export `hero.glb`"})
+    EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,352 @@
+// Files compressed here, by the codecs' own encoders: they read as the plain ones do, and damaged ones are
+// refused.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <gtest/gtest.h>
+#include <meshoptimizer.h>
+
+#include "host/base/errors.h"
+#include "host/gltf/gltf.h"
+#include "host/gltf/gltf_rig.h"
+#include "host/scene/scene.h"
+#include "tests/gltf/gltf_builder.h"
+
+namespace fascicle::tests {
+namespace {
+
+using Eigen::Vector3d;
+using nlohmann::json;
+using rig::Character;
+
+constexpr const char* meshopt = "EXT_meshopt_compression";
+constexpr const char* draco_name = "KHR_draco_mesh_compression";
+
+Character read(const json& document) {
+  const TemporaryFolder folder;
+  return gltf::read_gltf(folder.write("small.gltf", document.dump()));
+}
+
+// Every view of the column compressed; the plain bytes stand nowhere.
+json with_meshopt(const GltfBuilder& b, const char* extension = meshopt) {
+  json document = b.document;
+  std::vector<unsigned char> packed;
+  const auto stride_of = [&](std::size_t view) -> std::size_t {
+    for (const json& a : b.document["accessors"]) {
+      if (!a.contains("bufferView") || a["bufferView"] != view) continue;
+      const std::string type = a["type"];
+      const std::size_t width = type == "SCALAR" ? 1
+                                : type == "MAT4" ? 16
+                                                 : static_cast<std::size_t>(type.back() - '0');
+      const int component = a["componentType"];
+      return width * (component == 5126 ? 4u : component == 5123 ? 2u : 1u);
+    }
+    return 0;
+  };
+  for (std::size_t v = 0; v < document["bufferViews"].size(); ++v) {
+    json& view = document["bufferViews"][v];
+    const std::size_t offset = view["byteOffset"], length = view["byteLength"], stride = stride_of(v);
+    const unsigned char* from = b.bytes.data() + offset;
+    const std::size_t count = length / stride;
+    std::vector<unsigned char> bytes;
+    json how{{"buffer", 0}, {"byteStride", stride}, {"count", count}};
+    if (stride == 2) {
+      std::vector<unsigned> indices;
+      for (std::size_t i = 0; i < count; ++i)
+        indices.push_back(from[2 * i] | static_cast<unsigned>(from[2 * i + 1]) << 8);
+      bytes.resize(meshopt_encodeIndexBufferBound(count, 12));
+      bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), indices.data(), count));
+      how["mode"] = "TRIANGLES";
+    } else {
+      bytes.resize(meshopt_encodeVertexBufferBound(count, stride));
+      bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), from, count, stride));
+      how["mode"] = "ATTRIBUTES";
+    }
+    while (packed.size() % 4 != 0) packed.push_back(0);
+    how["byteOffset"] = packed.size();
+    how["byteLength"] = bytes.size();
+    packed.insert(packed.end(), bytes.begin(), bytes.end());
+    view["buffer"] = 1;
+    view["extensions"][extension] = std::move(how);
+  }
+  document["buffers"] = json::array(
+      {{{"byteLength", packed.size()}, {"uri", "data:application/octet-stream;base64," + base64(packed)}},
+       {{"byteLength", b.bytes.size()}, {"extensions", {{extension, {{"fallback", true}}}}}}});
+  document["extensionsUsed"] = {extension};
+  document["extensionsRequired"] = {extension};
+  return document;
+}
+
+std::array<std::uint32_t, 3> turned(std::array<std::uint32_t, 3> t) {
+  std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  return t;
+}
+
+std::vector<std::array<std::uint32_t, 3>> turned(const mesh::SurfaceMesh& surface) {
+  std::vector<std::array<std::uint32_t, 3>> result;
+  for (const auto& t : surface.triangles) result.push_back(turned(t));
+  return result;
+}
+
+class Meshopt : public testing::TestWithParam<const char*> {};
+
+TEST_P(Meshopt, reads_as_the_plain_file_does) {
+  const GltfBuilder b = column();
+  const Character plain = read(b.with_data_uri()), small = read(with_meshopt(b, GetParam()));
+  EXPECT_EQ(small.surface.vertices, plain.surface.vertices);
+  EXPECT_EQ(small.weights, plain.weights);
+  EXPECT_EQ(small.joints, plain.joints);
+  // The codec may begin a triangle at another corner.
+  EXPECT_EQ(turned(small.surface), turned(plain.surface));
+  ASSERT_EQ(small.clips.size(), 2u);
+  EXPECT_EQ(small.clips[0].channels[0].values, plain.clips[0].channels[0].values);
+}
+
+INSTANTIATE_TEST_SUITE_P(Names, Meshopt, testing::Values(meshopt, "KHR_meshopt_compression"));
+
+TEST(Meshopt, goes_on_uncompressed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.write("small.gltf", with_meshopt(column()).dump());
+  std::vector<std::string> missing;
+  const gltf::GltfDocument document = gltf::pack_gltf(path, missing);
+  EXPECT_EQ(document.json.dump().find("meshopt"), std::string::npos);
+  json whole = document.json;
+  const std::vector<unsigned char> bytes(document.binary.begin(), document.binary.end());
+  whole["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(bytes);
+  EXPECT_EQ(read(whole).surface.vertices, read(column().with_data_uri()).surface.vertices);
+}
+
+TEST(Meshopt, an_exponential_filter_is_undone) {
+  GltfBuilder b = column();
+  json document = with_meshopt(b);
+  // 12 positions of 2^-1 x mantissa.
+  std::vector<std::uint32_t> encoded;
+  for (std::uint32_t i = 0; i < 36; ++i) encoded.push_back(0xff000000u | i);
+  std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(12, 12));
+  bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), encoded.data(), 12, 12));
+  document["buffers"].push_back(
+      {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + base64(bytes)}});
+  json& how = document["bufferViews"][0]["extensions"][meshopt];
+  how["buffer"] = 2;
+  how["byteOffset"] = 0;
+  how["byteLength"] = bytes.size();
+  how["filter"] = "EXPONENTIAL";
+  const Character c = read(document);
+  // Raw (x, y, z) becomes (x, z, -y) centimetres: vertex 1 is raw (1.5, 2, 2.5).
+  EXPECT_LT((c.surface.vertices[1] - Vector3d(0.015, 0.025, -0.02)).norm(), 1e-7);
+}
+
+// The column's triangles as a Draco stream of positions (id 0), joints (1) and weights (2).
+std::vector<unsigned char> draco_stream(const GltfBuilder& b, int method) {
+  const auto view = [&](std::size_t accessor) {
+    const json& of =
+        b.document["bufferViews"][b.document["accessors"][accessor]["bufferView"].get<std::size_t>()];
+    return b.bytes.data() + of["byteOffset"].get<std::size_t>();
+  };
+  draco::TriangleSoupMeshBuilder builder;
+  const std::size_t corners = b.document["accessors"][3]["count"];
+  builder.Start(static_cast<int>(corners / 3));
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int joint = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_UINT8);
+  const int weight = builder.AddAttribute(draco::GeometryAttribute::GENERIC, 4, draco::DT_FLOAT32);
+  for (std::size_t t = 0; t < corners / 3; ++t) {
+    std::array<std::size_t, 3> v{};
+    for (std::size_t k = 0; k < 3; ++k) v[k] = view(3)[2 * (3 * t + k)];
+    const draco::FaceIndex face(static_cast<std::uint32_t>(t));
+    const auto set = [&](int attribute, const unsigned char* from, std::size_t size) {
+      builder.SetAttributeValuesForFace(attribute, face, from + v[0] * size, from + v[1] * size,
+                                        from + v[2] * size);
+    };
+    set(position, view(0), 12);
+    set(joint, view(1), 4);
+    set(weight, view(2), 16);
+  }
+  const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
+  draco::ExpertEncoder encoder(*mesh);
+  encoder.SetEncodingMethod(method);
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+  return {buffer.data(), buffer.data() + buffer.size()};
+}
+
+GltfBuilder with_draco(int method) {
+  GltfBuilder b = column();
+  const std::size_t view = b.add_view(draco_stream(b, method));
+  json& primitive = b.document["meshes"][0]["primitives"][0];
+  primitive["extensions"][draco_name] = {
+      {"bufferView", view}, {"attributes", {{"POSITION", 0}, {"JOINTS_0", 1}, {"WEIGHTS_0", 2}}}};
+  // As such files have them: without bytes of their own.
+  for (const std::size_t accessor : {0u, 1u, 2u, 3u}) {
+    b.document["accessors"][accessor].erase("bufferView");
+    b.document["accessors"][accessor].erase("byteOffset");
+  }
+  b.document["extensionsUsed"] = {draco_name};
+  b.document["extensionsRequired"] = {draco_name};
+  return b;
+}
+
+// Vertices in their places with what they follow: the codec brings them into an order of its own.
+std::vector<std::vector<double>> sorted(const Character& c) {
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < c.surface.vertices.size(); ++i) {
+    const Vector3d& p = c.surface.vertices[i];
+    double upper = 0.0;
+    for (std::size_t k = 0; k < 8; ++k)
+      if (c.joints[i][k] == 1) upper += c.weights[i][k];
+    rows.push_back({p.x(), p.y(), p.z(), upper});
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+double area(const mesh::SurfaceMesh& surface) {
+  double sum = 0.0;
+  for (const auto& t : surface.triangles)
+    sum += 0.5 * (surface.vertices[t[1]] - surface.vertices[t[0]])
+                     .cross(surface.vertices[t[2]] - surface.vertices[t[0]])
+                     .norm();
+  return sum;
+}
+
+class Draco : public testing::TestWithParam<int> {};
+
+TEST_P(Draco, reads_as_the_plain_file_does) {
+  const GltfBuilder b = with_draco(GetParam());
+  const Character plain = read(column().with_data_uri()), small = read(b.with_data_uri());
+  EXPECT_EQ(sorted(small), sorted(plain));  // nothing is quantised
+  EXPECT_EQ(small.surface.triangles.size(), plain.surface.triangles.size());
+  EXPECT_NEAR(area(small.surface), area(plain.surface), 1e-12);
+  const TemporaryFolder folder;
+  std::vector<std::string> missing;
+  const gltf::GltfDocument document = gltf::pack_gltf(folder.write("small.glb", b.glb()), missing);
+  EXPECT_EQ(document.json.dump().find("draco"), std::string::npos);
+}
+
+// Any byte of the stream changed, or the stream cut short: read or refused, never a crash.
+TEST_P(Draco, a_damaged_stream_is_read_or_refused) {
+  const GltfBuilder good = with_draco(GetParam());
+  const std::size_t view =
+      good.document["meshes"][0]["primitives"][0]["extensions"][draco_name]["bufferView"];
+  const std::size_t offset = good.document["bufferViews"][view]["byteOffset"],
+                    length = good.document["bufferViews"][view]["byteLength"];
+  const TemporaryFolder folder;
+  std::size_t refused = 0;
+  const auto attempt = [&](const GltfBuilder& bad) {
+    try {
+      gltf::read_gltf(folder.write("bad.glb", bad.glb()));
+    } catch (const base::SceneError&) {
+      ++refused;
+    }
+  };
+  for (std::size_t at = 0; at < length; ++at) {
+    GltfBuilder bad = good;
+    const unsigned flip = at % 3 == 0 ? 0x01u : at % 3 == 1 ? 0x40u : 0xffu;
+    bad.bytes[offset + at] = static_cast<unsigned char>(bad.bytes[offset + at] ^ flip);
+    attempt(bad);
+  }
+  EXPECT_GT(refused, length / 10);  // a changed byte of a plain float is another number
+  refused = 0;
+  for (std::size_t cut = 1; cut < length; cut += 7) {
+    GltfBuilder bad = good;
+    bad.document["bufferViews"][view]["byteLength"] = cut;
+    attempt(bad);
+  }
+  EXPECT_GT(refused, length / 7 / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Draco,
+                         testing::Values(static_cast<int>(draco::MESH_SEQUENTIAL_ENCODING),
+                                         static_cast<int>(draco::MESH_EDGEBREAKER_ENCODING)));
+
+void expect_refused(const json& document, const std::string& place) {
+  try {
+    read(document);
+    ADD_FAILURE() << "was read";
+  } catch (const base::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find(": " + place + ": "), std::string::npos) << error.what();
+  }
+}
+
+TEST(CompressedLies, are_refused) {
+  const std::string how = std::string("/bufferViews/0/extensions/") + meshopt;
+  const auto lie = [&](const char* key, const json& value, const std::string& place) {
+    json document = with_meshopt(column());
+    document["bufferViews"][0]["extensions"][meshopt][key] = value;
+    SCOPED_TRACE(key + (" " + value.dump()));
+    expect_refused(document, place);
+  };
+  lie("count", 4000000000u, how);
+  lie("count", 0, how);
+  lie("byteStride", 10, how);
+  lie("byteStride", 260, how);
+  lie("mode", "NOTHING", how);
+  lie("filter", "QUATERNION", how);
+  lie("filter", "SEPIA", how);
+  lie("buffer", 7, how + "/buffer");
+  lie("byteLength", 1000000, how + "/byteLength");
+  lie("byteLength", 5, how);
+
+  const std::string draco = std::string("/meshes/0/primitives/0/extensions/") + draco_name;
+  const auto draco_lie = [&](const std::string& place, const auto& tell) {
+    json document = with_draco(draco::MESH_EDGEBREAKER_ENCODING).with_data_uri();
+    tell(document);
+    expect_refused(document, place);
+  };
+  const auto extension = [](json& document) -> json& {
+    return document["meshes"][0]["primitives"][0]["extensions"][draco_name];
+  };
+  draco_lie(draco, [](json& d) {
+    for (const std::size_t a : {0u, 1u, 2u}) d["accessors"][a]["count"] = 11;
+  });
+  draco_lie(draco, [](json& d) {
+    for (const std::size_t a : {0u, 1u, 2u}) d["accessors"][a]["count"] = 4000000000u;
+  });
+  draco_lie("/accessors/2/count", [](json& d) { d["accessors"][2]["count"] = 11; });
+  draco_lie(draco + "/bufferView", [&](json& d) { extension(d)["bufferView"] = 99; });
+  draco_lie(draco, [&](json& d) { extension(d)["bufferView"] = 0; });
+  draco_lie(draco, [&](json& d) { extension(d)["attributes"]["POSITION"] = 9; });
+  draco_lie(draco + "/attributes/NORMAL", [&](json& d) { extension(d)["attributes"]["NORMAL"] = 0; });
+}
+
+TEST(CompressedLies, a_damaged_meshopt_stream_is_read_or_refused) {
+  const json good = with_meshopt(column());
+  const std::string uri = good["buffers"][0]["uri"];
+  const TemporaryFolder folder;
+  std::size_t refused = 0;
+  for (std::size_t at = uri.find(',') + 1; at < uri.size(); ++at) {
+    json bad = good;
+    std::string changed = uri;
+    changed[at] = changed[at] == 'A' ? '/' : 'A';
+    bad["buffers"][0]["uri"] = changed;
+    try {
+      gltf::read_gltf(folder.write("bad.gltf", bad.dump()));
+    } catch (const base::SceneError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0u);
+}
+
+TEST(OtherFormats, a_vrm_is_a_glb_and_other_names_get_advice) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(gltf::read_gltf(folder.write("avatar.vrm", column().glb())).surface.vertices.size(), 12u);
+  const scene::Scene scene = scene::load_scene(folder.write("avatar.vrm", column().glb()).string());
+  EXPECT_TRUE(std::holds_alternative<Character>(scene.geometry));
+  try {
+    scene::load_scene((folder.path() / "hero.blend").string());
+    FAIL() << "was read";
+  } catch (const base::SceneError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("export `hero.glb`"), std::string::npos) << what;
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

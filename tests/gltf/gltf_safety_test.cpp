@@ -1,0 +1,483 @@
+// Files that lie. Each must be refused with a message that names the place, before memory is taken or a file
+// is opened that the user did not name.
+#include <functional>
+#include <limits>
+#include <map>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "host/base/errors.h"
+#include "host/gltf/gltf.h"
+#include "tests/gltf/gltf_builder.h"
+
+namespace fascicle::tests {
+namespace {
+
+using nlohmann::json;
+
+void expect_refused(const std::filesystem::path& path, const std::string& place) {
+  try {
+    gltf::read_gltf(path);
+    ADD_FAILURE() << "was read";
+  } catch (const base::SceneError& error) {
+    const std::string what = error.what();
+    EXPECT_EQ(what.rfind(path.string() + ": ", 0), 0u) << what;
+    EXPECT_NE(what.find(": " + place + ": "), std::string::npos) << "wanted " << place << ", got " << what;
+    EXPECT_LT(what.size(), 700u);
+  }
+}
+
+struct Lie {
+  const char* name;
+  const char* place;
+  std::function<void(GltfBuilder&)> tell;
+};
+
+json& primitive(GltfBuilder& b) {
+  return b.document["meshes"][0]["primitives"][0];
+}
+
+void replace(GltfBuilder& b, const char* attribute, std::size_t accessor) {
+  primitive(b)["attributes"][attribute] = accessor;
+}
+
+std::vector<float> column_weights() {
+  std::vector<float> weights;
+  for (int i = 0; i < 12; ++i) weights.insert(weights.end(), {1, 0, 0, 0});
+  return weights;
+}
+
+// Accessors of column(): 0 positions, 1 joints, 2 weights, 3 indices, 4 matrices, 5 times, 6 turns, 7 moves.
+const std::vector<Lie>& lies() {
+  static const std::vector<Lie> all{
+      {"count_of_four_thousand_million", "/accessors/0/count",
+       [](GltfBuilder& b) { b.document["accessors"][0]["count"] = 4000000000u; }},
+      {"count_beyond_the_last_byte", "/accessors/0/count",
+       [](GltfBuilder& b) { b.document["accessors"][0]["count"] = 13; }},
+      {"count_that_overflows", "/accessors/0/count",
+       [](GltfBuilder& b) {
+         b.document["accessors"][0]["count"] = std::numeric_limits<std::uint64_t>::max() / 12 + 2;
+       }},
+      {"count_negative", "/accessors/0/count",
+       [](GltfBuilder& b) { b.document["accessors"][0]["count"] = -1; }},
+      {"count_zero", "/accessors/0/count", [](GltfBuilder& b) { b.document["accessors"][0]["count"] = 0; }},
+      {"count_text", "/accessors/0/count",
+       [](GltfBuilder& b) { b.document["accessors"][0]["count"] = "12"; }},
+      {"count_without_data", "/accessors/0/count",
+       [](GltfBuilder& b) {
+         b.document["accessors"][0].erase("bufferView");
+         b.document["accessors"][0]["count"] = 4000000000u;
+       }},
+      {"offset_beyond_the_view", "/accessors/0/count",
+       [](GltfBuilder& b) { b.document["accessors"][0]["byteOffset"] = 4; }},
+      {"offset_that_overflows", "/accessors/0/byteOffset",
+       [](GltfBuilder& b) {
+         b.document["accessors"][0]["byteOffset"] = std::numeric_limits<std::uint64_t>::max() - 3;
+       }},
+      {"stride_beyond_the_view", "/accessors/0/count",
+       [](GltfBuilder& b) { b.document["bufferViews"][0]["byteStride"] = 252; }},
+      {"stride_below_an_element", "/accessors/0/bufferView",
+       [](GltfBuilder& b) { b.document["bufferViews"][0]["byteStride"] = 8; }},
+      {"stride_odd", "/bufferViews/0/byteStride",
+       [](GltfBuilder& b) { b.document["bufferViews"][0]["byteStride"] = 13; }},
+      {"stride_that_overflows", "/bufferViews/0/byteStride",
+       [](GltfBuilder& b) { b.document["bufferViews"][0]["byteStride"] = 1099511627776u; }},
+      {"view_beyond_the_buffer", "/bufferViews/0/byteLength",
+       [](GltfBuilder& b) { b.document["bufferViews"][0]["byteLength"] = 1000000; }},
+      {"view_offset_that_overflows", "/bufferViews/0/byteOffset",
+       [](GltfBuilder& b) {
+         b.document["bufferViews"][0]["byteOffset"] = std::numeric_limits<std::uint64_t>::max();
+       }},
+      {"view_of_no_buffer", "/bufferViews/0/buffer",
+       [](GltfBuilder& b) { b.document["bufferViews"][0]["buffer"] = 1; }},
+      {"accessor_of_no_view", "/accessors/0/bufferView",
+       [](GltfBuilder& b) { b.document["accessors"][0]["bufferView"] = 99; }},
+      {"component_type_unknown", "/accessors/0/componentType",
+       [](GltfBuilder& b) { b.document["accessors"][0]["componentType"] = 5124; }},
+      {"type_unknown", "/accessors/0/type",
+       [](GltfBuilder& b) { b.document["accessors"][0]["type"] = "VEC9"; }},
+      {"positions_of_the_wrong_type", "/meshes/0/primitives/0/attributes/POSITION",
+       [](GltfBuilder& b) { replace(b, "POSITION", 2); }},
+      {"attribute_of_no_accessor", "/meshes/0/primitives/0/attributes/POSITION",
+       [](GltfBuilder& b) { replace(b, "POSITION", 4000000); }},
+      {"attributes_of_different_counts", "/meshes/0/primitives/0/attributes/WEIGHTS_0",
+       [](GltfBuilder& b) { b.document["accessors"][2]["count"] = 11; }},
+      {"weights_missing", "/meshes/0/primitives/0/attributes/WEIGHTS_0",
+       [](GltfBuilder& b) { primitive(b)["attributes"].erase("WEIGHTS_0"); }},
+      {"second_joints_without_weights", "/meshes/0/primitives/0/attributes/WEIGHTS_1",
+       [](GltfBuilder& b) { replace(b, "JOINTS_1", 1); }},
+      {"weight_not_a_number", "/accessors/8",
+       [](GltfBuilder& b) {
+         std::vector<float> w = column_weights();
+         w[17] = std::numeric_limits<float>::quiet_NaN();
+         replace(b, "WEIGHTS_0", b.add("VEC4", w));
+       }},
+      {"weight_negative", "/meshes/0/primitives/0/attributes/WEIGHTS_0",
+       [](GltfBuilder& b) {
+         std::vector<float> w = column_weights();
+         w[5] = -0.1f;
+         replace(b, "WEIGHTS_0", b.add("VEC4", w));
+       }},
+      {"weights_all_zero", "/meshes/0/primitives/0/attributes/WEIGHTS_0",
+       [](GltfBuilder& b) { replace(b, "WEIGHTS_0", b.add("VEC4", std::vector<float>(48, 0.0f))); }},
+      {"position_infinite", "/accessors/8",
+       [](GltfBuilder& b) {
+         std::vector<float> p(36, 0.0f);
+         p[35] = std::numeric_limits<float>::infinity();
+         replace(b, "POSITION", b.add("VEC3", p));
+       }},
+      {"joint_beyond_the_skin", "/meshes/0/primitives/0/attributes/JOINTS_0",
+       [](GltfBuilder& b) { replace(b, "JOINTS_0", b.add("VEC4", std::vector<std::uint8_t>(48, 2))); }},
+      {"index_beyond_the_vertices", "/meshes/0/primitives/0/indices",
+       [](GltfBuilder& b) {
+         primitive(b)["indices"] = b.add("SCALAR", std::vector<std::uint16_t>{0, 1, 12});
+       }},
+      {"indices_not_in_threes", "/meshes/0/primitives/0/indices",
+       [](GltfBuilder& b) {
+         primitive(b)["indices"] = b.add("SCALAR", std::vector<std::uint16_t>{0, 1, 2, 3});
+       }},
+      {"indices_of_floats", "/meshes/0/primitives/0/indices",
+       [](GltfBuilder& b) {
+         primitive(b)["indices"] = b.add("SCALAR", std::vector<float>{0, 1, 2});
+       }},
+      {"indices_without_data", "/meshes/0/primitives/0/indices",
+       [](GltfBuilder& b) {
+         b.document["accessors"].push_back({{"componentType", 5123}, {"type", "SCALAR"}, {"count", 3}});
+         primitive(b)["indices"] = 8;
+       }},
+      {"lines", "/meshes/0/primitives/0/mode", [](GltfBuilder& b) { primitive(b)["mode"] = 1; }},
+      {"mode_unknown", "/meshes/0/primitives/0/mode", [](GltfBuilder& b) { primitive(b)["mode"] = 77; }},
+      {"mesh_without_primitives", "/meshes/0/primitives",
+       [](GltfBuilder& b) { b.document["meshes"][0]["primitives"] = json::array(); }},
+      {"sparse_index_beyond_the_end", "/accessors/0/sparse/indices",
+       [](GltfBuilder& b) {
+         const std::size_t i = b.add_view(std::vector<std::uint8_t>{200}),
+                           v = b.add_view(std::vector<float>{1, 2, 3});
+         b.document["accessors"][0]["sparse"] = {{"count", 1},
+                                                 {"indices", {{"bufferView", i}, {"componentType", 5121}}},
+                                                 {"values", {{"bufferView", v}}}};
+       }},
+      {"sparse_values_beyond_the_view", "/accessors/0/sparse/values",
+       [](GltfBuilder& b) {
+         const std::size_t i = b.add_view(std::vector<std::uint8_t>{1, 2}),
+                           v = b.add_view(std::vector<float>{1, 2, 3});
+         b.document["accessors"][0]["sparse"] = {{"count", 2},
+                                                 {"indices", {{"bufferView", i}, {"componentType", 5121}}},
+                                                 {"values", {{"bufferView", v}}}};
+       }},
+      {"skin_without_joints", "/skins/0/joints",
+       [](GltfBuilder& b) { b.document["skins"][0]["joints"] = json::array(); }},
+      {"skin_with_a_joint_twice", "/skins/0/joints/1",
+       [](GltfBuilder& b) {
+         b.document["skins"][0]["joints"] = {1, 1};
+       }},
+      {"skin_with_a_joint_that_is_not", "/skins/0/joints/1",
+       [](GltfBuilder& b) {
+         b.document["skins"][0]["joints"] = {1, 4};
+       }},
+      {"skin_with_too_few_matrices", "/skins/0/inverseBindMatrices",
+       [](GltfBuilder& b) { b.document["accessors"][4]["count"] = 1; }},
+      {"skin_with_a_projection", "/accessors/8",
+       [](GltfBuilder& b) {
+         b.document["skins"][0]["inverseBindMatrices"] = b.add("MAT4", std::vector<float>(32, 1.0f));
+       }},
+      {"no_skinned_mesh", "/nodes", [](GltfBuilder& b) { b.document["nodes"][3].erase("skin"); }},
+      {"joint_scaled_to_nothing", "/nodes/2",
+       [](GltfBuilder& b) {
+         b.document["nodes"][2]["scale"] = {1, 0, 1};
+       }},
+      {"rotation_of_zeros", "/nodes/2/rotation",
+       [](GltfBuilder& b) {
+         b.document["nodes"][2]["rotation"] = {0, 0, 0, 0};
+       }},
+      {"matrix_of_fifteen", "/nodes/2/matrix",
+       [](GltfBuilder& b) { b.document["nodes"][2]["matrix"] = std::vector<int>(15, 1); }},
+      {"translation_out_of_range", "/nodes/1",
+       [](GltfBuilder& b) {
+         b.document["nodes"][0]["scale"] = {1e200, 1e200, 1e200};
+         b.document["nodes"][1]["scale"] = {1e200, 1e200, 1e200};
+       }},
+      {"nodes_in_a_circle", "/nodes/0/children",
+       [](GltfBuilder& b) { b.document["nodes"][2]["children"] = {0}; }},
+      {"node_below_itself", "/nodes/2/children/0",
+       [](GltfBuilder& b) { b.document["nodes"][2]["children"] = {2}; }},
+      {"node_with_two_parents", "/nodes/3/children/0",
+       [](GltfBuilder& b) { b.document["nodes"][3]["children"] = {2}; }},
+      {"child_that_is_not", "/nodes/2/children/0",
+       [](GltfBuilder& b) { b.document["nodes"][2]["children"] = {-1}; }},
+      {"nodes_too_deep", "/nodes/1025",
+       [](GltfBuilder& b) {
+         for (int i = 4; i < 200000; ++i) b.document["nodes"].push_back({{"children", {i + 1}}});
+         b.document["nodes"].push_back(json::object());
+         b.document["nodes"][2]["children"] = {4};
+       }},
+      {"json_too_deep", "/",
+       [](GltfBuilder& b) {
+         json deep = 1;
+         for (int i = 0; i < 1000; ++i) deep = json::array({std::move(deep)});
+         b.document["extras"] = std::move(deep);
+       }},
+      {"keys_out_of_order", "/accessors/8",
+       [](GltfBuilder& b) {
+         b.document["animations"][0]["samplers"][0]["input"] = b.add("SCALAR", std::vector<float>{1, 1});
+       }},
+      {"keys_without_values", "/animations/0/samplers/0/output",
+       [](GltfBuilder& b) { b.document["accessors"][6]["count"] = 1; }},
+      {"key_that_is_no_rotation", "/accessors/8",
+       [](GltfBuilder& b) {
+         b.document["animations"][0]["samplers"][0]["output"] = b.add("VEC4", std::vector<float>(8, 0.0f));
+       }},
+      {"channel_of_no_sampler", "/animations/0/channels/0/sampler",
+       [](GltfBuilder& b) { b.document["animations"][0]["channels"][0]["sampler"] = 1; }},
+      {"channel_twice", "/animations/0/channels/1/target",
+       [](GltfBuilder& b) {
+         json& channels = b.document["animations"][0]["channels"];
+         channels.push_back(channels[0]);
+       }},
+      {"channel_of_a_matrix", "/animations/0/channels/0/target/node",
+       [](GltfBuilder& b) {
+         b.document["nodes"][2]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+       }},
+      {"interpolation_unknown", "/animations/0/samplers/0/interpolation",
+       [](GltfBuilder& b) { b.document["animations"][0]["samplers"][0]["interpolation"] = "QUINTIC"; }},
+      {"extension_that_is_needed", "/extensionsRequired/0",
+       [](GltfBuilder& b) { b.document["extensionsRequired"] = {"EXT_mesh_gpu_instancing"}; }},
+      {"target_of_no_accessor", "/meshes/0/primitives/0/targets/0/POSITION",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 4000000}}};
+       }},
+      {"target_of_another_count", "/meshes/0/primitives/0/targets/0/POSITION",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", b.add("VEC3", std::vector<float>(33, 0.0f))}}};
+       }},
+      {"target_of_the_wrong_type", "/meshes/0/primitives/0/targets/0/POSITION",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 2}}};
+       }},
+      {"target_not_a_number", "/accessors/8",
+       [](GltfBuilder& b) {
+         std::vector<float> p(36, 0.0f);
+         p[35] = std::numeric_limits<float>::quiet_NaN();
+         primitive(b)["targets"] = {{{"POSITION", b.add("VEC3", p)}}};
+       }},
+      {"target_weights_too_few", "/meshes/0/weights",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}, {{"POSITION", 0}}};
+         b.document["meshes"][0]["weights"] = {0.5};
+       }},
+      {"target_weights_of_the_node_too_many", "/nodes/3/weights",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}};
+         b.document["nodes"][3]["weights"] = {0.5, 0.5};
+       }},
+      {"target_weights_text", "/meshes/0/weights/0",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}};
+         b.document["meshes"][0]["weights"] = {"half"};
+       }},
+      {"target_keys_too_few", "/animations/0/samplers/0/output",
+       [](GltfBuilder& b) {
+         primitive(b)["targets"] = {{{"POSITION", 0}}, {{"POSITION", 0}}};
+         json& animation = b.document["animations"][0];
+         animation["samplers"][0]["output"] = b.add("SCALAR", std::vector<float>{0, 1, 0});
+         animation["channels"][0]["target"] = {{"node", 3}, {"path", "weights"}};
+       }},
+      {"version_one", "/asset/version", [](GltfBuilder& b) { b.document["asset"]["version"] = "1.0"; }},
+      {"asset_missing", "/asset", [](GltfBuilder& b) { b.document.erase("asset"); }},
+      {"scene_that_is_not", "/scene", [](GltfBuilder& b) { b.document["scene"] = 1; }},
+      {"array_that_is_an_object", "/accessors",
+       [](GltfBuilder& b) { b.document["accessors"] = json::object(); }},
+      {"object_that_is_a_number", "/nodes/2", [](GltfBuilder& b) { b.document["nodes"][2] = 5; }},
+  };
+  return all;
+}
+
+class LyingGltf : public testing::TestWithParam<Lie> {};
+
+TEST_P(LyingGltf, is_refused_as_text_and_as_binary) {
+  GltfBuilder b = column();
+  GetParam().tell(b);
+  const TemporaryFolder folder;
+  {
+    SCOPED_TRACE("gltf");
+    expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()), GetParam().place);
+  }
+  SCOPED_TRACE("glb");
+  expect_refused(folder.write("lie.glb", b.glb()), GetParam().place);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LyingGltf, testing::ValuesIn(lies()),
+                         [](const auto& lie) { return std::string(lie.param.name); });
+
+// One small accessor named by very many primitives must not fill the memory.
+TEST(LyingCounts, many_uses_of_one_accessor) {
+  GltfBuilder b = column();
+  json zeros{{"componentType", 5126}, {"type", "VEC3"}, {"count", std::uint64_t{1} << 24}};
+  b.document["accessors"].push_back(zeros);
+  json& primitives = b.document["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["attributes"]["POSITION"] = b.document["accessors"].size() - 1;
+  const TemporaryFolder folder;
+  expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()),
+                 "/meshes/0/primitives/1/attributes/POSITION");
+}
+
+TEST(LyingCounts, many_uses_of_one_target) {
+  GltfBuilder b = column();
+  json& primitive = b.document["meshes"][0]["primitives"][0];
+  const std::size_t count = std::size_t{1} << 20;
+  b.document["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", count}});
+  primitive["attributes"]["POSITION"] = 8;
+  b.document["accessors"].push_back(
+      {{"componentType", 5121}, {"normalized", false}, {"type", "VEC4"}, {"count", count}});
+  primitive["attributes"]["JOINTS_0"] = 9;
+  b.document["nodes"][3].erase("skin");  // hung: no weights are needed
+  b.document["scenes"][0]["nodes"] = {0};
+  b.document["nodes"][2]["children"] = {3};
+  primitive["targets"] = json::array();
+  for (int k = 0; k < 200; ++k) primitive["targets"].push_back({{"POSITION", 8}});
+  const TemporaryFolder folder;
+  expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()), "/meshes/0/primitives/0/targets");
+}
+
+class LyingUri : public testing::TestWithParam<const char*> {};
+
+TEST_P(LyingUri, is_refused) {
+  const GltfBuilder b = column();
+  const TemporaryFolder folder;
+  // What the URIs below lead to if they are believed.
+  folder.write("secret.bin", b.bytes);
+  folder.write("inner/..\\secret.bin", b.bytes);
+  std::filesystem::create_symlink("../secret.bin", folder.path() / "inner/link.bin");
+  std::filesystem::create_directory_symlink("..", folder.path() / "inner/up");
+  ASSERT_EQ(::mkfifo((folder.path() / "inner/pipe").c_str(), 0600), 0);
+  folder.write("inner/short.bin", std::vector<unsigned char>(b.bytes.begin(), b.bytes.end() - 1));
+  std::string uri = GetParam();
+  const std::size_t place = uri.find("FOLDER");
+  if (place != std::string::npos) uri.replace(place, 6, folder.path().string());
+  json document = b.document;
+  document["buffers"] = {{{"byteLength", b.bytes.size()}, {"uri", uri}}};
+  const std::filesystem::path file = folder.write("inner/lie.gltf", document.dump());
+  expect_refused(file, uri == "short.bin" ? "/buffers/0/byteLength" : "/buffers/0/uri");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , LyingUri,
+    testing::Values("../secret.bin", "./../secret.bin", "x/../../secret.bin", "%2e%2e/secret.bin",
+                    "..%2fsecret.bin", "%2E%2E%2Fsecret.bin", "%252e%252e/secret.bin", "..\\secret.bin",
+                    "..%5Csecret.bin", "FOLDER/secret.bin", "//FOLDER/secret.bin", "file://FOLDER/secret.bin",
+                    "%66ile://FOLDER/secret.bin", "http://localhost/a.bin", "C:/secret.bin", "link.bin",
+                    "up/secret.bin", "pipe", ".", "up", "", "missing.bin", "short.bin", "a%00.bin",
+                    "a%zz.bin", "a%2", "../../../../../../etc/passwd", "data:text/html;base64,AAAA",
+                    "data:application/octet-stream;base64,AA*A", "data:application/octet-stream;base64,AAAAA",
+                    "data:,AAAA"));
+
+TEST(LyingData, a_data_uri_shorter_than_it_says) {
+  GltfBuilder b = column();
+  json document = b.with_data_uri();
+  document["buffers"][0]["byteLength"] = b.bytes.size() + 1;
+  const TemporaryFolder folder;
+  expect_refused(folder.write("lie.gltf", document.dump()), "/buffers/0/byteLength");
+  document["buffers"][0]["byteLength"] = 4000000000u;
+  expect_refused(folder.write("lie.gltf", document.dump()), "/buffers/0/byteLength");
+}
+
+TEST(LyingData, a_link_inside_the_folder_is_followed) {
+  const GltfBuilder b = column();
+  const TemporaryFolder folder;
+  folder.write("data/real.bin", b.bytes);
+  std::filesystem::create_symlink("data/real.bin", folder.path() / "link.bin");
+  json document = b.document;
+  document["buffers"] = {{{"byteLength", b.bytes.size()}, {"uri", "link.bin"}}};
+  EXPECT_EQ(gltf::read_gltf(folder.write("a.gltf", document.dump())).surface.vertices.size(), 12u);
+}
+
+void put(std::vector<unsigned char>& bytes, std::size_t at, std::uint32_t value) {
+  for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<unsigned char>(value >> (8 * k));
+}
+
+TEST(LyingGlb, chunks) {
+  const TemporaryFolder folder;
+  const std::vector<unsigned char> good = column().glb();
+  const auto refuse = [&](const char* what, const char* place,
+                          const std::function<void(std::vector<unsigned char>&)>& lie) {
+    SCOPED_TRACE(what);
+    std::vector<unsigned char> bad = good;
+    lie(bad);
+    expect_refused(folder.write("lie.glb", bad), place);
+  };
+  refuse("total longer than the file", "byte 8", [](auto& b) { put(b, 8, 0xffffffffu); });
+  refuse("total shorter than the file", "byte 8",
+         [&](auto& b) { put(b, 8, static_cast<std::uint32_t>(good.size() - 4)); });
+  refuse("bytes after the end", "byte 8", [](auto& b) { b.resize(b.size() + 4); });
+  refuse("version", "byte 4", [](auto& b) { put(b, 4, 1); });
+  refuse("JSON chunk longer than the file", "byte 12", [](auto& b) { put(b, 12, 0xfffffff0u); });
+  refuse("JSON chunk shorter than the JSON", "/", [](auto& b) { put(b, 12, 40); });
+  refuse("JSON chunk empty", "/", [](auto& b) { put(b, 12, 0); });
+  refuse("JSON chunk of another type", "byte 16", [](auto& b) { put(b, 16, 0x004E4942); });
+  const std::uint32_t json_length =
+      static_cast<std::uint32_t>(good[12]) | static_cast<std::uint32_t>(good[13]) << 8;
+  const std::size_t binary = 20 + json_length;
+  const std::string place = "byte " + std::to_string(binary);
+  refuse("binary chunk longer than the file", place.c_str(), [&](auto& b) { put(b, binary, 0x7fffffffu); });
+  refuse("binary chunk of another type", "/buffers/0/uri", [&](auto& b) { put(b, binary + 4, 0x12345678); });
+  refuse("a second JSON chunk", ("byte " + std::to_string(binary + 4)).c_str(),
+         [&](auto& b) { put(b, binary + 4, 0x4E4F534A); });
+  // What follows a chunk cut short is read as the next chunk's header.
+  refuse("binary chunk shorter than its buffer", ("byte " + std::to_string(binary + 16)).c_str(),
+         [&](auto& b) {
+           put(b, binary, 8);
+           put(b, binary + 16, 0xffffffffu);
+         });
+}
+
+TEST(LyingGlb, truncated_anywhere) {
+  const TemporaryFolder folder;
+  const std::vector<unsigned char> good = column().glb();
+  for (std::size_t length = 0; length < good.size(); length += length < 32 ? 1 : 37) {
+    std::vector<unsigned char> cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length));
+    EXPECT_THROW(gltf::read_gltf(folder.write("cut.glb", cut)), base::SceneError) << length;
+    if (length < 12) continue;
+    put(cut, 8, static_cast<std::uint32_t>(length));  // a header that goes along with it
+    EXPECT_THROW(gltf::read_gltf(folder.write("cut.glb", cut)), base::SceneError) << length;
+  }
+}
+
+// Every byte of the file's text changed in turn: read or refused, never a crash (run it under the sanitizers)
+// or another exception.
+TEST(LyingGlb, any_byte_changed) {
+  const TemporaryFolder folder;
+  const std::vector<unsigned char> good = column().glb();
+  std::size_t refused = 0;
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    std::vector<unsigned char> bad = good;
+    bad[at] = static_cast<unsigned char>(bad[at] ^ (at % 3 == 0 ? 0x01u : at % 3 == 1 ? 0x08u : 0x80u));
+    try {
+      gltf::read_gltf(folder.write("bad.glb", bad));
+    } catch (const base::SceneError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, good.size() / 4);
+}
+
+TEST(LyingFile, what_is_no_glTF_at_all) {
+  const TemporaryFolder folder;
+  for (const char* text :
+       {"", "{", "[]", "null", "glTF", "solid cube\n", "{\"asset\": {\"version\": \"2.0\"}}",
+        "{\"asset\": {\"version\": \"2.0\", \"x\": 1e999}}", "{\"asset\": \"\xff\xfe\"}"}) {
+    EXPECT_THROW(gltf::read_gltf(folder.write("no.gltf", std::string(text))), base::SceneError) << text;
+  }
+  EXPECT_THROW(gltf::read_gltf(folder.path()), base::SceneError);
+  EXPECT_THROW(gltf::read_gltf(folder.path() / "missing.glb"), base::SceneError);
+  ASSERT_EQ(::mkfifo((folder.path() / "pipe.glb").c_str(), 0600), 0);
+  EXPECT_THROW(gltf::read_gltf(folder.path() / "pipe.glb"), base::SceneError);
+  // Larger than any that is read; it holds no data, so it takes no disk.
+  const std::filesystem::path large = folder.write("large.glb", std::string("glTF"));
+  std::filesystem::resize_file(large, (std::uintmax_t{1} << 30) + 1);
+  EXPECT_THROW(gltf::read_gltf(large), base::SceneError);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
