@@ -32,11 +32,11 @@
 #include "host/drive/drive_source.h"
 #include "host/drive/lead_in.h"
 #include "host/drive/muscle_drive.h"
-#include "host/formats/blend_shapes.h"
 #include "host/formats/blender_script.h"
 #include "host/formats/character_file.h"
 #include "host/formats/formats.h"
 #include "host/formats/rest_mesh.h"
+#include "host/formats/shaped_surface.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_objects.h"
 #include "host/model/validate.h"
@@ -134,7 +134,7 @@ class Run {
 
   std::optional<FolderLock> lock_;
   model::Frame initial_;
-  std::optional<formats::BlendShapes> shapes_;
+  std::optional<formats::ShapedSurface> shapes_;
   std::vector<std::unique_ptr<formats::FrameSink>> sinks_;
   model::Read needs_;
   std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty where nobody looks

@@ -7,10 +7,12 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "host/bake/scene_json.h"
 #include "host/base/part_file.h"
+#include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
+
+using scene::Json;
 
 namespace fs = std::filesystem;
 
@@ -60,7 +62,7 @@ class Parser {
 }  // namespace
 
 std::string checkpoint_text(const Checkpoint& checkpoint) {
-  const std::string identity = dump(Json(checkpoint.identity));
+  const std::string identity = scene::dump(Json(checkpoint.identity));
   const model::State& state = checkpoint.state;
   std::string bytes(magic);
   base::append_bytes(bytes, version);

@@ -13,11 +13,11 @@
 #include "host/bake/read_frame_cache.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
-#include "host/formats/blend_shapes.h"
 #include "host/formats/blender_script.h"
 #include "host/formats/character_file.h"
 #include "host/formats/formats.h"
 #include "host/formats/rest_mesh.h"
+#include "host/formats/shaped_surface.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_objects.h"
 
@@ -108,7 +108,7 @@ class Export {
   const fs::path folder_;
   const FrameCacheReader cache_;
   const model::Model model_;
-  const formats::BlendShapes shapes_;
+  const formats::ShapedSurface shapes_;
   std::optional<FolderLock> bake_lock_, lock_;
 };
 

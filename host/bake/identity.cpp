@@ -9,12 +9,14 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "host/bake/scene_json.h"
 #include "host/base/text.h"
 #include "host/base/version.h"
 #include "host/model/model_arrays.h"
+#include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
+
+using scene::json_of;
 
 namespace {
 
@@ -88,15 +90,15 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"fps", base::number_text(scene.fps)},
                     {"start", base::number_text(scene.start)},
                     {"end", base::number_text(scene.end)},
-                    {"gravity", dump(json_of(scene.gravity))},
+                    {"gravity", scene::dump(json_of(scene.gravity))},
                     {"solver.integrator", scene.solver.integrator},
                     {"solver.rotation", scene.solver.rotation},
                     {"solver.weights", scene.solver.weights},
                     {"solver.substeps", base::number_text(scene.solver.substeps)},
                     {"solver.iterations", base::number_text(scene.solver.iterations)},
                     {"clip", scene.clip},
-                    {"motion", dump(json_of(scene.motion))},
-                    {"forces", dump(json_of(scene.forces))}};
+                    {"motion", scene::dump(json_of(scene.motion))},
+                    {"forces", scene::dump(json_of(scene.forces))}};
   for (const auto& [file, file_hash] : scene.input_hashes)
     identity.emplace_back("the content of " + std::filesystem::path(file).filename().string(), file_hash);
   identity.emplace_back("the scene's text (hash)", text_hash(scene.text));

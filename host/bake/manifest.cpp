@@ -8,7 +8,6 @@
 #include "host/bake/checkpoint.h"
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
-#include "host/bake/scene_json.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/base/version.h"
@@ -17,8 +16,12 @@
 #include "host/formats/formats.h"
 #include "host/formats/rest_mesh.h"
 #include "host/formats/surface_objects.h"
+#include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
+
+using scene::Json;
+using scene::json_of;
 
 namespace fs = std::filesystem;
 
@@ -251,7 +254,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
         {"total_seconds", progress.timings.total},
         {"runs", progress.timings.runs}}},
       {"position_hashes", std::move(hashes)}};
-  return dump(manifest, 2) + '\n';
+  return scene::dump(manifest, 2) + '\n';
 }
 
 std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
@@ -308,11 +311,11 @@ void set_status(const fs::path& folder, Status status, const std::string& messag
   manifest["status"] = name_of(status);
   manifest["message"] = message;
   try {
-    base::write_whole(path, dump(manifest, 2) + '\n');
+    base::write_whole(path, scene::dump(manifest, 2) + '\n');
   } catch (const std::system_error&) {
     // Without its indentation the new text is the shorter one. Spaces after it keep every byte of the old
     // one from standing there, should the system stop before the end.
-    std::string text = dump(manifest);
+    std::string text = scene::dump(manifest);
     base::File file(path, base::FileMode::modify);
     const std::uint64_t room = file.size();
     if (text.size() + 1 > room) throw;
@@ -330,7 +333,7 @@ void add_to_manifest(const fs::path& folder, const std::vector<std::string>& fil
   Json& list = manifest["files"];
   for (const std::string& name : files)
     if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
-  base::write_whole(folder / manifest_name, dump(manifest, 2) + '\n');
+  base::write_whole(folder / manifest_name, scene::dump(manifest, 2) + '\n');
 }
 
 }  // namespace fascicle::bake

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/build/parallel.h"
+#include "host/base/parallel.h"
 
 namespace fascicle::build {
 
@@ -215,20 +215,20 @@ BodyGrid grid_of_body(const RegionStiffness& body, double size) {
 
   grid.stiffness.assign(cubes, CubeStiffness{});
   grid.mass.assign(cubes, CubeMass{});
-  for_each_in_parallel((cubes + cubes_a_piece - 1) / cubes_a_piece, body.threads(),
-                       [&](std::size_t piece, std::size_t) {
-                         const std::size_t end = std::min(cubes, (piece + 1) * cubes_a_piece);
-                         for (std::size_t k = piece * cubes_a_piece; k < end; ++k)
-                           for (std::uint32_t e = begin[k]; e < begin[k + 1]; ++e) {
-                             const std::uint32_t r = regions[e];
-                             add_region(body, grid, k, r, grid.stiffness[k]);
-                             if (!body.is_free()[r]) continue;
-                             const CornerValues values = corner_values(in_cube(grid, k, body.rest(r)));
-                             for (std::size_t a = 0; a < 8; ++a)
-                               for (std::size_t b = 0; b <= a; ++b)
-                                 grid.mass[k][entry(a, b)] += body.mass(r) * values[a] * values[b];
-                           }
-                       });
+  base::for_each_in_parallel((cubes + cubes_a_piece - 1) / cubes_a_piece, body.threads(),
+                             [&](std::size_t piece, std::size_t) {
+                               const std::size_t end = std::min(cubes, (piece + 1) * cubes_a_piece);
+                               for (std::size_t k = piece * cubes_a_piece; k < end; ++k)
+                                 for (std::uint32_t e = begin[k]; e < begin[k + 1]; ++e) {
+                                   const std::uint32_t r = regions[e];
+                                   add_region(body, grid, k, r, grid.stiffness[k]);
+                                   if (!body.is_free()[r]) continue;
+                                   const CornerValues values = corner_values(in_cube(grid, k, body.rest(r)));
+                                   for (std::size_t a = 0; a < 8; ++a)
+                                     for (std::size_t b = 0; b <= a; ++b)
+                                       grid.mass[k][entry(a, b)] += body.mass(r) * values[a] * values[b];
+                                 }
+                             });
   return result;
 }
 
@@ -271,7 +271,7 @@ std::vector<Vector3d> onto_coarser_grid(const CubeGrid& coarse, const CubeGrid& 
 
 void add_on_body(const BodyGrid& grid, const RegionStiffness& body, const std::vector<Vector3d>& on_grid,
                  std::vector<Vector3d>& x) {
-  for_each_in_parallel(body_pieces, body.threads(), [&](std::size_t piece, std::size_t) {
+  base::for_each_in_parallel(body_pieces, body.threads(), [&](std::size_t piece, std::size_t) {
     for_each_free(grid, body, piece, [&](std::size_t i, const auto& corners, const CornerValues& values) {
       for (std::size_t a = 0; a < 8; ++a) x[i] += values[a] * on_grid[corners[a]];
     });
@@ -281,7 +281,7 @@ void add_on_body(const BodyGrid& grid, const RegionStiffness& body, const std::v
 std::vector<Vector3d> onto_grid(const BodyGrid& grid, const RegionStiffness& body,
                                 const std::vector<Vector3d>& f) {
   std::array<std::vector<Vector3d>, body_pieces> parts;
-  for_each_in_parallel(body_pieces, body.threads(), [&](std::size_t piece, std::size_t) {
+  base::for_each_in_parallel(body_pieces, body.threads(), [&](std::size_t piece, std::size_t) {
     parts[piece].assign(grid.grid.node.size(), Vector3d::Zero());
     for_each_free(grid, body, piece, [&](std::size_t i, const auto& corners, const CornerValues& values) {
       for (std::size_t a = 0; a < 8; ++a) parts[piece][corners[a]] += values[a] * f[i];

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/build/parallel.h"
+#include "host/base/parallel.h"
 #include "host/build/region_stiffness.h"
 
 namespace fascicle::build {
@@ -20,7 +20,7 @@ struct LowestModeSearch {
   // Free vertices from which on the search goes by grids of cubes (cube_modes.h). Its result then differs
   // within what the search leaves open, less than a thousandth where spacing is even.
   std::size_t least_for_grids = 10000;
-  std::size_t threads = thread_count();  // the result is the same with any
+  std::size_t threads = base::thread_count();  // the result is the same with any
 };
 
 // The lowest circular frequency of the free vertices about rest, all others held still,

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "host/build/parallel.h"
+#include "host/base/parallel.h"
 
 namespace fascicle::build {
 
@@ -95,7 +95,7 @@ double RegionStiffness::mean_edge() const {
 void RegionStiffness::apply(const std::vector<Vector3d>& x, std::vector<Vector3d>& y) const {
   y.resize(size());
   const std::size_t pieces = std::clamp<std::size_t>(size() / least_vertices_a_thread, 1, threads_);
-  for_each_in_parallel(pieces, pieces, [&](std::size_t piece, std::size_t) {
+  base::for_each_in_parallel(pieces, pieces, [&](std::size_t piece, std::size_t) {
     apply_to(size() * piece / pieces, size() * (piece + 1) / pieces, x, y);
   });
 }

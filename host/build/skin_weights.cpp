@@ -98,7 +98,7 @@ std::vector<std::vector<VertexValue>> carried_inside(const mesh::TetMesh& mesh,
   const LaplaceMatrix matrix = laplace_matrix(mesh);
   std::vector<HarmonicExtension> extension(std::min(threads, joint_count),
                                            HarmonicExtension(matrix, is_given));
-  for_each_in_parallel(joint_count, threads, [&](std::size_t joint, std::size_t worker) {
+  base::for_each_in_parallel(joint_count, threads, [&](std::size_t joint, std::size_t worker) {
     if (given[joint].empty()) return;
     std::optional<std::vector<VertexValue>> values = extension[worker].extend(given[joint]);
     if (!values)

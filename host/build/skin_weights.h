@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
+#include "host/base/parallel.h"
 #include "host/build/body.h"
 #include "host/build/body_mesh.h"
-#include "host/build/parallel.h"
 
 namespace fascicle::build {
 
@@ -24,7 +24,7 @@ SkinWeights welded_skin_weights(const rig::Character& character, std::span<const
 // result does not depend on the number of threads.
 SkinWeights harmonic_skin_weights(const mesh::TetMesh& mesh, const SkinWeights& given,
                                   std::size_t joint_count, const std::string& source,
-                                  std::size_t threads = thread_count());
+                                  std::size_t threads = base::thread_count());
 
 // The weights of a body from those of the welded skin that it was made from: a kept skin's as they are, the
 // boundary of a cage's from its anchors on the skin, and inside as above.

@@ -164,7 +164,7 @@ Validation validate(const scene::Scene& scene, const model::Model& model, const 
   Validation validation;
   validation.frames = frames;
   validation.oracle_frames = oracle_frames;
-  validation.extent = body_extent(model);
+  validation.extent = model::extent(model);
   for (std::size_t k = 1; k < devices.size(); ++k) {
     validation.comparisons.push_back(compare(run, devices.front(), devices[k], validation.extent));
     Comparison& comparison = validation.comparisons.back();
@@ -184,19 +184,6 @@ Validation validate(const scene::Scene& scene, const model::Model& model, const 
     }
   }
   return validation;
-}
-
-double body_extent(const model::Model& model) {
-  double largest = 0.0;
-  for (std::size_t axis = 0; axis < 3 && model.vertex_count > 0; ++axis) {
-    float low = model.rest[axis], high = low;
-    for (std::size_t i = 0; i < model.vertex_count; ++i) {
-      low = std::min(low, model.rest[3 * i + axis]);
-      high = std::max(high, model.rest[3 * i + axis]);
-    }
-    largest = std::max(largest, static_cast<double>(high) - static_cast<double>(low));
-  }
-  return largest * model.unit;
 }
 
 }  // namespace fascicle::cli

@@ -70,7 +70,4 @@ Validation validate(
     const std::vector<ChosenDevice>& devices, std::uint64_t frames, std::uint64_t oracle_frames,
     const std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>& on_frame);
 
-// The largest extent of the rest shape's bounding box, m.
-double body_extent(const model::Model& model);
-
 }  // namespace fascicle::cli

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/text.h"
 #include "host/cli/command.h"
 #include "host/cli/compare_devices.h"
 #include "host/cli/progress.h"
@@ -29,12 +30,6 @@ std::optional<std::uint32_t> source_number(const model::Model& model, const mode
   if (difference.where.stage == model::Stage::embed || difference.item >= model.source_vertex.size())
     return std::nullopt;
   return model.source_vertex[difference.item];
-}
-
-std::string hash_text(std::uint64_t hash) {
-  std::string digits(16, '0');
-  for (std::size_t place = 16; place-- > 0; hash >>= 4U) digits[place] = "0123456789abcdef"[hash & 15U];
-  return digits;
 }
 
 Json json_of(const model::Difference& difference, const model::Model& model) {
@@ -74,8 +69,8 @@ Json json_of(const Comparison& comparison, const model::Model& model) {
   object["unprobed"] = {
       {"frames", hashes.frames},
       {"first_different_frame", hashes.first_different_frame ? Json(*hashes.first_different_frame) : Json()},
-      {"last_hash_a", hash_text(hashes.last_hash_a)},
-      {"last_hash_b", hash_text(hashes.last_hash_b)}};
+      {"last_hash_a", base::hash_text(hashes.last_hash_a)},
+      {"last_hash_b", base::hash_text(hashes.last_hash_b)}};
   return object;
 }
 
@@ -141,8 +136,8 @@ void print_comparison(const Comparison& comparison, const model::Model& model) {
   if (comparison.holds()) {
     std::cout << pair << "identical: " << count_text(comparison.values)
               << " values of all stages compared by bits over " << count_text(comparison.hashes.frames)
-              << " frames; last position hash without probes " << hash_text(comparison.hashes.last_hash_a)
-              << " on both\n";
+              << " frames; last position hash without probes "
+              << base::hash_text(comparison.hashes.last_hash_a) << " on both\n";
     return;
   }
   std::cout << pair << "DIFFERENT\n";
@@ -156,8 +151,9 @@ void print_comparison(const Comparison& comparison, const model::Model& model) {
     std::cout << "no stage differs when probed: the fault is in how stages are fused\n";
   if (comparison.hashes.first_different_frame)
     std::cout << "without probes position hashes differ from frame "
-              << *comparison.hashes.first_different_frame << ": " << hash_text(comparison.hashes.last_hash_a)
-              << " and " << hash_text(comparison.hashes.last_hash_b) << "\n";
+              << *comparison.hashes.first_different_frame << ": "
+              << base::hash_text(comparison.hashes.last_hash_a) << " and "
+              << base::hash_text(comparison.hashes.last_hash_b) << "\n";
   else
     std::cout << "without probes all position hashes are the same: the fault is in how stages are shown\n";
 }

@@ -7,13 +7,12 @@
 #include <limits>
 
 #include "host/bake/bake.h"
+#include "host/bake/outputs.h"
 
 namespace fascicle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* metrics_name = "metrics.csv";
 
 // Of one line; a field in quotation marks may hold commas, and two marks for one.
 std::vector<std::string> fields_of(const std::string& line) {
@@ -50,11 +49,11 @@ double badness_of(double value) {
 }  // namespace
 
 bool has_metrics(const fs::path& folder) {
-  return fs::exists(folder / metrics_name);
+  return fs::exists(folder / bake::metrics_name);
 }
 
 FrameScores read_frame_scores(const fs::path& folder) {
-  const fs::path path = folder / metrics_name;
+  const fs::path path = folder / bake::metrics_name;
   std::ifstream file(path);
   std::string line;
   if (!file || !std::getline(file, line))

@@ -23,8 +23,8 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-// The inverse of an affine map, by cofactors; nothing if it flattens.
-std::optional<Matrix4d> affine_inverse(const Matrix4d& map) {
+// Of an affine map; nothing if it flattens.
+std::optional<Matrix4d> inverse_by_cofactors(const Matrix4d& map) {
   const auto minor_of = [&](int r, int c) {
     const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
     return map(r1, c1) * map(r2, c2) - map(r1, c2) * map(r2, c1);  // cyclic: with the cofactor's sign
@@ -72,7 +72,7 @@ std::vector<Matrix4d> bind_pose(const rig::Character& character) {
   std::vector<Matrix4d> bind(character.skeleton.size());
   for (std::size_t j = 0; j < bind.size(); ++j) {
     const rig::Joint& joint = character.skeleton[j];
-    const auto inverse = joint.skins ? affine_inverse(joint.inverse_bind) : std::nullopt;
+    const auto inverse = joint.skins ? inverse_by_cofactors(joint.inverse_bind) : std::nullopt;
     const Matrix4d& above = joint.parent < 0 ? character.root : bind[static_cast<std::size_t>(joint.parent)];
     bind[j] = inverse ? *inverse : Matrix4d(above * joint.rest_local);
   }
@@ -85,15 +85,15 @@ std::vector<Matrix4d> blend_from_bind(const rig::Character& character, std::size
                                       const std::vector<Matrix4d>& pose, double share) {
   const std::vector<Matrix4d> bind = bind_pose(character);
   // Both poses are seen from where the root takes the bind pose to: so the body as a whole stands still.
-  const auto back = affine_inverse(bind[root]);
+  const auto back = inverse_by_cofactors(bind[root]);
   const Matrix4d carry = back ? Matrix4d(pose[root] * *back) : Matrix4d(Matrix4d::Identity());
-  const Matrix4d away = affine_inverse(carry).value_or(Matrix4d(Matrix4d::Identity()));
+  const Matrix4d away = inverse_by_cofactors(carry).value_or(Matrix4d(Matrix4d::Identity()));
   std::vector<Matrix4d> blended(pose.size());
   for (std::size_t j = 0; j < pose.size(); ++j) {
     const std::int32_t parent = character.skeleton[j].parent;
     const auto p = static_cast<std::size_t>(std::max(parent, 0));
-    const auto above_bind = parent < 0 ? std::nullopt : affine_inverse(bind[p]);
-    const auto above_pose = parent < 0 ? std::nullopt : affine_inverse(pose[p]);
+    const auto above_bind = parent < 0 ? std::nullopt : inverse_by_cofactors(bind[p]);
+    const auto above_pose = parent < 0 ? std::nullopt : inverse_by_cofactors(pose[p]);
     if (above_bind && above_pose)
       blended[j] = blended[p] * blend(*above_bind * bind[j], *above_pose * pose[j], share);
     else

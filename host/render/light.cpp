@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "host/render/parallel.h"
+#include "host/base/parallel.h"
 #include "host/render/scan.h"
 
 namespace fascicle::render {
@@ -146,7 +146,7 @@ std::vector<Lamp> studio_lamps(std::span<const Shape> shapes, const Camera& came
   // A small picture shows no more of a shadow than it has pixels.
   const double share = std::clamp(camera.height / 960.0, 0.25, 1.5);
   std::vector<std::optional<ShadowMap>> maps(plan.size());
-  for_each_index(plan.size(), threads, [&](std::size_t k) {
+  base::for_each_in_parallel(plan.size(), base::thread_count(threads), [&](std::size_t k, std::size_t) {
     maps[k].emplace(shapes, plan[k].towards, center, 1.02f * radius,
                     static_cast<unsigned>(share * plan[k].map_size));
   });

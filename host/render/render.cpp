@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "host/base/parallel.h"
 #include "host/render/colour.h"
 #include "host/render/light.h"
-#include "host/render/parallel.h"
 #include "host/render/scan.h"
 
 namespace fascicle::render {
@@ -230,15 +230,16 @@ class Painter {
 
   Image paint() const {
     Image image(camera_.width, camera_.height);
-    for_each_index(facets_.of_band.size(), threads_, [&](std::size_t b) {
-      const Band band(facets_, static_cast<unsigned>(b), camera_.width, camera_.height, spread_points);
-      for (unsigned row = 0; row < band.rows(); ++row)
-        for (unsigned x = 0; x < camera_.width; ++x) {
-          const unsigned y = band.first_row() + row;
-          const Vector3f light = resolve(band.pixel(x, row), x, y);
-          for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(light[c]);
-        }
-    });
+    base::for_each_in_parallel(
+        facets_.of_band.size(), base::thread_count(threads_), [&](std::size_t b, std::size_t) {
+          const Band band(facets_, static_cast<unsigned>(b), camera_.width, camera_.height, spread_points);
+          for (unsigned row = 0; row < band.rows(); ++row)
+            for (unsigned x = 0; x < camera_.width; ++x) {
+              const unsigned y = band.first_row() + row;
+              const Vector3f light = resolve(band.pixel(x, row), x, y);
+              for (int c = 0; c < 3; ++c) image.at(x, y)[c] = byte_of_linear(light[c]);
+            }
+        });
     return image;
   }
 
@@ -377,17 +378,18 @@ DepthImage render_depth(std::span<const Shape> shapes, const Camera& camera, uns
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   DepthImage image{camera.width, camera.height, std::vector<std::uint32_t>(pixels, no_triangle),
                    std::vector<float>(pixels)};
-  for_each_index(facets.of_band.size(), threads, [&](std::size_t b) {
-    const Band band(facets, static_cast<unsigned>(b), camera.width, camera.height, center_point);
-    for (unsigned row = 0; row < band.rows(); ++row)
-      for (unsigned x = 0; x < camera.width; ++x) {
-        const Sample& sample = band.pixel(x, row)[0];
-        if (sample.facet == no_triangle) continue;
-        const std::size_t pixel = std::size_t{band.first_row() + row} * camera.width + x;
-        image.triangle[pixel] = facets.number[sample.facet];
-        image.depth[pixel] = 1.0f / sample.nearness;
-      }
-  });
+  base::for_each_in_parallel(
+      facets.of_band.size(), base::thread_count(threads), [&](std::size_t b, std::size_t) {
+        const Band band(facets, static_cast<unsigned>(b), camera.width, camera.height, center_point);
+        for (unsigned row = 0; row < band.rows(); ++row)
+          for (unsigned x = 0; x < camera.width; ++x) {
+            const Sample& sample = band.pixel(x, row)[0];
+            if (sample.facet == no_triangle) continue;
+            const std::size_t pixel = std::size_t{band.first_row() + row} * camera.width + x;
+            image.triangle[pixel] = facets.number[sample.facet];
+            image.depth[pixel] = 1.0f / sample.nearness;
+          }
+      });
   return image;
 }
 

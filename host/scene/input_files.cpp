@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "host/base/file.h"
+#include "host/base/text.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -17,12 +18,6 @@
 
 namespace fascicle::scene {
 namespace {
-
-std::string hex(std::uint64_t value) {
-  std::string text(16, '0');
-  for (std::size_t i = 16; i-- > 0; value >>= 4) text[i] = "0123456789abcdef"[value & 15];
-  return text;
-}
 
 void check_regular(const std::filesystem::path& path) {
   std::error_code error;
@@ -47,7 +42,7 @@ std::string hash_of_file(const std::filesystem::path& path) {
     XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(in.gcount()));
   }
   if (in.bad()) throw InputFileError(path.string() + " cannot be read to its end");
-  return hex(XXH3_64bits_digest(state.get()));
+  return base::hash_text(XXH3_64bits_digest(state.get()));
 }
 
 void add_hash(const std::filesystem::path& path, Scene& scene) {
@@ -57,7 +52,7 @@ void add_hash(const std::filesystem::path& path, Scene& scene) {
 }  // namespace
 
 std::string hash_of(std::string_view bytes) {
-  return hex(XXH3_64bits(bytes.data(), bytes.size()));
+  return base::hash_text(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
 bool reads_as_character(const std::filesystem::path& path) {

@@ -98,4 +98,8 @@ Json json_of(const Scene& scene) {
   return object;
 }
 
+std::string dump(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace fascicle::scene

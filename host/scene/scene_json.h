@@ -17,6 +17,9 @@ namespace fascicle::scene {
 
 using Json = nlohmann::ordered_json;
 
+// As text; bytes that are not UTF-8 (in file names) become U+FFFD. indent < 0: one line.
+std::string dump(const Json& json, int indent = -1);
+
 Json json_of(const Vector3d& vector);
 Json json_of(const Where& where);
 Json json_of(const Layer& layer);

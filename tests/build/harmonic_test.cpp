@@ -7,9 +7,9 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "host/base/parallel.h"
 #include "host/build/bar.h"
 #include "host/build/boundary.h"
-#include "host/build/parallel.h"
 
 namespace fascicle::tests {
 namespace {
@@ -157,18 +157,18 @@ TEST(Harmonic, ReachesNothingWhereAllIsGiven) {
 TEST(Parallel, DoesEveryPieceOnceAndPassesExceptionsOn) {
   for (const std::size_t threads : {1u, 2u, 7u}) {
     std::vector<int> done(100, 0);
-    build::for_each_in_parallel(done.size(), threads, [&](std::size_t piece, std::size_t worker) {
+    base::for_each_in_parallel(done.size(), threads, [&](std::size_t piece, std::size_t worker) {
       EXPECT_LT(worker, threads);
       ++done[piece];
     });
     EXPECT_EQ(done, std::vector<int>(100, 1));
-    EXPECT_THROW(build::for_each_in_parallel(100, threads,
-                                             [](std::size_t piece, std::size_t) {
-                                               if (piece == 40) throw std::runtime_error("piece 40");
-                                             }),
+    EXPECT_THROW(base::for_each_in_parallel(100, threads,
+                                            [](std::size_t piece, std::size_t) {
+                                              if (piece == 40) throw std::runtime_error("piece 40");
+                                            }),
                  std::runtime_error);
   }
-  build::for_each_in_parallel(0, 4, [](std::size_t, std::size_t) { FAIL(); });
+  base::for_each_in_parallel(0, 4, [](std::size_t, std::size_t) { FAIL(); });
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
 // What the blend shapes of a file do to a baked surface, against what a viewer shows of the file.
-#include "host/formats/blend_shapes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "host/formats/character_file.h"
+#include "host/formats/shaped_surface.h"
 #include "host/formats/skinned_surface.h"
 #include "host/gltf/gltf.h"
 #include "host/rig/pose.h"
@@ -87,7 +86,7 @@ TEST_P(BlendShapes, move_the_surface_as_a_viewer_shows_the_file) {
   const double scale = GetParam();
   const GltfBuilder b = column_with_shapes();
   const Baked baked(b, scale);
-  const formats::BlendShapes shapes(baked.character, baked.model, fps);
+  const formats::ShapedSurface shapes(baked.character, baked.model, fps);
   ASSERT_FALSE(shapes.empty());
   const formats::SkinnedSurface compared(baked.character, baked.model, fps);
   const GltfViewer viewer(b);
@@ -108,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(Scales, BlendShapes, testing::Values(1.0, 0.01));
 
 TEST(BlendShapesOf, a_file_without_any_changes_nothing) {
   const Baked baked(column(), 1.0);
-  const formats::BlendShapes shapes(baked.character, baked.model, fps);
+  const formats::ShapedSurface shapes(baked.character, baked.model, fps);
   EXPECT_TRUE(shapes.empty());
   const std::vector<float> before = skinned(baked, 3);
   std::vector<float> after = before;
@@ -118,7 +117,7 @@ TEST(BlendShapesOf, a_file_without_any_changes_nothing) {
 
 TEST(BlendShapesOf, a_still_vertex_keeps_its_bits) {
   const Baked baked(column_with_shapes(), 1.0);
-  const formats::BlendShapes shapes(baked.character, baked.model, fps);
+  const formats::ShapedSurface shapes(baked.character, baked.model, fps);
   const std::vector<float> before = skinned(baked, 4);
   std::vector<float> after = before;
   shapes.add_to(4, after);

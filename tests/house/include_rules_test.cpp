@@ -57,7 +57,7 @@ const std::vector<Room>& rooms() {
        {"host/base/", "host/mesh/", "host/rig/", "host/scene/", "host/model/", "host/drive/",
         "host/formats/"},
        {"Eigen", "JSON", "xxHash"}},
-      {"host/render/", {"host/model/"}, {"Eigen", "PNG", "JPEG"}},
+      {"host/render/", {"host/base/", "host/model/"}, {"Eigen", "PNG", "JPEG"}},
       // What others include: nothing of ours, and the C library.
       {"include/fascicle/", {"export.h", "version.h", "solver.h", "fascicle.h"}, {"C"}},
       {"host/pipeline/",

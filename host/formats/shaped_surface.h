@@ -11,11 +11,11 @@
 
 namespace fascicle::formats {
 
-class BlendShapes {
+class ShapedSurface {
  public:
   // Of the bake whose character.glb this is; empty: a body that is no character. Throws BakeError where the
   // file does not fit the model.
-  BlendShapes(const std::filesystem::path& character, const model::Model& model, double fps);
+  ShapedSurface(const std::filesystem::path& character, const model::Model& model, double fps);
 
   bool empty() const { return rig_.parts.empty(); }
 

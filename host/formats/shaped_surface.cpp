@@ -1,4 +1,4 @@
-#include "host/formats/blend_shapes.h"
+#include "host/formats/shaped_surface.h"
 
 #include <algorithm>
 #include <vector>
@@ -28,7 +28,7 @@ bool has_targets(const json& document) {
 
 }  // namespace
 
-BlendShapes::BlendShapes(const std::filesystem::path& character, const model::Model& model, double fps)
+ShapedSurface::ShapedSurface(const std::filesystem::path& character, const model::Model& model, double fps)
     : unit_(model.unit), fps_(fps) {
   if (character.empty() || model.surface_count() == 0) return;
   const json document = gltf::read_gltf_file(character).document;
@@ -47,7 +47,7 @@ BlendShapes::BlendShapes(const std::filesystem::path& character, const model::Mo
   if (shapes > 0) rig_ = std::move(rig);
 }
 
-void BlendShapes::add_to(std::uint64_t frame, std::span<float> surface) const {
+void ShapedSurface::add_to(std::uint64_t frame, std::span<float> surface) const {
   if (empty()) return;
   const rig::Clip* clip = has_clip_ ? &rig_.character.clips.front() : nullptr;
   // The time as the file has it.

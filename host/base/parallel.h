@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace fascicle::build {
+namespace fascicle::base {
 
 // Calls work(piece, worker) once for every piece below `count`, on up to `most` threads, fewer where the
 // system refuses to make that many; `worker` is below their number and a worker does one piece at a time, so
@@ -45,9 +45,9 @@ void for_each_in_parallel(std::size_t count, std::size_t most, Work work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-// One for each core, at least one.
-inline std::size_t thread_count() {
-  return std::max<std::size_t>(1, std::thread::hardware_concurrency());
+// As many as are wanted; 0: one for each core, at least one.
+inline std::size_t thread_count(std::size_t wanted = 0) {
+  return wanted > 0 ? wanted : std::max<std::size_t>(1, std::thread::hardware_concurrency());
 }
 
-}  // namespace fascicle::build
+}  // namespace fascicle::base

@@ -1,6 +1,6 @@
 // Work on several threads: every piece once, the first failure comes out, and fewer threads where the system
 // grants no more.
-#include "host/build/parallel.h"
+#include "host/base/parallel.h"
 
 #include <algorithm>
 #include <atomic>
@@ -24,7 +24,7 @@ namespace {
 bool takes_each_once(std::size_t count, std::size_t most) {
   std::vector<std::atomic<int>> taken(count);
   std::atomic<bool> is_below = true;
-  build::for_each_in_parallel(count, most, [&](std::size_t piece, std::size_t worker) {
+  base::for_each_in_parallel(count, most, [&](std::size_t piece, std::size_t worker) {
     ++taken[piece];
     if (worker >= most) is_below = false;
   });
@@ -38,10 +38,10 @@ TEST(ForEachInParallel, TakesEachPieceOnce) {
 }
 
 TEST(ForEachInParallel, ThrowsWhatAPieceThrew) {
-  EXPECT_THROW(build::for_each_in_parallel(1000, 4,
-                                           [](std::size_t piece, std::size_t) {
-                                             if (piece == 17) throw std::runtime_error("17");
-                                           }),
+  EXPECT_THROW(base::for_each_in_parallel(1000, 4,
+                                          [](std::size_t piece, std::size_t) {
+                                            if (piece == 17) throw std::runtime_error("17");
+                                          }),
                std::runtime_error);
 }
 
@@ -79,7 +79,7 @@ TEST(ForEachInParallel, GoesOnWithTheThreadsThatWereGranted) {
   if (!is_refused) std::_Exit(2);
   // Pieces that sleep, so that the first threads do not end before the last are asked for.
   std::atomic<int> taken = 0;
-  build::for_each_in_parallel(1000, 1000, [&](std::size_t, std::size_t) {
+  base::for_each_in_parallel(1000, 1000, [&](std::size_t, std::size_t) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     ++taken;
   });
