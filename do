@@ -9,6 +9,7 @@
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
+#   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
 #   ./do touches NAME [COMMIT]   count where a model array or a scene key is named, outside tests
 #   ./do package [DIR]    build the Debian packages, and check what is in them
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
@@ -114,12 +115,19 @@ case $command in
     build/release/fascicle schema --markdown > docs/scene.md.new
     mv docs/scene.md.new docs/scene.md
     ;;
+  rooms)
+    need $build_packages $test_packages
+    cmake --preset release -DFASCICLE_TESTS=ON >&2
+    cmake --build --preset release --target draw_rooms >&2
+    exec build/release/draw_rooms . docs/figures/rooms.svg
+    ;;
   touches)
     [ $# -gt 0 ] || { echo "do: touches takes the name of a model array or a scene key" >&2; exit 2; }
     set -f  # git matches the patterns, also in an older commit
     # Where it is declared, checked, hashed, stored, uploaded and handed on; elsewhere it is computed or used.
+    # In older commits the lanes' files lie in cpu_reference itself.
     plumbing="host/model host/bake/model_fi* host/bake/identity.cpp host/bake/scene_json.* host/scene/scene* \
-gpu/model_buffers.cpp cpu_reference/solver/lane_stages.h cpu_reference/solver/lane_stages.cpp shaders/buffers.h shaders/indexing/buffers.glsl"
+gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cpp shaders/buffers.h shaders/indexing/buffers.glsl"
     named() { git grep -hwE "(buffer_)?$1" "$2" -- $3 | grep -vcE '^[^:]*:? *//' || true; }
     files() { git grep -lwE "(buffer_)?$1" "$2" -- $3 | wc -l; }
     all="host cpu_reference gpu shaders"
@@ -167,7 +175,7 @@ gpu/model_buffers.cpp cpu_reference/solver/lane_stages.h cpu_reference/solver/la
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,17s/^# \{0,1\}//p' "$0"
+    sed -n '2,18s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

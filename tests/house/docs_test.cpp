@@ -201,7 +201,7 @@ TEST(Docs, TheSiteHoldsEveryPage) {
 
 // The controls: each fault is seen once planted, and the same without it is not.
 TEST(Docs, PlantedFaultsAreSeen) {
-  const std::set<std::string> paths{"README.md", "docs", "docs/a.md", "docs/b.md", "host/bake/glb.h"};
+  const std::set<std::string> paths{"README.md", "docs", "docs/a.md", "docs/b.md", "host/formats/glb.h"};
   const Source readme{"README.md", "[a](docs/a.md#two-words) and [here](#top)\n# Top\n"};
   const Source a{"docs/a.md", "## Two words\n```sh\n# No heading\n[x](gone.md)\n```\n[up](../README.md)\n"};
   EXPECT_TRUE(dead_links({readme, a}, paths).empty());
@@ -212,8 +212,9 @@ TEST(Docs, PlantedFaultsAreSeen) {
   EXPECT_EQ(unreached({readme, a, {"docs/b.md", "[b](b.md)"}}), std::vector<std::string>{"docs/b.md"});
 
   EXPECT_TRUE(
-      missing_paths({"README.md", "`host/bake/glb.h`, `host/bake/glb`, `shaders/NAME.comp`"}, paths).empty());
-  EXPECT_EQ(missing_paths({"README.md", "`host/bake/gbl.h` is gone"}, paths).size(), 1u);
+      missing_paths({"README.md", "`host/formats/glb.h`, `host/formats/glb`, `shaders/NAME.comp`"}, paths)
+          .empty());
+  EXPECT_EQ(missing_paths({"README.md", "`host/formats/gbl.h` is gone"}, paths).size(), 1u);
 
   const std::string wide(121, 'x');
   EXPECT_EQ(wide_lines({"a.md", wide + "\n"}).size(), 1u);
