@@ -23,12 +23,12 @@ const scene::Scene& scene_of(const fascicle_solver& solver) {
 }
 
 bake::DriveSource& clip_of(fascicle_solver& solver) {
-  if (!solver.clip) solver.clip.emplace(scene_of(solver), solver.body->model);
+  if (!solver.clip) solver.clip.emplace(scene_of(solver), solver.body->model, solver.body->substeps);
   return *solver.clip;
 }
 
 bake::PoseDrive& poses_of(fascicle_solver& solver) {
-  if (!solver.poses) solver.poses.emplace(scene_of(solver), solver.body->model);
+  if (!solver.poses) solver.poses.emplace(scene_of(solver), solver.body->model, solver.body->substeps);
   return *solver.poses;
 }
 
@@ -241,7 +241,7 @@ fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicl
     const std::size_t joint_count = solver->body->model.joint_count;
     std::vector<bake::Pose> given;
     if (joint_count > 0) {
-      const std::size_t substeps = solver->body->scene->solver.substeps;
+      const std::size_t substeps = solver->body->substeps;
       if (taken.pose_count != 1 && taken.pose_count != substeps)
         throw api::BadArgument("pose.pose_count is " + std::to_string(taken.pose_count) +
                                "; it must be 1, or one for each substep, " + std::to_string(substeps));

@@ -100,7 +100,7 @@ class Run {
         frames_(scene::frame_count(scene)),
         model_hash_(model_hash(model)),
         identity_(identity_of(scene, model_hash_, options_)),
-        drives_(scene, model) {}
+        drives_(scene, model, substeps_of(scene, options)) {}
 
   BakeResult go();
   // Leaves the reason in the manifest, if it is this run's.
@@ -490,6 +490,10 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
     run.note_failure(error.what());
     throw;
   }
+}
+
+std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options) {
+  return options.substeps ? *options.substeps : scene::stated_substeps(scene);
 }
 
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {

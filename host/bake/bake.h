@@ -58,7 +58,8 @@ struct BakeOptions {
   std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
   bool usd_skel = false;           // usda: skinning alone beside the points
   bool overwrite = false;          // removes only what a bake made in the folder
-  bool resume = false;             // goes on from the last checkpoint; starts afresh where there is none
+  std::optional<std::uint32_t> substeps = {};  // of a frame; absent: as the scene states
+  bool resume = false;  // goes on from the last checkpoint; starts afresh where there is none
   std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
   double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
   DeviceDescription device;
@@ -101,6 +102,9 @@ struct BakeResult {
 // The number of frame 0 where the range's first frame has this one. Throws BakeError where handles would get
 // numbers below 0.
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles);
+
+// Of a frame: those of the options, or those that the scene states.
+std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options);
 
 // Names accepted in BakeOptions::formats.
 const std::vector<std::string>& format_names();

@@ -218,7 +218,7 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
                                           DriveSource& drives) {
   if (!has_look(model)) return std::nullopt;
   const auto* character = std::get_if<scene::Character>(&scene.geometry);
-  const double h = 1.0 / (scene.fps * scene.solver.substeps);
+  const double h = 1.0 / (scene.fps * drives.substeps());
   const std::vector<Swing> swings = swings_of(model, look_body(model, character), h);
   if (swings.empty()) return std::nullopt;
   std::vector<std::vector<Vector3d>> throws(swings.size());
@@ -238,7 +238,7 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
       const double score = flesh.place.norm() * swing.per_metre;
       if (score <= look.score) continue;
       look.score = score;
-      look.frame = s / scene.solver.substeps + 1;
+      look.frame = s / drives.substeps() + 1;
     }
     return look;
   };

@@ -92,7 +92,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"solver.integrator", scene.solver.integrator},
                     {"solver.rotation", scene.solver.rotation},
                     {"solver.weights", scene.solver.weights},
-                    {"solver.substeps", number_text(scene.solver.substeps)},
+                    {"solver.substeps", number_text(substeps_of(scene, options))},
                     {"solver.iterations", number_text(scene.solver.iterations)},
                     {"clip", scene.clip},
                     {"motion", dump(json_of(scene.motion))},

@@ -201,6 +201,8 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   std::vector<std::string> warnings = options.warnings;
   if (progress.look)
     warnings.insert(warnings.end(), progress.look->warnings.begin(), progress.look->warnings.end());
+  Json of_scene = json_of(scene);
+  of_scene["solver"]["substeps"] = substeps_of(scene, options);
   const Json manifest{
       {"kind", kind},
       {"version", 1},
@@ -228,7 +230,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
         {"glb_tolerance", options.glb.tolerance ? Json(*options.glb.tolerance) : Json(nullptr)},
         {"glb_compress", options.glb.compress ? Json(*options.glb.compress) : Json(nullptr)}}},
       {"device", json_of(options.device)},
-      {"scene", json_of(scene)},
+      {"scene", std::move(of_scene)},
       {"lead_in", json_of(progress.lead_in)},
       {"clamped_muscles", {{"regions", progress.clamped.regions}, {"frame", progress.clamped.frame}}},
       {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},

@@ -47,11 +47,12 @@ model::Drive shortened(model::Drive drive, std::uint32_t substeps, const model::
 
 // Seconds that a substep takes, positions brought back once a frame as in a bake. The first frame is not
 // counted: drivers compile in it.
-double measured_substep(const scene::Scene& scene, const model::Model& model, model::Solver& solver) {
+double measured_substep(const scene::Scene& scene, const Built& built, model::Solver& solver) {
   constexpr std::uint32_t substeps = 8;
   constexpr std::uint64_t frames = 4;
+  const model::Model& model = built.model;
   const model::Read what{.positions = true, .velocities = true, .surface = model.surface_count() > 0};
-  bake::DriveSource source(scene, model);
+  bake::DriveSource source(scene, model, built.steps.substeps);
   solver.load(source.initial_state());
   std::uint64_t timed = 0;
   std::chrono::steady_clock::time_point start;
@@ -96,8 +97,8 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
                     const Simulation& simulation, const std::optional<bake::ExpectedLook>& expected,
                     const std::optional<bake::TriedLook>& tried) {
   const std::uint64_t frames = scene::frame_count(scene);
-  const double substep = measured_substep(scene, built.model, *simulation.solver);
-  const double total = substep * static_cast<double>(frames) * scene.solver.substeps;
+  const double substep = measured_substep(scene, built, *simulation.solver);
+  const double total = substep * static_cast<double>(frames) * built.steps.substeps;
   const std::string glb = glb_size_text(arguments, scene, built.model);
   std::cout << "dry run of " << scene.name << ": nothing is written\n"
             << columns_text({{"folder", arguments.folder},
@@ -105,7 +106,7 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
                              {"tetrahedra", count_text(built.model.tetrahedron_count())},
                              {"render vertices", count_text(built.model.surface_count())},
                              {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
-                                            std::to_string(scene.solver.substeps) + " substeps each"},
+                                            std::to_string(built.steps.substeps) + " substeps each"},
                              {"device", simulation.device.text()},
                              {"solver memory", bytes_text(model::solver_bytes(built.model))},
                              {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats,

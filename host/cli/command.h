@@ -60,7 +60,7 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
 scene::Scene load(const SceneArguments& arguments);
 
 // Sets the scene's substeps where it says "auto".
-Built build(scene::Scene& scene, Log& log, bool no_cache = false);
+Built build(const scene::Scene& scene, Log& log, bool no_cache = false);
 build::BuildOptions build_options(bool no_cache);
 
 // The build's warnings, for commands whose result does not hold them.

@@ -35,7 +35,7 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
     if (bake_->model().has_skeleton()) character_ = folder_ / bake::character_name;
     return;
   }
-  scene::Scene scene = load_named(arguments.input);
+  const scene::Scene scene = load_named(arguments.input);
   Built built = build(scene, log);
   log_warnings(built.report, log);
   built_ = std::move(built.model);

@@ -85,7 +85,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   prepared.built = build_scene(scene, request.build, say);
   const Built& built = prepared.built;
   say_warnings(built.report, say);
-  bake::DriveSource drives(scene, built.model);
+  bake::DriveSource drives(scene, built.model, built.steps.substeps);
   warn(warning_of_throws(scene, built.model, drives));
   prepared.expected = bake::expected_look(scene, built.model, drives);
   DeviceRequest device = request.device;
@@ -114,6 +114,7 @@ bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& reque
   options.usd_skel = request.usd_skel;
   options.overwrite = request.overwrite;
   options.resume = request.resume;
+  options.substeps = prepared.built.steps.substeps;
   options.device = prepared.simulation.device.description();
   for (const build::Warning& warning : prepared.built.report.warnings)
     options.warnings.push_back(warning.text);

@@ -38,7 +38,7 @@ struct BakeRequest {
 
 // What is known before the first frame.
 struct PreparedBake {
-  scene::Scene scene;  // with the substeps that were chosen
+  scene::Scene scene;
   Built built;
   std::optional<bake::ExpectedLook> expected;
   std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit or is over it

@@ -34,6 +34,12 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
 
 }  // namespace
 
+std::uint32_t stated_substeps(const Scene& scene) {
+  if (scene.solver.auto_substeps)
+    throw std::invalid_argument(scene.source + ": the substeps are open; they depend on the model");
+  return scene.solver.substeps;
+}
+
 std::uint64_t cycle_frames(const Scene& scene) {
   return static_cast<std::uint64_t>(std::llround((scene.end - scene.start) * scene.fps));
 }

@@ -296,8 +296,8 @@ struct SolverSettings {
   std::string integrator = "explicit";
   std::string rotation = "qcp";       // or "mueller2016"
   std::string weights = "symmetric";  // or "kaneda2017", which also leaves momentum unscaled
-  std::uint32_t substeps = 1;         // a frame, [1, 1000]
-  bool auto_substeps = false;         // substeps = "auto": `substeps` is what build::choose_steps makes it
+  std::uint32_t substeps = 1;         // a frame, [1, 1000]; of no meaning beside auto_substeps
+  bool auto_substeps = false;         // substeps = "auto": build::choose_steps says how many
   std::uint32_t iterations = 20;      // an implicit substep, [1, 1000]
 };
 
@@ -365,6 +365,8 @@ struct Scene {
 std::uint64_t cycle_frames(const Scene& scene);
 // Frames after frame 0: all cycles and the hold.
 std::uint64_t frame_count(const Scene& scene);
+// Substeps of a frame. Throws std::invalid_argument where the scene leaves them to build::choose_steps.
+std::uint32_t stated_substeps(const Scene& scene);
 
 // Changes to a scene before it is checked.
 struct SceneOverrides {

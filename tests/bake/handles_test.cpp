@@ -25,7 +25,7 @@ scene::Scene arm_scene(const std::string& motion, const scene::SceneOverrides& o
 }
 
 bake::Timeline timeline_of(const scene::Scene& scene) {
-  return bake::Timeline(scene, std::get<scene::Character>(scene.geometry), 1.0);
+  return bake::Timeline(scene, std::get<scene::Character>(scene.geometry), 1.0, scene.solver.substeps);
 }
 
 TEST(Handles, PosesOfTheRangeAreThoseWithout) {

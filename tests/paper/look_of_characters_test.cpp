@@ -50,9 +50,9 @@ struct Foreseen {
 };
 
 Foreseen foreseen(const char* file, const char* clip, double softness) {
-  scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
-  const model::Model model = built(scene);
-  bake::DriveSource drives(scene, model);
+  const scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
+  const auto [model, substeps] = built(scene);
+  bake::DriveSource drives(scene, model, substeps);
   const bake::ExpectedLook expected = bake::expected_look(scene, model, drives).value();
   const auto solver = cpu_reference::make_cpu_solver(model, {.integrator = model::Integrator::implicit_step});
   return {expected.score, bake::try_look(scene, model, drives, *solver, expected.frame).worst.score};
