@@ -118,13 +118,15 @@ model::SolverOptions with(model::SolverOptions options, const fascicle_solver_op
                       "; it must be from 1 to 1000, or 0 for the scene's");
   if (given.iterations > 0) options.iterations = given.iterations;
   if (given.rotation == nullptr) return options;
-  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
-    if (std::string(model::name_of(rotation)) == given.rotation) {
-      options.rotation = rotation;
-      return options;
-    }
-  throw BadArgument("options.rotation: there is no \"" + std::string(given.rotation) +
-                    "\"; use \"qcp\" or \"mueller2016\"");
+  const auto rotation = base::named<model::Rotation>(given.rotation);
+  if (!rotation) {
+    std::string names;
+    for (const std::string& name : base::all_names<model::Rotation>())
+      names += (names.empty() ? "\"" : " or \"") + name + '"';
+    throw BadArgument("options.rotation: there is no \"" + std::string(given.rotation) + "\"; use " + names);
+  }
+  options.rotation = *rotation;
+  return options;
 }
 
 }  // namespace

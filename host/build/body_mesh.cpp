@@ -70,8 +70,8 @@ struct Choice {
 };
 
 Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cage) {
-  if (scene.body.cage == "wrap") return {true, "asked for"};
-  if (scene.body.cage == "off") return {false, "asked for"};
+  if (scene.body.cage == scene::Cage::wrap) return {true, "asked for"};
+  if (scene.body.cage == scene::Cage::off) return {false, "asked for"};
   const std::string defects = defects_of(cage.findings);
   if (!defects.empty()) return {true, "the skin has " + defects};
   if (skin.skeleton.empty()) return {false, "the skin encloses a volume"};
@@ -231,7 +231,7 @@ BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& rep
 void add_mesh_settings(scene::ContentHash& hash, const scene::Scene& scene) {
   hash.add(scene.resolution.has_value());
   hash.add(scene.resolution.value_or(0.0));
-  hash.add(std::string_view(scene.body.cage));
+  hash.add(std::string_view(name_of(scene.body.cage)));
   hash.add(scene.body.cage_detail);
   hash.add(scene.body.vertices.has_value());
   hash.add(std::uint64_t{scene.body.vertices.value_or(0)});

@@ -107,7 +107,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     report.pinned_vertices += kinematic ? 1u : 0u;
   }
   const bool some = std::any_of(carried.begin(), carried.end(), [](float share) { return share != 0.0f; });
-  const bool keeps_motion = some || scene.solver.integrator == "implicit";
+  const bool keeps_motion = some || scene.solver.integrator == scene::Integrator::implicit_step;
   if (keeps_motion && std::holds_alternative<scene::Character>(scene.geometry))
     model.carried = std::move(carried);
 }
@@ -132,7 +132,7 @@ void write_weights(const scene::Scene& scene, const Layering& layering, const st
   std::vector<float> stiffness = model.alpha;
   for (std::uint32_t i = 0; i < stiffness.size(); ++i)
     if (model.is_kinematic(i)) stiffness[i] = 1.0f;
-  if (scene.solver.integrator == "implicit") {
+  if (scene.solver.integrator == scene::Integrator::implicit_step) {
     if (!model.momentum_scaled)
       fail(scene.source,
            "solver.weights: the implicit integrator needs momentum-scaled weights; say \"symmetric\"");
@@ -257,13 +257,6 @@ bool is_all_rigid(const scene::Scene& scene, const Layering& layering, Measures&
          all(measures.follows_joints());
 }
 
-model::WeightForm weight_form_of(const scene::Scene& scene) {
-  if (scene.solver.weights == "symmetric") return model::WeightForm::symmetric;
-  if (scene.solver.weights == "kaneda2017") return model::WeightForm::kaneda2017;
-  fail(scene.source,
-       "solver.weights: \"" + scene.solver.weights + "\" is neither \"symmetric\" nor \"kaneda2017\"");
-}
-
 // glibc keeps what was freed: with a solver's arrays on top, a sixth of the peak of 107,000 vertices.
 void give_freed_memory_back() {
 #ifdef __GLIBC__
@@ -275,7 +268,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   const auto start = std::chrono::steady_clock::now();
   report = {};
   Model model;
-  model.weight_form = weight_form_of(scene);
+  model.weight_form = scene.solver.weights;
   model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
 
   if (const auto* character = std::get_if<scene::Character>(&scene.geometry))

@@ -27,20 +27,8 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
 }
 
 model::SolverOptions solver_options(const scene::Scene& scene) {
-  model::SolverOptions options;
-  if (scene.solver.integrator == model::name_of(model::Integrator::implicit_step))
-    options.integrator = model::Integrator::implicit_step;
-  else if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
-    throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
-                            "\"; use \"explicit\" or \"implicit\"");
-  options.iterations = scene.solver.iterations;
-  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
-    if (scene.solver.rotation == model::name_of(rotation)) {
-      options.rotation = rotation;
-      return options;
-    }
-  throw scene::SceneError(scene.source + ": solver.rotation: there is no \"" + scene.solver.rotation +
-                          "\"; use \"qcp\" or \"mueller2016\"");
+  const scene::SolverSettings& solver = scene.solver;
+  return {.integrator = solver.integrator, .rotation = solver.rotation, .iterations = solver.iterations};
 }
 
 std::string warning_text(const build::Warning& warning) {

@@ -26,7 +26,6 @@ struct Built {
 // scene::SceneError.
 Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say);
 
-// Throws scene::SceneError for names no solver has.
 model::SolverOptions solver_options(const scene::Scene& scene);
 
 // The warning with the first of its vertices.

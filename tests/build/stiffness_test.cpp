@@ -18,7 +18,7 @@ using model::Model;
 scene::Scene elastic_scene(double E) {
   scene::Scene scene = bar_scene();
   scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};
-  scene.solver.integrator = "implicit";
+  scene.solver.integrator = scene::Integrator::implicit_step;
   scene.layers[0].youngs_modulus = E;
   return scene;
 }

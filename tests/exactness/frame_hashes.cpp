@@ -46,7 +46,7 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
   const build::Steps steps = build::choose_steps(scene, model, report);
   const model::SolverOptions solver_options{
       .integrator = model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step,
-      .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016,
+      .rotation = scene.solver.rotation,
       .iterations = scene.solver.iterations};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
 #ifdef FASCICLE_WITH_VULKAN
