@@ -81,8 +81,11 @@ fascicle_status fascicle_bake_run(const fascicle_scene* scene, const fascicle_ba
     };
     std::uint64_t led = 0;
     request.on_lead_in = [&] { report(FASCICLE_PHASE_LEAD_IN, led++, 0); };
-    report(FASCICLE_PHASE_BUILD, 0, 0);
-    if (cancelled) throw api::Cancelled("cancelled before the model was built");
+    request.build.is_cancelled = [&] {
+      report(FASCICLE_PHASE_BUILD, 0, 0);
+      return cancelled.load();
+    };
+    if (request.build.is_cancelled()) throw api::Cancelled("cancelled before the model was built");
     const pipeline::Say say = api::say_to(taken.log, taken.log_user);
     pipeline::refuse_unwritable("options.folder", (request.folder / "").string(), true);
     const auto prepared = pipeline::prepare_bake(scene->scene, request, say);

@@ -29,6 +29,10 @@ fascicle_status fascicle_model_build(const fascicle_scene* scene, const fascicle
     build::BuildOptions paths;
     paths.mesher = api::text_of(taken.mesher);
     paths.cache = api::cache_of(taken.cache);
+    if (taken.progress != nullptr)
+      paths.is_cancelled = [&taken] {
+        return taken.progress(taken.progress_user, FASCICLE_PHASE_BUILD, 0, 0) != 0;
+      };
     const pipeline::Say say = api::say_to(taken.log, taken.log_user);
     const auto body = std::make_shared<api::Body>();
     body->scene.emplace(scene->scene);

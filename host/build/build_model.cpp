@@ -21,6 +21,7 @@
 #include "host/build/limits.h"
 #include "host/build/mass.h"
 #include "host/build/measures.h"
+#include "host/build/mesher.h"
 #include "host/build/message.h"
 #include "host/build/muscles.h"
 #include "host/build/one_ring.h"
@@ -273,7 +274,9 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
 
   if (const auto* character = std::get_if<scene::Character>(&scene.geometry))
     for (const std::string& text : character->notes) warn(report, text);
+  check_cancelled(options);
   Body body = make_body(scene, report, options);
+  check_cancelled(options);
   model.source_vertex = locality_order(body.mesh, one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra));
   renumber(body, model.source_vertex);
   model.vertex_count = static_cast<std::uint32_t>(body.mesh.vertices.size());
@@ -288,13 +291,16 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   WhereTest test(measures);
   const Layering layering = assign_layers(scene, test, measures, rings, model.source_vertex, report);
   const std::vector<double> volume = lumped_volumes(body.mesh);
+  check_cancelled(options);
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
   warn_of_parts(rings, body, model, report);
   warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
+  check_cancelled(options);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
     rings = without_sliding_pairs(rings, model, slides);
   write_weights(scene, layering, volume, std::move(rings), model, report);
+  check_cancelled(options);
   std::vector<double> volume_terms;
   for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
   write_volume(volume_terms, model);
@@ -304,6 +310,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   write_limits(least_volumes, model);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);
+  check_cancelled(options);
   write_render_mesh(body.render, model);
   write_probes(scene, test, model);
 

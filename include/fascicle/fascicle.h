@@ -98,13 +98,13 @@ typedef enum fascicle_severity {
 typedef void fascicle_log_function(void* user, fascicle_severity severity, const char* message);
 
 typedef enum fascicle_phase {
-  FASCICLE_PHASE_BUILD = 0,   /* once, before the model is built; total is 0 */
+  FASCICLE_PHASE_BUILD = 0,   /* before the model is built and again and again meanwhile; done, total are 0 */
   FASCICLE_PHASE_LEAD_IN = 1, /* before each frame that is stepped before frame 0; total is 0 */
   FASCICLE_PHASE_FRAMES = 2   /* after each frame: done of total */
 } fascicle_phase;
 
-/* Returns 0 to go on. Anything else cancels: the call returns FASCICLE_CANCELLED when the frames that are
- * under way are done. */
+/* Returns 0 to go on. Anything else cancels: the call returns FASCICLE_CANCELLED when the step of the build
+ * or the frames that are under way are done. A mesher that runs is ended at once. */
 typedef int fascicle_progress_function(void* user, fascicle_phase phase, uint64_t done, uint64_t total);
 
 /* ---- Scenes

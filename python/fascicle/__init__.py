@@ -50,8 +50,8 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     glb_error      glb: as few targets as keep a viewer this near, m; None: by the stride
     glb_tolerance  glb: vertices nearer than this to skinning are left to it, m; None: next to nothing
     glb_compress   glb: quantised by this much at most, m, and compressed; None: not
-    progress       True: a bar on stderr; or called with (phase, done, total): ("build", 0, 0) before the model is
-                   built, ("lead-in", done, 0) before each frame that is stepped before frame 0, and
+    progress       True: a bar on stderr; or called with (phase, done, total): ("build", 0, 0) again and again while
+                   the model is built, ("lead-in", done, 0) before each frame that is stepped before frame 0, and
                    ("frames", done, total) after each frame. False or an exception ends the bake
     log            called with ("detail", "info" or "warning", message). The default is Python's logging under the
                    name "fascicle"; None: nobody listens

@@ -124,7 +124,13 @@ class Device:
 
 class Model:
     def __init__(
-        self, scene: Scene, *, mesher: _Path | None = None, cache: _Path | None = None, log: _Log | None = None
+        self,
+        scene: Scene,
+        *,
+        mesher: _Path | None = None,
+        cache: _Path | None = None,
+        progress: _Progress | None = None,
+        log: _Log | None = None,
     ) -> None: ...
     @staticmethod
     def of_arrays(arrays: dict[str, npt.NDArray[Any] | list[str]]) -> Model: ...
@@ -142,7 +148,14 @@ class Model:
     def arrays(self) -> dict[str, npt.NDArray[Any] | list[str]]: ...
 
 class Solver:
-    def __init__(self, model: Model, device: Device | None = None) -> None: ...
+    def __init__(
+        self,
+        model: Model,
+        device: Device | None = None,
+        *,
+        rotation: str | None = None,
+        iterations: int | None = None,
+    ) -> None: ...
     def start_clip(self, progress: _Progress | None = None) -> None: ...
     def step_clip(self) -> None: ...
     def start_pose(self, joints: npt.NDArray[np.float64] | None = None) -> None: ...
