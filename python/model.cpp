@@ -17,10 +17,6 @@ namespace {
 
 using Path = std::filesystem::path;
 
-std::optional<std::string> path_text(const std::optional<Path>& path) {
-  return path ? std::optional<std::string>(path->string()) : std::nullopt;
-}
-
 std::shared_ptr<fascicle::model> build_model(const fascicle::scene& scene, const std::optional<Path>& mesher,
                                              const std::optional<Path>& cache, const py::object& progress,
                                              const py::object& log) {

@@ -217,8 +217,8 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
     for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) joint_node.push_back(j + 1);
     add_baked_clip(document, scene, character, joint_node, pose, time);
   } else {
-    document = scene::pack_gltf(file, missing);
-    const scene::Rig rig = scene::read_rig(file);
+    document = scene::pack_gltf(file, missing, scene.converter);
+    const scene::Rig rig = scene::read_rig(file, scene.converter);
     add_baked_clip(document, scene, rig.character, rig.joint_node, pose, time);
     if (scene.scale != 1.0 && document.json.contains("scenes")) add_scale(document.json, scene.scale);
   }

@@ -179,8 +179,8 @@ class Reader {
 
 }  // namespace
 
-GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) {
-  CheckedGltf checked = check_gltf(read_gltf_file(path));
+GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing, const fs::path& converter) {
+  CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
   GltfDocument document{.json = std::move(checked.plain), .binary = {}};
   std::vector<std::size_t> offsets;
@@ -198,8 +198,8 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) 
   return document;
 }
 
-Rig read_rig(const fs::path& path) {
-  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+Rig read_rig(const fs::path& path, const fs::path& converter) {
+  const CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
   return Reader(path, checked.plain, *model).run();
 }
@@ -220,7 +220,7 @@ std::vector<Eigen::Vector3d> shaped_positions(const RigPart& part, const Clip* c
 fs::path character_file(const Scene& scene) {
   if (std::holds_alternative<Character>(scene.geometry))
     for (const auto& [file, hash] : scene.input_hashes)
-      if (reads_as_character(file)) return file;
+      if (reads_as_character(file, scene.converter)) return file;
   return {};
 }
 

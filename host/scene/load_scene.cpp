@@ -67,10 +67,11 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
           is_tet_mesh_file(path) ? Geometry(read_tet_mesh(path)) : Geometry(read_surface_mesh(path));
       return parse_scene({stem, name, scene_for_mesh(path, mesh), {}}, overrides);
     }
-    if (reads_as_character(path)) {
+    if (reads_as_character(path, overrides.converter)) {
       // Read twice, because the layers' default extents follow from the size; the text must be complete
       // before it is parsed.
       Scene sized;
+      sized.converter = overrides.converter;
       load_character(path, sized);
       return parse_scene({stem,
                           name,

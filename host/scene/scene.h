@@ -375,6 +375,10 @@ struct Scene {
   std::vector<std::pair<std::string, std::string>>
       input_hashes;  // file, xxh3-64 hex: everything that was read
 
+  // The program fascicle-convert for the character's file, which is read again when it is baked; empty: found
+  // beside this program or on PATH.
+  std::filesystem::path converter;
+
   Geometry geometry = Bar{};
   double scale = 1.0;                // metres per unit of the mesh file
   std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
@@ -404,7 +408,7 @@ std::uint64_t frame_count(const Scene& scene);
 // Substeps of a frame. Throws std::invalid_argument where the scene leaves them to build::choose_steps.
 std::uint32_t stated_substeps(const Scene& scene);
 
-// Changes to a scene before it is checked.
+// Changes to a scene before it is checked, and what reads it.
 struct SceneOverrides {
   std::vector<std::string> set = {};  // "layers.fat.alpha=0.2"
   std::optional<double> fps = {}, start = {}, end = {};
@@ -419,7 +423,8 @@ struct SceneOverrides {
   std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};
   std::vector<std::string> rigid = {};  // joints, objects or materials
   std::optional<double> softness = {}, exaggerate = {};
-  std::vector<std::string> only = {};  // joints
+  std::vector<std::string> only = {};    // joints
+  std::filesystem::path converter = {};  // Scene::converter; changes nothing in the scene
 };
 
 bool has_overrides(const SceneOverrides& overrides);

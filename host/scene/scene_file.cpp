@@ -327,6 +327,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   const toml::table* table = root["character"].as_table();
   if (table == nullptr || root.contains("layers")) return false;
   Scene loaded;
+  loaded.converter = overrides.converter;
   loaded.geometry = Character{};
   try {
     if (const auto file = character_file(*table, overrides))
@@ -369,6 +370,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
     fail(layers.source(), "layers", "is empty; give at least one [layers.NAME]");
 
   Scene scene;
+  scene.converter = overrides.converter;
   scene.name = input.name;
   scene.source = input.source;
   scene.text = has_added || has_overrides(overrides) ? write_scene(root) : input.text;

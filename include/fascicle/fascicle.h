@@ -123,6 +123,8 @@ typedef struct fascicle_scene_options {
   double start, end; /* of the clip, s */
   double softness;   /* how many times as soft all flesh is */
   double exaggerate; /* how many times as far flesh trails */
+  const char* converter; /* the program fascicle-convert, also when the scene is baked; NULL: found beside the
+                            library, in its prefix or on PATH */
 } fascicle_scene_options;
 
 FASCICLE_API void fascicle_scene_options_init(fascicle_scene_options* options, size_t struct_size);
@@ -133,7 +135,7 @@ static inline fascicle_scene_options fascicle_scene_options_default(void) {
 }
 
 /* `name`: a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
- * .gltf .vrm, and .fbx .dae where fascicle-convert is installed) or a built-in scene. */
+ * .gltf .vrm, and .fbx .dae where fascicle-convert is installed or given) or a built-in scene. */
 FASCICLE_API fascicle_status fascicle_scene_load(const char* name, const fascicle_scene_options* options,
                                                  fascicle_scene** scene);
 /* The same of a scene file's text. `folder`: what its file names are relative to; NULL: the working

@@ -100,6 +100,7 @@ struct scene_options {
   std::optional<std::string> clip = {};
   std::optional<double> fps = {}, start = {}, end = {};
   std::optional<double> softness = {}, exaggerate = {};
+  std::optional<std::string> converter = {};
 };
 
 class scene {
@@ -152,6 +153,7 @@ class scene {
     c.end = detail::number(options.end);
     c.softness = detail::number(options.softness);
     c.exaggerate = detail::number(options.exaggerate);
+    c.converter = detail::text(options.converter);
     fascicle_scene* made = nullptr;
     check(call(&c, &made));
     handle_.reset(made);

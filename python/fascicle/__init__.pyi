@@ -40,6 +40,7 @@ class Scene:
         end: float | None = None,
         softness: float | None = None,
         exaggerate: float | None = None,
+        converter: _Path | None = None,
         **tables: Mapping[str, Any],
     ) -> None: ...
     @staticmethod
@@ -54,6 +55,7 @@ class Scene:
         end: float | None = None,
         softness: float | None = None,
         exaggerate: float | None = None,
+        converter: _Path | None = None,
         **tables: Mapping[str, Any],
     ) -> Scene: ...
     @property
@@ -91,6 +93,7 @@ def bake(
     end: float | None = None,
     softness: float | None = None,
     exaggerate: float | None = None,
+    converter: _Path | None = None,
     set: _Settings | None = None,
     formats: str | Sequence[str] = (),
     device: str = "auto",

@@ -376,6 +376,44 @@ TEST(CApi, MesherAndCacheAreParameters) {
   fascicle_scene_destroy(scene);
 }
 
+// The one that is given converts the character when it is read, and again when it is baked.
+TEST(CApi, TheConverterIsAParameter) {
+  const Folder folder;
+  const std::string made = folder / "made", out = folder / "out", converter = folder / "converter",
+                    calls = folder / "calls", character = folder / "man.fbx";
+  ASSERT_EQ(
+      run_in_shell(std::string(FASCICLE_PROGRAM) + " bake arm --no-cache --device cpu --end 0.05 -o " + made)
+          .status,
+      0);
+  std::ofstream(character) << "not read by the converter of this test";
+  std::ofstream(converter) << "#!/bin/sh\necho called >> " << calls << "\ncp " << made
+                           << "/character.glb \"$2\"\n";
+  std::filesystem::permissions(converter, std::filesystem::perms::owner_all);
+  const auto call_count = [&] {
+    std::ifstream file(calls);
+    int count = 0;
+    for (std::string line; std::getline(file, line);) ++count;
+    return count;
+  };
+  fascicle_scene_options options = fascicle_scene_options_default();
+  options.end = 0.05;
+  options.converter = "/no/such/converter";
+  fascicle_scene* scene = nullptr;
+  EXPECT_FAILS(fascicle_scene_load(character.c_str(), &options, &scene), FASCICLE_BAD_INPUT,
+               "/no/such/converter");
+  options.converter = converter.c_str();
+  ASSERT_EQ(fascicle_scene_load(character.c_str(), &options, &scene), FASCICLE_OK) << message();
+  EXPECT_GT(fascicle_scene_joint_count(scene), 1u);
+  const int when_read = call_count();
+  EXPECT_GT(when_read, 0);
+  fascicle_bake_options bake_options = options_for(out);
+  bake_options.mesher = FASCICLE_MESHER;
+  ASSERT_EQ(fascicle_bake_run(scene, &bake_options, nullptr), FASCICLE_OK) << message();
+  EXPECT_GT(call_count(), when_read);
+  EXPECT_TRUE(std::filesystem::exists(out + "/character.glb"));
+  fascicle_scene_destroy(scene);
+}
+
 // Cancels at a call, counted from 1, or as soon as a file is there.
 struct Canceller {
   int calls = 0, cancel_at = 0;
