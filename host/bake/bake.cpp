@@ -311,7 +311,8 @@ void Run::begin_sinks(std::uint64_t first) {
                       .glb = options_.glb,
                       .objects = surface,
                       .first_number = options_.first_number,
-                      .usd_skel = options_.usd_skel};
+                      .usd_skel = options_.usd_skel,
+                      .look_body = options_.look_body};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),

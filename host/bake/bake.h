@@ -67,6 +67,7 @@ struct BakeOptions {
   std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest
   std::optional<ExpectedLook> expected_look;       // for the manifest
   std::optional<TriedLook> tried_look;             // for the manifest
+  const LookBody* look_body = nullptr;             // look_body_of, where somebody has made it
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;

@@ -87,14 +87,16 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   say_warnings(built.report, say);
   bake::DriveSource drives(scene, built.model, built.steps.substeps);
   warn(warning_of_throws(scene, built.model, drives));
-  prepared.expected = bake::expected_look(scene, built.model, drives);
+  prepared.look_body = bake::look_body_of(scene, built.model);
+  if (prepared.look_body)
+    prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);
   DeviceRequest device = request.device;
   device.keeps_pipelines = !request.build.cache.empty();
   device.cache = request.build.cache;
   prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
-    prepared.tried =
-        bake::try_look(scene, built.model, drives, *prepared.simulation.solver, prepared.expected->frame);
+    prepared.tried = bake::try_look(scene, built.model, *prepared.look_body, drives,
+                                    *prepared.simulation.solver, prepared.expected->frame);
     // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
     if (prepared.tried->worst.score > 1.0)
       warn(prepared.expected->score > 1.0
@@ -121,6 +123,7 @@ bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& reque
   options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
   options.expected_look = prepared.expected;
   options.tried_look = prepared.tried;
+  if (prepared.look_body) options.look_body = &*prepared.look_body;
   options.open_ends = open_ends_of(prepared.built.report);
   options.interrupted = request.interrupted;
   options.on_frame = request.on_frame;

@@ -40,6 +40,7 @@ struct BakeRequest {
 struct PreparedBake {
   scene::Scene scene;
   Built built;
+  std::optional<bake::LookBody> look_body;
   std::optional<bake::ExpectedLook> expected;
   std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit or is over it
   std::vector<std::string> warnings;     // for the manifest; they have been said
