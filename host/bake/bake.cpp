@@ -310,7 +310,7 @@ void Run::begin_sinks(std::uint64_t first) {
                       .before = before,
                       .glb = options_.glb,
                       .objects = surface,
-                      .first_number = options_.first_number,
+                      .first_number = number_of_first(scene_, options_),
                       .usd_skel = options_.usd_skel,
                       .look_body = options_.look_body};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
@@ -329,7 +329,8 @@ void Run::begin_sinks(std::uint64_t first) {
     write_rest_mesh(options_.folder, model_, *surface);
     write_whole(
         path_of(blender_script_name),
-        blender_script({.fps = scene_.fps, .frames = frames_, .first_number = options_.first_number}));
+        blender_script(
+            {.fps = scene_.fps, .frames = frames_, .first_number = number_of_first(scene_, options_)}));
   }
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
@@ -491,6 +492,11 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
     run.note_failure(error.what());
     throw;
   }
+}
+
+std::uint64_t number_of_first(const scene::Scene& scene, const BakeOutput& output) {
+  const std::uint64_t handles = scene.motion.handles;
+  return first_written(output.first_number.value_or(handles), handles);
 }
 
 std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options) {

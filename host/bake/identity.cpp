@@ -113,7 +113,8 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                           options.glb.tolerance ? number_text(*options.glb.tolerance) : std::string());
   }
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
-  if (options.first_number != 0) identity.emplace_back("--first-frame", number_text(options.first_number));
+  if (const std::uint64_t first = number_of_first(scene, options); first != 0)
+    identity.emplace_back("--first-frame", number_text(first));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;

@@ -69,18 +69,18 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
 std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest& request, const Say& say) {
   auto made = std::make_unique<PreparedBake>();
   PreparedBake& prepared = *made;
-  const std::uint64_t handles = scene.motion.handles;
-  prepared.first_number = bake::first_written(request.first_number.value_or(handles), handles);
+  // Both are refused before the work of building, not after it.
+  bake::number_of_first(scene, request.output);
   const auto warn = [&](const std::string& text) {
     if (text.empty()) return;
     say_warning(say, text);
     prepared.warnings.push_back(text);
   };
   warn(warning_of_clip(scene));
-  // Before the work of building, not after it.
-  if (!request.writes_nothing && !request.overwrite && !request.resume && bake::holds_bake(request.folder))
+  const bake::BakeOutput& output = request.output;
+  if (!request.writes_nothing && !output.overwrite && !output.resume && bake::holds_bake(output.folder))
     throw bake::FolderInUse(
-        request.folder.string() +
+        output.folder.string() +
         ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
   prepared.built = build_scene(scene, request.build, say);
   const Built& built = prepared.built;
@@ -109,13 +109,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
 
 bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& request) {
   bake::BakeOptions options;
-  options.folder = request.folder;
-  options.formats = request.formats;
-  options.glb = request.glb;
-  options.first_number = prepared.first_number;
-  options.usd_skel = request.usd_skel;
-  options.overwrite = request.overwrite;
-  options.resume = request.resume;
+  static_cast<bake::BakeOutput&>(options) = request.output;
   options.substeps = prepared.built.steps.substeps;
   options.device = prepared.simulation.device.description();
   for (const build::Warning& warning : prepared.built.report.warnings)
