@@ -19,9 +19,9 @@
 set -eu
 cd "$(dirname "$0")"
 
-build_packages="g++ cmake ninja-build glslang-tools spirv-tools libvulkan-dev libvulkan-volk-dev libeigen3-dev \
-libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev libcgal-dev \
-libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libassimp-dev \
+build_packages="g++ cmake ninja-build glslang-tools spirv-tools spirv-headers libvulkan-dev libvulkan-volk-dev \
+libeigen3-dev libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev \
+libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libassimp-dev \
 pybind11-dev python3-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy"

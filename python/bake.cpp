@@ -15,10 +15,6 @@ namespace {
 using Path = std::filesystem::path;
 using Length = std::optional<double>;
 
-std::optional<std::string> text_of(const std::optional<Path>& path) {
-  return path ? std::optional<std::string>(path->string()) : std::nullopt;
-}
-
 struct BakeResult {
   std::string folder;
   fascicle::bake_result result;
@@ -35,8 +31,8 @@ BakeResult run_bake(const fascicle::scene& scene, const Path& folder, const std:
   options.formats = formats;
   options.device = device;
   options.threads = threads;
-  options.mesher = text_of(mesher);
-  options.cache = text_of(cache);
+  options.mesher = path_text(mesher);
+  options.cache = path_text(cache);
   options.overwrite = overwrite;
   options.resume = resume;
   options.usd_skel = usd_skel;
@@ -95,7 +91,7 @@ void add_device(py::module_& module) {
   device
       .def(py::init([](const std::string& name, std::uint32_t threads, const std::optional<Path>& cache) {
              return without_lock([&] {
-               return std::make_shared<Device>(Device{fascicle::device(name, threads, text_of(cache))});
+               return std::make_shared<Device>(Device{fascicle::device(name, threads, path_text(cache))});
              });
            }),
            "name"_a = "auto", "threads"_a = 0, "cache"_a = py::none(), "Opens a device.")

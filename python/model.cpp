@@ -17,13 +17,11 @@ namespace {
 
 using Path = std::filesystem::path;
 
-std::optional<std::string> path_text(const std::optional<Path>& path) {
-  return path ? std::optional<std::string>(path->string()) : std::nullopt;
-}
-
 std::shared_ptr<fascicle::model> build_model(const fascicle::scene& scene, const std::optional<Path>& mesher,
-                                             const std::optional<Path>& cache, const py::object& log) {
-  const fascicle::build_options options{path_text(mesher), path_text(cache), log_to(log)};
+                                             const std::optional<Path>& cache, const py::object& progress,
+                                             const py::object& log) {
+  const fascicle::build_options options{path_text(mesher), path_text(cache), log_to(log),
+                                        progress_to(progress)};
   return without_lock([&] { return std::make_shared<fascicle::model>(scene, options); });
 }
 
@@ -106,11 +104,13 @@ constexpr const char* model_text = R"(A body as flat arrays, which solvers share
 
 Model(scene) fills, cuts into layers, grows fibres and chooses substeps; it takes from a second to minutes.
 
-    mesher  the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
-    cache   folder for filled bodies; "": none; None: as the program's
-    log     called with ("detail", "info" or "warning", message)
+    mesher    the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
+    cache     folder for filled bodies; "": none; None: as the program's
+    progress  called with ("build", 0, 0) again and again; False or an exception ends the build
+    log       called with ("detail", "info" or "warning", message)
 
-A model does not change: threads may share it. Raises BadInput where the scene cannot be built.)";
+A model does not change: threads may share it. Raises BadInput where the scene cannot be built, Cancelled where
+progress returned False, and KeyboardInterrupt on ctrl-C.)";
 
 constexpr const char* arrays_text = R"(The model's arrays by their names, as host/model/model.h has them.
 
@@ -132,7 +132,7 @@ void add_model(py::module_& module) {
   py::class_<model, std::shared_ptr<model>> type(module, "Model", model_text);
   type.attr("__module__") = "fascicle";
   type.def(py::init(&build_model), "scene"_a, py::kw_only(), "mesher"_a = none, "cache"_a = none,
-           "log"_a = none, "Builds a scene's model.")
+           "progress"_a = none, "log"_a = none, "Builds a scene's model.")
       .def_static("of_arrays", &of_arrays, "arrays"_a, of_arrays_text)
       .def_property_readonly("vertex_count", &model::vertex_count, "Vertices of the body.")
       .def_property_readonly("tetrahedron_count", &model::tetrahedron_count, "Tetrahedra of the body.")

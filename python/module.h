@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -37,6 +39,10 @@ auto without_lock(const Work& work) {
 // The objects must outlive the functions, which take the interpreter's lock themselves.
 fascicle::log_function log_to(const py::object& log);
 fascicle::progress_function progress_to(const py::object& progress);
+
+inline std::optional<std::string> path_text(const std::optional<std::filesystem::path>& path) {
+  return path ? std::optional<std::string>(path->string()) : std::nullopt;
+}
 
 // One call at a time: for handles that are used by one thread at a time. Lives and dies under the
 // interpreter's lock, so that a plain bool is enough. Throws std::runtime_error where another call is in it.

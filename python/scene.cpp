@@ -23,17 +23,18 @@ std::vector<std::string> settings_of(const py::object& set, const py::kwargs& ta
 }
 
 fascicle::scene load_scene(const Path& name, const py::object& set, Text clip, Number fps, Number start,
-                           Number end, Number softness, Number exaggerate, const py::kwargs& tables) {
-  const fascicle::scene_options options{
-      settings_of(set, tables), clip, fps, start, end, softness, exaggerate};
+                           Number end, Number softness, Number exaggerate,
+                           const std::optional<Path>& converter, const py::kwargs& tables) {
+  const fascicle::scene_options options{settings_of(set, tables), clip, fps, start, end, softness, exaggerate,
+                                        path_text(converter)};
   return without_lock([&] { return fascicle::scene(name.string(), options); });
 }
 
 fascicle::scene parse_scene(const std::string& text, const Path& folder, const py::object& set, Text clip,
                             Number fps, Number start, Number end, Number softness, Number exaggerate,
-                            const py::kwargs& tables) {
-  const fascicle::scene_options options{
-      settings_of(set, tables), clip, fps, start, end, softness, exaggerate};
+                            const std::optional<Path>& converter, const py::kwargs& tables) {
+  const fascicle::scene_options options{settings_of(set, tables), clip, fps, start, end, softness, exaggerate,
+                                        path_text(converter)};
   return without_lock([&] { return fascicle::scene::parse(text, folder.string(), options); });
 }
 
@@ -75,6 +76,7 @@ fascicle-convert is installed) or a built-in scene.
     start, end  of the clip, s
     softness    how many times as soft all flesh is
     exaggerate  how many times as far flesh trails
+    converter   the program fascicle-convert; None: found beside the library, in its prefix or on PATH
     **tables    tables of the scene file by their names, as `set` has them: layers={"fat": {"alpha": 0.2}}
 
 None is what the scene says. A scene does not change: threads may share it.
@@ -92,10 +94,11 @@ void add_scene(py::module_& module) {
   scene.attr("__module__") = "fascicle";
   scene
       .def(py::init(&load_scene), "name"_a, py::kw_only(), "set"_a = none, "clip"_a = none, "fps"_a = none,
-           "start"_a = none, "end"_a = none, "softness"_a = none, "exaggerate"_a = none, "Reads a scene.")
+           "start"_a = none, "end"_a = none, "softness"_a = none, "exaggerate"_a = none, "converter"_a = none,
+           "Reads a scene.")
       .def_static("parse", &parse_scene, "text"_a, "folder"_a = "", py::kw_only(), "set"_a = none,
                   "clip"_a = none, "fps"_a = none, "start"_a = none, "end"_a = none, "softness"_a = none,
-                  "exaggerate"_a = none, parse_text)
+                  "exaggerate"_a = none, "converter"_a = none, parse_text)
       .def_property_readonly("name", &fascicle::scene::name, "The scene's name, as in the manifest.")
       .def_property_readonly("fps", &fascicle::scene::fps, "Frames a second.")
       .def_property_readonly("frame_count", &fascicle::scene::frame_count, "Frames after frame 0.")

@@ -36,13 +36,18 @@ void move_on(Solver& self, const Work& work) {
   without_lock([&] { work(self.solver); });
 }
 
-Handle make_solver(const fascicle::model& model, const std::shared_ptr<Device>& device) {
+Handle make_solver(const fascicle::model& model, const std::shared_ptr<Device>& device,
+                   const std::optional<std::string>& rotation,
+                   const std::optional<std::uint32_t>& iterations) {
+  const fascicle::solver_options options{rotation, iterations};
   const auto joints = static_cast<std::size_t>(model.joint_count());
   if (!device)
-    return without_lock([&] { return std::make_shared<Solver>(Solver{fascicle::solver(model), joints}); });
+    return without_lock([&] {
+      return std::make_shared<Solver>(Solver{fascicle::solver(model, options), joints});
+    });
   const Occupied occupied(device->busy, "the device");
   return without_lock([&] {
-    return std::make_shared<Solver>(Solver{fascicle::solver(model, device->device), joints});
+    return std::make_shared<Solver>(Solver{fascicle::solver(model, device->device, options), joints});
   });
 }
 
@@ -142,8 +147,10 @@ void load_state(Solver& self, const py::bytes& state) {
 
 constexpr const char* solver_text = R"(A body in motion, at rest before frame 0.
 
-    model   what moves
-    device  where; None opens "auto" for this solver
+    model       what moves
+    device      where; None opens "auto" for this solver
+    rotation    "qcp" or "mueller2016"; None: as the scene says, here and below
+    iterations  of an implicit substep
 
 Arrays `positions`, `velocities` and `surface` are the solver's own memory, without a copy. While one of them
 is in use the solver does not go on: it raises BufferError. Let go of them (del), or take copies.
@@ -209,7 +216,8 @@ void add_solver(py::module_& module) {
   const std::array<float, 3> zero{};
   py::class_<Solver, Handle> type(module, "Solver", solver_text);
   type.attr("__module__") = "fascicle";
-  type.def(py::init(&make_solver), "model"_a, "device"_a = none, "Makes a solver, at rest.")
+  type.def(py::init(&make_solver), "model"_a, "device"_a = none, py::kw_only(), "rotation"_a = none,
+           "iterations"_a = none, "Makes a solver, at rest.")
       .def(
           "start_clip",
           [](Solver& self, const py::object& progress) {

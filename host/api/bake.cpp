@@ -21,28 +21,28 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
   pipeline::BakeRequest request;
   if (options.folder == nullptr || *options.folder == 0)
     throw BadArgument("options.folder is empty; give the folder to write");
-  request.folder = options.folder;
-  request.formats = texts_of(options.formats, options.format_count, "options.formats");
+  request.output.folder = options.folder;
+  request.output.formats = texts_of(options.formats, options.format_count, "options.formats");
   const std::vector<std::string>& known = bake::format_names();
-  for (const std::string& format : request.formats)
+  for (const std::string& format : request.output.formats)
     if (std::find(known.begin(), known.end(), format) == known.end())
       throw BadArgument("options.formats: there is no \"" + format + "\"; see fascicle_format_name");
-  request.glb.stride = options.glb_stride;
-  request.glb.error = given_of(options.glb_error);
-  request.glb.tolerance = given_of(options.glb_tolerance);
-  request.glb.compress = given_of(options.glb_compress);
+  request.output.glb.stride = options.glb_stride;
+  request.output.glb.error = given_of(options.glb_error);
+  request.output.glb.tolerance = given_of(options.glb_tolerance);
+  request.output.glb.compress = given_of(options.glb_compress);
   if (options.glb_stride == 0) throw BadArgument("options.glb_stride is 0; it must be at least 1");
-  for (const auto& [name, length] :
-       {std::pair("glb_error", request.glb.error), std::pair("glb_tolerance", request.glb.tolerance),
-        std::pair("glb_compress", request.glb.compress)})
+  for (const auto& [name, length] : {std::pair("glb_error", request.output.glb.error),
+                                     std::pair("glb_tolerance", request.output.glb.tolerance),
+                                     std::pair("glb_compress", request.output.glb.compress)})
     if (length && !(*length >= 0.0 && std::isfinite(*length)))
       throw BadArgument(std::string("options.") + name + " is no length; give metres, or NaN for none");
-  if (options.first_frame >= 0) request.first_number = static_cast<std::uint64_t>(options.first_frame);
+  if (options.first_frame >= 0) request.output.first_number = static_cast<std::uint64_t>(options.first_frame);
   if (options.overwrite != 0 && options.resume != 0)
     throw BadArgument("options.overwrite and options.resume exclude each other; set one");
-  request.usd_skel = options.usd_skel != 0;
-  request.overwrite = options.overwrite != 0;
-  request.resume = options.resume != 0;
+  request.output.usd_skel = options.usd_skel != 0;
+  request.output.overwrite = options.overwrite != 0;
+  request.output.resume = options.resume != 0;
   request.device = pipeline::parse_device(options.device == nullptr ? "auto" : options.device);
   check_threads(options.threads);
   request.threads = options.threads;
@@ -82,10 +82,13 @@ fascicle_status fascicle_bake_run(const fascicle_scene* scene, const fascicle_ba
     };
     std::uint64_t led = 0;
     request.on_lead_in = [&] { report(FASCICLE_PHASE_LEAD_IN, led++, 0); };
-    report(FASCICLE_PHASE_BUILD, 0, 0);
-    if (cancelled) throw api::Cancelled("cancelled before the model was built");
+    request.build.is_cancelled = [&] {
+      report(FASCICLE_PHASE_BUILD, 0, 0);
+      return cancelled.load();
+    };
+    if (request.build.is_cancelled()) throw api::Cancelled("cancelled before the model was built");
     const pipeline::Say say = api::say_to(taken.log, taken.log_user);
-    pipeline::refuse_unwritable("options.folder", (request.folder / "").string(), true);
+    pipeline::refuse_unwritable("options.folder", (request.output.folder / "").string(), true);
     const auto prepared = pipeline::prepare_bake(scene->scene, request, say);
     auto made = std::make_unique<fascicle_bake>();
     made->result = pipeline::run_bake(*prepared, request);

@@ -5,6 +5,7 @@
 
 #include "host/bake/bake.h"
 #include "host/base/version.h"
+#include "host/build/build.h"
 #include "host/build/cache.h"
 #include "host/pipeline/errors.h"
 #include "host/scene/scene.h"
@@ -45,6 +46,8 @@ fascicle_status failed_by_exception() noexcept {
   try {
     throw;
   } catch (const Cancelled& error) {
+    return failed(FASCICLE_CANCELLED, error.what());
+  } catch (const build::Cancelled& error) {
     return failed(FASCICLE_CANCELLED, error.what());
   } catch (const std::invalid_argument& error) {
     return failed(FASCICLE_BAD_ARGUMENT, error.what());

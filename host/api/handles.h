@@ -20,10 +20,11 @@
 
 namespace fascicle::api {
 
-// A model with the scene that it was built of, whose substeps are chosen; without one where it was given as
+// A model with the scene that it was built of; without one, and without substeps, where it was given as
 // arrays.
 struct Body {
-  std::optional<scene::Scene> scene;
+  std::optional<const scene::Scene> scene;
+  std::uint32_t substeps = 0;  // of a frame
   model::Model model;
   model::SolverOptions options;
   std::vector<fascicle_array> arrays;  // views into the model and into `texts`

@@ -29,12 +29,17 @@ fascicle_status fascicle_model_build(const fascicle_scene* scene, const fascicle
     build::BuildOptions paths;
     paths.mesher = api::text_of(taken.mesher);
     paths.cache = api::cache_of(taken.cache);
+    if (taken.progress != nullptr)
+      paths.is_cancelled = [&taken] {
+        return taken.progress(taken.progress_user, FASCICLE_PHASE_BUILD, 0, 0) != 0;
+      };
     const pipeline::Say say = api::say_to(taken.log, taken.log_user);
     const auto body = std::make_shared<api::Body>();
-    body->scene = scene->scene;
+    body->scene.emplace(scene->scene);
     pipeline::Built built = pipeline::build_scene(*body->scene, paths, say);
     pipeline::say_warnings(built.report, say);
     body->options = pipeline::solver_options(*body->scene);
+    body->substeps = built.steps.substeps;
     body->model = std::move(built.model);
     api::list_arrays(*body);
     return std::make_unique<fascicle_model>(fascicle_model{body});
@@ -72,7 +77,7 @@ uint32_t fascicle_model_joint_count(const fascicle_model* model) {
 }
 
 uint32_t fascicle_model_substeps(const fascicle_model* model) {
-  return model == nullptr || !model->body->scene ? 0 : model->body->scene->solver.substeps;
+  return model == nullptr ? 0 : model->body->substeps;
 }
 
 fascicle_status fascicle_model_array_at(const fascicle_model* model, size_t index, fascicle_array* array) {

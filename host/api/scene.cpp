@@ -26,6 +26,7 @@ scene::SceneOverrides overrides_of(const fascicle_scene_options& options) {
   overrides.end = given(options.end);
   overrides.softness = given(options.softness);
   overrides.exaggerate = given(options.exaggerate);
+  overrides.converter = text_of(options.converter);
   return overrides;
 }
 
@@ -49,7 +50,8 @@ void fascicle_scene_options_init(fascicle_scene_options* options, size_t struct_
              .start = none,
              .end = none,
              .softness = none,
-             .exaggerate = none});
+             .exaggerate = none,
+             .converter = nullptr});
 }
 
 fascicle_status fascicle_scene_load(const char* name, const fascicle_scene_options* options,

@@ -23,12 +23,12 @@ const scene::Scene& scene_of(const fascicle_solver& solver) {
 }
 
 drive::DriveSource& clip_of(fascicle_solver& solver) {
-  if (!solver.clip) solver.clip.emplace(scene_of(solver), solver.body->model);
+  if (!solver.clip) solver.clip.emplace(scene_of(solver), solver.body->model, solver.body->substeps);
   return *solver.clip;
 }
 
 drive::PoseDrive& poses_of(fascicle_solver& solver) {
-  if (!solver.poses) solver.poses.emplace(scene_of(solver), solver.body->model);
+  if (!solver.poses) solver.poses.emplace(scene_of(solver), solver.body->model, solver.body->substeps);
   return *solver.poses;
 }
 
@@ -118,13 +118,15 @@ model::SolverOptions with(model::SolverOptions options, const fascicle_solver_op
                       "; it must be from 1 to 1000, or 0 for the scene's");
   if (given.iterations > 0) options.iterations = given.iterations;
   if (given.rotation == nullptr) return options;
-  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
-    if (std::string(model::name_of(rotation)) == given.rotation) {
-      options.rotation = rotation;
-      return options;
-    }
-  throw BadArgument("options.rotation: there is no \"" + std::string(given.rotation) +
-                    "\"; use \"qcp\" or \"mueller2016\"");
+  const auto rotation = base::named<model::Rotation>(given.rotation);
+  if (!rotation) {
+    std::string names;
+    for (const std::string& name : base::all_names<model::Rotation>())
+      names += (names.empty() ? "\"" : " or \"") + name + '"';
+    throw BadArgument("options.rotation: there is no \"" + std::string(given.rotation) + "\"; use " + names);
+  }
+  options.rotation = *rotation;
+  return options;
 }
 
 }  // namespace
@@ -241,7 +243,7 @@ fascicle_status fascicle_solver_step_pose(fascicle_solver* solver, const fascicl
     const std::size_t joint_count = solver->body->model.joint_count;
     std::vector<drive::Pose> given;
     if (joint_count > 0) {
-      const std::size_t substeps = solver->body->scene->solver.substeps;
+      const std::size_t substeps = solver->body->substeps;
       if (taken.pose_count != 1 && taken.pose_count != substeps)
         throw api::BadArgument("pose.pose_count is " + std::to_string(taken.pose_count) +
                                "; it must be 1, or one for each substep, " + std::to_string(substeps));

@@ -77,7 +77,7 @@ void load_bytes(fascicle_solver& solver, std::string_view bytes) {
   solver.time = head.time;
   solver.driven = static_cast<fascicle_solver::Driven>(head.driven);
   if (by_poses) {
-    if (!solver.poses) solver.poses.emplace(*solver.body->scene, solver.body->model);
+    if (!solver.poses) solver.poses.emplace(*solver.body->scene, solver.body->model, solver.body->substeps);
     solver.poses->stand(pose);
   }
   show(solver, found.state);

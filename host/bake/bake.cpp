@@ -101,7 +101,7 @@ class Run {
         frames_(scene::frame_count(scene)),
         model_hash_(model_hash(model)),
         identity_(identity_of(scene, model_hash_, options_)),
-        drives_(scene, model) {}
+        drives_(scene, model, substeps_of(scene, options)) {}
 
   BakeResult go();
   // Leaves the reason in the manifest, if it is this run's.
@@ -299,20 +299,21 @@ void Run::begin_sinks(std::uint64_t first) {
     surface = std::make_shared<const formats::SurfaceObjects>(
         formats::read_surface_objects(model_, is_character ? path_of(formats::character_name) : fs::path()));
   const formats::BakeInfo info{.model = &model_,
-                               .folder = options_.folder,
-                               .scene_name = scene_.name,
-                               .fps = scene_.fps,
-                               .start = scene_.start,
-                               .frames = frames_,
-                               .first = first,
-                               .initial = &initial_,
-                               .character = is_character ? path_of(formats::character_name) : fs::path(),
-                               .rig = is_character ? character : nullptr,
-                               .before = before,
-                               .glb = options_.glb,
-                               .objects = surface,
-                               .first_number = options_.first_number,
-                               .usd_skel = options_.usd_skel};
+                      .folder = options_.folder,
+                      .scene_name = scene_.name,
+                      .fps = scene_.fps,
+                      .start = scene_.start,
+                      .frames = frames_,
+                      .first = first,
+                      .initial = &initial_,
+                      .character = is_character ? path_of(formats::character_name) : fs::path(),
+                      .rig = is_character ? character : nullptr,
+                      .before = before,
+                      .glb = options_.glb,
+                      .objects = surface,
+                      .first_number = number_of_first(scene_, options_),
+                      .usd_skel = options_.usd_skel,
+                      .look_body = options_.look_body};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const formats::Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
@@ -327,9 +328,10 @@ void Run::begin_sinks(std::uint64_t first) {
   base::write_whole(path_of(model_file_name), encode_model(model_));
   if (model_.surface_count() > 0) {
     formats::write_rest_mesh(options_.folder, model_, *surface);
-    base::write_whole(path_of(formats::blender_script_name),
-                      formats::blender_script(
-                          {.fps = scene_.fps, .frames = frames_, .first_number = options_.first_number}));
+    base::write_whole(
+        path_of(formats::blender_script_name),
+        formats::blender_script(
+            {.fps = scene_.fps, .frames = frames_, .first_number = number_of_first(scene_, options_)}));
   }
   if (first == 0) return;
   // The cache is the witness of the frames that are kept: reading them also checks them.
@@ -491,6 +493,15 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
     run.note_failure(error.what());
     throw;
   }
+}
+
+std::uint64_t number_of_first(const scene::Scene& scene, const BakeOutput& output) {
+  const std::uint64_t handles = scene.motion.handles;
+  return first_written(output.first_number.value_or(handles), handles);
+}
+
+std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options) {
+  return options.substeps ? *options.substeps : scene::stated_substeps(scene);
 }
 
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {

@@ -49,21 +49,29 @@ struct OpenEndEntry {
   std::uint32_t vertex = 0;  // one of them, of the welded skin
 };
 
-struct BakeOptions {
+// What is to be written and where to, from whoever asks for it to the formats.
+struct BakeOutput {
   std::filesystem::path folder;
   std::vector<std::string> formats;  // of format_names()
   formats::GlbOptions glb = {};
-  std::uint64_t first_number = 0;  // of frame 0, in what other programs read; our own files count from 0
-  bool usd_skel = false;           // usda: skinning alone beside the points
-  bool overwrite = false;          // removes only what a bake made in the folder
-  bool resume = false;             // goes on from the last checkpoint; starts afresh where there is none
-  std::uint64_t checkpoint_frames = 100;  // at least 1: a checkpoint after this many frames,
-  double checkpoint_seconds = 10.0;       // or after this time, whichever comes first
+  // Of the range's first frame, in what other programs read; without it what is written begins at 0. Our own
+  // files count from 0.
+  std::optional<std::uint64_t> first_number = {};
+  bool usd_skel = false;   // usda: skinning alone beside the points
+  bool overwrite = false;  // removes only what a bake made in the folder
+  bool resume = false;     // goes on from the last checkpoint; starts afresh where there is none
+};
+
+struct BakeOptions : BakeOutput {
+  std::optional<std::uint32_t> substeps = {};  // of a frame; absent: as the scene states
+  std::uint64_t checkpoint_frames = 100;       // at least 1: a checkpoint after this many frames,
+  double checkpoint_seconds = 10.0;            // or after this time, whichever comes first
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
   std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest
   std::optional<ExpectedLook> expected_look;       // for the manifest
   std::optional<TriedLook> tried_look;             // for the manifest
+  const LookBody* look_body = nullptr;             // look_body_of, where somebody has made it
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   // Called when a frame is simulated; up to the last checkpoint frames are written too.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
@@ -99,6 +107,12 @@ struct BakeResult {
 // The number of frame 0 where the range's first frame has this one. Throws BakeError where handles would get
 // numbers below 0.
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles);
+
+// The number of frame 0. Throws BakeError as first_written does.
+std::uint64_t number_of_first(const scene::Scene& scene, const BakeOutput& output);
+
+// Of a frame: those of the options, or those that the scene states.
+std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options);
 
 // Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. If it ends
 // early, the frame cache keeps every whole frame, a checkpoint is there to resume from, and the manifest says

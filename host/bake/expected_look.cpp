@@ -215,11 +215,9 @@ struct Oscillator {
 }  // namespace
 
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
-                                          drive::DriveSource& drives) {
-  if (!has_look(model)) return std::nullopt;
-  const auto* character = std::get_if<rig::Character>(&scene.geometry);
-  const double h = 1.0 / (scene.fps * scene.solver.substeps);
-  const std::vector<Swing> swings = swings_of(model, look_body(model, character), h);
+                                          const LookBody& body, drive::DriveSource& drives) {
+  const double h = 1.0 / (scene.fps * drives.substeps());
+  const std::vector<Swing> swings = swings_of(model, body, h);
   if (swings.empty()) return std::nullopt;
   std::vector<std::vector<Vector3d>> throws(swings.size());
   drives.for_each_throw([&](const std::vector<drive::DriveSource::Throw>& of_joint) {
@@ -238,7 +236,7 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
       const double score = flesh.place.norm() * swing.per_metre;
       if (score <= look.score) continue;
       look.score = score;
-      look.frame = s / scene.solver.substeps + 1;
+      look.frame = s / drives.substeps() + 1;
     }
     return look;
   };
@@ -281,8 +279,8 @@ std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried
                       tried.frames_over);
 }
 
-TriedLook try_look(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
-                   model::Solver& solver, std::uint64_t frame) {
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
+                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame) {
   const auto frames_of = [&](double seconds) {
     return static_cast<std::uint64_t>(std::ceil(seconds * scene.fps));
   };
@@ -291,7 +289,6 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, drive::
   tried.first = frame > frames_of(tried_before) ? frame - frames_of(tried_before) : 0;
   tried.last = std::min(frame + frames_of(tried_after), last_frame);
   solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
-  const LookBody body = look_body(model, std::get_if<rig::Character>(&scene.geometry));
   Look look(model, body, scene.fps);
   for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});

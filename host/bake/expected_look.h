@@ -31,9 +31,9 @@ struct ExpectedLook {
   double stiffer = 1.0;     // layers stiffer by this factor score at most 1; 1 if they do already
 };
 
-// Nothing where there is no look to take, or no free flesh. Goes through all substeps of one cycle.
+// Nothing where there is no free flesh. `body`: look_body_of. Goes through all substeps of one cycle.
 std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model::Model& model,
-                                          drive::DriveSource& drives);
+                                          const LookBody& body, drive::DriveSource& drives);
 
 // One line that names the layer, the joint and what helps.
 std::string expected_look_warning(const scene::Scene& scene, const model::Model& model,
@@ -56,7 +56,7 @@ struct TriedLook {
 std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried);
 
 // Leaves the solver in the initial state. What it throws is the solver's.
-TriedLook try_look(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
-                   model::Solver& solver, std::uint64_t frame);
+TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
+                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame);
 
 }  // namespace fascicle::bake

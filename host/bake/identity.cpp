@@ -91,10 +91,10 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"start", base::number_text(scene.start)},
                     {"end", base::number_text(scene.end)},
                     {"gravity", scene::dump(json_of(scene.gravity))},
-                    {"solver.integrator", scene.solver.integrator},
-                    {"solver.rotation", scene.solver.rotation},
-                    {"solver.weights", scene.solver.weights},
-                    {"solver.substeps", base::number_text(scene.solver.substeps)},
+                    {"solver.integrator", name_of(scene.solver.integrator)},
+                    {"solver.rotation", name_of(scene.solver.rotation)},
+                    {"solver.weights", name_of(scene.solver.weights)},
+                    {"solver.substeps", base::number_text(substeps_of(scene, options))},
                     {"solver.iterations", base::number_text(scene.solver.iterations)},
                     {"clip", scene.clip},
                     {"motion", scene::dump(json_of(scene.motion))},
@@ -116,8 +116,8 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                           options.glb.tolerance ? base::number_text(*options.glb.tolerance) : std::string());
   }
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
-  if (options.first_number != 0)
-    identity.emplace_back("--first-frame", base::number_text(options.first_number));
+  if (const std::uint64_t first = number_of_first(scene, options); first != 0)
+    identity.emplace_back("--first-frame", base::number_text(first));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;

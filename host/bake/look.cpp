@@ -92,6 +92,11 @@ bool has_look(const model::Model& model) {
   return model.has_skeleton() && !model.surface_triangle.empty();
 }
 
+std::optional<LookBody> look_body_of(const scene::Scene& scene, const model::Model& model) {
+  if (!has_look(model)) return std::nullopt;
+  return look_body(model, std::get_if<scene::Character>(&scene.geometry));
+}
+
 LookMeasure LookScores::cause() const {
   const auto worst = std::max_element(
       of.begin(), of.end(), [](const LookScore& a, const LookScore& b) { return a.score < b.score; });

@@ -53,6 +53,8 @@ struct LookScores {
 
 // Whether there is something to look at and to look beside: a render mesh and a skeleton.
 bool has_look(const model::Model& model);
+// Of the scene's model, for all that looks at it; nothing where there is no look to take.
+std::optional<LookBody> look_body_of(const scene::Scene& scene, const model::Model& model);
 
 class Look {
  public:

@@ -210,6 +210,9 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   std::vector<std::string> warnings = options.warnings;
   if (progress.look)
     warnings.insert(warnings.end(), progress.look->warnings.begin(), progress.look->warnings.end());
+  const std::uint64_t first_number = number_of_first(scene, options);
+  Json of_scene = json_of(scene);
+  of_scene["solver"]["substeps"] = substeps_of(scene, options);
   const Json manifest{
       {"kind", kind},
       {"version", 1},
@@ -222,11 +225,11 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"formats", options.formats},
       {"output",
        {{"fps", scene.fps},
-        {"first_frame", options.first_number},
+        {"first_frame", first_number},
         {"handles", scene.motion.handles},
         {"range",
-         {options.first_number + scene.motion.handles,
-          options.first_number + scene::frame_count(scene) - scene.motion.handles}},
+         {first_number + scene.motion.handles,
+          first_number + scene::frame_count(scene) - scene.motion.handles}},
         {"first_frame_seconds", scene.start},
         {"meters_per_unit", 1},
         {"up_axis", "Y"},
@@ -237,7 +240,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
         {"glb_tolerance", options.glb.tolerance ? Json(*options.glb.tolerance) : Json(nullptr)},
         {"glb_compress", options.glb.compress ? Json(*options.glb.compress) : Json(nullptr)}}},
       {"device", json_of(options.device)},
-      {"scene", json_of(scene)},
+      {"scene", std::move(of_scene)},
       {"lead_in", json_of(progress.lead_in)},
       {"clamped_muscles", {{"regions", progress.clamped.regions}, {"frame", progress.clamped.frame}}},
       {"loop_jump", progress.loop_jump ? Json(*progress.loop_jump) : Json(nullptr)},

@@ -127,8 +127,9 @@ class MetricsSink final : public formats::FrameSink {
   void begin(const formats::BakeInfo& info) override {
     info_ = info;
     if (has_look(*info.model)) {
-      look_body_ = look_body(*info.model, info.rig);
-      look_.emplace(*info.model, look_body_, info.fps);
+      if (info.look_body == nullptr) own_look_body_ = look_body(*info.model, info.rig);
+      look_body_ = info.look_body != nullptr ? info.look_body : &own_look_body_;
+      look_.emplace(*info.model, *look_body_, info.fps);
       for (const model::Frame& frame : info.before) look_->remember(frame);
     }
     six_volumes(*info.model, info.model->rest, six_volumes_);
@@ -172,7 +173,7 @@ class MetricsSink final : public formats::FrameSink {
       const LookScores scores = look_->of(frame);
       add(scores.worst().score);
       line +=
-          ',' + (scores.worst().score > 0.0 ? csv_text(look_body_.joint_names[scores.worst().joint]) : "");
+          ',' + (scores.worst().score > 0.0 ? csv_text(look_body_->joint_names[scores.worst().joint]) : "");
       for (const LookScore& score : scores.of) add(score.score);
     }
     file_->write(line + '\n');
@@ -205,7 +206,8 @@ class MetricsSink final : public formats::FrameSink {
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
   std::vector<double> six_volumes_;         // of the frame in hand
-  LookBody look_body_;
+  LookBody own_look_body_;                  // where nobody else has made one
+  const LookBody* look_body_ = nullptr;
   std::optional<Look> look_;  // with a skeleton and a render mesh only
   std::optional<base::PartFile> file_;
 };

@@ -122,9 +122,10 @@ double processor_seconds(pid_t child) {
   return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
-// Waits for the end of the child or of its time; `exited` if it ended by itself, in whatever way. Nothing
-// where others reaped it.
-std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, double seconds, std::string& tail) {
+// Waits for the end of the child, of its time or of the wish for it; `exited` if it ended by itself, in
+// whatever way. Nothing where others reaped it.
+std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, const ProcessLimits& limits,
+                                       std::string& tail) {
   constexpr int slice = 20;  // ms: the end of stderr wakes us at once, this is for a child that has closed it
   bool is_open = true;
   double used = 0.0;
@@ -137,8 +138,10 @@ std::optional<ProcessEnd> wait_for_end(pid_t child, int error_output, double sec
       used = now;
       moved = Clock::now();
     }
-    if (used > seconds) return ProcessEnd::timed_out;
-    if (std::chrono::duration<double>(Clock::now() - moved).count() > seconds) return ProcessEnd::stalled;
+    if (used > limits.seconds) return ProcessEnd::timed_out;
+    if (std::chrono::duration<double>(Clock::now() - moved).count() > limits.seconds)
+      return ProcessEnd::stalled;
+    if (limits.is_cancelled && limits.is_cancelled()) return ProcessEnd::cancelled;
     pollfd event{is_open ? error_output : -1, POLLIN, 0};
     const int ready = ::poll(&event, 1, slice);
     if (ready > 0) is_open = read_some(error_output, tail);
@@ -183,8 +186,7 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
 
   ProcessResult result;
   ::fcntl(error_output.get(), F_SETFL, O_NONBLOCK);
-  std::optional<ProcessEnd> waited =
-      wait_for_end(child, error_output.get(), limits.seconds, result.last_words);
+  std::optional<ProcessEnd> waited = wait_for_end(child, error_output.get(), limits, result.last_words);
   int status = 0;
   if (waited) {
     ::kill(-child, SIGKILL);

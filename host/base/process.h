@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,11 @@ struct ProcessLimits {
   // Of processor time, so that a busy machine is nobody's fault; and of wall clock while none of it is used.
   double seconds = 60.0;
   std::uint64_t bytes = std::uint64_t{4} << 30;  // of address space
+  // Asked at least fifty times a second while it runs; true ends it. Must not throw.
+  std::function<bool()> is_cancelled = {};
 };
 
-enum class ProcessEnd { exited, signalled, timed_out, stalled };
+enum class ProcessEnd { exited, signalled, timed_out, stalled, cancelled };
 
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::exited;
@@ -23,9 +26,10 @@ struct ProcessResult {
 };
 
 // Runs `program` (a path, not searched for) with `arguments`; stdin and stdout are /dev/null. When it ends,
-// its processor time is over or it stands still, its whole process group is killed. It gets no core dump and
-// dies with its parent. Throws std::system_error if it cannot be started, and std::runtime_error if somebody
-// else of this process reaped it (SIGCHLD ignored, or a wait for all children), for then its end is lost.
+// its processor time is over, it stands still or it is cancelled, its whole process group is killed. It gets
+// no core dump and dies with its parent. Throws std::system_error if it cannot be started, and
+// std::runtime_error if somebody else of this process reaped it (SIGCHLD ignored, or a wait for all
+// children), for then its end is lost.
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits);
 

@@ -14,6 +14,7 @@
 #include "host/build/check_mesh.h"
 #include "host/build/cut.h"
 #include "host/build/hold.h"
+#include "host/build/mesher.h"
 #include "host/build/message.h"
 #include "host/build/partings.h"
 #include "host/build/smooth.h"
@@ -70,8 +71,8 @@ struct Choice {
 };
 
 Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cage) {
-  if (scene.body.cage == "wrap") return {true, "asked for"};
-  if (scene.body.cage == "off") return {false, "asked for"};
+  if (scene.body.cage == scene::Cage::wrap) return {true, "asked for"};
+  if (scene.body.cage == scene::Cage::off) return {false, "asked for"};
   const std::string defects = defects_of(cage.findings);
   if (!defects.empty()) return {true, "the skin has " + defects};
   if (skin.skeleton.empty()) return {false, "the skin encloses a volume"};
@@ -127,6 +128,7 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   BodyMesh body;
   const std::vector<Vector3d> on_bones = points_along_bones(skin.bones, surface, spacing);
   body.mesh = tetrahedralize(surface, spacing, on_bones, options);
+  check_cancelled(options);
   smooth_inside(body.mesh, vertices_at(on_bones, body.mesh));
   report.fill.cage.fill_seconds = seconds_since(start);
   if (scene.body.vertices && body.mesh.vertices.size() > 2 * std::size_t{*scene.body.vertices})
@@ -182,7 +184,9 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   const double edge = mean_edge(wrap);
   const std::vector<Vector3d> on_bones = points_along_bones(skin.bones, wrap, edge);
   mesh::TetMesh filled = tetrahedralize(wrap, edge, on_bones, options);
+  check_cancelled(options);
   smooth_inside(filled, vertices_at(on_bones, filled));
+  check_cancelled(options);
   report.fill.cage.fill_seconds = seconds_since(start);
 
   start = std::chrono::steady_clock::now();
@@ -192,6 +196,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   const Limbs limbs(surface, skin.weights, skin.skeleton, {separate_edges * edge, separate_shares},
                     &partings);
   CutMesh cut = cut_limbs(filled, surface, limbs);
+  check_cancelled(options);
   Hold hold = hold_skin(cut, surface, farthest_in_edges * edge, vertices_at(on_bones, cut.mesh));
   report.fill.cage.cut_tetrahedra = cut.cut_tetrahedra;
   report.fill.cage.cut_seconds = seconds_since(start);
@@ -231,7 +236,7 @@ BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& rep
 void add_mesh_settings(base::ContentHash& hash, const scene::Scene& scene) {
   hash.add(scene.resolution.has_value());
   hash.add(scene.resolution.value_or(0.0));
-  hash.add(std::string_view(scene.body.cage));
+  hash.add(std::string_view(name_of(scene.body.cage)));
   hash.add(scene.body.cage_detail);
   hash.add(scene.body.vertices.has_value());
   hash.add(std::uint64_t{scene.body.vertices.value_or(0)});

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -176,14 +178,22 @@ struct Report {
   double seconds = 0.0;
 };
 
+// BuildOptions::is_cancelled said so.
+struct Cancelled : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 struct BuildOptions {
   std::filesystem::path mesher;                         // fascicle-mesher; empty: beside the executable
   double mesher_seconds = 120.0;                        // limits of the helper process: of processor time,
   std::uint64_t mesher_bytes = std::uint64_t{4} << 30;  // and of memory
   std::filesystem::path cache;                          // folder where filled bodies are kept; empty: nowhere
+  // Asked between the stages of the build, and again and again while the mesher runs; true ends it. Must not
+  // throw.
+  std::function<bool()> is_cancelled = {};
 };
 
-// Throws scene::SceneError for input that cannot be built, with what to do.
+// Throws scene::SceneError for input that cannot be built, with what to do, and Cancelled.
 model::Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options = {});
 
 }  // namespace fascicle::build

@@ -21,6 +21,7 @@
 #include "host/build/limits.h"
 #include "host/build/mass.h"
 #include "host/build/measures.h"
+#include "host/build/mesher.h"
 #include "host/build/message.h"
 #include "host/build/muscles.h"
 #include "host/build/one_ring.h"
@@ -107,7 +108,7 @@ void write_layers(const scene::Scene& scene, const Layering& layering, const std
     report.pinned_vertices += kinematic ? 1u : 0u;
   }
   const bool some = std::any_of(carried.begin(), carried.end(), [](float share) { return share != 0.0f; });
-  const bool keeps_motion = some || scene.solver.integrator == "implicit";
+  const bool keeps_motion = some || scene.solver.integrator == scene::Integrator::implicit_step;
   if (keeps_motion && std::holds_alternative<rig::Character>(scene.geometry))
     model.carried = std::move(carried);
 }
@@ -132,7 +133,7 @@ void write_weights(const scene::Scene& scene, const Layering& layering, const st
   std::vector<float> stiffness = model.alpha;
   for (std::uint32_t i = 0; i < stiffness.size(); ++i)
     if (model.is_kinematic(i)) stiffness[i] = 1.0f;
-  if (scene.solver.integrator == "implicit") {
+  if (scene.solver.integrator == scene::Integrator::implicit_step) {
     if (!model.momentum_scaled)
       fail(scene.source,
            "solver.weights: the implicit integrator needs momentum-scaled weights; say \"symmetric\"");
@@ -257,13 +258,6 @@ bool is_all_rigid(const scene::Scene& scene, const Layering& layering, Measures&
          all(measures.follows_joints());
 }
 
-model::WeightForm weight_form_of(const scene::Scene& scene) {
-  if (scene.solver.weights == "symmetric") return model::WeightForm::symmetric;
-  if (scene.solver.weights == "kaneda2017") return model::WeightForm::kaneda2017;
-  fail(scene.source,
-       "solver.weights: \"" + scene.solver.weights + "\" is neither \"symmetric\" nor \"kaneda2017\"");
-}
-
 // glibc keeps what was freed: with a solver's arrays on top, a sixth of the peak of 107,000 vertices.
 void give_freed_memory_back() {
 #ifdef __GLIBC__
@@ -275,12 +269,14 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   const auto start = std::chrono::steady_clock::now();
   report = {};
   Model model;
-  model.weight_form = weight_form_of(scene);
+  model.weight_form = scene.solver.weights;
   model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
 
   if (const auto* character = std::get_if<rig::Character>(&scene.geometry))
     for (const std::string& text : character->notes) warn(report, text);
+  check_cancelled(options);
   Body body = make_body(scene, report, options);
+  check_cancelled(options);
   model.source_vertex = locality_order(body.mesh, one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra));
   renumber(body, model.source_vertex);
   model.vertex_count = static_cast<std::uint32_t>(body.mesh.vertices.size());
@@ -295,13 +291,16 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   WhereTest test(measures);
   const Layering layering = assign_layers(scene, test, measures, rings, model.source_vertex, report);
   const std::vector<double> volume = lumped_volumes(body.mesh);
+  check_cancelled(options);
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
   warn_of_parts(rings, body, model, report);
   warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
+  check_cancelled(options);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
     rings = without_sliding_pairs(rings, model, slides);
   write_weights(scene, layering, volume, std::move(rings), model, report);
+  check_cancelled(options);
   std::vector<double> volume_terms;
   for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
   write_volume(volume_terms, model);
@@ -311,6 +310,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   write_limits(least_volumes, model);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);
+  check_cancelled(options);
   write_render_mesh(body.render, model);
   write_probes(scene, test, model);
 

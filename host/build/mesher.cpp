@@ -21,7 +21,24 @@ fs::path mesher_path(const BuildOptions& options) {
 }
 
 ProcessLimits mesher_limits(const BuildOptions& options) {
-  return {options.mesher_seconds, options.mesher_bytes};
+  return {options.mesher_seconds, options.mesher_bytes, options.is_cancelled};
+}
+
+namespace {
+
+constexpr const char* said_when_cancelled = "cancelled before the model was built";
+
+}  // namespace
+
+void check_cancelled(const BuildOptions& options) {
+  if (options.is_cancelled && options.is_cancelled()) throw Cancelled(said_when_cancelled);
+}
+
+ProcessResult run_mesher(const fs::path& mesher, const std::vector<std::string>& arguments,
+                         const ProcessLimits& limits) {
+  ProcessResult result = scene::run_process(mesher, arguments, limits);
+  if (result.end == ProcessEnd::cancelled) throw Cancelled(said_when_cancelled);
+  return result;
 }
 
 std::string digits_of(double value) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/base/helper_program.h"
 #include "host/build/build.h"
@@ -31,6 +32,13 @@ using base::TemporaryFolder;
 std::filesystem::path mesher_path(const BuildOptions& options);
 
 ProcessLimits mesher_limits(const BuildOptions& options);
+
+// Throws Cancelled where options.is_cancelled says so.
+void check_cancelled(const BuildOptions& options);
+
+// scene::run_process of the mesher. Throws Cancelled where the limits' is_cancelled said so.
+ProcessResult run_mesher(const std::filesystem::path& mesher, const std::vector<std::string>& arguments,
+                         const ProcessLimits& limits);
 
 // The shortest text that reads back the same.
 std::string digits_of(double value);

@@ -168,9 +168,8 @@ double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
   return std::max(needed, least_explicit_substeps);
 }
 
-void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Report& report) {
+Steps choose_explicit_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
   const double needed = explicit_substeps(scene, model);
-  scene.solver.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps}));
   bool is_soft = false;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) is_soft = is_soft || !model.is_kinematic(i);
   if (is_soft && needed > most_explicit_auto_substeps)
@@ -179,6 +178,8 @@ void choose_explicit_steps(scene::Scene& scene, const model::Model& model, Repor
                      " substeps to mean the same as at other frame rates and spacings; \"auto\" takes " +
                      std::to_string(most_explicit_auto_substeps) +
                      " at most, so flesh will be softer; raise fps, or take a coarser mesh");
+  return {static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps})),
+          "alpha means the same with them at every frame rate and spacing"};
 }
 
 }  // namespace
@@ -267,12 +268,9 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
   for (std::size_t l = 0; l < report.layers.size(); ++l) report.layers[l].youngs_modulus = of_layer[l];
 }
 
-void choose_steps(scene::Scene& scene, const model::Model& model, Report& report) {
-  if (!scene.solver.auto_substeps) return;
-  if (!model.is_implicit()) {
-    choose_explicit_steps(scene, model, report);
-    return;
-  }
+Steps choose_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
+  if (!scene.solver.auto_substeps) return {scene.solver.substeps, "the scene says so"};
+  if (!model.is_implicit()) return choose_explicit_steps(scene, model, report);
   std::vector<double> pull(model.layers.size(), 0.0), mass(model.layers.size(), 0.0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) continue;
@@ -281,7 +279,7 @@ void choose_steps(scene::Scene& scene, const model::Model& model, Report& report
   }
   const double reached = model::resolved_stiffness(scene.solver.iterations);
   double needed = 1.0;
-  std::string stiffest;
+  std::string stiffest, reason = "no layer asks for more";
   for (std::size_t l = 0; l < model.layers.size(); ++l) {
     if (mass[l] == 0.0) continue;
     const double by_mode = two_pi * model.layers[l].frequency / (longest_phase * scene.fps);
@@ -289,9 +287,9 @@ void choose_steps(scene::Scene& scene, const model::Model& model, Report& report
     if (std::max(by_mode, by_stiffness) <= needed) continue;
     needed = std::max(by_mode, by_stiffness);
     stiffest = model.layers[l].name;
+    reason = (by_mode > by_stiffness ? "the lowest mode of layers." : "the stiffness of layers.") + stiffest;
   }
   needed = std::ceil(needed);
-  scene.solver.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_auto_substeps}));
   if (needed > most_auto_substeps)
     warn(report,
          "layers." + stiffest + ": is so stiff that it would take " +
@@ -300,6 +298,7 @@ void choose_steps(scene::Scene& scene, const model::Model& model, Report& report
              std::to_string(most_auto_substeps) +
              " at most. It will come to rest where it should, but move more slowly; set solver.substeps, or "
              "make it softer");
+  return {static_cast<std::uint32_t>(std::min(needed, double{most_auto_substeps})), reason};
 }
 
 }  // namespace fascicle::build

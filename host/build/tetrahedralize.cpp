@@ -72,7 +72,7 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
   }
   if (crashed || result.code == mesher_self_intersecting || result.code == mesher_failed) {
     // TetGen also crashes on surfaces that cross themselves: look for the place.
-    const ProcessResult search = base::run_process(mesher, {"intersections", surface.string()}, limits);
+    const ProcessResult search = run_mesher(mesher, {"intersections", surface.string()}, limits);
     if (search.end == ProcessEnd::exited && search.code == mesher_self_intersecting) fail_crossing(search);
     if (!crashed && result.code == mesher_self_intersecting) fail_crossing(result);
   }
@@ -168,8 +168,8 @@ void check_result(TetMesh& mesh, const SurfaceMesh& surface) {
   check_boundary(mesh, surface);
 }
 
-TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
-                   const BuildOptions& options) {
+TetMesh fill_by_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
+                       const BuildOptions& options) {
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options);
   const TemporaryFolder folder;
@@ -183,7 +183,7 @@ TetMesh run_mesher(const SurfaceMesh& surface, double edge, const std::vector<Ve
     write_points(points_file, inside);
     arguments.insert(arguments.end(), {"--points", points_file.string()});
   }
-  const ProcessResult result = base::run_process(mesher, arguments, limits);
+  const ProcessResult result = run_mesher(mesher, arguments, limits);
   if (result.end != ProcessEnd::exited || result.code != mesher_done) {
     fail_run(result, mesher, surface_file, limits);
   }
@@ -212,7 +212,7 @@ TetMesh tetrahedralize(const SurfaceMesh& surface, double edge, const std::vecto
     throw SceneError("the surface's edges are too short or too long to compute with; scale it");
   }
   try {
-    TetMesh mesh = run_mesher(surface, wanted_edge, inside, options);
+    TetMesh mesh = fill_by_mesher(surface, wanted_edge, inside, options);
     check_result(mesh, surface);
     return mesh;
   } catch (const std::system_error& error) {

@@ -27,7 +27,7 @@ using scene::SceneError;
 void run(const std::string& what, const std::vector<std::string>& arguments, const BuildOptions& options) {
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options);
-  const ProcessResult result = base::run_process(mesher, arguments, limits);
+  const ProcessResult result = run_mesher(mesher, arguments, limits);
   check_time(result, limits, what, "ask for less cage_detail or simplify the surface");
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +

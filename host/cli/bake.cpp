@@ -27,13 +27,11 @@ namespace fs = std::filesystem;
 
 struct BakeArguments {
   SceneArguments scene;
-  std::string folder;
-  std::vector<std::string> formats;
-  formats::GlbOptions glb;
-  std::optional<std::uint64_t> first_number;
+  std::string folder;       // of the output
+  bake::BakeOutput output;  // all but the folder
   std::string device = "auto";
   unsigned threads = 0;
-  bool usd_skel = false, overwrite = false, resume = false, dry_run = false;
+  bool dry_run = false;
 };
 
 // The first `substeps` of a frame.
@@ -48,11 +46,12 @@ model::Drive shortened(model::Drive drive, std::uint32_t substeps, const model::
 
 // Seconds that a substep takes, positions brought back once a frame as in a bake. The first frame is not
 // counted: drivers compile in it.
-double measured_substep(const scene::Scene& scene, const model::Model& model, model::Solver& solver) {
+double measured_substep(const scene::Scene& scene, const Built& built, model::Solver& solver) {
   constexpr std::uint32_t substeps = 8;
   constexpr std::uint64_t frames = 4;
+  const model::Model& model = built.model;
   const model::Read what{.positions = true, .velocities = true, .surface = model.surface_count() > 0};
-  drive::DriveSource source(scene, model);
+  drive::DriveSource source(scene, model, built.steps.substeps);
   solver.load(source.initial_state());
   std::uint64_t timed = 0;
   std::chrono::steady_clock::time_point start;
@@ -68,14 +67,15 @@ double measured_substep(const scene::Scene& scene, const model::Model& model, mo
 }
 
 bool wants(const BakeArguments& arguments, const std::string& format) {
-  return std::find(arguments.formats.begin(), arguments.formats.end(), format) != arguments.formats.end();
+  return std::find(arguments.output.formats.begin(), arguments.output.formats.end(), format) !=
+         arguments.output.formats.end();
 }
 
 // Morph targets are the one thing that can grow out of hand; empty if none are asked for.
 std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& scene,
                           const model::Model& model) {
   if (!wants(arguments, "glb")) return "";
-  const std::uint64_t targets = formats::glb_target_count(scene::frame_count(scene), arguments.glb);
+  const std::uint64_t targets = formats::glb_target_count(scene::frame_count(scene), arguments.output.glb);
   return "at most " + bytes_text(formats::glb_bytes(model, targets)) + ", " + count_text(targets) +
          " morph targets of " + count_text(model.surface_count()) + " vertices";
 }
@@ -97,24 +97,25 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
                     const Simulation& simulation, const std::optional<bake::ExpectedLook>& expected,
                     const std::optional<bake::TriedLook>& tried) {
   const std::uint64_t frames = scene::frame_count(scene);
-  const double substep = measured_substep(scene, built.model, *simulation.solver);
-  const double total = substep * static_cast<double>(frames) * scene.solver.substeps;
+  const double substep = measured_substep(scene, built, *simulation.solver);
+  const double total = substep * static_cast<double>(frames) * built.steps.substeps;
   const std::string glb = glb_size_text(arguments, scene, built.model);
   std::cout << "dry run of " << scene.name << ": nothing is written\n"
-            << columns_text({{"folder", arguments.folder},
-                             {"vertices", count_text(built.model.vertex_count)},
-                             {"tetrahedra", count_text(built.model.tetrahedron_count())},
-                             {"render vertices", count_text(built.model.surface_count())},
-                             {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
-                                            std::to_string(scene.solver.substeps) + " substeps each"},
-                             {"device", simulation.device.text()},
-                             {"solver memory", bytes_text(model::solver_bytes(built.model))},
-                             {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.formats,
-                                                                      arguments.glb))},
-                             {"surface.glb", glb.empty() ? "not asked for" : glb},
-                             {"expected look", expected_look_text(scene, expected, tried)},
-                             {"time", "about " + duration_text(total) + ", the writing beside it (" +
-                                          number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
+            << columns_text(
+                   {{"folder", arguments.folder},
+                    {"vertices", count_text(built.model.vertex_count)},
+                    {"tetrahedra", count_text(built.model.tetrahedron_count())},
+                    {"render vertices", count_text(built.model.surface_count())},
+                    {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
+                                   std::to_string(built.steps.substeps) + " substeps each"},
+                    {"device", simulation.device.text()},
+                    {"solver memory", bytes_text(model::solver_bytes(built.model))},
+                    {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.output.formats,
+                                                             arguments.output.glb))},
+                    {"surface.glb", glb.empty() ? "not asked for" : glb},
+                    {"expected look", expected_look_text(scene, expected, tried)},
+                    {"time", "about " + duration_text(total) + ", the writing beside it (" +
+                                 number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
 }
 
 // How to look at what was written, for each kind of file that can be looked at.
@@ -140,7 +141,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
   if (const fs::path* csv = with_extension(".csv"))
     std::cout << "  any plotter: " << csv->string()
               << "  (energy, volume, largest displacement, probes; a row a frame)\n";
-  if (arguments.formats.empty())
+  if (arguments.output.formats.empty())
     std::cout << "  for Blender: fascicle export " << arguments.folder
               << " --to glb,pc2; for ParaView: the same command with --overwrite --format vtu\n";
 }
@@ -180,7 +181,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
 ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (arguments.scene.name.empty()) {
     arguments.scene.name = scene::default_scene;
-    if (arguments.formats.empty()) arguments.formats = {"pc2", "vtu"};
+    if (arguments.output.formats.empty()) arguments.output.formats = {"pc2", "vtu"};
     log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
   }
   const DeviceRequest device = parse_device(arguments.device);
@@ -193,13 +194,8 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (!arguments.dry_run) refuse_unwritable("-o", (fs::path(arguments.folder) / "").string(), true);
   Progress progress(log, "baking", scene::frame_count(scene));
   BakeRequest request;
-  request.folder = arguments.folder;
-  request.formats = arguments.formats;
-  request.glb = arguments.glb;
-  request.first_number = arguments.first_number;
-  request.usd_skel = arguments.usd_skel;
-  request.overwrite = arguments.overwrite;
-  request.resume = arguments.resume;
+  request.output = arguments.output;
+  request.output.folder = arguments.folder;
   request.writes_nothing = arguments.dry_run;
   request.device = device;
   request.threads = arguments.threads;
@@ -244,7 +240,7 @@ void add_bake(CLI::App& app, Command& command) {
   std::string formats;
   for (const std::string& name : bake::format_names()) formats += (formats.empty() ? "" : ",") + name;
   subcommand
-      ->add_option("--format", arguments->formats,
+      ->add_option("--format", arguments->output.formats,
                    "What to write beside frame cache, manifest and metrics: any of " + formats +
                        "; the default scene writes pc2,vtu")
       ->delimiter(',')
@@ -260,21 +256,21 @@ void add_bake(CLI::App& app, Command& command) {
       ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
-  auto* overwrite =
-      subcommand->add_flag("--overwrite", arguments->overwrite, "Replace the bake that is in the folder");
+  auto* overwrite = subcommand->add_flag("--overwrite", arguments->output.overwrite,
+                                         "Replace the bake that is in the folder");
   auto* resume =
-      subcommand->add_flag("--resume", arguments->resume, "Go on with the bake that is in the folder");
+      subcommand->add_flag("--resume", arguments->output.resume, "Go on with the bake that is in the folder");
   overwrite->excludes(resume);
   subcommand->add_flag("--dry-run", arguments->dry_run,
                        "Print sizes, memory and an estimate of the time; write nothing");
   subcommand
-      ->add_option("--first-frame", arguments->first_number,
+      ->add_option("--first-frame", arguments->output.first_number,
                    "Number of the first frame in what other programs read, as 1001; without it the first "
                    "that is written is 0. Handles before it have the numbers below")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
-  add_glb_options(*subcommand, arguments->glb);
-  add_usd_options(*subcommand, arguments->usd_skel);
+  add_glb_options(*subcommand, arguments->output.glb);
+  add_usd_options(*subcommand, arguments->output.usd_skel);
   add_log_options(*subcommand, command.log);
   subcommand->callback(
       [arguments, &command] { command.run = [arguments](Log& log) { return bake_scene(*arguments, log); }; });

@@ -45,8 +45,7 @@ struct Contestant {
 
 std::vector<model::Integrator> integrators_of(const BenchArguments& arguments) {
   using model::Integrator;
-  if (arguments.integrator == "explicit") return {Integrator::explicit_step};
-  if (arguments.integrator == "implicit") return {Integrator::implicit_step};
+  if (const auto one = base::named<Integrator>(arguments.integrator)) return {*one};
   return {Integrator::explicit_step, Integrator::implicit_step};
 }
 
@@ -168,7 +167,7 @@ class Bench {
         row.solver = device.description().solver;
         row.device = device.label();
         row.mesh = name_of(mesh);
-        row.integrator = passes > 1 ? "implicit" : "explicit";
+        row.integrator = name_of(body.options.integrator);
         row.vertices = body.model.vertex_count;
         row.threads = threads;
         row.passes = passes;
@@ -320,7 +319,9 @@ void add_bench(CLI::App& app, Command& command) {
       ->check(CLI::Range(1U, 1024U).description(""))
       ->option_text("LIST");
   subcommand->add_option("--integrator", arguments->integrator, "explicit, implicit or both; default: both")
-      ->check(CLI::IsMember({"explicit", "implicit", "both"}).description(""))
+      ->check(CLI::IsMember({name_of(model::Integrator::explicit_step),
+                             name_of(model::Integrator::implicit_step), "both"})
+                  .description(""))
       ->option_text("NAME");
   subcommand
       ->add_option("--meshes", arguments->meshes,

@@ -66,7 +66,7 @@ BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator, Bench
       surface.vertices.push_back(place);
     }
     scene.geometry = std::move(surface);
-    scene.body.cage = "off";
+    scene.body.cage = scene::Cage::off;
     scene.body.vertices = vertices;
     options.mesher_seconds = 600.0;
   }

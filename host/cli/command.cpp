@@ -162,7 +162,7 @@ scene::Scene load(const SceneArguments& arguments) {
   }
 }
 
-Built build(scene::Scene& scene, Log& log, bool no_cache) {
+Built build(const scene::Scene& scene, Log& log, bool no_cache) {
   return build_scene(scene, build_options(no_cache), say_on(log));
 }
 

@@ -59,8 +59,7 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
 // Throws scene::SceneError; UsageError where the scene is good and an override is not.
 scene::Scene load(const SceneArguments& arguments);
 
-// Sets the scene's substeps where it says "auto".
-Built build(scene::Scene& scene, Log& log, bool no_cache = false);
+Built build(const scene::Scene& scene, Log& log, bool no_cache = false);
 build::BuildOptions build_options(bool no_cache);
 
 // The build's warnings, for commands whose result does not hold them.

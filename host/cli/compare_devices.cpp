@@ -151,10 +151,12 @@ bool Validation::holds() const {
          std::all_of(oracle.begin(), oracle.end(), [](const OracleComparison& c) { return c.holds(); });
 }
 
-Validation validate(const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
+Validation validate(const scene::Scene& scene, const Built& built, const model::SolverOptions& options,
                     const std::vector<ChosenDevice>& devices, std::uint64_t frames,
                     std::uint64_t oracle_frames, const OnFrame& on_frame) {
-  Run run{model, options, drive::DriveSource(scene, model), {}, frames, oracle_frames, on_frame};
+  const model::Model& model = built.model;
+  Run run{model,         options, drive::DriveSource(scene, model, built.steps.substeps), {}, frames,
+          oracle_frames, on_frame};
   const auto start_on = [&](const ChosenDevice& device) {
     on_frame("preparing " + device.label(), 0, frames);
     const std::unique_ptr<model::Solver> solver = device.make_solver(model, options);

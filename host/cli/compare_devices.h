@@ -10,6 +10,7 @@
 #include "host/cli/exit_codes.h"
 #include "host/model/model.h"
 #include "host/model/validate.h"
+#include "host/pipeline/build_scene.h"
 #include "host/pipeline/device_choice.h"
 #include "host/scene/scene.h"
 
@@ -66,7 +67,7 @@ struct Validation {
 // none) with the oracle. `on_frame` is told what is running, how far it is and how far it goes. Throws
 // bake::NotFinite where the positions stop being finite.
 Validation validate(
-    const scene::Scene& scene, const model::Model& model, const model::SolverOptions& options,
+    const scene::Scene& scene, const Built& built, const model::SolverOptions& options,
     const std::vector<ChosenDevice>& devices, std::uint64_t frames, std::uint64_t oracle_frames,
     const std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>& on_frame);
 

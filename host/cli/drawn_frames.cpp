@@ -36,7 +36,7 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
     if (bake_->model().has_skeleton()) character_ = folder_ / formats::character_name;
     return;
   }
-  scene::Scene scene = load_named(arguments.input);
+  const scene::Scene scene = load_named(arguments.input);
   Built built = build(scene, log);
   log_warnings(built.report, log);
   built_ = std::move(built.model);

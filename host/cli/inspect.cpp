@@ -194,7 +194,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"fps", scene.fps},
           {"clips", clips},
           {"clip", scene::clip_name(scene)},
-          {"substeps", scene.solver.substeps},
+          {"substeps", built.steps.substeps},
           {"solver_bytes", model::solver_bytes(model)},
           {"skeleton", json_of(report.joints)},
           {"rigid_parts", json_of(report.rigid_parts)},
@@ -324,7 +324,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
                                   millimetres(report.longest_edge)},
                     {"working unit", number_text(model.unit) + " m"},
                     {"time", count_text(scene::frame_count(scene)) + " frames at " + number_text(scene.fps) +
-                                 " a second, " + std::to_string(scene.solver.substeps) + " substeps each"},
+                                 " a second, " + std::to_string(built.steps.substeps) + " substeps each"},
                     {"weights", model::name_of(model.weight_form)},
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
   print_skin(report);
@@ -375,7 +375,7 @@ void print_text(const scene::Scene& scene, const Built& built) {
 }
 
 ExitCode inspect(const InspectArguments& arguments, Log& log) {
-  scene::Scene scene = load(arguments.scene);
+  const scene::Scene scene = load(arguments.scene);
   refuse_unwritable("--model", arguments.model_file);
   const Built built = build(scene, log, arguments.scene.no_cache);
   if (!arguments.model_file.empty()) write_model_vtu(arguments.model_file, built.model);

@@ -58,14 +58,14 @@ const scene::Scene& OpenBake::scene() {
   // started.
   const fs::path near = source.extension() == ".toml" ? source.parent_path() : fs::path();
   try {
-    scene_ = std::make_unique<scene::Scene>(
+    scene_ = std::make_unique<const scene::Scene>(
         scene::parse_scene({manifest_.scene_name, manifest_.scene_source, manifest_.scene_text, near}, {}));
   } catch (const scene::SceneError& error) {
     throw scene::SceneError(folder_.string() + ": the bake's scene is needed again, and: " + error.what() +
                             "; start fascicle from the folder where the bake was started");
   }
   build::Report report;
-  build::choose_steps(*scene_, model_, report);
+  substeps_ = build::choose_steps(*scene_, model_, report).substeps;
   // The scene's own text is in the manifest; what it names may have changed.
   const std::map<std::string, std::string> before(manifest_.input_hashes.begin(),
                                                   manifest_.input_hashes.end());
@@ -78,7 +78,10 @@ const scene::Scene& OpenBake::scene() {
 
 OpenBake::Skinned OpenBake::skinned(std::uint64_t k) {
   if (!model_.has_skeleton()) return {model_.rest, model_.rest_origin};
-  if (!drives_) drives_.emplace(scene(), model_);
+  if (!drives_) {
+    const scene::Scene& of_bake = scene();
+    drives_.emplace(of_bake, model_, substeps_);
+  }
   model::State state;
   if (k == 0) {
     state = drives_->initial_state();

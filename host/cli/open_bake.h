@@ -47,7 +47,8 @@ class OpenBake {
   bake::ManifestSummary manifest_;
   bake::FrameCacheReader cache_;
   model::Model model_;
-  std::unique_ptr<scene::Scene> scene_;
+  std::unique_ptr<const scene::Scene> scene_;
+  std::uint32_t substeps_ = 0;  // of a frame; known with the scene
   std::optional<drive::DriveSource> drives_;
 };
 

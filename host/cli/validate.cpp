@@ -74,13 +74,13 @@ Json json_of(const Comparison& comparison, const model::Model& model) {
   return object;
 }
 
-void print_json(const scene::Scene& scene, const model::Model& model,
-                const std::vector<ChosenDevice>& devices, const Validation& validation) {
+void print_json(const scene::Scene& scene, const Built& built, const std::vector<ChosenDevice>& devices,
+                const Validation& validation) {
   Json object{{"scene", scene.name},
               {"frames", validation.frames},
               {"oracle_frames", validation.oracle_frames},
-              {"substeps", scene.solver.substeps},
-              {"vertices", model.vertex_count},
+              {"substeps", built.steps.substeps},
+              {"vertices", built.model.vertex_count},
               {"holds", validation.holds()},
               {"devices", Json::array()},
               {"comparisons", Json::array()},
@@ -92,7 +92,7 @@ void print_json(const scene::Scene& scene, const model::Model& model,
                                  {"exact", device.description().exact},
                                  {"why_not_exact", device.why_not_exact()}});
   for (const Comparison& comparison : validation.comparisons)
-    object["comparisons"].push_back(json_of(comparison, model));
+    object["comparisons"].push_back(json_of(comparison, built.model));
   for (const OracleComparison& comparison : validation.oracle) {
     Json entry{{"device", comparison.device}, {"holds", comparison.holds()}};
     entry.update(json_of(comparison.distance, comparison.relative));
@@ -179,7 +179,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   if (requests.size() < 2 && !arguments.oracle)
     throw UsageError("--devices " + arguments.devices +
                      " with --no-oracle leaves nothing to compare; name two devices");
-  scene::Scene scene = load(arguments.scene);
+  const scene::Scene scene = load(arguments.scene);
   const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   std::vector<ChosenDevice> devices;
@@ -202,11 +202,11 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
     progress->update(frame);
   };
   const Validation validation =
-      validate(scene, built.model, solver_options(scene), devices, frames, oracle_frames, on_frame);
+      validate(scene, built, solver_options(scene), devices, frames, oracle_frames, on_frame);
   progress.reset();
 
   if (arguments.json)
-    print_json(scene, built.model, devices, validation);
+    print_json(scene, built, devices, validation);
   else
     print_text(built.model, validation);
   return validation.holds() ? ExitCode::done : ExitCode::difference;

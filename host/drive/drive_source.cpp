@@ -20,7 +20,7 @@ namespace fascicle::drive {
 using scene::Vector3d;
 
 struct DriveSource::Impl {
-  Impl(const scene::Scene& scene, const model::Model& model);
+  Impl(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps);
 
   double h() const { return 1.0 / (static_cast<double>(substeps) * scene.fps); }
   Vector3d rest_origin() const { return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]}; }
@@ -56,8 +56,8 @@ struct DriveSource::Impl {
   std::vector<model::Cut> cuts;
 };
 
-DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
-    : scene(s), model(m), substeps(s.solver.substeps) {
+DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint32_t substeps_of_frame)
+    : scene(s), model(m), substeps(substeps_of_frame) {
   const auto must_fit = [](const char* what, std::size_t of_scene, std::size_t of_model) {
     if (of_scene != of_model) {
       throw std::invalid_argument("DriveSource: the scene has " + std::to_string(of_scene) + " " + what +
@@ -69,7 +69,7 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m)
   must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
-  if (character != nullptr) timeline.emplace(scene, *character, model::extent(model));
+  if (character != nullptr) timeline.emplace(scene, *character, model::extent(model), substeps);
   if (character != nullptr) felt.emplace(scene, *character, model);
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
@@ -214,9 +214,16 @@ model::Drive DriveSource::Impl::drive_to(const Vector3d& end) {
 }
 
 DriveSource::DriveSource(const scene::Scene& scene, const model::Model& model)
-    : impl_(std::make_unique<Impl>(scene, model)) {}
+    : DriveSource(scene, model, scene::stated_substeps(scene)) {}
+
+DriveSource::DriveSource(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps)
+    : impl_(std::make_unique<Impl>(scene, model, substeps)) {}
 
 DriveSource::~DriveSource() = default;
+
+std::uint32_t DriveSource::substeps() const {
+  return static_cast<std::uint32_t>(impl_->substeps);
+}
 
 model::Drive DriveSource::drive(std::uint64_t frame) {
   if (frame == 0)

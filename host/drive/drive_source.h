@@ -19,7 +19,9 @@ namespace fascicle::drive {
 // The spans of a drive stay valid until the next call that returns one.
 class DriveSource {
  public:
+  // Without `substeps` as many as the scene states; std::invalid_argument where it leaves them open.
   DriveSource(const scene::Scene& scene, const model::Model& model);
+  DriveSource(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps);
   ~DriveSource();
 
   // The state before frame 1 if the flesh follows the skeleton from the first pose on: skinned, and moving as
@@ -27,6 +29,7 @@ class DriveSource {
   model::State initial_state() const;
   // The state at the end of frame k, k >= 1 and not the last, if the flesh followed the skeleton up to there.
   model::State state_on_skeleton(std::uint64_t frame) const;
+  std::uint32_t substeps() const;  // of a frame
   // The drive of frame k >= 1. Frames may be asked for in any order.
   model::Drive drive(std::uint64_t frame);
 

@@ -26,7 +26,7 @@ double activation_of(const scene::Muscle& muscle, double cosine, double sine) {
     constexpr double degrees = 180.0 / std::numbers::pi;
     return scene::value_at(muscle.curve, base::exact_acos(cosine) * degrees);
   }
-  return muscle.activation == "sine" ? sine : (1.0 - cosine) / 2.0;
+  return muscle.activation == scene::Activation::sine ? sine : (1.0 - cosine) / 2.0;
 }
 
 model::Matrix3 rotation_of(const Eigen::Matrix4d& from_bind) {
@@ -95,9 +95,9 @@ MuscleDrive::Bend MuscleDrive::bend_of(const scene::Muscle& muscle, const scene:
   bend.sine = std::sqrt(normal.squaredNorm());
   // Across the bone that carries the muscle, towards the other one.
   const bool is_on_lower = bones.moves[bones.bend->joint] != 0;
-  bend.tau = muscle.axis == "plane-normal" ? normal
-             : is_on_lower                 ? Vector3d(u.dot(l) * l - u)
-                                           : Vector3d(l - u.dot(l) * u);
+  bend.tau = muscle.axis == scene::BulgeAxis::plane_normal ? normal
+             : is_on_lower                                 ? Vector3d(u.dot(l) * l - u)
+                                                           : Vector3d(l - u.dot(l) * u);
   return bend;
 }
 

@@ -11,11 +11,12 @@ namespace fascicle::drive {
 
 using scene::Vector3d;
 
-PoseDrive::PoseDrive(const scene::Scene& scene, const model::Model& model) : scene_(scene), model_(model) {
-  const double h = 1.0 / (static_cast<double>(scene.solver.substeps) * scene.fps);
+PoseDrive::PoseDrive(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps)
+    : scene_(scene), model_(model), substeps_(substeps) {
+  const double h = 1.0 / (static_cast<double>(substeps) * scene.fps);
   if (model.has_skeleton()) {
     const auto& character = std::get<rig::Character>(scene.geometry);
-    timeline_.emplace(scene, character, model::extent(model));
+    timeline_.emplace(scene, character, model::extent(model), substeps);
     if (model.muscle_count > 0) muscles_.emplace(scene, character);
   }
   for (const model::Layer& layer : model.layers)
@@ -39,7 +40,7 @@ model::State PoseDrive::start(const Pose& pose) {
 }
 
 model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jumps) {
-  const std::size_t substeps = scene_.solver.substeps;
+  const std::size_t substeps = substeps_;
   for (const Pose& pose : poses)
     if (pose.size() != model_.joint_count)
       throw std::invalid_argument("a pose of " + std::to_string(pose.size()) + " joints; the model has " +

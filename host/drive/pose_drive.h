@@ -18,7 +18,7 @@ namespace fascicle::drive {
 // a clip (felt_acceleration.h): whoever gives poses answers for how they move.
 class PoseDrive {
  public:
-  PoseDrive(const scene::Scene& scene, const model::Model& model);
+  PoseDrive(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps);
 
   // The state at rest in a pose (empty without a skeleton), from which the next drive goes on.
   model::State start(const Pose& pose);
@@ -38,6 +38,7 @@ class PoseDrive {
 
   const scene::Scene& scene_;
   const model::Model& model_;
+  std::size_t substeps_;                // of a frame
   std::optional<Timeline> timeline_;    // nothing without a skeleton
   std::optional<MuscleDrive> muscles_;  // nothing without muscles
   Pose last_;

@@ -10,11 +10,12 @@ namespace fascicle::drive {
 
 using scene::Vector3d;
 
-Timeline::Timeline(const scene::Scene& scene, const rig::Character& character, double extent)
+Timeline::Timeline(const scene::Scene& scene, const rig::Character& character, double extent,
+                   std::uint64_t substeps)
     : scene_(scene),
       character_(character),
       clip_(rig::find_clip(character, scene.clip)),
-      substeps_(scene.solver.substeps),
+      substeps_(substeps),
       cycle_(std::max<std::uint64_t>(scene::cycle_frames(scene), 1) * substeps_),
       cut_distance_(scene.motion.cut_distance.value_or(extent > 0.0 ? extent : INFINITY)),
       kept_(substeps_ + 4) {

@@ -218,8 +218,8 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
     for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) joint_node.push_back(j + 1);
     add_baked_clip(document, scene, character, joint_node, pose, time);
   } else {
-    document = gltf::pack_gltf(file, missing);
-    const gltf::Rig rig = gltf::read_rig(file);
+    document = gltf::pack_gltf(file, missing, scene.converter);
+    const gltf::Rig rig = gltf::read_rig(file, scene.converter);
     add_baked_clip(document, scene, rig.character, rig.joint_node, pose, time);
     if (scene.scale != 1.0 && document.json.contains("scenes")) add_scale(document.json, scene.scale);
   }

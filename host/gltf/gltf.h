@@ -26,8 +26,9 @@ namespace fascicle::gltf {
 
 // Reads the skinned mesh, skeleton and clips of a glTF file; positions come out in metres in the bind pose.
 // Throws SceneError with a JSON pointer to what is wrong. URIs outside the file's folder are refused. Appends
-// the paths of the external buffers it reads to `files_read`.
+// the paths of the external buffers it reads to `files_read`. `converter`: read_gltf_file.
 rig::Character read_gltf(const std::filesystem::path& path,
-                         std::vector<std::filesystem::path>* files_read = nullptr);
+                    std::vector<std::filesystem::path>* files_read = nullptr,
+                    const std::filesystem::path& converter = {});
 
 }  // namespace fascicle::gltf

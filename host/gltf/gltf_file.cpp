@@ -171,10 +171,10 @@ std::vector<std::string> notes_of(const nlohmann::json& document) {
 }
 
 // The document stays in memory: what reads it again converts it again, which is a fraction of a second.
-GltfFile read_converted(const std::filesystem::path& path) try {
+GltfFile read_converted(const std::filesystem::path& path, const std::filesystem::path& converter) try {
   const base::TemporaryFolder folder;
   const std::filesystem::path glb = folder.path() / "character.glb";
-  convert_character(path, glb);
+  convert_character(path, glb, {.program = converter});
   GltfFile file = parse_gltf(path, read_regular_file(glb, 0, [&](const std::string& what) {
                                throw base::SceneError(path.string() + ": as converted, " + what);
                              }));
@@ -190,8 +190,8 @@ void gltf_error(const std::filesystem::path& path, const std::string& pointer, c
   throw base::SceneError(path.string() + ": " + pointer + ": " + what);
 }
 
-GltfFile read_gltf_file(const std::filesystem::path& path) {
-  if (is_convertible_file(path)) return read_converted(path);
+GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem::path& converter) {
+  if (is_convertible_file(path)) return read_converted(path, converter);
   return parse_gltf(path, read_regular_file(path, 0, [&](const std::string& what) {
                       throw base::SceneError(path.string() + ": " + what);
                     }));

@@ -27,8 +27,9 @@ struct GltfFile {
                              const std::string& what);
 
 // Reads a .glb (told by its first bytes) or .gltf, or what fascicle-convert makes of other formats. Bounded:
-// file size, nesting and number of the JSON's values.
-GltfFile read_gltf_file(const std::filesystem::path& path);
+// file size, nesting and number of the JSON's values. `converter`: that program; empty: found beside this one
+// or on PATH.
+GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 
 // The bytes of an external buffer. `uri` must lead to a regular file inside the folder of `gltf`: no scheme,
 // no absolute path, no "..", no percent-encoded separators, no symbolic link out of the folder. Appends its

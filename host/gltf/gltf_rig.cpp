@@ -179,8 +179,8 @@ class Reader {
 
 }  // namespace
 
-GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) {
-  CheckedGltf checked = check_gltf(read_gltf_file(path));
+GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing, const fs::path& converter) {
+  CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
   GltfDocument document{.json = std::move(checked.plain), .binary = {}};
   std::vector<std::size_t> offsets;
@@ -198,8 +198,8 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing) 
   return document;
 }
 
-Rig read_rig(const fs::path& path) {
-  const CheckedGltf checked = check_gltf(read_gltf_file(path));
+Rig read_rig(const fs::path& path, const fs::path& converter) {
+  const CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
   return Reader(path, checked.plain, *model).run();
 }

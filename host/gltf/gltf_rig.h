@@ -23,7 +23,8 @@ struct GltfDocument {
 // The whole file, checked as read_gltf does; buffers and images inside `binary`, compressed geometry made
 // plain, all else as it is. An image
 // that is not there becomes a white pixel, and its name is appended to `missing`. Throws SceneError.
-GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::string>& missing);
+GltfDocument pack_gltf(const std::filesystem::path& path, std::vector<std::string>& missing,
+                       const std::filesystem::path& converter = {});
 
 // One primitive of one node as the file holds it: a vertex stands at the sum of
 // weight x joint_transform[skin_joint[slot]] x inverse_bind[slot] x position. A hung one has a single slot:
@@ -56,6 +57,6 @@ struct Rig {
 };
 
 // Of a file that read_gltf can read. Throws SceneError.
-Rig read_rig(const std::filesystem::path& path);
+Rig read_rig(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 
 }  // namespace fascicle::gltf

@@ -5,16 +5,6 @@
 
 namespace fascicle::model {
 
-const char* name_of(WeightForm form) {
-  return form == WeightForm::symmetric ? "symmetric" : "kaneda2017";
-}
-const char* name_of(Integrator integrator) {
-  return integrator == Integrator::explicit_step ? "explicit" : "implicit";
-}
-const char* name_of(Rotation rotation) {
-  return rotation == Rotation::qcp ? "qcp" : "mueller2016";
-}
-
 double extent(const Model& model) {
   float largest = 0.0f;
   for (std::size_t axis = 0; axis < 3 && !model.rest.empty(); ++axis) {

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/stepping.h"
 #include "shaders/shared.h"
 
 namespace fascicle::model {
@@ -35,15 +36,10 @@ struct ProbeSet {
   std::vector<std::uint32_t> vertices;  // ascending
 };
 
-enum class WeightForm { symmetric, kaneda2017 };
-// explicit_step: the paper's (4)(5), in which stiffness is alpha a substep. implicit_step: the fixed point
-// q = y + a (g(q) - y), in which stiffness is Young's modulus (method, "Time step").
-enum class Integrator { explicit_step, implicit_step };
-enum class Rotation { qcp, mueller2016 };
-
-const char* name_of(WeightForm form);
-const char* name_of(Integrator integrator);
-const char* name_of(Rotation rotation);
+using base::Integrator;
+using base::name_of;
+using base::Rotation;
+using base::WeightForm;
 
 // The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which
 // devices treat differently, into products that no snap sees.

@@ -69,32 +69,34 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
 std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest& request, const Say& say) {
   auto made = std::make_unique<PreparedBake>();
   PreparedBake& prepared = *made;
-  const std::uint64_t handles = scene.motion.handles;
-  prepared.first_number = bake::first_written(request.first_number.value_or(handles), handles);
+  // Both are refused before the work of building, not after it.
+  bake::number_of_first(scene, request.output);
   const auto warn = [&](const std::string& text) {
     if (text.empty()) return;
     say_warning(say, text);
     prepared.warnings.push_back(text);
   };
   warn(warning_of_clip(scene));
-  // Before the work of building, not after it.
-  if (!request.writes_nothing && !request.overwrite && !request.resume && bake::holds_bake(request.folder))
+  const bake::BakeOutput& output = request.output;
+  if (!request.writes_nothing && !output.overwrite && !output.resume && bake::holds_bake(output.folder))
     throw bake::FolderInUse(
-        request.folder.string() +
+        output.folder.string() +
         ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
   prepared.built = build_scene(scene, request.build, say);
   const Built& built = prepared.built;
   say_warnings(built.report, say);
-  drive::DriveSource drives(scene, built.model);
+  drive::DriveSource drives(scene, built.model, built.steps.substeps);
   warn(warning_of_throws(scene, built.model, drives));
-  prepared.expected = bake::expected_look(scene, built.model, drives);
+  prepared.look_body = bake::look_body_of(scene, built.model);
+  if (prepared.look_body)
+    prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);
   DeviceRequest device = request.device;
   device.keeps_pipelines = !request.build.cache.empty();
   device.cache = request.build.cache;
   prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
-    prepared.tried =
-        bake::try_look(scene, built.model, drives, *prepared.simulation.solver, prepared.expected->frame);
+    prepared.tried = bake::try_look(scene, built.model, *prepared.look_body, drives,
+                                    *prepared.simulation.solver, prepared.expected->frame);
     // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
     if (prepared.tried->worst.score > 1.0)
       warn(prepared.expected->score > 1.0
@@ -107,19 +109,15 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
 
 bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& request) {
   bake::BakeOptions options;
-  options.folder = request.folder;
-  options.formats = request.formats;
-  options.glb = request.glb;
-  options.first_number = prepared.first_number;
-  options.usd_skel = request.usd_skel;
-  options.overwrite = request.overwrite;
-  options.resume = request.resume;
+  static_cast<bake::BakeOutput&>(options) = request.output;
+  options.substeps = prepared.built.steps.substeps;
   options.device = prepared.simulation.device.description();
   for (const build::Warning& warning : prepared.built.report.warnings)
     options.warnings.push_back(warning.text);
   options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
   options.expected_look = prepared.expected;
   options.tried_look = prepared.tried;
+  if (prepared.look_body) options.look_body = &*prepared.look_body;
   options.open_ends = open_ends_of(prepared.built.report);
   options.interrupted = request.interrupted;
   options.on_frame = request.on_frame;

@@ -20,13 +20,7 @@
 namespace fascicle::pipeline {
 
 struct BakeRequest {
-  std::filesystem::path folder;
-  std::vector<std::string> formats;  // of bake::format_names()
-  formats::GlbOptions glb = {};
-  std::optional<std::uint64_t>
-      first_number;  // of the range's first frame; without it what is written begins at 0
-  bool usd_skel = false;
-  bool overwrite = false, resume = false;
+  bake::BakeOutput output;
   bool writes_nothing = false;  // prepare_bake leaves the folder alone
   DeviceRequest device = {};    // its cache is build.cache, and without one it keeps nothing
   unsigned threads = 0;         // of the CPU solver; 0: one for each core
@@ -38,12 +32,12 @@ struct BakeRequest {
 
 // What is known before the first frame.
 struct PreparedBake {
-  scene::Scene scene;  // with the substeps that were chosen
+  scene::Scene scene;
   Built built;
+  std::optional<bake::LookBody> look_body;
   std::optional<bake::ExpectedLook> expected;
   std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit or is over it
   std::vector<std::string> warnings;     // for the manifest; they have been said
-  std::uint64_t first_number = 0;        // of frame 0
   Simulation simulation;
 };
 

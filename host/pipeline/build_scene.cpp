@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "host/build/stiffness.h"
 #include "host/pipeline/text.h"
 
 namespace fascicle::pipeline {
@@ -13,34 +12,23 @@ constexpr std::size_t warning_vertices_shown = 8;
 
 }  // namespace
 
-Built build_scene(scene::Scene& scene, const build::BuildOptions& options, const Say& say) {
+Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say) {
   Built built;
   built.model = build::build_model(scene, built.report, options);
   // Solvers rely on it, and a fault of the build would show in them as a wild read.
   model::check_model(built.model);
-  build::choose_steps(scene, built.model, built.report);
+  built.steps = build::choose_steps(scene, built.model, built.report);
   if (built.report.body_from_cache) say_detail(say, "the filled body came from " + options.cache.string());
   say_detail(say, "model: " + count_text(built.report.vertices) + " vertices, " +
                       count_text(built.report.tetrahedra) + " tetrahedra, built in " +
                       duration_text(built.report.seconds));
+  say_detail(say, "substeps: " + std::to_string(built.steps.substeps) + " a frame; " + built.steps.reason);
   return built;
 }
 
 model::SolverOptions solver_options(const scene::Scene& scene) {
-  model::SolverOptions options;
-  if (scene.solver.integrator == model::name_of(model::Integrator::implicit_step))
-    options.integrator = model::Integrator::implicit_step;
-  else if (scene.solver.integrator != model::name_of(model::Integrator::explicit_step))
-    throw scene::SceneError(scene.source + ": solver.integrator: there is no \"" + scene.solver.integrator +
-                            "\"; use \"explicit\" or \"implicit\"");
-  options.iterations = scene.solver.iterations;
-  for (const model::Rotation rotation : {model::Rotation::qcp, model::Rotation::mueller2016})
-    if (scene.solver.rotation == model::name_of(rotation)) {
-      options.rotation = rotation;
-      return options;
-    }
-  throw scene::SceneError(scene.source + ": solver.rotation: there is no \"" + scene.solver.rotation +
-                          "\"; use \"qcp\" or \"mueller2016\"");
+  const scene::SolverSettings& solver = scene.solver;
+  return {.integrator = solver.integrator, .rotation = solver.rotation, .iterations = solver.iterations};
 }
 
 std::string warning_text(const build::Warning& warning) {

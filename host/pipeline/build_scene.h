@@ -7,6 +7,7 @@
 
 #include "host/bake/bake.h"
 #include "host/build/build.h"
+#include "host/build/stiffness.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "host/pipeline/messages.h"
@@ -18,13 +19,13 @@ namespace fascicle::pipeline {
 struct Built {
   model::Model model;
   build::Report report;
+  build::Steps steps;
 };
 
-// Sets the scene's substeps where it says "auto". The model has passed model::check_model. Throws
+// The model has passed model::check_model. Throws
 // scene::SceneError.
-Built build_scene(scene::Scene& scene, const build::BuildOptions& options, const Say& say);
+Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say);
 
-// Throws scene::SceneError for names no solver has.
 model::SolverOptions solver_options(const scene::Scene& scene);
 
 // The warning with the first of its vertices.

@@ -95,8 +95,9 @@ std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& me
 
 Stiffness stiffness_for(const rig::Character& character, const std::optional<std::string>& integrator,
                         const std::optional<std::string>& weights) {
-  if (integrator) return *integrator == "explicit" ? Stiffness::alpha : Stiffness::modulus;
-  if (weights == "kaneda2017") return Stiffness::alpha;
+  if (integrator)
+    return *integrator == name_of(Integrator::explicit_step) ? Stiffness::alpha : Stiffness::modulus;
+  if (weights == name_of(WeightForm::kaneda2017)) return Stiffness::alpha;
   return is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
 }
 

@@ -55,19 +55,19 @@ std::string hash_of(std::string_view bytes) {
   return base::hash_text(XXH3_64bits(bytes.data(), bytes.size()));
 }
 
-bool reads_as_character(const std::filesystem::path& path) {
+bool reads_as_character(const std::filesystem::path& path, const std::filesystem::path& converter) {
   const std::string extension = base::lower_extension(path);
   return extension == ".glb" || extension == ".gltf" || extension == ".vrm" ||
-         (gltf::is_convertible_file(path) && gltf::can_convert());
+         (gltf::is_convertible_file(path) && (!converter.empty() || gltf::can_convert()));
 }
 
-std::string conversion_advice(const std::filesystem::path& path) {
+std::string conversion_advice(const std::filesystem::path& path, const std::filesystem::path& converter) {
   static constexpr std::array<const char*, 17> known{".fbx", ".dae",  ".blend", ".bvh",  ".x",      ".abc",
                                                      ".usd", ".usda", ".usdc",  ".usdz", ".ma",     ".mb",
                                                      ".max", ".c4d",  ".pmx",   ".b3d",  ".md5mesh"};
   const std::string extension = base::lower_extension(path);
   const bool is_known = std::find(known.begin(), known.end(), extension) != known.end();
-  if (!is_known || reads_as_character(path)) return {};
+  if (!is_known || reads_as_character(path, converter)) return {};
   return path.string() + ": " + extension +
          (gltf::is_convertible_file(path)
               ? " is not read without fascicle-convert, which is not beside this program; "
@@ -113,13 +113,14 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
 }
 
 void load_character(const std::filesystem::path& path, Scene& scene) {
-  if (const std::string advice = conversion_advice(path); !advice.empty()) throw InputFileError(advice);
-  if (!reads_as_character(path))
+  if (const std::string advice = conversion_advice(path, scene.converter); !advice.empty())
+    throw InputFileError(advice);
+  if (!reads_as_character(path, scene.converter))
     throw InputFileError(path.string() +
                          " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
-  scene.geometry = gltf::read_gltf(path, &files);
+  scene.geometry = gltf::read_gltf(path, &files, scene.converter);
   for (const auto& file : files) add_hash(file, scene);
 }
 

@@ -18,17 +18,18 @@ struct InputFileError : std::runtime_error {
 // XXH3-64, 16 hex digits.
 std::string hash_of(std::string_view bytes);
 
-// By its name: glTF, and what is converted where there is a converter.
-bool reads_as_character(const std::filesystem::path& path);
+// By its name: glTF, and what is converted where there is a converter, here and below that one or, empty, one
+// that is found.
+bool reads_as_character(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 // What to do with a character in a format that is not read (.blend, ..., without a converter .fbx too); empty
 // for all other files.
-std::string conversion_advice(const std::filesystem::path& path);
+std::string conversion_advice(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 
 // Whole regular file. Throws InputFileError; `most_bytes` keeps a wrong name from filling the memory.
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
 
-// Set scene.geometry (in the unit of the file) and add to scene.input_hashes. Throw InputFileError, or the
-// reader's SceneError, which names the file itself.
+// Set scene.geometry (in the unit of the file) and add to scene.input_hashes; read by scene.converter. Throw
+// InputFileError, or the reader's SceneError, which names the file itself.
 void load_mesh(const std::filesystem::path& path, Scene& scene);
 void load_character(const std::filesystem::path& path, Scene& scene);
 

@@ -35,6 +35,12 @@ Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& o
 
 }  // namespace
 
+std::uint32_t stated_substeps(const Scene& scene) {
+  if (scene.solver.auto_substeps)
+    throw std::invalid_argument(scene.source + ": the substeps are open; they depend on the model");
+  return scene.solver.substeps;
+}
+
 std::uint64_t cycle_frames(const Scene& scene) {
   return static_cast<std::uint64_t>(std::llround((scene.end - scene.start) * scene.fps));
 }
@@ -62,10 +68,11 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
                                                          : Geometry(mesh::read_surface_mesh(path));
       return parse_scene({stem, name, scene_for_mesh(path, mesh), {}}, overrides);
     }
-    if (reads_as_character(path)) {
+    if (reads_as_character(path, overrides.converter)) {
       // Read twice, because the layers' default extents follow from the size; the text must be complete
       // before it is parsed.
       Scene sized;
+      sized.converter = overrides.converter;
       load_character(path, sized);
       return parse_scene({stem,
                           name,

@@ -13,12 +13,18 @@
 #include <Eigen/Core>
 
 #include "host/base/errors.h"
+#include "host/base/names.h"
+#include "host/base/stepping.h"
 #include "host/mesh/mesh.h"
 #include "host/rig/character.h"
 
 namespace fascicle::scene {
 
 using base::SceneError;
+using base::Integrator;
+using base::name_of;
+using base::Rotation;
+using base::WeightForm;
 using Eigen::Vector3d;
 
 // A box of Kuhn tetrahedra, six a cell, from the origin to `size`; `vertices` along each axis (at least 2).
@@ -33,6 +39,9 @@ struct Bar {
 using Geometry = std::variant<Bar, mesh::TetMesh, mesh::SurfaceMesh, rig::Character>;
 
 enum class Axis { x = 0, y = 1, z = 2 };
+constexpr auto names_of(Axis) {
+  return std::array{"x", "y", "z"};
+}
 
 // Parts of space. A point is in a Where if it is in any of its shapes. All bounds are inclusive.
 struct Box {
@@ -159,6 +168,18 @@ struct FibreCurve {
 // last.
 using KeyedCurve = std::vector<std::pair<double, double>>;
 
+// To where a muscle bulges, tau: to the side to which the joint folds, or along the normal of the bones'
+// plane.
+enum class BulgeAxis { flexion, plane_normal };
+constexpr auto names_of(BulgeAxis) {
+  return std::array{"flexion", "plane-normal"};
+}
+// What a joint's angle makes of a muscle: (1 - cos)/2, or the sine, as printed; 0 in the bind pose.
+enum class Activation { cosine, sine };
+constexpr auto names_of(Activation) {
+  return std::array{"cosine", "sine"};
+}
+
 // A muscle, section 3.6 of the paper: flesh on a bone that bulges as a joint bends, or as it is told to.
 // Joints by name; muscle_bones.h says which bones and flesh that makes.
 struct Muscle {
@@ -166,12 +187,12 @@ struct Muscle {
   std::string joint = {};  // the joint that bends; empty: none
   // Where the upper bone begins and the lower one ends; empty: the next joints.
   std::string parent = {}, child = {};
-  std::string bone = {};         // the joint whose bone carries the muscle; empty: that of the upper bone
-  std::string layer = {};        // its flesh is of this layer; empty: of any that is not kinematic
-  Where where = {};              // and here; empty: all along the bone
-  double gain = 1.5;             // of equation (17)
-  std::string axis = "flexion";  // tau: the side to which the joint folds, or "plane-normal"
-  std::string activation = "cosine";  // of the angle: (1 - cos)/2, or "sine", as printed; 0 in the bind pose
+  std::string bone = {};   // the joint whose bone carries the muscle; empty: that of the upper bone
+  std::string layer = {};  // its flesh is of this layer; empty: of any that is not kinematic
+  Where where = {};        // and here; empty: all along the bone
+  double gain = 1.5;       // of equation (17)
+  BulgeAxis axis = BulgeAxis::flexion;
+  Activation activation = Activation::cosine;
   KeyedCurve curve = {};        // of the angle in degrees instead; its value in the bind pose is taken off
   KeyedCurve contraction = {};  // over the time of the clip, s: bulges on all sides, whatever the joint does
   std::string contraction_channel = {};  // the same, from the clip: "JOINT.translation.x"
@@ -191,6 +212,9 @@ struct ProbeSet {
 // wind: a pressure (Pa) along a direction, on every vertex of the surface by its share of the rest area.
 // point: a force (N) on a vertex set, spread by mass.
 enum class ForceKind { wind, point };
+constexpr auto names_of(ForceKind) {
+  return std::array{"wind", "point"};
+}
 struct Force {
   std::string name;
   ForceKind kind = ForceKind::point;
@@ -200,31 +224,42 @@ struct Force {
   double end = 1e30;
 };
 
+// automatic: the skin's own vertices where it encloses a volume and, of a character, is even enough; else a
+// cage around it. off: the skin's or an error. wrap: always a cage.
+enum class Cage { automatic, off, wrap };
+constexpr auto names_of(Cage) {
+  return std::array{"auto", "off", "wrap"};
+}
+
 // How a surface or a character becomes tetrahedra.
 struct BodySettings {
-  // auto: the skin's own vertices where it encloses a volume and, of a character, is even enough; else a cage
-  // around it. off: the skin's or an error. wrap: always a cage.
-  std::string cage = "auto";
+  Cage cage = Cage::automatic;
   double cage_detail = 100.0;  // a cage closes gaps narrower than the body's diagonal divided by this
   std::optional<std::uint32_t> vertices;  // wanted number of vertices; goes before Scene::resolution
 };
 
 struct SolverSettings {
-  std::string integrator = "explicit";
-  std::string rotation = "qcp";       // or "mueller2016"
-  std::string weights = "symmetric";  // or "kaneda2017", which also leaves momentum unscaled
-  std::uint32_t substeps = 1;         // a frame, [1, 1000]
-  bool auto_substeps = false;         // substeps = "auto": `substeps` is what build::choose_steps makes it
-  std::uint32_t iterations = 20;      // an implicit substep, [1, 1000]
+  Integrator integrator = Integrator::explicit_step;
+  Rotation rotation = Rotation::qcp;
+  WeightForm weights = WeightForm::symmetric;
+  std::uint32_t substeps = 1;     // a frame, [1, 1000]; of no meaning beside auto_substeps
+  bool auto_substeps = false;     // substeps = "auto": build::choose_steps says how many
+  std::uint32_t iterations = 20;  // an implicit substep, [1, 1000]
 };
 
 // What the rest shape is: hung by gravity already, so that only gravity's change in the bones' frames acts
 // (f_i = m_i (g - R_i g)), or shaped without gravity, which then acts in full.
 enum class Rest { sculpted, weightless };
+constexpr auto names_of(Rest) {
+  return std::array{"sculpted", "weightless"};
+}
 
 // What a clip's linear keys are where they lie closer than a tenth of a second: samples of a smooth motion
 // (smooth_clip.h), or corners between straight lines, as glTF has it.
 enum class KeyInterpolation { smooth, as_authored };
+constexpr auto names_of(KeyInterpolation) {
+  return std::array{"smooth", "as-authored"};
+}
 
 // How time runs around the clip. The frames that are written show the clip from `start` to `end`, `loop`
 // times, and then its last pose for `hold` seconds; what comes before frame 0 is stepped and not written.
@@ -256,6 +291,10 @@ struct Scene {
   std::vector<std::pair<std::string, std::string>>
       input_hashes;  // file, xxh3-64 hex: everything that was read
 
+  // The program fascicle-convert for the character's file, which is read again when it is baked; empty: found
+  // beside this program or on PATH.
+  std::filesystem::path converter;
+
   Geometry geometry = Bar{};
   double scale = 1.0;                // metres per unit of the mesh file
   std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
@@ -284,8 +323,10 @@ std::uint64_t cycle_frames(const Scene& scene);
 std::uint64_t frame_count(const Scene& scene);
 // The name of the clip that the scene plays; empty where it plays none.
 std::string clip_name(const Scene& scene);
+// Substeps of a frame. Throws std::invalid_argument where the scene leaves them to build::choose_steps.
+std::uint32_t stated_substeps(const Scene& scene);
 
-// Changes to a scene before it is checked.
+// Changes to a scene before it is checked, and what reads it.
 struct SceneOverrides {
   std::vector<std::string> set = {};  // "layers.fat.alpha=0.2"
   std::optional<double> fps = {}, start = {}, end = {};
@@ -300,7 +341,8 @@ struct SceneOverrides {
   std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};
   std::vector<std::string> rigid = {};  // joints, objects or materials
   std::optional<double> softness = {}, exaggerate = {};
-  std::vector<std::string> only = {};  // joints
+  std::vector<std::string> only = {};    // joints
+  std::filesystem::path converter = {};  // Scene::converter; changes nothing in the scene
 };
 
 bool has_overrides(const SceneOverrides& overrides);

@@ -25,16 +25,22 @@ constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency"
 constexpr double least_volume_of_character = 0.3;
 constexpr std::array<const char*, 3> explicit_keys{"alpha", "alpha_outer", "alpha_attribute"};
 
+// For the message of a key that only one integrator has.
+std::string takes(Integrator integrator) {
+  return std::string("takes solver.integrator = \"") + name_of(integrator) + '"';
+}
+
 // The one that the layers speak to, where the scene names none.
-std::string integrator_of(const toml::table& root) {
-  if (const auto stated = root["solver"]["integrator"].value<std::string>()) return *stated;
+Integrator integrator_of(const toml::table& root) {
+  if (const auto stated = root["solver"]["integrator"].value<std::string>())
+    return base::named<Integrator>(*stated).value();
   bool has_implicit = false, has_explicit = false;
   for_each_named(root, "layers", [&](const std::string&, const toml::table& layer, const std::string&) {
     const auto states = [&](const char* key) { return layer.contains(key); };
     has_implicit = has_implicit || std::any_of(implicit_keys.begin(), implicit_keys.end(), states);
     has_explicit = has_explicit || std::any_of(explicit_keys.begin(), explicit_keys.end(), states);
   });
-  return has_implicit && !has_explicit ? "implicit" : SolverSettings{}.integrator;
+  return has_implicit && !has_explicit ? Integrator::implicit_step : SolverSettings{}.integrator;
 }
 
 // How a layer says how stiff it is, and by what right: alpha is the explicit integrator's, the rest the
@@ -45,14 +51,15 @@ void fix_stiffness(const toml::table& table, const std::string& path, bool impli
   };
   for (const char* key : implicit_keys)
     if (!implicit)
-      refuse(key, "takes solver.integrator = \"implicit\"; say that, or " +
+      refuse(key, takes(Integrator::implicit_step) + "; say that, or " +
                       std::string(key == std::string_view("damping_ratio") ? "damping" : "alpha") +
                       " instead");
   for (const char* key : explicit_keys)
     if (implicit)
-      refuse(key,
-             "takes solver.integrator = \"explicit\"; say youngs_modulus, frequency or material instead, or "
-             "flesh.softness to change all layers");
+      refuse(
+          key,
+          takes(Integrator::explicit_step) +
+              "; say youngs_modulus, frequency or material instead, or flesh.softness to change all layers");
   if (const Material* material = find_material(layer.material)) {
     layer.youngs_modulus = material->youngs_modulus;
     if (!table.contains("density")) layer.density = material->density;
@@ -78,11 +85,12 @@ void fix_least_volume(const toml::table& table, const std::string& path, const S
     layer.least_volume = least_volume_of_character;
   if (!implicit && layer.least_volume > 0.0)
     fail(table.get("least_volume")->source(), join_path(path, "least_volume"),
-         "takes solver.integrator = \"implicit\"; leave it out, or say how stiff the layer is by "
-         "youngs_modulus, frequency or material");
+         takes(Integrator::implicit_step) +
+             "; leave it out, or say how stiff the layer is by youngs_modulus, frequency or material");
 }
 
 void read_layers(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
+  const bool implicit = scene.solver.integrator == Integrator::implicit_step;
   std::string rest_of_body;
   for_each_named(root, "layers",
                  [&](const std::string& name, const toml::table& table, const std::string& path) {
@@ -93,8 +101,8 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                      fail(table.get("alpha_attribute")->source(), join_path(path, "alpha_attribute"),
                           "only a [character] has painted values; leave it out");
                    check_sliding(table, path, layer);
-                   fix_stiffness(table, path, scene.solver.integrator == "implicit", layer);
-                   fix_least_volume(table, path, surroundings, scene.solver.integrator == "implicit", layer);
+                   fix_stiffness(table, path, implicit, layer);
+                   fix_least_volume(table, path, surroundings, implicit, layer);
                    if (const toml::node* node = table.get("fibre")) {
                      const Vector3d fibre = vector_of(*node);
                      // Scaled first: a square of the smallest doubles is 0.
@@ -132,12 +140,12 @@ void read_flesh(const toml::table& root, Scene& scene) {
     if (layer.kinematic) continue;
     if (layer.youngs_modulus) *layer.youngs_modulus /= flesh.softness;
     if (layer.frequency) *layer.frequency /= std::sqrt(flesh.softness);
-    if (scene.solver.integrator == "explicit" && flesh.softness != 1.0) {
+    if (scene.solver.integrator == Integrator::explicit_step && flesh.softness != 1.0) {
       const double stiffest = std::max(layer.alpha, layer.alpha_outer.value_or(0.0)) / flesh.softness;
       if (stiffest > 1.0)
-        refuse("softness",
-               "makes alpha of layers." + layer.name + " " + shortest(stiffest) +
-                   ", and 1 is the most; say more substeps instead, or integrator = \"implicit\"");
+        refuse("softness", "makes alpha of layers." + layer.name + " " + shortest(stiffest) +
+                               ", and 1 is the most; say more substeps instead, or integrator = \"" +
+                               name_of(Integrator::implicit_step) + '"');
       layer.alpha /= flesh.softness;
       if (layer.alpha_outer) *layer.alpha_outer /= flesh.softness;
     }
@@ -281,20 +289,21 @@ void read_character(const toml::table& table, const std::filesystem::path& folde
 }
 
 void read_steps(const toml::table& table, SolverSettings& solver) {
-  const bool implicit = solver.integrator == "implicit";
+  const bool implicit = solver.integrator == Integrator::implicit_step;
   const toml::node* substeps = table.get("substeps");
   solver.auto_substeps = substeps != nullptr && substeps->is_string();
   if (!solver.auto_substeps) read(table, "substeps", solver.substeps);
   if (table.contains("iterations") && !implicit)
     fail(table.get("iterations")->source(), "solver.iterations",
-         "takes solver.integrator = \"implicit\"; leave it out");
+         takes(Integrator::implicit_step) + "; leave it out");
   if (solver.auto_substeps && solver.iterations < 2)
     fail(table.get("iterations")->source(), "solver.iterations",
          "is 1, which resolves no stiffness, so \"auto\" finds no substeps; give 2 or more, or substeps as a "
          "number");
-  if (implicit && solver.weights != "symmetric")
+  if (implicit && solver.weights != WeightForm::symmetric)
     fail(table.get("weights")->source(), "solver.weights",
-         "\"" + solver.weights + "\" takes solver.integrator = \"explicit\"; leave it out");
+         std::string("\"") + name_of(solver.weights) + "\" " + takes(Integrator::explicit_step) +
+             "; leave it out");
 }
 
 toml::table parse_toml(const SceneText& input) {
@@ -318,6 +327,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   const toml::table* table = root["character"].as_table();
   if (table == nullptr || root.contains("layers")) return false;
   Scene loaded;
+  loaded.converter = overrides.converter;
   loaded.geometry = rig::Character{};
   try {
     if (const auto file = character_file(*table, overrides))
@@ -360,6 +370,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
     fail(layers.source(), "layers", "is empty; give at least one [layers.NAME]");
 
   Scene scene;
+  scene.converter = overrides.converter;
   scene.name = input.name;
   scene.source = input.source;
   scene.text = has_added || has_overrides(overrides) ? write_scene(root) : input.text;
@@ -407,7 +418,8 @@ std::string documented_text(const Scene& scene) {
   const toml::table root = toml::parse(scene.text, scene.source);
   // What goes with the other integrator, or with another body, would be refused.
   std::vector<const char*> left_out{"iterations"};
-  if (scene.solver.integrator == "implicit") left_out.assign(explicit_keys.begin(), explicit_keys.end());
+  if (scene.solver.integrator == Integrator::implicit_step)
+    left_out.assign(explicit_keys.begin(), explicit_keys.end());
   if (!std::holds_alternative<rig::Character>(scene.geometry)) left_out.push_back("skeleton");
   if (std::holds_alternative<Bar>(scene.geometry) || std::holds_alternative<mesh::TetMesh>(scene.geometry))
     left_out.push_back("body");

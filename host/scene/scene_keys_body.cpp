@@ -78,8 +78,7 @@ const auto& body_rows() {
       key(&BodySettings::cage,
           {.name = "cage",
            .doc = "auto: a cage around skins that cannot be filled as they are, or of a character that is "
-                  "dense or uneven; off: never; wrap: always.",
-           .allowed = {"auto", "off", "wrap"}}),
+                  "dense or uneven; off: never; wrap: always."}),
       key(&BodySettings::cage_detail,
           {.name = "cage_detail",
            .doc = "A cage closes gaps and holes narrower than the body's diagonal divided by this.",

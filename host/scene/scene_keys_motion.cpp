@@ -13,16 +13,14 @@ const auto& solver_rows() {
            .doc = "Time stepping: explicit, equations (4) and (5), with stiffness as alpha; implicit, with "
                   "stiffness as youngs_modulus, frequency or material, the same at every fps and resolution. "
                   "Left "
-                  "out, the one whose stiffness the layers state, explicit where they state none.",
-           .allowed = {"explicit", "implicit"}},
+                  "out, the one whose stiffness the layers state, explicit where they state none."},
           {.depends = true, .by_hand = true}),
-      key(&SolverSettings::rotation, {.name = "rotation",
-                                      .doc = "How the rotation of equation (9) is found.",
-                                      .allowed = {"qcp", "mueller2016"}}),
+      key(&SolverSettings::rotation,
+          {.name = "rotation", .doc = "How the rotation of equation (9) is found."}),
       key(&SolverSettings::weights,
           {.name = "weights",
-           .doc = "Equation (12) made symmetric in the fibre's sign and momentum-conserving, or as printed.",
-           .allowed = {"symmetric", "kaneda2017"}}),
+           .doc =
+               "Equation (12) made symmetric in the fibre's sign and momentum-conserving, or as printed."}),
       key(&SolverSettings::substeps,
           {.name = "substeps",
            .doc =
@@ -47,16 +45,14 @@ const auto& motion_rows() {
           {.name = "rest",
            .doc =
                "sculpted: the rest shape hangs under gravity already, only its change in the bones' frames "
-               "acts; weightless: all of it acts. Where absent, sculpted for a character, else weightless.",
-           .allowed = {"sculpted", "weightless"}},
+               "acts; weightless: all of it acts. Where absent, sculpted for a character, else weightless."},
           {.depends = true}),
       key(&Motion::interpolation,
           {.name = "interpolation",
            .doc =
                "smooth: linear keys closer than a tenth of a second are samples of a smooth motion, and a "
                "cubic runs through them; as-authored: straight lines. Where absent, smooth for a character "
-               "from a file.",
-           .allowed = {"smooth", "as-authored"}},
+               "from a file."},
           {.depends = true}),
       key(&Motion::preroll,
           {.name = "preroll",

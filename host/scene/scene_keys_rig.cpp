@@ -91,14 +91,12 @@ const auto& muscle_rows() {
       key(&Muscle::axis,
           {.name = "axis",
            .doc = "Where it bulges: flexion: on the side to which the joint folds, and thins on the other; "
-                  "plane-normal: along the normal of the plane of the two bones.",
-           .allowed = {"flexion", "plane-normal"}}),
+                  "plane-normal: along the normal of the plane of the two bones."}),
       key(&Muscle::activation,
           {.name = "activation",
            .doc =
                "Of the joint's angle, less its value in the bind pose: cosine: (1 - cos)/2, which rises all "
-               "the way; sine: as printed, which turns back beyond 90 degrees.",
-           .allowed = {"cosine", "sine"}}),
+               "the way; sine: as printed, which turns back beyond 90 degrees."}),
       key(&Muscle::curve,
           {.name = "curve",
            .doc = "Activation over the joint's angle in place of `activation`: [[degrees, value], ...].",
@@ -147,7 +145,6 @@ const auto& force_rows() {
       key(&Force::kind,
           {.name = "kind",
            .doc = "wind: a pressure on the whole surface; point: a force spread over vertices by mass.",
-           .allowed = {"wind", "point"},
            .required = true}),
       key(&Force::vector, {.name = "vector",
                            .doc = "Direction and size: Pa for wind, N for point.",

@@ -44,8 +44,7 @@ const auto& capsule_rows() {
 const auto& half_space_rows() {
   using namespace rows;
   static const std::tuple all{
-      key(&HalfSpace::axis,
-          {.name = "axis", .doc = "Axis the plane stands across.", .allowed = {"x", "y", "z"}}),
+      key(&HalfSpace::axis, {.name = "axis", .doc = "Axis the plane stands across."}),
       loose_key({.name = "value", .doc = "Where the plane cuts the axis, m.", .range = coordinate}),
       loose_key(
           {.name = "fraction",

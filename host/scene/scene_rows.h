@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "host/base/fields.h"
+#include "host/base/names.h"
 #include "host/scene/scene.h"
 #include "host/scene/scene_json.h"
 #include "host/scene/scene_table.h"
@@ -33,8 +34,8 @@ struct RowTraits {
   Shown shown = Shown::always;  // where_set: not where the member has its default
 };
 
-// A key that sets a member. An enumeration's values, and false and true, are the words of `allowed`, in
-// order.
+// A key that sets a member. An enumeration's words are the names of its values; `allowed` may have words for
+// false and true, in order.
 template <class Owner, class T>
 struct KeyRow {
   T Owner::*member;
@@ -123,6 +124,7 @@ template <class Owner, class T>
 KeyRow<Owner, T> key(T Owner::*member, Key described, RowTraits traits = {}) {
   described.type = type_of<T>();
   if (std::is_same_v<T, bool> && !described.allowed.empty()) described.type = KeyType::text;
+  if constexpr (std::is_enum_v<T>) described.allowed = base::all_names<T>();
   if constexpr (has_default<T>)
     if (!described.required && !traits.depends)
       described.fallback = json_of_member(described, Owner{}.*member);

@@ -26,9 +26,10 @@ const rig::Clip* clip_of(const toml::table& root, const Scene& scene) {
 // forces.
 bool is_rest_bake(const toml::table& root, const Scene& scene) {
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
-  std::string rest = "sculpted";
+  std::string rest = name_of(Rest::sculpted);
   read(table_at(root, "motion"), "rest", rest);
-  return character != nullptr && character->clips.empty() && scene.forces.empty() && rest == "sculpted";
+  return character != nullptr && character->clips.empty() && scene.forces.empty() &&
+         rest == name_of(Rest::sculpted);
 }
 
 void smooth_played_clip(Scene& scene) {

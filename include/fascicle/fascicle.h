@@ -98,13 +98,13 @@ typedef enum fascicle_severity {
 typedef void fascicle_log_function(void* user, fascicle_severity severity, const char* message);
 
 typedef enum fascicle_phase {
-  FASCICLE_PHASE_BUILD = 0,   /* once, before the model is built; total is 0 */
+  FASCICLE_PHASE_BUILD = 0,   /* before the model is built and again and again meanwhile; done, total are 0 */
   FASCICLE_PHASE_LEAD_IN = 1, /* before each frame that is stepped before frame 0; total is 0 */
   FASCICLE_PHASE_FRAMES = 2   /* after each frame: done of total */
 } fascicle_phase;
 
-/* Returns 0 to go on. Anything else cancels: the call returns FASCICLE_CANCELLED when the frames that are
- * under way are done. */
+/* Returns 0 to go on. Anything else cancels: the call returns FASCICLE_CANCELLED when the step of the build
+ * or the frames that are under way are done. A mesher that runs is ended at once. */
 typedef int fascicle_progress_function(void* user, fascicle_phase phase, uint64_t done, uint64_t total);
 
 /* ---- Scenes
@@ -123,6 +123,8 @@ typedef struct fascicle_scene_options {
   double start, end; /* of the clip, s */
   double softness;   /* how many times as soft all flesh is */
   double exaggerate; /* how many times as far flesh trails */
+  const char* converter; /* the program fascicle-convert, also when the scene is baked; NULL: found beside the
+                            library, in its prefix or on PATH */
 } fascicle_scene_options;
 
 FASCICLE_API void fascicle_scene_options_init(fascicle_scene_options* options, size_t struct_size);
@@ -133,7 +135,7 @@ static inline fascicle_scene_options fascicle_scene_options_default(void) {
 }
 
 /* `name`: a scene file (.toml), a mesh (.mesh .node .ele .msh .vtu .off .obj .ply .stl), a character (.glb
- * .gltf .vrm, and .fbx .dae where fascicle-convert is installed) or a built-in scene. */
+ * .gltf .vrm, and .fbx .dae where fascicle-convert is installed or given) or a built-in scene. */
 FASCICLE_API fascicle_status fascicle_scene_load(const char* name, const fascicle_scene_options* options,
                                                  fascicle_scene** scene);
 /* The same of a scene file's text. `folder`: what its file names are relative to; NULL: the working

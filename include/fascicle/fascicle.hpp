@@ -100,6 +100,7 @@ struct scene_options {
   std::optional<std::string> clip = {};
   std::optional<double> fps = {}, start = {}, end = {};
   std::optional<double> softness = {}, exaggerate = {};
+  std::optional<std::string> converter = {};
 };
 
 class scene {
@@ -152,6 +153,7 @@ class scene {
     c.end = detail::number(options.end);
     c.softness = detail::number(options.softness);
     c.exaggerate = detail::number(options.exaggerate);
+    c.converter = detail::text(options.converter);
     fascicle_scene* made = nullptr;
     check(call(&c, &made));
     handle_.reset(made);
@@ -244,18 +246,19 @@ struct build_options {
   std::optional<std::string> mesher = {};
   std::optional<std::string> cache = {};  // "": none
   log_function log = {};
+  progress_function progress = {};
 };
 
 class model {
  public:
   explicit model(const scene& scene, const build_options& options = {}) {
-    const progress_function none;
-    detail::callbacks callbacks{options.log, none};
+    detail::callbacks callbacks{options.log, options.progress};
     fascicle_build_options c = fascicle_build_options_default();
     c.mesher = detail::text(options.mesher);
     c.cache = detail::text(options.cache);
     if (options.log) c.log = detail::callbacks::on_log;
-    c.log_user = &callbacks;
+    c.progress = detail::callbacks::on_progress;
+    c.log_user = c.progress_user = &callbacks;
     fascicle_model* made = nullptr;
     const fascicle_status status = fascicle_model_build(scene.get(), &c, &made);
     handle_.reset(made);
@@ -291,11 +294,18 @@ class model {
   std::unique_ptr<fascicle_model, detail::deleter<fascicle_model_destroy>> handle_;
 };
 
+struct solver_options {
+  std::optional<std::string> rotation = {};  // "qcp", "mueller2016"; absent: as the scene says, here and below
+  std::optional<std::uint32_t> iterations = {};  // of an implicit substep
+};
+
 class solver {
  public:
   // On the device that "auto" finds.
-  explicit solver(const model& model) { make(model, nullptr); }
-  solver(const model& model, const device& device) { make(model, device.get()); }
+  explicit solver(const model& model, const solver_options& options = {}) { make(model, nullptr, options); }
+  solver(const model& model, const device& device, const solver_options& options = {}) {
+    make(model, device.get(), options);
+  }
 
   void start_clip(const progress_function& progress = {}) {
     const log_function none;
@@ -371,9 +381,15 @@ class solver {
   fascicle_solver* get() const noexcept { return handle_.get(); }
 
  private:
-  void make(const model& model, const fascicle_device* device) {
+  void make(const model& model, const fascicle_device* device, const solver_options& options) {
+    fascicle_solver_options c = fascicle_solver_options_default();
+    c.rotation = detail::text(options.rotation);
+    // 0 is C's word for "as the scene says", and no number of iterations.
+    if (options.iterations == 0u)
+      throw error(FASCICLE_BAD_ARGUMENT, "solver_options.iterations is 0; it must be from 1 to 1000");
+    c.iterations = options.iterations.value_or(0);
     fascicle_solver* made = nullptr;
-    check(fascicle_solver_create(model.get(), device, nullptr, &made));
+    check(fascicle_solver_create(model.get(), device, &c, &made));
     handle_.reset(made);
     joint_count_ = model.joint_count();
   }

@@ -19,6 +19,8 @@ typedef struct fascicle_build_options {
   const char* cache; /* folder for filled bodies; "": none; NULL: as the program's */
   fascicle_log_function* log;
   void* log_user;
+  fascicle_progress_function* progress; /* with FASCICLE_PHASE_BUILD; NULL: nobody watches */
+  void* progress_user;
 } fascicle_build_options;
 
 FASCICLE_API void fascicle_build_options_init(fascicle_build_options* options, size_t struct_size);
@@ -28,7 +30,8 @@ static inline fascicle_build_options fascicle_build_options_default(void) {
   return options;
 }
 
-/* Level 2. Fills, cuts into layers, grows fibres, chooses substeps. */
+/* Level 2. Fills, cuts into layers, grows fibres, chooses substeps. Where it was cancelled it returns
+ * FASCICLE_CANCELLED, and neither a process nor a file of it is left. */
 FASCICLE_API fascicle_status fascicle_model_build(const fascicle_scene* scene,
                                                   const fascicle_build_options* options,
                                                   fascicle_model** model);

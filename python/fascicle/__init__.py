@@ -27,15 +27,15 @@ __all__ = [
     "NotFinite", "ProgressBar", "Scene", "Solver", "bake", "builtin_scenes", "formats", "solver_version",
 ]
 
-def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softness=None, exaggerate=None, set=None,
-         formats=(), device="auto", threads=0, mesher=None, cache=None, overwrite=False, resume=False, usd_skel=False,
+def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softness=None, exaggerate=None, converter=None,
+         set=None, formats=(), device="auto", threads=0, mesher=None, cache=None, overwrite=False, resume=False, usd_skel=False,
          first_frame=None, glb_stride=1, glb_error=None, glb_tolerance=None, glb_compress=None, progress=None,
          log=_log_to_logging, **tables):
     """Builds, simulates and writes a scene, as `fascicle bake` does, with the same bytes.
 
     scene          a Scene, or what Scene takes: a scene file, a mesh, a character or a built-in scene
     folder         to write; None: out/ and the scene's name
-    clip, fps, start, end, softness, exaggerate, set, **tables
+    clip, fps, start, end, softness, exaggerate, converter, set, **tables
                    as Scene takes them: layers={"fat": {"material": "fat"}}. Not beside a Scene
     formats        what to write beside frame cache, manifest and metrics: see formats()
     device         as Device takes it
@@ -50,8 +50,8 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     glb_error      glb: as few targets as keep a viewer this near, m; None: by the stride
     glb_tolerance  glb: vertices nearer than this to skinning are left to it, m; None: next to nothing
     glb_compress   glb: quantised by this much at most, m, and compressed; None: not
-    progress       True: a bar on stderr; or called with (phase, done, total): ("build", 0, 0) before the model is
-                   built, ("lead-in", done, 0) before each frame that is stepped before frame 0, and
+    progress       True: a bar on stderr; or called with (phase, done, total): ("build", 0, 0) again and again while
+                   the model is built, ("lead-in", done, 0) before each frame that is stepped before frame 0, and
                    ("frames", done, total) after each frame. False or an exception ends the bake
     log            called with ("detail", "info" or "warning", message). The default is Python's logging under the
                    name "fascicle"; None: nobody listens
@@ -60,7 +60,7 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     bake with resume=True goes on to the same bytes. Raises BadArgument where the folder holds a bake already.
     """
     chosen = {"clip": clip, "fps": fps, "start": start, "end": end, "softness": softness, "exaggerate": exaggerate,
-              "set": set}
+              "converter": converter, "set": set}
     if isinstance(scene, Scene):
         given = [name for name, value in chosen.items() if value is not None] + list(tables)
         if given:

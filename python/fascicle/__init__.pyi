@@ -40,6 +40,7 @@ class Scene:
         end: float | None = None,
         softness: float | None = None,
         exaggerate: float | None = None,
+        converter: _Path | None = None,
         **tables: Mapping[str, Any],
     ) -> None: ...
     @staticmethod
@@ -54,6 +55,7 @@ class Scene:
         end: float | None = None,
         softness: float | None = None,
         exaggerate: float | None = None,
+        converter: _Path | None = None,
         **tables: Mapping[str, Any],
     ) -> Scene: ...
     @property
@@ -91,6 +93,7 @@ def bake(
     end: float | None = None,
     softness: float | None = None,
     exaggerate: float | None = None,
+    converter: _Path | None = None,
     set: _Settings | None = None,
     formats: str | Sequence[str] = (),
     device: str = "auto",
@@ -124,7 +127,13 @@ class Device:
 
 class Model:
     def __init__(
-        self, scene: Scene, *, mesher: _Path | None = None, cache: _Path | None = None, log: _Log | None = None
+        self,
+        scene: Scene,
+        *,
+        mesher: _Path | None = None,
+        cache: _Path | None = None,
+        progress: _Progress | None = None,
+        log: _Log | None = None,
     ) -> None: ...
     @staticmethod
     def of_arrays(arrays: dict[str, npt.NDArray[Any] | list[str]]) -> Model: ...
@@ -142,7 +151,14 @@ class Model:
     def arrays(self) -> dict[str, npt.NDArray[Any] | list[str]]: ...
 
 class Solver:
-    def __init__(self, model: Model, device: Device | None = None) -> None: ...
+    def __init__(
+        self,
+        model: Model,
+        device: Device | None = None,
+        *,
+        rotation: str | None = None,
+        iterations: int | None = None,
+    ) -> None: ...
     def start_clip(self, progress: _Progress | None = None) -> None: ...
     def step_clip(self) -> None: ...
     def start_pose(self, joints: npt.NDArray[np.float64] | None = None) -> None: ...

@@ -16,14 +16,16 @@ class ProgressBar:
         self._file = file
         self._width = width
         self._began = None
+        self._phase = None
         self._shown_at = -1.0
         self._tenth = -1
         self._length = 0
 
     def __call__(self, phase, done, total):
         now = time.monotonic()
-        if self._began is None or phase == "build":
+        if self._began is None or (phase == "build" and self._phase != "build"):
             self._began, self._shown_at, self._tenth = now, -1.0, -1
+        self._phase = phase
         file = sys.stderr if self._file is None else self._file
         ends = phase == "frames" and done == total
         if _overwrites(file):

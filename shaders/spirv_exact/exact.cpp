@@ -13,8 +13,8 @@ void append(Words& out, std::span<const std::uint32_t> words) {
   out.insert(out.end(), words.begin(), words.end());
 }
 
-bool is_annotation(Opcode opcode) {
-  return opcode == Opcode::decorate || opcode == Opcode::member_decorate;
+bool is_annotation(spv::Op opcode) {
+  return opcode == spv::OpDecorate || opcode == spv::OpMemberDecorate;
 }
 
 // A literal string in a module: bytes, a zero, and zeros up to a whole word.
@@ -30,13 +30,13 @@ Words add_no_contraction(Module module) {
   const std::vector<Instruction> instructions = instructions_of(module);
   std::set<std::uint32_t> decorated;
   for (const Instruction& i : instructions)
-    if (i.opcode == Opcode::decorate && i.words[2] == decoration_no_contraction) decorated.insert(i.words[1]);
+    if (i.opcode == spv::OpDecorate && i.words[2] == spv::DecorationNoContraction)
+      decorated.insert(i.words[1]);
 
   Words decorations;
   for (const Instruction& i : instructions)
     if (is_float_arithmetic(i.opcode) && !decorated.contains(i.words[2]))
-      append(decorations,
-             std::vector{first_word(Opcode::decorate, 3), i.words[2], decoration_no_contraction});
+      append(decorations, Words{first_word(spv::OpDecorate, 3), i.words[2], spv::DecorationNoContraction});
 
   Words out(module.begin(), module.begin() + header_words);
   bool placed = false;
@@ -53,16 +53,14 @@ Words add_no_contraction(Module module) {
 }
 
 Words add_float_controls(Module module, FloatControls controls) {
-  constexpr std::uint32_t capability_signed_zero_inf_nan_preserve = 4466, capability_rounding_mode_rte = 4467;
-  constexpr std::uint32_t mode_signed_zero_inf_nan_preserve = 4461, mode_rounding_mode_rte = 4462;
   std::vector<std::uint32_t> capabilities, modes;
   if (controls.rounding_rte) {
-    capabilities.push_back(capability_rounding_mode_rte);
-    modes.push_back(mode_rounding_mode_rte);
+    capabilities.push_back(spv::CapabilityRoundingModeRTE);
+    modes.push_back(spv::ExecutionModeRoundingModeRTE);
   }
   if (controls.signed_zero_inf_nan_preserve) {
-    capabilities.push_back(capability_signed_zero_inf_nan_preserve);
-    modes.push_back(mode_signed_zero_inf_nan_preserve);
+    capabilities.push_back(spv::CapabilitySignedZeroInfNanPreserve);
+    modes.push_back(spv::ExecutionModeSignedZeroInfNanPreserve);
   }
   if (modes.empty()) return Words(module.begin(), module.end());
 
@@ -72,18 +70,18 @@ Words add_float_controls(Module module, FloatControls controls) {
   std::uint32_t entry_point = 0;
   bool extension_placed = false, modes_placed = false;
   for (const Instruction& i : instructions) {
-    if (!extension_placed && i.opcode != Opcode::capability) {
+    if (!extension_placed && i.opcode != spv::OpCapability) {
       for (const std::uint32_t c : capabilities)
-        append(out, std::vector{first_word(Opcode::capability, 2), c});
+        append(out, std::vector{first_word(spv::OpCapability, 2), c});
       const Words name = words_of("SPV_KHR_float_controls");
-      out.push_back(first_word(Opcode::extension, static_cast<std::uint32_t>(name.size() + 1)));
+      out.push_back(first_word(spv::OpExtension, static_cast<std::uint32_t>(name.size() + 1)));
       append(out, name);
       extension_placed = true;
     }
-    if (i.opcode == Opcode::entry_point) entry_point = i.words[2];
-    if (!modes_placed && i.opcode == Opcode::execution_mode) {
+    if (i.opcode == spv::OpEntryPoint) entry_point = i.words[2];
+    if (!modes_placed && i.opcode == spv::OpExecutionMode) {
       for (const std::uint32_t m : modes)
-        append(out, std::vector{first_word(Opcode::execution_mode, 4), entry_point, m, 32u});
+        append(out, std::vector{first_word(spv::OpExecutionMode, 4), entry_point, m, 32u});
       modes_placed = true;
     }
     append(out, i.words);
@@ -97,8 +95,9 @@ std::vector<std::uint32_t> used_bindings(Module module) {
   std::map<std::uint32_t, std::uint32_t> binding_of;  // variable to binding
   std::set<std::uint32_t> used;
   for (const Instruction& i : instructions_of(module)) {
-    if (i.opcode == Opcode::decorate && i.words[2] == decoration_binding) binding_of[i.words[1]] = i.words[3];
-    if (i.opcode == Opcode::access_chain || i.opcode == Opcode::in_bounds_access_chain)
+    if (i.opcode == spv::OpDecorate && i.words[2] == spv::DecorationBinding)
+      binding_of[i.words[1]] = i.words[3];
+    if (i.opcode == spv::OpAccessChain || i.opcode == spv::OpInBoundsAccessChain)
       if (const auto found = binding_of.find(i.words[3]); found != binding_of.end())
         used.insert(found->second);
   }

@@ -5,36 +5,35 @@
 namespace fascicle::spirv_exact {
 
 std::vector<Instruction> instructions_of(Module module) {
-  constexpr std::uint32_t magic = 0x07230203;
-  if (module.size() < header_words || module[0] != magic) throw ModuleError("not a SPIR-V module");
+  if (module.size() < header_words || module[0] != spv::MagicNumber) throw ModuleError("not a SPIR-V module");
   std::vector<Instruction> instructions;
   std::size_t at = header_words;
   while (at < module.size()) {
-    const std::size_t length = module[at] >> 16;
+    const std::size_t length = module[at] >> spv::WordCountShift;
     if (length == 0 || length > module.size() - at)
       throw ModuleError("SPIR-V instruction at word " + std::to_string(at) + " has a wrong length");
-    instructions.push_back({static_cast<Opcode>(module[at] & 0xffff), module.subspan(at, length)});
+    instructions.push_back({static_cast<spv::Op>(module[at] & spv::OpCodeMask), module.subspan(at, length)});
     at += length;
   }
   return instructions;
 }
 
-bool is_float_arithmetic(Opcode opcode) {
-  switch (static_cast<std::uint16_t>(opcode)) {
-    case 127:  // OpFNegate
-    case 129:  // OpFAdd
-    case 131:  // OpFSub
-    case 133:  // OpFMul
-    case 136:  // OpFDiv
-    case 140:  // OpFRem
-    case 141:  // OpFMod
-    case 142:  // OpVectorTimesScalar
-    case 143:  // OpMatrixTimesScalar
-    case 144:  // OpVectorTimesMatrix
-    case 145:  // OpMatrixTimesVector
-    case 146:  // OpMatrixTimesMatrix
-    case 147:  // OpOuterProduct
-    case 148:  // OpDot
+bool is_float_arithmetic(spv::Op opcode) {
+  switch (opcode) {
+    case spv::OpFNegate:
+    case spv::OpFAdd:
+    case spv::OpFSub:
+    case spv::OpFMul:
+    case spv::OpFDiv:
+    case spv::OpFRem:
+    case spv::OpFMod:
+    case spv::OpVectorTimesScalar:
+    case spv::OpMatrixTimesScalar:
+    case spv::OpVectorTimesMatrix:
+    case spv::OpMatrixTimesVector:
+    case spv::OpMatrixTimesMatrix:
+    case spv::OpOuterProduct:
+    case spv::OpDot:
       return true;
     default:
       return false;

@@ -40,7 +40,8 @@ BendingBar elastic_bar(double youngs_modulus, double damping = 12.0) {
 
 bake::ExpectedLook expected(const BendingBar& bar) {
   drive::DriveSource drives(bar.scene, bar.model);
-  return bake::expected_look(bar.scene, bar.model, drives).value();
+  return bake::expected_look(bar.scene, bar.model, bake::look_body_of(bar.scene, bar.model).value(), drives)
+      .value();
 }
 
 // The largest score of LookMeasure::distance.
@@ -127,7 +128,8 @@ TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
         cpu_reference::make_cpu_solver(bar.model, {.integrator = model::Integrator::implicit_step}, 2);
     drive::DriveSource drives(bar.scene, bar.model);
     const std::uint64_t frame = scene::cycle_frames(bar.scene) / 2;
-    const bake::TriedLook tried = bake::try_look(bar.scene, bar.model, drives, *solver, frame);
+    const bake::LookBody body = bake::look_body_of(bar.scene, bar.model).value();
+    const bake::TriedLook tried = bake::try_look(bar.scene, bar.model, body, drives, *solver, frame);
     EXPECT_LT(tried.first, frame);
     EXPECT_GT(tried.last, frame);
     EXPECT_EQ(tried.worst.score > 1.0, measured(bar) > 1.0) << youngs_modulus;
@@ -143,7 +145,8 @@ TEST(ExpectedLook, AsksFreeFleshAndASkeleton) {
   BendingBar bar = elastic_bar(1e4);
   for (std::uint32_t i = 0; i < bar.model.vertex_count; ++i) make_kinematic(bar.model, i);
   drive::DriveSource still(bar.scene, bar.model);
-  EXPECT_FALSE(bake::expected_look(bar.scene, bar.model, still).has_value());
+  const bake::LookBody body = bake::look_body_of(bar.scene, bar.model).value();
+  EXPECT_FALSE(bake::expected_look(bar.scene, bar.model, body, still).has_value());
 }
 
 }  // namespace

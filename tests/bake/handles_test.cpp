@@ -25,7 +25,7 @@ scene::Scene arm_scene(const std::string& motion, const scene::SceneOverrides& o
 }
 
 drive::Timeline timeline_of(const scene::Scene& scene) {
-  return drive::Timeline(scene, std::get<rig::Character>(scene.geometry), 1.0);
+  return drive::Timeline(scene, std::get<rig::Character>(scene.geometry), 1.0, scene.solver.substeps);
 }
 
 TEST(Handles, PosesOfTheRangeAreThoseWithout) {
@@ -84,7 +84,7 @@ TEST(Handles, AreNumberedAroundTheRange) {
   scene.motion.handles = 2;
   bake::BakeOptions options = options_for(folder / "out");
   options.formats = {"obj"};
-  options.first_number = bake::first_written(1001, 2);
+  options.first_number = 1001;
   const model::Model model = two_tetrahedra();
   FakeSolver solver(model);
   bake::bake(scene, model, solver, options);

@@ -1,11 +1,13 @@
 // Programs that are run under limits, also where the process that runs them does not keep its children.
 #include "host/base/process.h"
 
+#include <chrono>
 #include <string>
 #include <system_error>
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/wait.h>
 
 namespace fascicle::tests {
 namespace {
@@ -47,6 +49,24 @@ TEST(Process, TellsHowItEnded) {
   EXPECT_EQ(result.end, ProcessEnd::exited);
   EXPECT_EQ(result.code, 3);
   EXPECT_EQ(result.last_words, "why\n");
+}
+
+TEST(Process, EndsAtOnceWhereItIsCancelled) {
+  const ChildSignal as_usual(SIG_DFL, 0);
+  int asked = 0;
+  const auto began = std::chrono::steady_clock::now();
+  const auto result =
+      run_process("/bin/sleep", {"60"}, {.seconds = 60.0, .is_cancelled = [&] { return ++asked > 5; }});
+  EXPECT_EQ(result.end, ProcessEnd::cancelled);
+  EXPECT_EQ(asked, 6) << "it is not asked again";
+  // It is asked every 20 ms; the rest is a busy machine's.
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+  // The control: who is asked and wishes to go on changes nothing.
+  const auto whole =
+      run_process("/bin/sh", {"-c", "exit 3"}, {.seconds = 5.0, .is_cancelled = [] { return false; }});
+  EXPECT_EQ(whole.end, ProcessEnd::exited);
+  EXPECT_EQ(whole.code, 3);
 }
 
 // The kernel reaps such children itself, and how they ended is lost.

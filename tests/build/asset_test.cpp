@@ -128,7 +128,7 @@ TEST(Assets, RefusesAnOpenSurfaceByItsName) {
   surface.triangles.pop_back();
   scene::Scene scene = bar_scene();
   scene.geometry = surface;
-  scene.body.cage = "off";
+  scene.body.cage = scene::Cage::off;
   build::Report report;
   expect_refusal([&] { build::build_model(scene, report, with_mesher()); }, "test: mesh: ");
 }
@@ -136,7 +136,7 @@ TEST(Assets, RefusesAnOpenSurfaceByItsName) {
 scene::Scene man_scene(const rig::Character& man) {
   scene::Scene scene = bar_scene();
   scene.geometry = man;
-  scene.body.cage = "off";
+  scene.body.cage = scene::Cage::off;
   scene.pins.clear();
   scene.layers = {layer_named("fat"), layer_named("muscle", {scene::BoneDistance{0.0, 0.07}}),
                   layer_named("bone", {scene::BoneDistance{0.0, 0.03}})};

@@ -32,7 +32,7 @@ using mesh::SurfaceMesh;
 using mesh::TetMesh;
 using scene::Vector3d;
 
-scene::Scene scene_of(scene::Geometry geometry, const std::string& cage = "auto") {
+scene::Scene scene_of(scene::Geometry geometry, scene::Cage cage = scene::Cage::automatic) {
   scene::Scene scene = bar_scene();
   scene.geometry = std::move(geometry);
   scene.body.cage = cage;
@@ -254,7 +254,7 @@ TEST(Cage, CleanSurfacesAreKept) {
 }
 
 TEST(Cage, OffRefusesWhatCannotBeFilled) {
-  expect_refusal([] { fill(scene_of(open_box(), "off")); }, "has only one triangle");
+  expect_refusal([] { fill(scene_of(open_box(), scene::Cage::off)); }, "has only one triangle");
 }
 
 // Everything that cannot be filled as it is gets a cage that can, and that holds all of it.
@@ -302,13 +302,13 @@ TEST(Cage, OfCrossingBallsIsOneSolid) {
 
 TEST(Cage, FollowsTheResolution) {
   for (const std::uint32_t wanted : {1000u, 4000u}) {
-    scene::Scene scene = scene_of(ball(0.5, 24), "wrap");
+    scene::Scene scene = scene_of(ball(0.5, 24), scene::Cage::wrap);
     scene.body.vertices = wanted;
     const auto got = static_cast<double>(fill(scene).body.mesh.vertices.size());
     // A wanted number is a wish: TetGen's own count varies by some per cent with the shape.
     EXPECT_NEAR(got, wanted, 0.25 * wanted);
   }
-  scene::Scene scene = scene_of(ball(0.5, 24), "wrap");
+  scene::Scene scene = scene_of(ball(0.5, 24), scene::Cage::wrap);
   scene.resolution = 0.08;
   const Filled filled = fill(scene);
   EXPECT_LT(filled.report.fill.cage.edges.low, 0.08);
@@ -317,14 +317,14 @@ TEST(Cage, FollowsTheResolution) {
 }
 
 TEST(Cage, KeptInsidesFollowTheResolution) {
-  scene::Scene scene = scene_of(ball(0.5, 24), "off");
+  scene::Scene scene = scene_of(ball(0.5, 24), scene::Cage::off);
   scene.body.vertices = 6000;
   const auto got = static_cast<double>(fill(scene).body.mesh.vertices.size());
   EXPECT_NEAR(got, 6000.0, 0.25 * 6000.0);
 }
 
 scene::Scene legs_scene(double gap) {
-  scene::Scene scene = scene_of(make_legs(gap), "wrap");
+  scene::Scene scene = scene_of(make_legs(gap), scene::Cage::wrap);
   scene.resolution = 0.04;
   // Gaps below 4 cm are closed over.
   scene.body.cage_detail = 20.0;

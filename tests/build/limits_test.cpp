@@ -21,7 +21,7 @@ using scene::Vector3d;
 scene::Scene two_layers(double lower, double upper) {
   scene::Scene scene = bar_scene();
   scene.pins = {{"end", {scene::HalfSpace{scene::Axis::x, true, true, 0.11}}}};
-  scene.solver.integrator = "implicit";
+  scene.solver.integrator = scene::Integrator::implicit_step;
   scene.layers[0].youngs_modulus = 1e4;
   scene.layers[0].least_volume = lower;
   scene::Layer soft = scene.layers[0];

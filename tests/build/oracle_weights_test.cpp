@@ -49,7 +49,7 @@ scene::Scene random_bar(unsigned seed) {
           .axis = scene::Axis::x, .below = true, .is_fraction = true, .value = 0.7 / static_cast<double>(k)}};
     scene.layers.push_back(layer);
   }
-  scene.solver.weights = chance(0.5) ? "symmetric" : "kaneda2017";
+  scene.solver.weights = chance(0.5) ? scene::WeightForm::symmetric : scene::WeightForm::kaneda2017;
   return scene;
 }
 

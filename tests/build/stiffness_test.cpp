@@ -18,7 +18,7 @@ using model::Model;
 scene::Scene elastic_scene(double E) {
   scene::Scene scene = bar_scene();
   scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};
-  scene.solver.integrator = "implicit";
+  scene.solver.integrator = scene::Integrator::implicit_step;
   scene.layers[0].youngs_modulus = E;
   return scene;
 }
@@ -114,9 +114,9 @@ TEST(Stiffness, SubstepsFollowTheStiffness) {
     build::Report report;
     const Model m = build::build_model(scene, report);
     report.warnings.clear();
-    build::choose_steps(scene, m, report);
+    const build::Steps steps = build::choose_steps(scene, m, report);
     if (warnings != nullptr) *warnings = report.warnings.size();
-    return scene.solver.substeps;
+    return steps.substeps;
   };
   std::size_t warnings = 1;
   EXPECT_EQ(substeps(1e2, 60.0, &warnings), 1u);
@@ -139,9 +139,9 @@ TEST(Stiffness, ExplicitSubstepsFollowFrameRateAndSpacing) {
     build::Report report;
     const Model m = build::build_model(scene, report);
     const std::size_t before = report.warnings.size();
-    build::choose_steps(scene, m, report);
+    const build::Steps steps = build::choose_steps(scene, m, report);
     warnings = report.warnings.size() - before;
-    return scene.solver.substeps;
+    return steps.substeps;
   };
   const std::uint32_t coarse = substeps({11, 3, 3}, 30.0);
   EXPECT_GT(coarse, 4u);

@@ -178,7 +178,7 @@ TEST(Ties, WarnsOfSkinThatNothingHolds) {
 // it counts.
 TEST(Ties, ASheetIsAsStiffAsTheOraclesAndFinite) {
   scene::Scene scene = skin_scene();
-  scene.solver.integrator = "implicit";
+  scene.solver.integrator = scene::Integrator::implicit_step;
   scene.layers[0].youngs_modulus = 3e3;
   scene.layers[1].youngs_modulus = 3.5e4;
   for (const double bend : {0.0, 0.3}) {

@@ -66,7 +66,7 @@ Built build_weights(const scene::Scene& scene) {
   return built;
 }
 
-scene::Scene weight_scene(double beta, const Vector3d& fibre, const std::string& form, double jitter = 0.2) {
+scene::Scene weight_scene(double beta, const Vector3d& fibre, WeightForm form, double jitter = 0.2) {
   scene::Scene scene = bar_scene();
   scene.geometry = scene::Bar{.vertices = {7, 5, 4}, .jitter = jitter};
   scene.layers[0].beta = beta;
@@ -88,16 +88,16 @@ void expect_printed(const Built& built, bool line) {
 
 TEST(Weights, FollowThePrintedFormula) {
   for (const double beta : {0.1, 0.3, 0.6, 0.75, 0.99})
-    expect_printed(build_weights(weight_scene(beta, {1, 2, 3}, "kaneda2017")), false);
+    expect_printed(build_weights(weight_scene(beta, {1, 2, 3}, WeightForm::kaneda2017)), false);
 }
 
 TEST(Weights, SymmetricFormTakesTheFibreTowardsEachVertex) {
   for (const double beta : {0.1, 0.3, 0.6, 0.75, 0.99})
-    expect_printed(build_weights(weight_scene(beta, {1, 2, 3}, "symmetric")), true);
+    expect_printed(build_weights(weight_scene(beta, {1, 2, 3}, WeightForm::symmetric)), true);
 }
 
 TEST(Weights, AtBetaZeroAreTheMasses) {
-  for (const char* form : {"symmetric", "kaneda2017"}) {
+  for (const WeightForm form : {WeightForm::symmetric, WeightForm::kaneda2017}) {
     const Built built = build_weights(weight_scene(0.0, {1, 2, 3}, form));
     for (std::size_t k = 0; k < built.model.ring.size(); ++k)
       EXPECT_EQ(built.weights.taken[k], built.model.mass[built.model.ring[k]]);
@@ -106,7 +106,7 @@ TEST(Weights, AtBetaZeroAreTheMasses) {
 }
 
 TEST(Weights, WithoutAFibreBetaActsAsZero) {
-  scene::Scene scene = weight_scene(0.7, {1, 0, 0}, "symmetric");
+  scene::Scene scene = weight_scene(0.7, {1, 0, 0}, WeightForm::symmetric);
   scene.layers[0].fibre.reset();
   const Built built = build_weights(scene);
   for (const float beta : built.model.beta) EXPECT_EQ(beta, 0.0f);
@@ -114,18 +114,19 @@ TEST(Weights, WithoutAFibreBetaActsAsZero) {
 }
 
 TEST(Weights, AtBetaOneAreMassTimesSquaredCosine) {
-  const Built a = build_weights(weight_scene(1.0, {1, 2, 3}, "symmetric"));
-  const Built b = build_weights(weight_scene(1.0, {1, 2, 3}, "kaneda2017"));
+  const Built a = build_weights(weight_scene(1.0, {1, 2, 3}, WeightForm::symmetric));
+  const Built b = build_weights(weight_scene(1.0, {1, 2, 3}, WeightForm::kaneda2017));
   expect_printed(a, false);
   EXPECT_EQ(a.weights.taken, b.weights.taken);
 }
 
 TEST(Weights, AFibreIsALineInTheSymmetricFormOnly) {
-  const auto taken = [](const Vector3d& d, const char* form) {
+  const auto taken = [](const Vector3d& d, WeightForm form) {
     return build_weights(weight_scene(0.5, d, form)).weights.taken;
   };
-  EXPECT_EQ(taken({1, 2, 3}, "symmetric"), taken({-1, -2, -3}, "symmetric"));
-  const std::vector<double> one = taken({1, 2, 3}, "kaneda2017"), other = taken({-1, -2, -3}, "kaneda2017");
+  EXPECT_EQ(taken({1, 2, 3}, WeightForm::symmetric), taken({-1, -2, -3}, WeightForm::symmetric));
+  const std::vector<double> one = taken({1, 2, 3}, WeightForm::kaneda2017),
+                            other = taken({-1, -2, -3}, WeightForm::kaneda2017);
   double largest = 0.0, change = 0.0;
   for (std::size_t k = 0; k < one.size(); ++k) {
     largest = std::max(largest, one[k]);
@@ -137,7 +138,7 @@ TEST(Weights, AFibreIsALineInTheSymmetricFormOnly) {
 
 TEST(Weights, ACentreWithoutDirectionKeepsItsMass) {
   // The middle vertex of an even bar is the mass centre of its region, up to the rounding of rest positions.
-  scene::Scene scene = weight_scene(1.0, {1, 2, 3}, "symmetric", 0.0);
+  scene::Scene scene = weight_scene(1.0, {1, 2, 3}, WeightForm::symmetric, 0.0);
   std::get<scene::Bar>(scene.geometry).vertices = {7, 7, 7};
   const Built built = build_weights(scene);
   std::size_t middle = 0;
@@ -178,7 +179,7 @@ TEST(Weights, RegionsAndVerticesWithoutWeightFallBackToTheMass) {
 }
 
 TEST(Shares, AreTheWeightsWithinHalfAStep) {
-  for (const char* form : {"symmetric", "kaneda2017"}) {
+  for (const WeightForm form : {WeightForm::symmetric, WeightForm::kaneda2017}) {
     const Built built = build_weights(weight_scene(0.75, {1, 2, 3}, form));
     const Model& m = built.model;
     std::vector<double> sum = built.weights.own, given(m.vertex_count, 0.0);
@@ -218,7 +219,7 @@ TEST(Shares, GiveBackWhatRoundingTookTooMuch) {
 }
 
 TEST(Shares, PullsAreAlphaTimesMassOrTheSumOfWeights) {
-  scene::Scene scene = weight_scene(0.75, {1, 2, 3}, "symmetric");
+  scene::Scene scene = weight_scene(0.75, {1, 2, 3}, WeightForm::symmetric);
   scene.layers[0].alpha = 0.3;
   const Model scaled = build_quietly(scene);
   EXPECT_TRUE(scaled.momentum_scaled);
@@ -235,7 +236,7 @@ TEST(Shares, PullsAreAlphaTimesMassOrTheSumOfWeights) {
     EXPECT_NEAR(double{scaled.pull[i]}, factor * stiffness * scaled.mass[i], scaled.pull[i] * 0x1p-22);
   }
 
-  scene.solver.weights = "kaneda2017";
+  scene.solver.weights = WeightForm::kaneda2017;
   const Built printed = build_weights(scene);
   EXPECT_FALSE(printed.model.momentum_scaled);
   std::vector<double> sum = printed.weights.own;
@@ -277,7 +278,7 @@ double mean_moment(const Model& m) {
 
 TEST(Shares, MomentsAtRestAreAboutOne) {
   for (const double density : {1e-6, 1000.0, 1e9}) {
-    scene::Scene scene = weight_scene(0.6, {1, 2, 3}, "symmetric");
+    scene::Scene scene = weight_scene(0.6, {1, 2, 3}, WeightForm::symmetric);
     scene.layers[0].density = density;
     // A power of two reaches 1 within sqrt(2); floats move that by 1e-7.
     const double mean = mean_moment(build_quietly(scene));
@@ -287,7 +288,7 @@ TEST(Shares, MomentsAtRestAreAboutOne) {
 }
 
 TEST(Shares, ALayerWithoutStiffnessGivesAndTakesNothing) {
-  scene::Scene scene = weight_scene(0.0, {1, 0, 0}, "symmetric");
+  scene::Scene scene = weight_scene(0.0, {1, 0, 0}, WeightForm::symmetric);
   scene.pins.clear();
   scene.layers[0].alpha = 0.0;
   build::Report report;
@@ -302,7 +303,7 @@ TEST(Shares, ALayerWithoutStiffnessGivesAndTakesNothing) {
 // region's own centre. With the pulls as sum_r w_ir this is sum_i pull_i (g_i - q_i) = 0: the body cannot
 // push itself.
 TEST(Shares, GoalsConserveMomentumForAnyRotations) {
-  scene::Scene scene = weight_scene(0.75, {1, 2, 3}, "symmetric");
+  scene::Scene scene = weight_scene(0.75, {1, 2, 3}, WeightForm::symmetric);
   scene.pins.clear();
   const Model m = build_quietly(scene);
   std::mt19937 random(11);
@@ -338,7 +339,7 @@ TEST(Shares, GoalsConserveMomentumForAnyRotations) {
 }
 
 TEST(Shares, DoNotDependOnScaleOrPlace) {
-  scene::Scene scene = weight_scene(0.75, {1, 2, 3}, "symmetric");
+  scene::Scene scene = weight_scene(0.75, {1, 2, 3}, WeightForm::symmetric);
   scene.geometry = build::make_bar(std::get<scene::Bar>(scene.geometry), "test");
   const auto shares_by_source = [](const Model& m) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, double> shares;

@@ -35,7 +35,7 @@ BendingBar thrown_bar(scene::KeyInterpolation interpolation, double fps) {
 }
 
 double largest_acceleration(BendingBar bar) {
-  drive::Timeline timeline(bar.scene, bar.character(), bar_height);
+  drive::Timeline timeline(bar.scene, bar.character(), bar_height, bar.scene.solver.substeps);
   const double h = 1.0 / (bar.scene.fps * bar.scene.solver.substeps);
   double largest = 0.0;
   for (std::uint64_t count = 2; count <= scene::cycle_frames(bar.scene) * bar.scene.solver.substeps;

@@ -104,10 +104,12 @@ TEST(MuscleDrive, BelowFiveDegreesTheClipsHingeLeads) {
 TEST(MuscleDrive, FormsOfActivation) {
   const double angle = 120.0 * degree;
   const drive::Pose pose = posed(made::make_character("arm"), 120.0);
-  expect_tau(value_of(arm_with({.name = "m", .joint = "forearm", .activation = "sine"}), pose),
-             std::sin(angle) * Vector3d::UnitY());
-  expect_tau(value_of(arm_with({.name = "m", .joint = "forearm", .axis = "plane-normal"}), pose),
-             (1.0 - std::cos(angle)) / 2.0 * Vector3d::UnitZ());
+  expect_tau(
+      value_of(arm_with({.name = "m", .joint = "forearm", .activation = scene::Activation::sine}), pose),
+      std::sin(angle) * Vector3d::UnitY());
+  expect_tau(
+      value_of(arm_with({.name = "m", .joint = "forearm", .axis = scene::BulgeAxis::plane_normal}), pose),
+      (1.0 - std::cos(angle)) / 2.0 * Vector3d::UnitZ());
   // 3/4 of the way from 0.25 to 1, less the curve's 0.25 in the bind pose.
   expect_tau(
       value_of(arm_with({.name = "m", .joint = "forearm", .curve = {{0.0, 0.25}, {160.0, 1.25}}}), pose),

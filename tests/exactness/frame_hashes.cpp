@@ -35,7 +35,7 @@ unsigned long long hash_of(const std::vector<float>& values) {
 }
 
 int run(const std::string& name, std::uint64_t frames, const std::string& device) {
-  scene::Scene scene = scene::load_scene(name);
+  const scene::Scene scene = scene::load_scene(name);
   build::Report report;
   build::BuildOptions options;
 #ifdef FASCICLE_MESHER
@@ -43,10 +43,10 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
 #endif
   const model::Model model = build::build_model(scene, report, options);
   model::check_model(model);
-  build::choose_steps(scene, model, report);
+  const build::Steps steps = build::choose_steps(scene, model, report);
   const model::SolverOptions solver_options{
       .integrator = model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step,
-      .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016,
+      .rotation = scene.solver.rotation,
       .iterations = scene.solver.iterations};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
 #ifdef FASCICLE_WITH_VULKAN
@@ -66,7 +66,7 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
     if (!simd) throw std::runtime_error(device + ": no such level");
     solver = cpu_reference::make_cpu_solver(model, solver_options, number, *simd);
   }
-  drive::DriveSource drives(scene, model);
+  drive::DriveSource drives(scene, model, steps.substeps);
   solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= frames; ++k) {
     solver->submit(drives.drive(k), {.positions = true, .velocities = true, .surface = true});

@@ -45,19 +45,18 @@ struct Bindings {
 
 // The bindings that loads and stores of a module go to.
 Bindings bindings_in(spirv_exact::Module module) {
-  using spirv_exact::Opcode;
   std::map<std::uint32_t, std::uint32_t> binding_of;  // of a variable, and of what chains begin at it
   Bindings bindings;
   for (const spirv_exact::Instruction& i : spirv_exact::instructions_of(module)) {
-    if (i.opcode == Opcode::decorate && i.words[2] == spirv_exact::decoration_binding)
+    if (i.opcode == spv::OpDecorate && i.words[2] == spv::DecorationBinding)
       binding_of[i.words[1]] = i.words[3];
-    if (i.opcode == Opcode::access_chain || i.opcode == Opcode::in_bounds_access_chain) {
+    if (i.opcode == spv::OpAccessChain || i.opcode == spv::OpInBoundsAccessChain) {
       const auto base = binding_of.find(i.words[3]);
       if (base != binding_of.end()) binding_of[i.words[2]] = base->second;
     }
-    if (i.opcode == Opcode::load && binding_of.count(i.words[3]) > 0)
+    if (i.opcode == spv::OpLoad && binding_of.count(i.words[3]) > 0)
       bindings.read.insert(binding_of.at(i.words[3]));
-    if (i.opcode == Opcode::store && binding_of.count(i.words[1]) > 0)
+    if (i.opcode == spv::OpStore && binding_of.count(i.words[1]) > 0)
       bindings.written.insert(binding_of.at(i.words[1]));
   }
   return bindings;

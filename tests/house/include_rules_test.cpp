@@ -34,7 +34,7 @@ const std::vector<std::string> every_library{"Eigen",      "JSON",          "xxH
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL. host/convert is one too.
 const std::vector<Room>& rooms() {
   static const std::vector<Room> table{
-      {"shaders/", {}, {}},
+      {"shaders/", {}, {"SPIR-V"}},
       {"host/base/", {}, {"xxHash"}},
       {"host/mesh/", {"host/base/"}, {"Eigen", "pugixml"}},
       {"host/rig/", {"host/base/", "host/mesh/"}, {"Eigen"}},
@@ -87,6 +87,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"assimp/", "assimp"},
                                                                       {"volk.h", "Vulkan"},
                                                                       {"vulkan/", "Vulkan"},
+                                                                      {"spirv/", "SPIR-V"},
                                                                       {"CLI/", "CLI11"},
                                                                       {"toml++/", "toml++"},
                                                                       {"tiny_gltf.h", "tinygltf"},

@@ -1,5 +1,7 @@
 // The C API: scenes and bakes, and what every function says of bad arguments.
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -7,6 +9,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
 
 #include "include/fascicle/fascicle.h"
 #include "tests/library/shell.h"
@@ -240,7 +244,7 @@ TEST(CApi, ABakeReportsAndIsTheProgramsOwn) {
   options.progress_user = options.log_user = &watched;
   fascicle_bake* bake = nullptr;
   ASSERT_EQ(fascicle_bake_run(scene, &options, &bake), FASCICLE_OK) << message();
-  EXPECT_EQ(watched.builds, 1u);
+  EXPECT_GE(watched.builds, 2u);
   EXPECT_EQ(watched.frames, 6u);
   EXPECT_EQ(watched.last, 6u);
   EXPECT_EQ(watched.total, 6u);
@@ -340,13 +344,16 @@ TEST(CApi, BadBakeOptionsAreRefused) {
   fascicle_scene_destroy(scene);
 }
 
+void write_cube(const std::string& file) {
+  std::ofstream(file) << "OFF\n8 12 0\n0 0 0\n.1 0 0\n.1 .1 0\n0 .1 0\n0 0 .1\n.1 0 .1\n.1 .1 .1\n0 .1 .1\n"
+                         "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n"
+                         "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+}
+
 // Neither the program's folder nor the user's cache: both are parameters.
 TEST(CApi, MesherAndCacheAreParameters) {
   const Folder folder;
-  std::ofstream(folder / "cube.off")
-      << "OFF\n8 12 0\n0 0 0\n.1 0 0\n.1 .1 0\n0 .1 0\n0 0 .1\n.1 0 .1\n.1 .1 .1\n0 .1 .1\n"
-         "3 0 2 1\n3 0 3 2\n3 4 5 6\n3 4 6 7\n3 0 1 5\n3 0 5 4\n3 1 2 6\n3 1 6 5\n"
-         "3 2 3 7\n3 2 7 6\n3 3 0 4\n3 3 4 7\n";
+  write_cube(folder / "cube.off");
   fascicle_scene* scene = nullptr;
   ASSERT_EQ(fascicle_scene_load((folder / "cube.off").c_str(), nullptr, &scene), FASCICLE_OK) << message();
   fascicle_build_options options = fascicle_build_options_default();
@@ -366,6 +373,165 @@ TEST(CApi, MesherAndCacheAreParameters) {
   EXPECT_EQ(fascicle_model_surface_vertex_count(model), 8u);
   EXPECT_FALSE(std::filesystem::is_empty(cache));
   fascicle_model_destroy(model);
+  fascicle_scene_destroy(scene);
+}
+
+// The one that is given converts the character when it is read, and again when it is baked.
+TEST(CApi, TheConverterIsAParameter) {
+  const Folder folder;
+  const std::string made = folder / "made", out = folder / "out", converter = folder / "converter",
+                    calls = folder / "calls", character = folder / "man.fbx";
+  ASSERT_EQ(
+      run_in_shell(std::string(FASCICLE_PROGRAM) + " bake arm --no-cache --device cpu --end 0.05 -o " + made)
+          .status,
+      0);
+  std::ofstream(character) << "not read by the converter of this test";
+  std::ofstream(converter) << "#!/bin/sh\necho called >> " << calls << "\ncp " << made
+                           << "/character.glb \"$2\"\n";
+  std::filesystem::permissions(converter, std::filesystem::perms::owner_all);
+  const auto call_count = [&] {
+    std::ifstream file(calls);
+    int count = 0;
+    for (std::string line; std::getline(file, line);) ++count;
+    return count;
+  };
+  fascicle_scene_options options = fascicle_scene_options_default();
+  options.end = 0.05;
+  options.converter = "/no/such/converter";
+  fascicle_scene* scene = nullptr;
+  EXPECT_FAILS(fascicle_scene_load(character.c_str(), &options, &scene), FASCICLE_BAD_INPUT,
+               "/no/such/converter");
+  options.converter = converter.c_str();
+  ASSERT_EQ(fascicle_scene_load(character.c_str(), &options, &scene), FASCICLE_OK) << message();
+  EXPECT_GT(fascicle_scene_joint_count(scene), 1u);
+  const int when_read = call_count();
+  EXPECT_GT(when_read, 0);
+  fascicle_bake_options bake_options = options_for(out);
+  bake_options.mesher = FASCICLE_MESHER;
+  ASSERT_EQ(fascicle_bake_run(scene, &bake_options, nullptr), FASCICLE_OK) << message();
+  EXPECT_GT(call_count(), when_read);
+  EXPECT_TRUE(std::filesystem::exists(out + "/character.glb"));
+  fascicle_scene_destroy(scene);
+}
+
+// Cancels at a call, counted from 1, or as soon as a file is there.
+struct Canceller {
+  int calls = 0, cancel_at = 0;
+  std::string waits_for;  // the file; empty: by calls
+};
+
+int cancel(void* user, fascicle_phase phase, uint64_t done, uint64_t total) {
+  auto& canceller = *static_cast<Canceller*>(user);
+  EXPECT_EQ(phase, FASCICLE_PHASE_BUILD);
+  EXPECT_EQ(done + total, 0u);
+  if (!canceller.waits_for.empty()) return std::filesystem::exists(canceller.waits_for) ? 1 : 0;
+  return ++canceller.calls == canceller.cancel_at ? 1 : 0;
+}
+
+// Helpers' files go to a folder of the test's own.
+class TemporaryFiles {
+ public:
+  explicit TemporaryFiles(const std::string& folder) {
+    if (const char* before = std::getenv("TMPDIR")) before_ = before;
+    std::filesystem::create_directory(folder);
+    ::setenv("TMPDIR", folder.c_str(), 1);
+  }
+  ~TemporaryFiles() {
+    if (before_.empty())
+      ::unsetenv("TMPDIR");
+    else
+      ::setenv("TMPDIR", before_.c_str(), 1);
+  }
+  TemporaryFiles(const TemporaryFiles&) = delete;
+  TemporaryFiles& operator=(const TemporaryFiles&) = delete;
+
+ private:
+  std::string before_;
+};
+
+void expect_nothing_left(const std::string& temporary) {
+  EXPECT_TRUE(std::filesystem::is_empty(temporary));
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
+  EXPECT_EQ(errno, ECHILD);
+}
+
+// Wherever a build is cancelled it says so and leaves nothing, and one that is not is built.
+TEST(CApi, ABuildIsCancelledAnywhere) {
+  const Folder folder;
+  write_cube(folder / "cube.off");
+  fascicle_scene* scene = nullptr;
+  ASSERT_EQ(fascicle_scene_load((folder / "cube.off").c_str(), nullptr, &scene), FASCICLE_OK) << message();
+  const std::string temporary = folder / "temporary";
+  const TemporaryFiles files(temporary);
+  fascicle_build_options options = fascicle_build_options_default();
+  options.mesher = FASCICLE_MESHER;
+  options.cache = "";
+  options.progress = cancel;
+  Canceller canceller;
+  options.progress_user = &canceller;
+  fascicle_model* model = nullptr;
+  for (;;) {
+    canceller.calls = 0;
+    ++canceller.cancel_at;
+    model = reinterpret_cast<fascicle_model*>(1);
+    const fascicle_status status = fascicle_model_build(scene, &options, &model);
+    expect_nothing_left(temporary);
+    if (status == FASCICLE_OK) break;
+    ASSERT_EQ(status, FASCICLE_CANCELLED) << message();
+    ASSERT_EQ(model, nullptr);
+    EXPECT_EQ(canceller.calls, canceller.cancel_at) << "it is not asked again";
+  }
+  // Before and after the body, at least once in each run of the mesher, and between what follows.
+  EXPECT_GE(canceller.calls, 8);
+  EXPECT_GT(fascicle_model_tetrahedron_count(model), 0u);
+  fascicle_model_destroy(model);
+  fascicle_scene_destroy(scene);
+}
+
+// A mesher that would go on for a minute is ended at once, with its folder.
+TEST(CApi, AMesherThatRunsIsEndedWithItsBuild) {
+  const Folder folder;
+  write_cube(folder / "cube.off");
+  const std::string mesher = folder / "mesher", pid = folder / "pid", temporary = folder / "temporary";
+  std::ofstream(mesher) << "#!/bin/sh\necho $$ > " << pid << ".part\nmv " << pid << ".part " << pid
+                        << "\nexec sleep 60\n";
+  std::filesystem::permissions(mesher, std::filesystem::perms::owner_all);
+  fascicle_scene* scene = nullptr;
+  ASSERT_EQ(fascicle_scene_load((folder / "cube.off").c_str(), nullptr, &scene), FASCICLE_OK) << message();
+  const TemporaryFiles files(temporary);
+  Canceller canceller;
+  canceller.waits_for = pid;
+  const auto expect_ended = [&] {
+    expect_nothing_left(temporary);
+    int number = 0;
+    std::ifstream(pid) >> number;
+    ASSERT_GT(number, 0);
+    EXPECT_EQ(::kill(number, 0), -1);
+    EXPECT_EQ(errno, ESRCH);
+    std::filesystem::remove(pid);
+  };
+  fascicle_build_options options = fascicle_build_options_default();
+  options.mesher = mesher.c_str();
+  options.cache = "";
+  options.progress = cancel;
+  options.progress_user = &canceller;
+  fascicle_model* model = nullptr;
+  EXPECT_FAILS(fascicle_model_build(scene, &options, &model), FASCICLE_CANCELLED,
+               "before the model was built");
+  EXPECT_EQ(model, nullptr);
+  expect_ended();
+  // A bake builds too.
+  const std::string out = folder / "out";
+  fascicle_bake_options bake_options = options_for(out);
+  bake_options.mesher = mesher.c_str();
+  bake_options.progress = cancel;
+  bake_options.progress_user = &canceller;
+  fascicle_bake* bake = nullptr;
+  EXPECT_FAILS(fascicle_bake_run(scene, &bake_options, &bake), FASCICLE_CANCELLED,
+               "before the model was built");
+  EXPECT_EQ(bake, nullptr);
+  EXPECT_FALSE(std::filesystem::exists(out)) << "nothing is written";
+  expect_ended();
   fascicle_scene_destroy(scene);
 }
 

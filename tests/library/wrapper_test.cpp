@@ -86,5 +86,44 @@ TEST(Wrapper, AModelGoesThroughItsArrays) {
   EXPECT_THROW((void)copy.array("flesh"), fascicle::error);
 }
 
+TEST(Wrapper, ABuildIsCancelledByItsCallbacks) {
+  const fascicle::scene scene = fascicle::scene::parse(small_bar);
+  try {
+    const fascicle::model model(scene, {.cache = "", .progress = [](auto...) { return false; }});
+    FAIL() << "it was built";
+  } catch (const fascicle::error& error) {
+    EXPECT_EQ(error.status(), FASCICLE_CANCELLED) << error.what();
+  }
+  const auto fail = [](fascicle_phase, std::uint64_t, std::uint64_t) -> bool {
+    throw std::domain_error("mine");
+  };
+  EXPECT_THROW(fascicle::model(scene, {.cache = "", .progress = fail}), std::domain_error);
+  std::size_t asked = 0;
+  const fascicle::model model(scene, {.cache = "", .progress = [&](auto...) { return ++asked > 0; }});
+  EXPECT_GT(asked, 1u);
+  EXPECT_EQ(model.vertex_count(), 45u);
+}
+
+// What is said to a solver goes before what its scene says, with the bits of a scene that says so itself.
+TEST(Wrapper, SolverOptionsAreTaken) {
+  const fascicle::device cpu("cpu");
+  const auto hash = [&](const std::vector<std::string>& set, const fascicle::solver_options& options) {
+    const fascicle::model model(fascicle::scene::parse(small_bar, "", {.set = set}), {.cache = ""});
+    fascicle::solver solver(model, cpu, options);
+    solver.start_clip();
+    for (int frame = 0; frame < 3; ++frame) solver.step_clip();
+    return solver.position_hash();
+  };
+  EXPECT_EQ(hash({}, {.rotation = "mueller2016"}), hash({"solver.rotation=mueller2016"}, {}));
+  EXPECT_NE(hash({}, {.rotation = "mueller2016"}), hash({}, {}));
+  const std::vector<std::string> soft{"layers.flesh={youngs_modulus=3e4}"};
+  std::vector<std::string> few = soft;
+  few.push_back("solver.iterations=3");
+  EXPECT_EQ(hash(soft, {.iterations = 3}), hash(few, {}));
+  EXPECT_NE(hash(soft, {.iterations = 3}), hash(soft, {}));
+  EXPECT_THROW(hash({}, {.rotation = "polar"}), fascicle::error);
+  EXPECT_THROW(hash({}, {.iterations = 0}), fascicle::error);
+}
+
 }  // namespace
 }  // namespace fascicle_tests

@@ -1,6 +1,9 @@
 // What tests of whole scenes begin with.
 #pragma once
 
+#include <cstdint>
+#include <utility>
+
 #include "host/build/build.h"
 #include "host/build/stiffness.h"
 #include "host/model/model.h"
@@ -8,14 +11,19 @@
 
 namespace fascicle::tests {
 
-// The scene's model, with the mesher of this build; chooses the scene's substeps where it leaves them open.
-inline model::Model built(scene::Scene& scene) {
+struct BuiltScene {
+  model::Model model;
+  std::uint32_t substeps = 0;  // of a frame
+};
+
+// With the mesher of this build.
+inline BuiltScene built(const scene::Scene& scene) {
   build::Report report;
   build::BuildOptions options;
   options.mesher = FASCICLE_MESHER;
   model::Model model = build::build_model(scene, report, options);
-  build::choose_steps(scene, model, report);
-  return model;
+  const build::Steps steps = build::choose_steps(scene, model, report);
+  return {std::move(model), steps.substeps};
 }
 
 }  // namespace fascicle::tests

@@ -13,9 +13,9 @@ namespace fascicle::tests {
 void run_character(
     const char* file, const scene::SceneOverrides& overrides,
     const std::function<void(const model::Model&, const rig::Character&, const model::Frame&)>& see) {
-  scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
-  const model::Model model = built(scene);
-  drive::DriveSource drives(scene, model);
+  const scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
+  const auto [model, substeps] = built(scene);
+  drive::DriveSource drives(scene, model, substeps);
   const auto solver =
       cpu_reference::make_cpu_solver(model,
                                      {.integrator = model.is_implicit() ? model::Integrator::implicit_step

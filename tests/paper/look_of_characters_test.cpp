@@ -50,12 +50,13 @@ struct Foreseen {
 };
 
 Foreseen foreseen(const char* file, const char* clip, double softness) {
-  scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
-  const model::Model model = built(scene);
-  drive::DriveSource drives(scene, model);
-  const bake::ExpectedLook expected = bake::expected_look(scene, model, drives).value();
+  const scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
+  const auto [model, substeps] = built(scene);
+  drive::DriveSource drives(scene, model, substeps);
+  const bake::LookBody body = bake::look_body_of(scene, model).value();
+  const bake::ExpectedLook expected = bake::expected_look(scene, model, body, drives).value();
   const auto solver = cpu_reference::make_cpu_solver(model, {.integrator = model::Integrator::implicit_step});
-  return {expected.score, bake::try_look(scene, model, drives, *solver, expected.frame).worst.score};
+  return {expected.score, bake::try_look(scene, model, body, drives, *solver, expected.frame).worst.score};
 }
 
 // A wish that its clip does not bear is said before the bake, and the default is not. By default the frog's

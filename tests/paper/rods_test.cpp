@@ -28,14 +28,14 @@ struct RodSwing {
   std::vector<Vector3d> tip;
 };
 
-RodSwing swing_of(scene::Scene scene) {
+RodSwing swing_of(const scene::Scene& scene) {
   const double fps = scene.fps;
-  const model::Model model = built(scene);
-  drive::DriveSource drives(scene, model);
+  const auto [model, substeps] = built(scene);
+  drive::DriveSource drives(scene, model, substeps);
   const auto solver = cpu_reference::make_cpu_solver(
       model, {.integrator = model::Integrator::implicit_step, .iterations = scene.solver.iterations}, 2);
   solver->load(drives.initial_state());
-  RodSwing result{fps, scene.solver.substeps, model.layers[0].frequency, {}};
+  RodSwing result{fps, substeps, model.layers[0].frequency, {}};
   for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {
     solver->submit(drives.drive(k), {.positions = true});
     const model::Frame frame = solver->collect();

@@ -31,12 +31,12 @@ Sag cheek_sag(const std::string& integrator, bool sliding, const std::vector<std
                                                "solver.integrator=implicit", "solver.substeps=6"});
   }
   overrides.set.insert(overrides.set.end(), more.begin(), more.end());
-  scene::Scene scene = scene::load_scene("cheek", overrides);
+  const scene::Scene scene = scene::load_scene("cheek", overrides);
   build::Report report;
   const model::Model model = build::build_model(scene, report);
   EXPECT_TRUE(report.warnings.empty()) << report.warnings.front().text;
-  build::choose_steps(scene, model, report);
-  drive::DriveSource drives(scene, model);
+  const build::Steps steps = build::choose_steps(scene, model, report);
+  drive::DriveSource drives(scene, model, steps.substeps);
   model::SolverOptions options;
   if (model.is_implicit()) options = {.integrator = model::Integrator::implicit_step, .iterations = 20};
   const auto solver = cpu_reference::make_cpu_solver(model, options, 0);

@@ -21,9 +21,9 @@ using Frames = std::vector<std::vector<float>>;  // metres, the render mesh in w
 Frames bake(const std::string& file, const std::vector<std::string>& set, std::uint64_t frames) {
   scene::SceneOverrides overrides;
   overrides.set = set;
-  scene::Scene scene = scene::load_scene(file, overrides);
-  const model::Model model = built(scene);
-  drive::DriveSource drives(scene, model);
+  const scene::Scene scene = scene::load_scene(file, overrides);
+  const auto [model, substeps] = built(scene);
+  drive::DriveSource drives(scene, model, substeps);
   model::SolverOptions stepping;
   stepping.integrator =
       model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step;

@@ -78,8 +78,8 @@ Scene random_scene(scene::Geometry geometry) {
     wind.vector = direction() * number_in(0.0, 1e3);
   }
   scene.gravity = direction() * *rc::gen::element(0.0, 9.81, 1e3);
-  scene.solver.rotation = *rc::gen::element<std::string>("qcp", "mueller2016");
-  scene.solver.weights = *rc::gen::element<std::string>("symmetric", "kaneda2017");
+  scene.solver.rotation = *rc::gen::element(scene::Rotation::qcp, scene::Rotation::mueller2016);
+  scene.solver.weights = *rc::gen::element(scene::WeightForm::symmetric, scene::WeightForm::kaneda2017);
   scene.solver.substeps = *rc::gen::element(1u, 2u, 8u);
   scene.fps = *rc::gen::element(1.0, 24.0, 60.0, 480.0);
   scene.end = 1.0;
@@ -148,8 +148,7 @@ class Properties : public testing::Test {
     ++built_;
     model::check_model(model);
     drive::DriveSource drives(scene, model);
-    const model::SolverOptions solver_options{
-        .rotation = scene.solver.rotation == "qcp" ? model::Rotation::qcp : model::Rotation::mueller2016};
+    const model::SolverOptions solver_options{.rotation = scene.solver.rotation};
     const auto threads = static_cast<unsigned>(*rc::gen::inRange(1, 4));
     const auto solver = cpu_reference::make_cpu_solver(model, solver_options, threads);
     std::unique_ptr<model::Solver> vulkan;

@@ -97,6 +97,26 @@ class SmallSolver(InFolder):
         with self.assertRaises(fascicle.Cancelled):
             solver.start_clip(lambda *_: False)
 
+    def test_a_build_is_cancelled(self):
+        with self.assertRaises(fascicle.Cancelled):
+            fascicle.Model(self.scene, cache="", progress=lambda *_: False)
+        told = []
+        fascicle.Model(self.scene, cache="", progress=lambda *t: told.append(t))
+        self.assertEqual(set(told), {("build", 0, 0)})
+
+    def test_takes_rotation_and_iterations(self):
+        def hash_of(scene, **options):
+            solver = fascicle.Solver(fascicle.Model(scene, cache=""), fascicle.Device("cpu"), **options)
+            solver.start_clip()
+            solver.step_clip()
+            return solver.position_hash
+        other = fascicle.Scene.parse(SMALL_BAR, set=["solver.rotation=mueller2016"])
+        self.assertEqual(hash_of(self.scene, rotation="mueller2016"), hash_of(other))
+        with self.assertRaisesRegex(fascicle.BadArgument, "polar"):
+            hash_of(self.scene, rotation="polar")
+        with self.assertRaises(fascicle.BadArgument):
+            hash_of(self.scene, iterations=0)
+
     def test_takes_no_joints_without_a_skeleton(self):
         self.solver.start_pose()
         self.solver.step_pose(time=0.5)

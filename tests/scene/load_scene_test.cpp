@@ -199,9 +199,9 @@ TEST(SceneText, ReadsEveryKeyIntoItsPlace) {
   EXPECT_FALSE(layer(s, "skin").fibre.has_value());
   EXPECT_TRUE(layer(s, "bone").kinematic);
   EXPECT_EQ(std::get<Capsule>(layer(s, "bone").where.at(0)).radius, 0.01);
-  EXPECT_EQ(s.solver.integrator, "explicit");
-  EXPECT_EQ(s.solver.rotation, "mueller2016");
-  EXPECT_EQ(s.solver.weights, "kaneda2017");
+  EXPECT_EQ(s.solver.integrator, Integrator::explicit_step);
+  EXPECT_EQ(s.solver.rotation, Rotation::mueller2016);
+  EXPECT_EQ(s.solver.weights, WeightForm::kaneda2017);
   EXPECT_EQ(s.solver.substeps, 5u);
   EXPECT_EQ(std::get<Box>(s.pins.at(0).where.at(0)).maximum, Vector3d(0.1, 0.1, 0.1));
   const auto below = std::get<HalfSpace>(s.pins.at(1).where.at(0));
@@ -394,7 +394,7 @@ TEST(LoadScene, TakesABareMeshAsAScene) {
   EXPECT_EQ(scene.source, path.string());
   ASSERT_EQ(scene.layers.size(), 1u);
   EXPECT_EQ(scene.layers[0].name, "body");
-  EXPECT_EQ(scene.solver.integrator, "implicit");
+  EXPECT_EQ(scene.solver.integrator, Integrator::implicit_step);
   // 60 rho g L of a body 1 m long.
   EXPECT_NEAR(scene.layers[0].youngs_modulus.value(), 589e3, 1e3);
   EXPECT_EQ(scene.layers[0].beta, 0.0);
@@ -423,7 +423,7 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(scene.layers[1].name, "muscle");
   EXPECT_EQ(scene.layers[2].name, "bone");
   EXPECT_TRUE(scene.layers[0].where.empty());
-  EXPECT_EQ(scene.solver.integrator, "implicit");
+  EXPECT_EQ(scene.solver.integrator, Integrator::implicit_step);
   // A man of 1.51 m and 1,000 kg/m^3, through whose muscles a wave takes 0.12 s; the paper's 0.3 for fat.
   const double modulus = 1000.0 * std::pow(1.51 / 0.12, 2);
   EXPECT_NEAR(*scene.layers[0].youngs_modulus, 0.3 * modulus, 0.01 * modulus);
@@ -523,7 +523,7 @@ TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
       EXPECT_NE(std::string(error.what()).find("body.resolution"), std::string::npos) << error.what();
     }
   }
-  EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage, "wrap");
+  EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage, Cage::wrap);
   EXPECT_EQ(load_scene(file, {.cage = "wrap", .cage_detail = "250"}).body.cage_detail, 250.0);
   EXPECT_THROW(load_scene(file, {.cage = "maybe"}), SceneError);
   EXPECT_THROW(load_scene("bar-hang-none", {.cage = "wrap"}), SceneError) << "a bar has no skin";

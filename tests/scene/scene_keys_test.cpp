@@ -433,7 +433,7 @@ TEST_F(SceneKeys, ACharacterNeedsNoLayers) {
       parse("[character]\nmade = \"arm\"\n[muscle.m]\njoint = \"forearm\"\nlayer = \"muscle\"\n");
   ASSERT_EQ(scene.layers.size(), 3u);
   EXPECT_EQ(scene.layers[1].name, "muscle");
-  EXPECT_EQ(scene.solver.integrator, "implicit");
+  EXPECT_EQ(scene.solver.integrator, scene::Integrator::implicit_step);
   EXPECT_EQ(describe(parse(scene.text)), describe(scene)) << "the text names what was added";
   EXPECT_NE(refusal("[bar]\n").find("layers: is missing"), std::string::npos);
 }
@@ -446,7 +446,7 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
         parse(plain, {.set = {"solver.integrator=implicit"}}),
         parse(plain + "[solver]\nintegrator = \"explicit\"\n", {.set = {"solver.integrator=implicit"}})}) {
     ASSERT_EQ(scene.layers.size(), 3u);
-    EXPECT_EQ(scene.solver.integrator, "implicit");
+    EXPECT_EQ(scene.solver.integrator, scene::Integrator::implicit_step);
     EXPECT_FALSE(scene.solver.auto_substeps);
     // The paper's 0.3 between fat and muscle.
     EXPECT_NEAR(*scene.layers[0].youngs_modulus, 0.3 * *scene.layers[1].youngs_modulus,
@@ -457,7 +457,7 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
         parse(plain, {.set = {"solver.integrator=implicit", "solver.integrator=explicit"}}),
         parse(plain, {.set = {"solver.weights=kaneda2017"}}),
         parse(plain + "[solver]\nweights = \"kaneda2017\"\n")}) {
-    EXPECT_EQ(scene.solver.integrator, "explicit");
+    EXPECT_EQ(scene.solver.integrator, scene::Integrator::explicit_step);
     EXPECT_TRUE(scene.solver.auto_substeps);
     EXPECT_EQ(scene.layers[1].alpha, 1.0);
   }
@@ -497,12 +497,12 @@ TEST_F(SceneKeys, LayersChooseTheIntegrator) {
                {.set = set})
         .solver.integrator;
   };
-  EXPECT_EQ(integrator_of("", {}), "explicit");
-  EXPECT_EQ(integrator_of("alpha = 0.5\n", {}), "explicit");
+  EXPECT_EQ(integrator_of("", {}), scene::Integrator::explicit_step);
+  EXPECT_EQ(integrator_of("alpha = 0.5\n", {}), scene::Integrator::explicit_step);
   for (const char* stated : {"youngs_modulus = 1e4\n", "frequency = 5.0\n", "material = \"fat\"\n"})
-    EXPECT_EQ(integrator_of(stated, {}), "implicit") << stated;
-  EXPECT_EQ(integrator_of("alpha = 0.5\n", {"layers.body.frequency=5"}), "implicit");
-  EXPECT_EQ(integrator_of("frequency = 5.0\n", {"layers.body.alpha=0.5"}), "explicit");
+    EXPECT_EQ(integrator_of(stated, {}), scene::Integrator::implicit_step) << stated;
+  EXPECT_EQ(integrator_of("alpha = 0.5\n", {"layers.body.frequency=5"}), scene::Integrator::implicit_step);
+  EXPECT_EQ(integrator_of("frequency = 5.0\n", {"layers.body.alpha=0.5"}), scene::Integrator::explicit_step);
 }
 
 // A layer says how stiff it is in exactly one way, and in one that its integrator knows.

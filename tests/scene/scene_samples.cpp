@@ -276,7 +276,10 @@ class Description {
  private:
   template <class Value>
   void add(const Value& value) {
-    out_ << value;
+    if constexpr (base::Named<Value>)
+      out_ << name_of(value);
+    else
+      out_ << value;
   }
   void add(const Vector3d& v) { out_ << v.x() << ' ' << v.y() << ' ' << v.z(); }
   template <class Value>
@@ -357,16 +360,15 @@ std::string describe(const Scene& scene) {
   for (const Pin& pin : scene.pins) d.line("pin", pin.name, pin.where);
   for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);
   for (const Force& f : scene.forces) {
-    d.line("force", f.name, static_cast<int>(f.kind), f.vector, f.where, f.start, f.end);
+    d.line("force", f.name, f.kind, f.vector, f.where, f.start, f.end);
   }
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
          scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip);
   const Motion& m = scene.motion;
-  d.line("motion", static_cast<int>(m.rest), static_cast<int>(m.interpolation), m.preroll, m.settle, m.loop,
-         m.seamless, m.seamless_tolerance, m.seamless_cycles, m.hold, m.handles, m.acceleration_limit,
-         m.cut_distance);
+  d.line("motion", m.rest, m.interpolation, m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,
+         m.seamless_cycles, m.hold, m.handles, m.acceleration_limit, m.cut_distance);
   for (const double cut : m.cuts) d.line("cut", cut);
   return d.text();
 }

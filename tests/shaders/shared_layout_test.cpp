@@ -29,20 +29,17 @@ struct Layout {
 
 // The struct named `name` that has offsets (a struct that only functions use has none).
 Layout layout_in(spirv_exact::Module module, const std::string& name) {
-  constexpr std::uint16_t op_name = 5, op_member_name = 6, op_type_runtime_array = 29;
-  constexpr std::uint32_t decoration_array_stride = 6;
   std::map<std::uint32_t, std::string> names;
   std::map<std::uint32_t, std::map<std::uint32_t, std::string>> member_names;
   std::map<std::uint32_t, std::map<std::uint32_t, std::uint32_t>> offsets;
   std::map<std::uint32_t, std::uint32_t> strides, element_of;
   for (const auto& i : spirv_exact::instructions_of(module)) {
-    const auto number = static_cast<std::uint16_t>(i.opcode);
-    if (number == op_name) names[i.words[1]] = text_at(i.words.subspan(2));
-    if (number == op_member_name) member_names[i.words[1]][i.words[2]] = text_at(i.words.subspan(3));
-    if (number == op_type_runtime_array) element_of[i.words[1]] = i.words[2];
-    if (i.opcode == spirv_exact::Opcode::decorate && i.words[2] == decoration_array_stride)
+    if (i.opcode == spv::OpName) names[i.words[1]] = text_at(i.words.subspan(2));
+    if (i.opcode == spv::OpMemberName) member_names[i.words[1]][i.words[2]] = text_at(i.words.subspan(3));
+    if (i.opcode == spv::OpTypeRuntimeArray) element_of[i.words[1]] = i.words[2];
+    if (i.opcode == spv::OpDecorate && i.words[2] == spv::DecorationArrayStride)
       strides[i.words[1]] = i.words[3];
-    if (i.opcode == spirv_exact::Opcode::member_decorate && i.words[3] == spirv_exact::decoration_offset)
+    if (i.opcode == spv::OpMemberDecorate && i.words[3] == spv::DecorationOffset)
       offsets[i.words[1]][i.words[2]] = i.words[4];
   }
   Layout layout;

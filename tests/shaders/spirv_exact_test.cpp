@@ -18,7 +18,6 @@ namespace {
 
 using spirv_exact::Instruction;
 using spirv_exact::Module;
-using spirv_exact::Opcode;
 using spirv_exact::Words;
 
 // All shaders but `copy`, which computes nothing.
@@ -29,7 +28,7 @@ std::vector<std::string> our_shaders() {
   return names;
 }
 
-std::size_t count_of(Module module, Opcode opcode) {
+std::size_t count_of(Module module, spv::Op opcode) {
   const auto instructions = spirv_exact::instructions_of(module);
   return static_cast<std::size_t>(std::count_if(instructions.begin(), instructions.end(),
                                                 [&](const Instruction& i) { return i.opcode == opcode; }));
@@ -58,7 +57,7 @@ TEST_P(OurShader, OneUndecoratedOperationIsRefused) {
   Words missing_one(exact.begin(), exact.begin() + spirv_exact::header_words);
   std::uint32_t left_out = 0;
   for (const Instruction& i : spirv_exact::instructions_of(exact)) {
-    if (left_out == 0 && i.opcode == Opcode::decorate && i.words[2] == spirv_exact::decoration_no_contraction)
+    if (left_out == 0 && i.opcode == spv::OpDecorate && i.words[2] == spv::DecorationNoContraction)
       left_out = i.words[1];
     else
       missing_one.insert(missing_one.end(), i.words.begin(), i.words.end());
@@ -79,8 +78,8 @@ TEST_P(OurShader, TakesTheFloatControlsAndStaysValid) {
   const Module exact = shader::module_of(GetParam());
   EXPECT_EQ(spirv_exact::add_float_controls(exact, {}), Words(exact.begin(), exact.end()));
   const Words both = spirv_exact::add_float_controls(exact, {true, true});
-  EXPECT_EQ(count_of(both, Opcode::execution_mode), count_of(exact, Opcode::execution_mode) + 2);
-  EXPECT_EQ(count_of(both, Opcode::capability), count_of(exact, Opcode::capability) + 2);
+  EXPECT_EQ(count_of(both, spv::OpExecutionMode), count_of(exact, spv::OpExecutionMode) + 2);
+  EXPECT_EQ(count_of(both, spv::OpCapability), count_of(exact, spv::OpCapability) + 2);
   EXPECT_EQ(all_of(spirv_exact::lint(both)), "");
   const std::string path = testing::TempDir() + "fascicle_float_controls_" + GetParam() + ".spv";
   std::ofstream(path, std::ios::binary)
@@ -113,12 +112,12 @@ TEST(Lint, AnUndefinedValueIsRefused) {
   const Module exact = shader::module_of("goal");
   const auto instructions = spirv_exact::instructions_of(exact);
   const auto type_float = std::find_if(instructions.begin(), instructions.end(),
-                                       [](const Instruction& i) { return i.opcode == Opcode::type_float; });
+                                       [](const Instruction& i) { return i.opcode == spv::OpTypeFloat; });
   ASSERT_NE(type_float, instructions.end());
   Words with_undefined(exact.begin(), exact.end());
   const std::uint32_t new_id = with_undefined[3]++;  // the bound on ids, in the header
   const auto after = type_float->words.data() + type_float->words.size() - exact.data();
-  const Words undefined{spirv_exact::first_word(Opcode::undef, 3), type_float->words[1], new_id};
+  const Words undefined{spirv_exact::first_word(spv::OpUndef, 3), type_float->words[1], new_id};
   with_undefined.insert(with_undefined.begin() + after, undefined.begin(), undefined.end());
   const std::vector<std::string> faults = spirv_exact::lint(with_undefined);
   ASSERT_EQ(faults.size(), 1u) << all_of(faults);
