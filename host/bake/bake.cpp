@@ -299,27 +299,26 @@ void Run::begin_sinks(std::uint64_t first) {
     surface = std::make_shared<const formats::SurfaceObjects>(
         formats::read_surface_objects(model_, is_character ? path_of(formats::character_name) : fs::path()));
   const formats::BakeInfo info{.model = &model_,
-                      .folder = options_.folder,
-                      .scene_name = scene_.name,
-                      .fps = scene_.fps,
-                      .start = scene_.start,
-                      .frames = frames_,
-                      .first = first,
-                      .initial = &initial_,
-                      .character = is_character ? path_of(formats::character_name) : fs::path(),
-                      .rig = is_character ? character : nullptr,
-                      .before = before,
-                      .glb = options_.glb,
-                      .objects = surface,
-                      .first_number = number_of_first(scene_, options_),
-                      .usd_skel = options_.usd_skel,
-                      .look_body = options_.look_body};
+                               .folder = options_.folder,
+                               .scene_name = scene_.name,
+                               .fps = scene_.fps,
+                               .start = scene_.start,
+                               .frames = frames_,
+                               .first = first,
+                               .initial = &initial_,
+                               .character = is_character ? path_of(formats::character_name) : fs::path(),
+                               .rig = is_character ? character : nullptr,
+                               .before = before,
+                               .glb = options_.glb,
+                               .objects = surface,
+                               .first_number = number_of_first(scene_, options_),
+                               .usd_skel = options_.usd_skel};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
   for (const formats::Format& format : all_formats()) {
     const bool wanted = format.name.empty() || std::find(options_.formats.begin(), options_.formats.end(),
                                                          format.name) != options_.formats.end();
     if (!wanted) continue;
-    sinks_.push_back(format.make());
+    sinks_.push_back(format.file == metrics_name ? make_metrics_sink(options_.look_body) : format.make());
     needs_ = needs_ | sinks_.back()->needs();
     formats::BakeInfo of_sink = info;
     if (!sinks_.back()->resumes()) of_sink.first = 0;

@@ -94,7 +94,7 @@ bool has_look(const model::Model& model) {
 
 std::optional<LookBody> look_body_of(const scene::Scene& scene, const model::Model& model) {
   if (!has_look(model)) return std::nullopt;
-  return look_body(model, std::get_if<scene::Character>(&scene.geometry));
+  return look_body(model, std::get_if<rig::Character>(&scene.geometry));
 }
 
 LookMeasure LookScores::cause() const {

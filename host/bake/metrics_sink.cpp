@@ -122,13 +122,13 @@ std::string csv_text(const std::string& text) {
 
 class MetricsSink final : public formats::FrameSink {
  public:
+  explicit MetricsSink(const LookBody* body) : look_body_(body) {}
   std::string name() const override { return "metrics"; }
   model::Read needs() const override { return {.positions = true, .velocities = true, .skinned = true}; }
   void begin(const formats::BakeInfo& info) override {
     info_ = info;
     if (has_look(*info.model)) {
-      if (info.look_body == nullptr) own_look_body_ = look_body(*info.model, info.rig);
-      look_body_ = info.look_body != nullptr ? info.look_body : &own_look_body_;
+      if (look_body_ == nullptr) look_body_ = &own_look_body_.emplace(look_body(*info.model, info.rig));
       look_.emplace(*info.model, *look_body_, info.fps);
       for (const model::Frame& frame : info.before) look_->remember(frame);
     }
@@ -206,7 +206,7 @@ class MetricsSink final : public formats::FrameSink {
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
   std::vector<double> six_volumes_;         // of the frame in hand
-  LookBody own_look_body_;                  // where nobody else has made one
+  std::optional<LookBody> own_look_body_;   // where nobody else has made one
   const LookBody* look_body_ = nullptr;
   std::optional<Look> look_;  // with a skeleton and a render mesh only
   std::optional<base::PartFile> file_;
@@ -214,8 +214,8 @@ class MetricsSink final : public formats::FrameSink {
 
 }  // namespace
 
-std::unique_ptr<formats::FrameSink> make_metrics_sink() {
-  return std::make_unique<MetricsSink>();
+std::unique_ptr<formats::FrameSink> make_metrics_sink(const LookBody* body) {
+  return std::make_unique<MetricsSink>(body);
 }
 
 std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model::Model& model) {

@@ -13,8 +13,8 @@ const std::vector<formats::Format>& all_formats() {
     std::vector<formats::Format> all{
         {.name = "", .file = cache_name, .make = make_cache_sink, .bytes = cache_bytes, .from_cache = false},
         {.name = "",
-         .file = "metrics.csv",
-         .make = make_metrics_sink,
+         .file = metrics_name,
+         .make = [] { return make_metrics_sink(); },
          .bytes = metrics_bytes,
          .from_cache = false},
     };

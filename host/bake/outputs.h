@@ -15,6 +15,8 @@
 
 namespace fascicle::bake {
 
+struct LookBody;
+
 // Frame cache, metrics, and those with a name.
 const std::vector<formats::Format>& all_formats();
 
@@ -47,7 +49,8 @@ std::uint64_t cache_bytes(const model::Model& model, std::uint64_t frames);
 //                             only, and so are
 //   worst_joint               where: the joint whose skin it is; empty where the score is 0
 //   look_stretch, look_crossing, look_distance, look_rigid, look_jump, look_inverted
-std::unique_ptr<formats::FrameSink> make_metrics_sink();
+// `body`: look_body_of, where somebody has made it; it outlives the sink.
+std::unique_ptr<formats::FrameSink> make_metrics_sink(const LookBody* body = nullptr);
 inline constexpr const char* metrics_name = "metrics.csv";
 inline constexpr const char* lag_column = "lag_";
 inline constexpr const char* look_column = "look";

@@ -36,7 +36,7 @@ void check_cancelled(const BuildOptions& options) {
 
 ProcessResult run_mesher(const fs::path& mesher, const std::vector<std::string>& arguments,
                          const ProcessLimits& limits) {
-  ProcessResult result = scene::run_process(mesher, arguments, limits);
+  ProcessResult result = base::run_process(mesher, arguments, limits);
   if (result.end == ProcessEnd::cancelled) throw Cancelled(said_when_cancelled);
   return result;
 }

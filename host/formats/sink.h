@@ -25,7 +25,6 @@ struct GlbOptions {
   std::optional<double> compress{};   // m: quantised and compressed, no vertex moved further; none: floats
 };
 
-struct LookBody;
 struct SurfaceObjects;
 
 // What the user is told about finished files.
@@ -54,7 +53,6 @@ struct BakeInfo {
   std::shared_ptr<const SurfaceObjects> objects = {};  // of the surface; none: read from `character`
   std::uint64_t first_number = 0;       // of frame 0, in names of files, time codes and times of formats
   bool usd_skel = false;                // usda: skinning alone beside the points
-  const LookBody* look_body = nullptr;  // look_body_of, where somebody has made it; outlives the sink
 };
 
 // Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside

@@ -75,7 +75,7 @@ void convert_character(const std::filesystem::path& input, const std::filesystem
   const std::filesystem::path program =
       converter.program.empty() ? base::find_helper(converter_name) : converter.program;
   if (!converter.program.empty() && !base::is_program(program))
-    throw SceneError(program.string() + ": no such program; give the path of " + converter_name);
+    throw base::SceneError(program.string() + ": no such program; give the path of " + converter_name);
   const std::string given = std::filesystem::absolute(input).string();
   base::ProcessResult result;
   try {

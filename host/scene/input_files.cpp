@@ -127,7 +127,7 @@ void load_character(const std::filesystem::path& path, Scene& scene) {
 std::filesystem::path character_file(const Scene& scene) {
   if (std::holds_alternative<rig::Character>(scene.geometry))
     for (const auto& [file, hash] : scene.input_hashes)
-      if (reads_as_character(file)) return file;
+      if (reads_as_character(file, scene.converter)) return file;
   return {};
 }
 
