@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cpu_reference/contact_stages.h"
 #include "cpu_reference/lane_stages.h"
 #include "cpu_reference/slices.h"
 #include "cpu_reference/stages.h"
@@ -63,6 +64,22 @@ KernelCode code_of(Kernel kernel, bool is_implicit) {
       return {&skin, &LaneStages::skin};
     case Kernel::tie:
       return {&tie};
+    case Kernel::contact_bound:
+      return {&contact_bound};
+    case Kernel::contact_enclose:
+      return {&contact_enclose};
+    case Kernel::contact_find:
+      return {&contact_find};
+    case Kernel::contact_survey:
+      return {&contact_survey};
+    case Kernel::contact_locate:
+      return {&contact_locate};
+    case Kernel::contact_crowd:
+      return {&contact_crowd};
+    case Kernel::contact_press:
+      return {&contact_press};
+    case Kernel::contact:
+      return {&contact};
     case Kernel::predict:
       return {&predict, is_implicit ? &LaneStages::predict : nullptr};
     case Kernel::region:
@@ -378,6 +395,8 @@ class CpuSolver : public model::Solver {
         return all(std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
       case Stage::tie:
         return vectors(fields_.tied);
+      case Stage::contact:
+        return vectors(fields_.pressed);
       case Stage::predict:
         return vectors(fields_.predicted);
       case Stage::region:
