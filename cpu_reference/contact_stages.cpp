@@ -1,71 +1,19 @@
 #include "cpu_reference/contact_stages.h"
 
 #include <algorithm>
-#include <array>
-#include <span>
+#include <vector>
 
-#include "shaders/kernel/contact.inc"
+#include "cpu_reference/contact_meets.h"
 
 namespace fascicle::cpu_reference {
 
 namespace {
 
-using Place = kernel::Vector<float>;
 using model::Model;
 
-Place place_at(const float* from) {
-  return {from[0], from[1], from[2]};
-}
-
-float* put_place(float* to, const Place& v) {
-  for (const float part : {v.x, v.y, v.z}) *to++ = part;
-  return to;
-}
-
-Place velocity_of(const Fields& fields, std::uint32_t i) {
-  return place_at(fields.velocities.data() + vector_stride * std::size_t{i});
-}
-
-Place sight(const Model& model, const SubstepInput& in, const Fields& fields, std::uint32_t i) {
-  const Place x = place_at(fields.vertices.data() + vertex_stride * std::size_t{i});
-  return model.is_implicit() ? kernel::contact_ahead<float>(x, velocity_of(fields, i), in.step.h) : x;
-}
-
-Place rest_place(const Model& model, std::uint32_t i) {
-  return place_at(model.rest.data() + 3 * std::size_t{i});
-}
-
-struct Box {
-  Place low, high;
-};
-
-void grow(Box& box, const Box& other) {
-  const auto lower = [](float& a, float b) { a = b < a ? b : a; };
-  const auto higher = [](float& a, float b) { a = b > a ? b : a; };
-  lower(box.low.x, other.low.x);
-  lower(box.low.y, other.low.y);
-  lower(box.low.z, other.low.z);
-  higher(box.high.x, other.high.x);
-  higher(box.high.y, other.high.y);
-  higher(box.high.z, other.high.z);
-}
-
-Box box_at(const std::vector<float>& boxes, std::uint32_t number) {
-  const float* from = boxes.data() + 6 * std::size_t{number};
-  return {place_at(from), place_at(from + 3)};
-}
-
-void put_box(std::vector<float>& boxes, std::uint32_t number, const Box& box) {
-  put_place(put_place(boxes.data() + 6 * std::size_t{number}, box.low), box.high);
-}
-
-bool box_holds(const Box& box, const ContactSight& x) {
+bool box_holds(const ContactBox& box, const Place& x) {
   return x.x >= box.low.x && x.x <= box.high.x && x.y >= box.low.y && x.y <= box.high.y && x.z >= box.low.z &&
          x.z <= box.high.z;
-}
-
-std::span<const std::uint32_t, 4> corners_of(const Model& model, std::uint32_t t) {
-  return std::span<const std::uint32_t, 4>(model.contact_tetrahedron.data() + 4 * std::size_t{t}, 4);
 }
 
 bool is_found(const Model& model, const Fields& fields, std::uint32_t p) {
@@ -92,105 +40,41 @@ void for_each_contact_at(const Model& model, const Fields& fields, std::uint32_t
   }
 }
 
-bool is_across_a_gap(const Model& model, const shader::ContactPoint& point, std::uint32_t vertex) {
-  const auto first = model.contact_near.begin() + point.first_near;
-  return std::binary_search(first, first + point.near_count, vertex);
-}
-
 }  // namespace
 
-ContactSight contact_sight(const Model& model, const SubstepInput& in, const Fields& fields,
-                           std::uint32_t i) {
-  const Place x = sight(model, in, fields, i);
-  return {x.x, x.y, x.z};
-}
-
-bool contact_is_near_at_rest(const Model& model, std::uint32_t p, std::uint32_t box) {
-  const shader::ContactPoint& point = model.contact[p];
-  if (point.near_count > 0) return false;
-  const float* from = model.contact_rest_box.data() + 8 * std::size_t{box};
-  return kernel::contact_is_near<float>(rest_place(model, point.vertex), place_at(from), place_at(from + 4),
-                                        point.margin);
-}
-
-bool contact_meets(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t p,
-                   const ContactSight& x, std::uint32_t t) {
-  const shader::ContactPoint& point = model.contact[p];
-  const auto [a, b, c, d] = std::array{corners_of(model, t)[0], corners_of(model, t)[1],
-                                       corners_of(model, t)[2], corners_of(model, t)[3]};
-  const auto volumes = kernel::contact_volumes<float>(
-      {x.x, x.y, x.z}, sight(model, in, fields, a), sight(model, in, fields, b), sight(model, in, fields, c),
-      sight(model, in, fields, d));
-  if (!kernel::contact_is_inside<float>(volumes)) return false;
-  const std::array<std::uint32_t, 5> all{point.vertex, a, b, c, d};
-  if (std::none_of(all.begin(), all.end(), [&](std::uint32_t i) { return model.mobility[i] > 0.0f; }))
-    return false;
-  const auto weights = kernel::contact_weights<float>(volumes);
-  const Place apart =
-      kernel::contact_apart<float>(weights, rest_place(model, point.vertex), rest_place(model, a),
-                                   rest_place(model, b), rest_place(model, c), rest_place(model, d));
-  const float squared = kernel::contact_along<float>(apart, apart);
-  const bool is_far = squared > point.margin * point.margin;
-  if (!is_far && !std::all_of(all.begin() + 1, all.end(),
-                              [&](std::uint32_t i) { return is_across_a_gap(model, point, i); }))
-    return false;
-  const std::vector<float>& depths = model.contact_depth;
-  const float depth = kernel::contact_mean<float>(weights, depths[a], depths[b], depths[c], depths[d]);
-  const float pushed =
-      is_far ? kernel::contact_depth_beyond<float>(depth, squared, point.margin) : depth - point.allowance;
-  const auto push = kernel::contact_push<float>(volumes, pushed, depths[a], depths[b], depths[c], depths[d]);
-  float* to = fields.contact_place.data() + 10 * std::size_t{p};
-  for (const float weight : {weights.a, weights.b, weights.c, weights.d}) *to++ = weight;
-  put_place(put_place(to, push.push), push.normal);
-  return true;
-}
-
 void contact_bound(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  for (std::uint32_t leaf = range.first; leaf < range.last; ++leaf) {
-    const std::uint32_t first = leaf * shader::contact_leaf,
-                        end = std::min(first + shader::contact_leaf, model.contact_tetrahedron_count());
-    const Place x = sight(model, in, fields, corners_of(model, first)[0]);
-    Box box{x, x};
-    for (std::uint32_t t = first; t < end; ++t)
-      for (const std::uint32_t i : corners_of(model, t)) {
-        const Place corner = sight(model, in, fields, i);
-        grow(box, {corner, corner});
-      }
-    put_box(fields.contact_box, leaf, box);
-  }
+  const auto place_of = [&](std::uint32_t i) { return contact_sight(model, in, fields, i); };
+  for (std::uint32_t leaf = range.first; leaf < range.last; ++leaf)
+    put_contact_box(fields.contact_box, leaf, contact_leaf_box(model, leaf, place_of));
 }
 
 void contact_enclose(const Model& model, const SubstepInput&, Fields& fields, Range range) {
-  for (std::uint32_t branch = range.first; branch < range.last; ++branch) {
-    const std::uint32_t first = branch * shader::contact_branch,
-                        end = std::min(first + shader::contact_branch, model.contact_leaf_count());
-    Box box = box_at(fields.contact_box, first);
-    for (std::uint32_t leaf = first + 1; leaf < end; ++leaf) grow(box, box_at(fields.contact_box, leaf));
-    put_box(fields.contact_branch_box, branch, box);
-  }
+  for (std::uint32_t branch = range.first; branch < range.last; ++branch)
+    put_contact_box(fields.contact_branch_box, branch, contact_branch_box(model, branch, fields.contact_box));
 }
 
 namespace {
 
 std::uint32_t found_in_leaf(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t p,
-                            const ContactSight& x, std::uint32_t leaf) {
+                            const Place& x, std::uint32_t leaf) {
   const std::uint32_t first = leaf * shader::contact_leaf,
                       end = std::min(first + shader::contact_leaf, model.contact_tetrahedron_count());
+  const auto place_of = [&](std::uint32_t i) { return contact_sight(model, in, fields, i); };
   for (std::uint32_t t = first; t < end; ++t)
-    if (contact_meets(model, in, fields, p, x, t)) return t;
+    if (contact_meets(model, fields, p, x, t, place_of)) return t;
   return shader::no_contact;
 }
 
 std::uint32_t found_by(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t p) {
-  const ContactSight x = contact_sight(model, in, fields, model.contact[p].vertex);
+  const Place x = contact_sight(model, in, fields, model.contact[p].vertex);
   const std::uint32_t leaves = model.contact_leaf_count();
   for (std::uint32_t branch = 0; branch < model.contact_branch_count(); ++branch) {
-    if (!box_holds(box_at(fields.contact_branch_box, branch), x) ||
+    if (!box_holds(contact_box_at(fields.contact_branch_box, branch), x) ||
         contact_is_near_at_rest(model, p, leaves + branch))
       continue;
     const std::uint32_t end = std::min((branch + 1) * shader::contact_branch, leaves);
     for (std::uint32_t leaf = branch * shader::contact_branch; leaf < end; ++leaf) {
-      if (!box_holds(box_at(fields.contact_box, leaf), x) || contact_is_near_at_rest(model, p, leaf))
+      if (!box_holds(contact_box_at(fields.contact_box, leaf), x) || contact_is_near_at_rest(model, p, leaf))
         continue;
       const std::uint32_t found = found_in_leaf(model, in, fields, p, x, leaf);
       if (found != shader::no_contact) return found;

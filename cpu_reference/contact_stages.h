@@ -22,18 +22,4 @@ void contact_crowd(const model::Model& model, const SubstepInput& in, Fields& fi
 void contact_press(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 
-// Where stage contact looks for vertex i: three floats.
-struct ContactSight {
-  float x, y, z;
-};
-ContactSight contact_sight(const model::Model& model, const SubstepInput& in, const Fields& fields,
-                           std::uint32_t i);
-
-// Whether point p, seen at `x`, lies in tetrahedron t and may meet it. If so its contact_place is written.
-bool contact_meets(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t p,
-                   const ContactSight& x, std::uint32_t t);
-
-// Whether all of a box at rest (Model::contact_rest_box) lies too near to point p to be met.
-bool contact_is_near_at_rest(const model::Model& model, std::uint32_t p, std::uint32_t box);
-
 }  // namespace fascicle::cpu_reference

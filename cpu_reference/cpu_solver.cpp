@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "cpu_reference/contact_stages.h"
+#include "cpu_reference/contact_search.h"
 #include "cpu_reference/lane_stages.h"
 #include "cpu_reference/slices.h"
 #include "cpu_reference/stages.h"
@@ -57,29 +57,14 @@ struct KernelCode {
   LaneStage LaneStages::*in_lanes = nullptr;
 };
 
-// Of a plan's kernels; those of stage limit are carried out by limit_volumes.
+// Of a plan's kernels; those of stage limit are carried out by limit_volumes, those of stage contact by
+// ContactSearch.
 KernelCode code_of(Kernel kernel, bool is_implicit) {
   switch (kernel) {
     case Kernel::skin:
       return {&skin, &LaneStages::skin};
     case Kernel::tie:
       return {&tie};
-    case Kernel::contact_bound:
-      return {&contact_bound};
-    case Kernel::contact_enclose:
-      return {&contact_enclose};
-    case Kernel::contact_find:
-      return {&contact_find};
-    case Kernel::contact_survey:
-      return {&contact_survey};
-    case Kernel::contact_locate:
-      return {&contact_locate};
-    case Kernel::contact_crowd:
-      return {&contact_crowd};
-    case Kernel::contact_press:
-      return {&contact_press};
-    case Kernel::contact:
-      return {&contact};
     case Kernel::predict:
       return {&predict, is_implicit ? &LaneStages::predict : nullptr};
     case Kernel::region:
@@ -97,6 +82,14 @@ KernelCode code_of(Kernel kernel, bool is_implicit) {
     case Kernel::embed:
       return {&embed};
     case Kernel::rebase:
+    case Kernel::contact_bound:
+    case Kernel::contact_enclose:
+    case Kernel::contact_find:
+    case Kernel::contact_survey:
+    case Kernel::contact_locate:
+    case Kernel::contact_crowd:
+    case Kernel::contact_press:
+    case Kernel::contact:
     case Kernel::lack:
     case Kernel::crowd:
     case Kernel::limit:
@@ -139,6 +132,7 @@ class CpuSolver : public model::Solver {
       slices_ = make_slices(model, fields_.memory);
       fill_constants(model, slices_, fields_);
     }
+    if (model.has_contact()) contacts_.emplace(model);
     // Last, as it makes do with what memory is left.
     pool_.emplace(threads);
     if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)
@@ -341,7 +335,9 @@ class CpuSolver : public model::Solver {
       probe->on_stage(where, output(*stage));
     };
     for (const Block& block : probe ? probed_plan_ : plan_) {
-      if (block.repeat == Block::Repeat::limit_passes) {
+      if (block.shown == Stage::contact) {
+        contacts_->run(in, fields_, *pool_);
+      } else if (block.repeat == Block::Repeat::limit_passes) {
         limit_volumes(in);
       } else if (!probe && is_swept(block)) {
         sweep_block(block, in, relaxations);
@@ -484,6 +480,7 @@ class CpuSolver : public model::Solver {
   Fields fields_{LineAllocator<float>(pages_)};
   Slices slices_;  // where lanes_ is
   Sweeps sweeps_;  // none: stage by stage
+  std::optional<ContactSearch> contacts_;  // where the model has contact
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;

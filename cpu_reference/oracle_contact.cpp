@@ -41,7 +41,9 @@ Contacts::Contacts(const model::Model& model) : model_(model) {
 
 std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32_t tetrahedron,
                                                 const Points& places) const {
-  Pair pair{.point = point, .tetrahedron = tetrahedron};
+  Pair pair{};
+  pair.point = point;
+  pair.tetrahedron = tetrahedron;
   for (std::size_t k = 0; k < 4; ++k) pair.corners[k] = model_.contact_tetrahedron[4 * tetrahedron + k];
   const shader::ContactPoint& of = model_.contact[point];
   const Matrix3d edges = edges_of(pair.corners, places);

@@ -20,8 +20,12 @@ bool is_across_a_gap(ContactPoint point, uint vertex) {
 
 bool meets(uint p, ContactPoint point, Vector x, uint t) {
   uvec4 corners = contact_tetrahedron[t];
-  ContactVolumes v =
-      contact_volumes(x, place_of(corners.x), place_of(corners.y), place_of(corners.z), place_of(corners.w));
+  Vector a = place_of(corners.x);
+  Vector b = place_of(corners.y);
+  Vector c = place_of(corners.z);
+  Vector d = place_of(corners.w);
+  if (!contact_is_in_box(x, a, b, c, d)) return false;
+  ContactVolumes v = contact_volumes(x, a, b, c, d);
   if (!contact_is_inside(v)) return false;
   if (!(mobility[point.vertex] > 0.0f) && !(mobility[corners.x] > 0.0f) && !(mobility[corners.y] > 0.0f) &&
       !(mobility[corners.z] > 0.0f) && !(mobility[corners.w] > 0.0f))
