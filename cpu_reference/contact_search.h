@@ -1,13 +1,17 @@
 // Stage contact as CpuSolver runs it: the contacts and the bits of contact_stages.h, found by a shorter way.
 //
-// For each point a list holds the tetrahedra whose boxes come near its place, each with how far the two are
-// from touching. No list changes until two vertices may have moved against each other by more than the lists'
-// reach since they were made; until then a tetrahedron is looked at once its distance may have been bridged.
+// Points are taken in blocks that lie near each other, tetrahedra in the leaves of the plain search. Where
+// the boxes of a block and a leaf overlap, the distance of each of the block's points to the leaf's
+// tetrahedra is kept, as it was at a time in the past. As long as nothing in the two has moved by that much
+// against each other since then, there is no contact between them. Most of a body's surface lies close to
+// flesh that moves with it, and is done with by that.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "cpu_reference/contact_meets.h"
 #include "cpu_reference/fields.h"
 #include "cpu_reference/stages.h"
 #include "cpu_reference/thread_pool.h"
@@ -24,13 +28,26 @@ class ContactSearch {
   // that take part in a contact.
   void run(const SubstepInput& in, Fields& fields, ThreadPool& pool);
 
-  // How often the lists were made, for measurements.
-  std::uint64_t renewals() const { return renewals_; }
-
  private:
+  // Points that are taken together.
+  static constexpr std::uint32_t block_size = 16;
+  // A tetrahedron that was near to a point: its number in the leaf, and how far the two were apart at least.
   struct Candidate {
-    std::uint32_t tetrahedron;
-    float distance;  // of the point from the tetrahedron's box, along the axis where it is farthest
+    std::uint32_t number;
+    float distance;
+  };
+  // A block and a leaf. The candidates of each point, nearest first; what a point may meet in the leaf beside
+  // them was no nearer than `others`.
+  struct Pair {
+    std::uint32_t leaf = 0;
+    float nearest = 0.0f;  // of all points
+    float others = 0.0f;
+    std::array<std::uint16_t, block_size + 1> first{};
+    std::vector<Candidate> candidates;
+  };
+  struct Block {
+    std::vector<Pair> pairs;      // by ascending leaf
+    std::uint64_t looked_at = 0;  // pairs of a point and a tetrahedron that had come too near to be left out
   };
   struct Found {
     std::uint32_t tetrahedron, point;
@@ -38,24 +55,28 @@ class ContactSearch {
   };
 
   void look(const SubstepInput& in, const Fields& fields, ThreadPool& pool);
-  float motion() const;
-  void renew(ThreadPool& pool);
-  void list_candidates(std::uint32_t point, const std::vector<float>& leaf_boxes,
-                       const std::vector<float>& branch_boxes, std::vector<Candidate>& list) const;
+  bool is_due() const;
   void find(Fields& fields, ThreadPool& pool);
+  void find_in_block(std::uint32_t block, Fields& fields);
+  void find_in_pair(std::uint32_t block, const Pair& pair, Fields& fields);
+  Pair make_pair(std::uint32_t block, std::uint32_t leaf) const;
+  Place sight_of(std::uint32_t vertex) const;
+  Place motion_of(std::uint32_t vertex) const;
   void press(const SubstepInput& in, Fields& fields);
 
   const model::Model& model_;
-  float reach_;
-  LineVector<float> sights_;       // 4 a vertex: where the stage looks for it
-  LineVector<float> sights_then_;  // the same when the lists were made; empty before
-  std::vector<float> motions_;     // 6 a part of the vertices: least and most of their motion since then
-  std::vector<std::vector<Candidate>> lists_;  // of a part of the points
-  std::vector<std::uint32_t> first_;           // of a point, in its part's list; one more a part
+  std::vector<std::uint32_t> order_;                      // points, block by block
+  std::vector<std::uint32_t> leaf_offset_, leaf_vertex_;  // the vertices of each leaf
+  LineVector<float> sights_;                              // 4 a vertex: where the stage looks for it
+  LineVector<float> sights_then_;                         // the same at the time of the distances
+  std::vector<Block> blocks_;
+  // Six floats a box: where a leaf, a branch and a block are; where leaves were then; how far leaves and
+  // blocks have moved since.
+  std::vector<float> leaf_box_, branch_box_, leaf_box_then_, leaf_motion_;
+  std::uint64_t runs_since_ = 0;
+  bool has_distances_ = false;
   std::vector<Found> found_;
   std::vector<std::uint32_t> touched_;  // vertices that pressed is not 0 of
-  float motion_ = 0.0f;
-  std::uint64_t renewals_ = 0;
 };
 
 }  // namespace fascicle::cpu_reference
