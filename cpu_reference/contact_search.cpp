@@ -20,6 +20,9 @@ constexpr std::uint64_t most_runs = 48;
 constexpr std::uint64_t most_looked_at = 40;
 constexpr std::uint64_t least_runs = 4;
 
+// How far candidates are looked for, in margins. Farther ones would make longer lists, which hold for longer.
+constexpr float reach_in_margins = 0.4f;
+
 constexpr std::size_t sight_stride = 4;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr ContactBox no_box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
@@ -59,10 +62,14 @@ struct Plane {
 };
 
 // The planes of a tetrahedron. A flat one has no inside, and its planes are rounding: then there are none.
-std::vector<Plane> planes_of(const std::array<Place, 4>& corner) {
+struct Planes {
+  std::array<Plane, 4> plane{};
+  std::size_t count = 0;
+};
+Planes planes_of(const std::array<Place, 4>& corner) {
   constexpr std::array<std::array<std::size_t, 4>, 4> faces{
       {{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}}};
-  std::vector<Plane> planes;
+  Planes planes;
   for (const auto& [a, b, c, opposite] : faces) {
     Place normal = kernel::contact_area<float>(kernel::subtract<float>(corner[b], corner[a]),
                                                kernel::subtract<float>(corner[c], corner[a]));
@@ -72,7 +79,7 @@ std::vector<Plane> planes_of(const std::array<Place, 4>& corner) {
     if (!(std::abs(inward) > 1e-3f * length * std::sqrt(length))) continue;
     const float scale = (inward > 0.0f ? -1.0f : 1.0f) / length;
     normal = {normal.x * scale, normal.y * scale, normal.z * scale};
-    planes.push_back({normal, kernel::contact_along<float>(normal, corner[a])});
+    planes.plane[planes.count++] = {normal, kernel::contact_along<float>(normal, corner[a])};
   }
   return planes;
 }
@@ -266,8 +273,7 @@ ContactSearch::Pair ContactSearch::make_pair(std::uint32_t block, std::uint32_t 
     grow(box, {x, x});
     margin = std::max(margin, point.margin);
   }
-  // Farther candidates would make longer lists, which hold for longer.
-  const float reach = 0.75f * margin;
+  const float reach = reach_in_margins * margin;
   pair.others = reach - rounding;
   pair.nearest = pair.others;
   std::array<std::vector<Candidate>, block_size> of_point;
@@ -286,23 +292,27 @@ ContactSearch::Pair ContactSearch::make_pair(std::uint32_t block, std::uint32_t 
     const ContactBox grown{{around.low.x - reach, around.low.y - reach, around.low.z - reach},
                            {around.high.x + reach, around.high.y + reach, around.high.z + reach}};
     if (!overlap(grown, box)) continue;
-    const std::vector<Plane> planes = planes_of(places);
+    Planes planes;
+    bool has_planes = false;
     for (std::uint32_t k = 0; k < size; ++k) {
       const shader::ContactPoint& point = model_.contact[order_[begin + k]];
       if (!corner_moves && !(model_.mobility[point.vertex] > 0.0f)) continue;
       const Place x = then(point.vertex);
       if (!holds(grown, x)) continue;
-      float distance = distance_to(around, x);
-      for (const Plane& plane : planes)
-        distance = std::max(distance, kernel::contact_along<float>(plane.normal, x) - plane.at);
-      // What is no number is no distance.
-      distance = distance < infinity ? distance - rounding : 0.0f;
-      if (distance >= pair.others) continue;
       const auto is_near = [&](std::uint32_t i) {
         const Place apart = kernel::subtract<float>(rest_sight(model_, i), rest_sight(model_, point.vertex));
         return squared(apart.x, apart.y, apart.z) < 0.99f * (point.margin * point.margin);
       };
       if (point.near_count == 0 && std::all_of(corners.begin(), corners.end(), is_near)) continue;
+      if (!has_planes) planes = planes_of(places);
+      has_planes = true;
+      float distance = distance_to(around, x);
+      for (std::size_t f = 0; f < planes.count; ++f)
+        distance =
+            std::max(distance, kernel::contact_along<float>(planes.plane[f].normal, x) - planes.plane[f].at);
+      // What is no number is no distance.
+      distance = distance < infinity ? distance - rounding : 0.0f;
+      if (distance >= pair.others) continue;
       of_point[k].push_back({t - first, distance});
     }
   }

@@ -26,8 +26,11 @@ class OverlapMeter {
   Overlap of(std::span<const float> positions) const;
 
  private:
-  // How deep point p lies in the first tetrahedron that holds it and that it may meet; below 0: in none.
-  double depth(std::uint32_t p, std::span<const float> positions, std::span<const float> boxes) const;
+  // How deep point p lies in the first tetrahedron that holds it and that it may meet, or in tetrahedron t;
+  // below 0: in none. Boxes, six floats each, are those of the leaves and branches of tetrahedra.
+  double depth(std::uint32_t p, std::span<const float> positions, std::span<const float> leaves,
+               std::span<const float> branches) const;
+  double depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const;
 
   const Model& model_;
   std::vector<double> area_;  // of each point, square working units
