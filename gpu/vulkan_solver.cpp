@@ -260,6 +260,7 @@ class VulkanSolver : public model::Solver {
     if (stage == Stage::skin)
       return model::side_by_side(read_triples(skinned_buffer()), 3, read_triples(shader::buffer_gravity), 3);
     if (stage == Stage::tie) return read_triples(shader::buffer_tied);
+    if (stage == Stage::contact) return read_triples(shader::buffer_pressed);
     if (stage == Stage::relax || stage == Stage::limit) return read_triples(shader::buffer_position);
     if (stage == Stage::goal) return read_triples(shader::buffer_goal);
     return read_triples(model_.is_implicit() ? shader::buffer_predicted : shader::buffer_velocity);

@@ -84,7 +84,27 @@ BUFFERS_CONSTANT uint buffer_mobility = 50u;      // a float a vertex
 BUFFERS_CONSTANT uint buffer_lack = 51u;          // a float a Limit
 BUFFERS_CONSTANT uint buffer_limit_load = 52u;    // a float a vertex
 
-BUFFERS_CONSTANT uint buffer_count = 53u;
+// Of a model with contact.
+BUFFERS_CONSTANT uint buffer_contact = 53u;              // ContactPoint
+BUFFERS_CONSTANT uint buffer_contact_near = 54u;         // vertices
+BUFFERS_CONSTANT uint buffer_contact_tetrahedron = 55u;  // uvec4: corners
+BUFFERS_CONSTANT uint buffer_contact_depth = 56u;        // a float a vertex
+BUFFERS_CONSTANT uint buffer_contact_number = 57u;       // of each vertex its ContactPoint, or no_contact
+BUFFERS_CONSTANT uint buffer_contact_offset = 58u;       // first entry of each vertex, and the count
+BUFFERS_CONSTANT uint buffer_contact_entry = 59u;        // 4 x tetrahedron + corner
+BUFFERS_CONSTANT uint buffer_contact_rest_box = 60u;    // two vec4 a box: of the leaves, then of the branches
+BUFFERS_CONSTANT uint buffer_contact_box = 61u;         // two vec4 a leaf: where it reaches to now
+BUFFERS_CONSTANT uint buffer_contact_branch_box = 62u;  // the same of a branch
+BUFFERS_CONSTANT uint buffer_contact_found = 63u;       // the tetrahedron that a point lies in, or no_contact
+BUFFERS_CONSTANT uint buffer_contact_place = 64u;       // three vec4 a point: weights, push, normal
+BUFFERS_CONSTANT uint buffer_contact_range = 65u;       // uvec2 a block of points: lowest and highest found
+BUFFERS_CONSTANT uint buffer_contact_blocks =
+    66u;  // uvec2 a leaf: first and last block that found it, and one
+BUFFERS_CONSTANT uint buffer_contact_crowd = 67u;    // S, a float a vertex
+BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, a vec4 a point
+BUFFERS_CONSTANT uint buffer_pressed = 69u;          // the accelerations by contact, one vec4 a vertex
+
+BUFFERS_CONSTANT uint buffer_count = 70u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;
@@ -103,7 +123,8 @@ BUFFERS_CONSTANT uint constant_ties = 6u;      // the model has ties
 BUFFERS_CONSTANT uint constant_group_size = 7u;  // invocations of a workgroup, a multiple of slice_width
 BUFFERS_CONSTANT uint constant_near = 8u;        // all neighbours and shares fit 16 bits
 BUFFERS_CONSTANT uint constant_ahead = 9u;       // neighbours that are read before the first is used
-BUFFERS_CONSTANT uint constant_count = 10u;
+BUFFERS_CONSTANT uint constant_contact = 10u;    // the model has contact
+BUFFERS_CONSTANT uint constant_count = 11u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;

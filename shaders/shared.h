@@ -70,6 +70,18 @@ struct Limit {
   float least_square;  // a hundredth of the mean square of the volume's gradients at rest
 };
 
+// A point of the body's surface that may come to lie in other flesh (kernel/contact.inc). Flesh that is
+// nearer to it at rest than the margin (working units) does not meet it, but for the vertices that are near
+// it across a gap: those of Model::contact_near from first_near on.
+struct ContactPoint {
+  uint vertex;
+  float margin;
+  float allowance;  // how deep it lies in other flesh at rest
+  float friction;   // Coulomb's coefficient
+  uint first_near;
+  uint near_count;
+};
+
 // One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex
 // takes its share of it through Model::force_coefficient (1/kg, for wind m^2/kg).
 struct Force {
@@ -86,9 +98,11 @@ struct Substep {
   uint vertex_count;
   uint surface_count;
   uint joint_count;
-  uint first_bone;    // index of this substep's first Bone
-  uint first_muscle;  // index of this substep's first Muscle
-  uint first_force;   // index of this substep's first Force
+  uint first_bone;                 // index of this substep's first Bone
+  uint first_muscle;               // index of this substep's first Muscle
+  uint first_force;                // index of this substep's first Force
+  uint contact_count;              // ContactPoints of the model
+  uint contact_tetrahedron_count;  // tetrahedra that points may lie in
 };
 
 // What an implicit substep needs beside. With history (BDF2) H = 2h/3, without (backward Euler, the first
@@ -115,6 +129,17 @@ struct Response {
 
 // Passes of stage limit in a substep.
 SHARED_CONSTANT uint limit_passes = 12u;
+
+// How hard stage contact pushes: sigma of kernel/contact.inc. The implicit integrator passes on 4/9 of it.
+SHARED_CONSTANT float contact_strength = 1.0f;
+SHARED_CONSTANT float contact_strength_implicit = 4.0f;
+
+// The search for contacts: tetrahedra whose boxes have one box around them, such boxes that have one, and
+// points whose finds are surveyed together. No result depends on them.
+SHARED_CONSTANT uint contact_leaf = 32u;
+SHARED_CONSTANT uint contact_branch = 32u;
+SHARED_CONSTANT uint contact_block = 32u;
+SHARED_CONSTANT uint no_contact = 0xffffffffu;
 
 // Vertices per slice of the sliced one-ring lists on the GPU. No result depends on it.
 SHARED_CONSTANT uint slice_width = 32u;

@@ -51,6 +51,7 @@ Oracle::Impl::Impl(const model::Model& of, const model::SolverOptions& with)
       rest(points_of(of.rest)),
       weights(region_weights(of)),
       ties(of),
+      contacts(of),
       limits(of),
       regions(of.vertex_count) {
   if (model.is_implicit()) stiffness = vertex_stiffness(model, region_stiffness(model));
@@ -72,6 +73,8 @@ std::vector<float> Oracle::Impl::output(Stage stage) const {
       return values;
     case Stage::tie:
       return floats_of(tied);
+    case Stage::contact:
+      return floats_of(pressed);
     case Stage::predict:
       return floats_of(model.is_implicit() ? y : v);
     case Stage::region:
@@ -125,6 +128,17 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
     case Kernel::tie:
       tied = ties.accelerations(q, v, now.h);
       return;
+    case Kernel::contact:
+      pressed = contacts.accelerations(q, v, now.h);
+      return;
+    case Kernel::contact_bound:
+    case Kernel::contact_enclose:
+    case Kernel::contact_find:
+    case Kernel::contact_survey:
+    case Kernel::contact_locate:
+    case Kernel::contact_crowd:
+    case Kernel::contact_press:
+      return;  // all of the stage is Kernel::contact here
     case Kernel::predict:
       if (model.is_implicit())
         return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());

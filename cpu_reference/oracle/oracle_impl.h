@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 
 #include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_contact.h"
 #include "cpu_reference/oracle/oracle_equations.h"
 #include "cpu_reference/oracle/oracle_implicit.h"
 #include "cpu_reference/oracle/oracle_limit.h"
@@ -31,6 +32,7 @@ struct Oracle::Impl {
   const Points rest;
   const Weights weights;
   const Ties ties;
+  const Contacts contacts;
   const Limits limits;
   std::vector<Eigen::Matrix3d> rest_moment;  // A_r at rest
   std::vector<double> stiffness;             // K_i; empty with the explicit integrator
@@ -49,6 +51,7 @@ struct Oracle::Impl {
   Points skinned_before;
   Points turned_gravity;  // the bones' change of gravity
   Points tied;            // accelerations by ties; empty without
+  Points pressed;         // accelerations by contact; empty without
   Points goals;
   Points surface;
   Points y, iterate_before;            // implicit

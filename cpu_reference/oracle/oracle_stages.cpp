@@ -74,6 +74,7 @@ void Oracle::Impl::carry(const model::Cut& cut, double h) {
 Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
                                        std::span<const shader::Force> forces) const {
   Vector3d acceleration = tied.empty() ? gravity : gravity + tied[i];
+  if (!pressed.empty()) acceleration += pressed[i];
   if (model.has_skeleton()) acceleration += turned_gravity[i];
   if (model.force_count > 0) {
     for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cpu_reference/solver/contact_search.h"
 #include "cpu_reference/solver/lane_stages.h"
 #include "cpu_reference/solver/slices.h"
 #include "cpu_reference/solver/stages.h"
@@ -56,7 +57,8 @@ struct KernelCode {
   LaneStage LaneStages::*in_lanes = nullptr;
 };
 
-// Of a plan's kernels; those of stage limit are carried out by limit_volumes.
+// Of a plan's kernels; those of stage limit are carried out by limit_volumes, those of stage contact by
+// ContactSearch.
 KernelCode code_of(Kernel kernel, bool is_implicit) {
   switch (kernel) {
     case Kernel::skin:
@@ -80,6 +82,14 @@ KernelCode code_of(Kernel kernel, bool is_implicit) {
     case Kernel::embed:
       return {&embed};
     case Kernel::rebase:
+    case Kernel::contact_bound:
+    case Kernel::contact_enclose:
+    case Kernel::contact_find:
+    case Kernel::contact_survey:
+    case Kernel::contact_locate:
+    case Kernel::contact_crowd:
+    case Kernel::contact_press:
+    case Kernel::contact:
     case Kernel::lack:
     case Kernel::crowd:
     case Kernel::limit:
@@ -122,6 +132,7 @@ class CpuSolver : public model::Solver {
       slices_ = make_slices(model, fields_.memory);
       fill_constants(model, slices_, fields_);
     }
+    if (model.has_contact()) contacts_.emplace(model);
     // Last, as it makes do with what memory is left.
     pool_.emplace(threads);
     if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)
@@ -324,7 +335,9 @@ class CpuSolver : public model::Solver {
       probe->on_stage(where, output(*stage));
     };
     for (const Block& block : probe ? probed_plan_ : plan_) {
-      if (block.repeat == Block::Repeat::limit_passes) {
+      if (block.shown == Stage::contact) {
+        contacts_->run(in, fields_, *pool_);
+      } else if (block.repeat == Block::Repeat::limit_passes) {
         limit_volumes(in);
       } else if (!probe && is_swept(block)) {
         sweep_block(block, in, relaxations);
@@ -378,6 +391,8 @@ class CpuSolver : public model::Solver {
         return all(std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
       case Stage::tie:
         return vectors(fields_.tied);
+      case Stage::contact:
+        return vectors(fields_.pressed);
       case Stage::predict:
         return vectors(fields_.predicted);
       case Stage::region:
@@ -465,6 +480,7 @@ class CpuSolver : public model::Solver {
   Fields fields_{LineAllocator<float>(pages_)};
   Slices slices_;  // where lanes_ is
   Sweeps sweeps_;  // none: stage by stage
+  std::optional<ContactSearch> contacts_;  // where the model has contact
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;

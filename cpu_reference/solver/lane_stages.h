@@ -48,7 +48,7 @@ struct LaneInput {
 
   // As in Fields.
   float *vertices, *regions, *velocities, *predicted, *goals, *skinned, *skinned_velocities, *gravity;
-  const float* tied;  // null without
+  const float *tied, *pressed;  // null without
   float *iterate_before, *positions_before, *velocities_before;
   const float* skinned_before;
   float* lack;

@@ -11,6 +11,7 @@
 #define KERNEL_FUNCTION \
   template <class Real> \
   [[gnu::always_inline]] inline
+#include "shaders/kernel/contact.inc"
 #include "shaders/kernel/goal.inc"
 #include "shaders/kernel/integrate.inc"
 #include "shaders/kernel/limit.inc"

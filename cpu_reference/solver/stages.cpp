@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "shaders/kernel/contact.inc"
 #include "shaders/kernel/embed.inc"
 #include "shaders/kernel/goal.inc"
 #include "shaders/kernel/integrate.inc"
@@ -82,7 +83,7 @@ Vector velocity_of_skin(const Model& model, const SubstepInput& in, const Fields
                                          load_vector(fields.skinned_before, i), in.step.inverse_h);
 }
 
-// Gravity, the scene's forces and the ties on vertex i.
+// Gravity, the scene's forces, the ties and the contacts on vertex i.
 Vector external_acceleration(const Model& model, const SubstepInput& in, const Fields& fields,
                              std::uint32_t i) {
   Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
@@ -95,6 +96,8 @@ Vector external_acceleration(const Model& model, const SubstepInput& in, const F
     }
   }
   if (model.has_ties()) acceleration = kernel::tie_add<float>(acceleration, load_vector(fields.tied, i));
+  if (model.has_contact())
+    acceleration = kernel::contact_add<float>(acceleration, load_vector(fields.pressed, i));
   return acceleration;
 }
 

@@ -13,6 +13,7 @@
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
+#include "host/model/overlap.h"
 
 namespace fascicle::bake {
 
@@ -132,6 +133,7 @@ class MetricsSink final : public formats::FrameSink {
       look_.emplace(*info.model, *look_body_, info.fps);
       for (const model::Frame& frame : info.before) look_->remember(frame);
     }
+    if (info.model->has_contact()) overlap_.emplace(*info.model);
     six_volumes(*info.model, info.model->rest, six_volumes_);
     rest_volume_ = volume(*info.model, six_volumes_);
     rest_layer_volumes_ = layer_volumes(*info.model, six_volumes_);
@@ -163,6 +165,16 @@ class MetricsSink final : public formats::FrameSink {
       line += ',' + base::number_text(inverted(six_volumes_));
       for (const double lag : lags(model, frame)) add(lag);
     }
+    if (overlap_) {
+      const auto add_overlap = [&](const std::vector<float>& positions) {
+        const model::Overlap overlap = overlap_->of(positions);
+        line += ',' + base::number_text(std::uint64_t{overlap.vertices});
+        add(overlap.deepest);
+        add(overlap.volume);
+      };
+      add_overlap(frame.positions);
+      if (model.has_skeleton()) add_overlap(frame.skinned);
+    }
     for (std::size_t l = 0; l < volumes.size(); ++l) {
       add(volumes[l]);
       add(rest_layer_volumes_[l] > 0.0 ? volumes[l] / rest_layer_volumes_[l] : 1.0);
@@ -188,6 +200,11 @@ class MetricsSink final : public formats::FrameSink {
       line += ",inverted_skinned";
       for (const model::Layer& layer : info_.model->layers) line += ',' + csv_text(lag_column + layer.name);
     }
+    if (overlap_) {
+      line += ",contact_vertices,contact_deepest,contact_volume";
+      if (info_.model->has_skeleton())
+        line += ",contact_vertices_skinned,contact_deepest_skinned,contact_volume_skinned";
+    }
     for (const model::Layer& layer : info_.model->layers)
       for (const char* column : {volume_column, volume_ratio_column})
         line += ',' + csv_text(column + layer.name);
@@ -208,7 +225,8 @@ class MetricsSink final : public formats::FrameSink {
   std::vector<double> six_volumes_;         // of the frame in hand
   std::optional<LookBody> own_look_body_;   // where nobody else has made one
   const LookBody* look_body_ = nullptr;
-  std::optional<Look> look_;  // with a skeleton and a render mesh only
+  std::optional<Look> look_;                    // with a skeleton and a render mesh only
+  std::optional<model::OverlapMeter> overlap_;  // of a model with contact
   std::optional<base::PartFile> file_;
 };
 
@@ -254,8 +272,9 @@ std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model:
 std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames) {
   // A number takes up to 24 characters and a comma, mostly about 19.
   return (frames + 1) *
-         (std::uint64_t{7} + (has_look(model) ? 2 + look_measures : 0) + 2 * model.layers.size() +
-          (model.has_skeleton() ? 1 + model.layers.size() : 0) + 3 * model.probes.size()) *
+         (std::uint64_t{7} + (has_look(model) ? 2 + look_measures : 0) + (model.has_contact() ? 6 : 0) +
+          2 * model.layers.size() + (model.has_skeleton() ? 1 + model.layers.size() : 0) +
+          3 * model.probes.size()) *
          20;
 }
 

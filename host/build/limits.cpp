@@ -51,22 +51,6 @@ shader::Limit limit_of(const Model& model, const std::array<std::uint32_t, 4>& c
           model::as_factor(least_square_share * mean_square)};
 }
 
-// The mean mass of the free vertices over each one's.
-std::vector<float> mobilities(const Model& model) {
-  double mass = 0.0, free = 0.0;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    if (model.is_kinematic(i)) continue;
-    mass += model.mass[i];
-    free += 1.0;
-  }
-  std::vector<float> mobility;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
-    mobility.push_back(model.is_kinematic(i) ? 0.0f
-                                             : std::max(static_cast<float>(mass / (free * model.mass[i])),
-                                                        model::least_factor));
-  return mobility;
-}
-
 }  // namespace
 
 void write_limits(const std::vector<double>& least_volume, Model& model) {
@@ -100,7 +84,22 @@ void write_limits(const std::vector<double>& least_volume, Model& model) {
     model.limit_entry.insert(model.limit_entry.end(), of_vertex.begin(), of_vertex.end());
     model.limit_offset.push_back(static_cast<std::uint32_t>(model.limit_entry.size()));
   }
-  model.mobility = mobilities(model);
+  write_mobility(model);
+}
+
+void write_mobility(Model& model) {
+  double mass = 0.0, free = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    mass += model.mass[i];
+    free += 1.0;
+  }
+  model.mobility.clear();
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    model.mobility.push_back(
+        model.is_kinematic(i)
+            ? 0.0f
+            : std::max(static_cast<float>(mass / (free * model.mass[i])), model::least_factor));
 }
 
 }  // namespace fascicle::build

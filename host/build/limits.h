@@ -13,4 +13,8 @@ namespace fascicle::build {
 // its free corners; one without free corners takes none. Nothing is filled where no tetrahedron gets a limit.
 void write_limits(const std::vector<double>& least_volume, model::Model& model);
 
+// Fills mobility: of each vertex the mean mass of the free ones over its own, 0 of kinematic ones. The model
+// must have a free one.
+void write_mobility(model::Model& model);
+
 }  // namespace fascicle::build

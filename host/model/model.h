@@ -52,6 +52,11 @@ inline float as_factor(double x) {
   return std::abs(factor) < least_factor ? 0.0f : factor;
 }
 
+// Parts of at most `size` that `count` items make.
+inline std::uint32_t parts_of(std::uint32_t count, std::uint32_t size) {
+  return count / size + (count % size != 0 ? 1 : 0);
+}
+
 struct Model {                                 // each member has a row in model_arrays.h
   double unit = 1.0;                           // metres per working unit
   std::array<double, 3> rest_origin{0, 0, 0};  // metres
@@ -113,7 +118,21 @@ struct Model {                                 // each member has a row in model
   std::vector<shader::Limit> limit;
   std::vector<std::uint32_t> limit_offset;  // n + 1 or 0
   std::vector<std::uint32_t> limit_entry;
-  std::vector<float> mobility;  // n or 0
+  std::vector<float> mobility;  // n with limits or contact, else 0
+
+  // Self-contact (shaders/kernel/contact.inc); empty without. Points of the surface, by ascending vertex, may
+  // come to lie in the tetrahedra, whose order decides where a point lies in several of them.
+  std::vector<shader::ContactPoint> contact;
+  std::vector<std::uint32_t> contact_near;         // ascending for each point
+  std::vector<std::uint32_t> contact_tetrahedron;  // 4 a tetrahedron: corners
+  std::vector<float> contact_depth;                // n or 0: how deep below the surface a vertex is at rest
+  std::vector<std::uint32_t> contact_number;       // n or 0: a vertex's point, or shader::no_contact
+  // Of each vertex those tetrahedra that it is a corner of: 4 x number + corner, CSR, ascending.
+  std::vector<std::uint32_t> contact_offset;  // n + 1 or 0
+  std::vector<std::uint32_t> contact_entry;
+  // 8 a box around shader::contact_leaf tetrahedra at rest, then around shader::contact_branch such boxes:
+  // least x y z and 0, most x y z and 0.
+  std::vector<float> contact_rest_box;
 
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
@@ -146,6 +165,19 @@ struct Model {                                 // each member has a row in model
   std::uint32_t surface_count() const { return static_cast<std::uint32_t>(surface_vertex.size() / 4); }
   std::uint32_t tetrahedron_count() const { return static_cast<std::uint32_t>(tetrahedron.size() / 4); }
   bool has_skeleton() const { return joint_count > 0; }
+  std::uint32_t contact_tetrahedron_count() const {
+    return static_cast<std::uint32_t>(contact_tetrahedron.size() / 4);
+  }
+  std::uint32_t contact_leaf_count() const {
+    return parts_of(contact_tetrahedron_count(), shader::contact_leaf);
+  }
+  std::uint32_t contact_branch_count() const {
+    return parts_of(contact_leaf_count(), shader::contact_branch);
+  }
+  std::uint32_t contact_block_count() const {
+    return parts_of(static_cast<std::uint32_t>(contact.size()), shader::contact_block);
+  }
+  bool has_contact() const { return !contact.empty(); }
   bool has_limits() const { return !limit.empty(); }
   bool has_ties() const { return !tie.empty(); }
   bool is_implicit() const { return !stiffness.empty(); }

@@ -155,6 +155,15 @@ inline bool has_ties(const Model& m) {
 inline bool has_limits(const Model& m) {
   return m.has_limits();
 }
+inline bool has_contact(const Model& m) {
+  return m.has_contact();
+}
+inline bool has_mobility(const Model& m) {
+  return m.has_limits() || m.has_contact();
+}
+inline std::size_t contact_boxes(const Model& m) {
+  return m.contact_leaf_count() + m.contact_branch_count();
+}
 inline bool has_skeleton(const Model& m) {
   return m.has_skeleton();
 }
@@ -279,10 +288,53 @@ inline constexpr auto model_arrays = [] {
              .buffer = {shader::buffer_limit_entry}}),
       array("mobility", &Model::mobility,
             {.items = a_vertex,
-             .is_there = has_limits,
+             .is_there = has_mobility,
              .values = factor_up_to(0x1p40f),
              .stored = where_there,
              .buffer = {shader::buffer_mobility}}),
+
+      array("contact", &Model::contact, {.stored = where_there, .buffer = {shader::buffer_contact}}),
+      array("contact_near", &Model::contact_near,
+            {.is_there = has_contact,
+             .values = below(vertices),
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_near}}),
+      array("contact_tetrahedron", &Model::contact_tetrahedron,
+            {.items = {.each = 4},
+             .is_there = has_contact,
+             .may_lack = true,
+             .values = below(vertices),
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_tetrahedron}}),
+      array("contact_depth", &Model::contact_depth,
+            {.items = a_vertex,
+             .is_there = has_contact,
+             .values = factor_up_to(4.0f),
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_depth}}),
+      array("contact_number", &Model::contact_number,
+            {.items = a_vertex,
+             .is_there = has_contact,
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_number}}),
+      array("contact_offset", &Model::contact_offset,
+            {.items = offsets_a_vertex,
+             .is_there = has_contact,
+             .values = offsets_into(entries<&Model::contact_entry>),
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_offset}}),
+      array("contact_entry", &Model::contact_entry,
+            {.items = {entries<&Model::contact_tetrahedron>},
+             .is_there = has_contact,
+             .values = below(entries<&Model::contact_tetrahedron>),
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_entry}}),
+      array("contact_rest_box", &Model::contact_rest_box,
+            {.items = {contact_boxes, 8},
+             .is_there = has_contact,
+             .values = finite,
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_rest_box}}),
 
       value("joint_count", &Model::joint_count),
       array("skin_offset", &Model::skin_offset,

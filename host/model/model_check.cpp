@@ -182,8 +182,6 @@ void check_limits(const Model& m) {
       if (!(number >= least_factor && number <= 0x1p40f)) broken("limit", k, "has no rest shape");
   }
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
-    if (m.is_kinematic(i) != (m.mobility[i] == 0.0f))
-      broken("mobility", i, "is 0 of kinematic vertices alone");
     for (std::uint32_t e = m.limit_offset[i]; e < m.limit_offset[i + 1]; ++e) {
       const shader::Limit& t = m.limit[m.limit_entry[e] / 4];
       const std::array<std::uint32_t, 4> corners{t.corner_a, t.corner_b, t.corner_c, t.corner_d};
@@ -192,6 +190,57 @@ void check_limits(const Model& m) {
         broken("limit_entry", e, "is not ascending");
     }
   }
+}
+
+void check_mobility(const Model& m) {
+  for (std::uint32_t i = 0; i < m.mobility.size(); ++i)
+    if (m.is_kinematic(i) != (m.mobility[i] == 0.0f))
+      broken("mobility", i, "is 0 of kinematic vertices alone");
+}
+
+void check_contact_points(const Model& m) {
+  std::uint32_t first_near = 0;
+  for (std::uint32_t p = 0; p < m.contact.size(); ++p) {
+    const shader::ContactPoint& point = m.contact[p];
+    if (point.vertex >= m.vertex_count || m.contact_number[point.vertex] != p)
+      broken("contact", p, "is not its vertex's point");
+    if (p > 0 && m.contact[p - 1].vertex >= point.vertex) broken("contact", p, "is not ascending");
+    for (const float number : {point.margin, point.allowance, point.friction})
+      if (!(number == 0.0f || (number >= least_factor && number <= 0x1p20f)))
+        broken("contact", p, "has a number that is out of its range");
+    if (!(point.margin > 0.0f)) broken("contact", p, "has no margin");
+    if (point.first_near != first_near || point.near_count > m.contact_near.size() - first_near)
+      broken("contact", p, "does not go on in contact_near");
+    for (std::uint32_t k = first_near + 1; k < first_near + point.near_count; ++k)
+      if (m.contact_near[k - 1] >= m.contact_near[k]) broken("contact_near", k, "is not ascending");
+    first_near += point.near_count;
+  }
+  if (first_near != m.contact_near.size()) broken("contact_near", first_near, "is no point's");
+  std::size_t points = 0;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    if (m.contact_number[i] == shader::no_contact) continue;
+    if (m.contact_number[i] >= m.contact.size()) broken("contact_number", i, "names no point");
+    ++points;
+  }
+  if (points != m.contact.size()) broken("contact_number", 0, "names a point twice");
+}
+
+void check_contact(const Model& m) {
+  if (!m.has_contact()) return;
+  if (m.contact_tetrahedron_count() >= shader::no_contact / 4)
+    broken("contact_tetrahedron", m.contact_tetrahedron.size(), "are too many");
+  check_contact_points(m);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+    for (std::uint32_t e = m.contact_offset[i]; e < m.contact_offset[i + 1]; ++e) {
+      if (m.contact_tetrahedron[m.contact_entry[e]] != i)
+        broken("contact_entry", e, "is not a corner of this vertex");
+      if (e > m.contact_offset[i] && m.contact_entry[e - 1] >= m.contact_entry[e])
+        broken("contact_entry", e, "is not ascending");
+    }
+  for (std::size_t box = 0; box < m.contact_rest_box.size(); box += 8)
+    for (std::size_t a = 0; a < 3; ++a)
+      if (m.contact_rest_box[box + a] > m.contact_rest_box[box + 4 + a])
+        broken("contact_rest_box", box + a, "is inside out");
 }
 
 void check_skin(const Model& m) {
@@ -233,6 +282,8 @@ void check_model(const Model& m) {
   check_volume(m);
   check_ties(m);
   check_limits(m);
+  check_mobility(m);
+  check_contact(m);
   check_skin(m);
 }
 

@@ -13,6 +13,8 @@ const char* name_of(Stage stage) {
       return "skin";
     case Stage::tie:
       return "tie";
+    case Stage::contact:
+      return "contact";
     case Stage::predict:
       return "predict";
     case Stage::region:
@@ -103,6 +105,8 @@ shader::Substep first_substep(const Model& model, const Drive& drive) {
   substep.vertex_count = model.vertex_count;
   substep.surface_count = model.surface_count();
   substep.joint_count = model.joint_count;
+  substep.contact_count = static_cast<std::uint32_t>(model.contact.size());
+  substep.contact_tetrahedron_count = model.contact_tetrahedron_count();
   return substep;
 }
 

@@ -8,7 +8,7 @@ namespace fascicle::model {
 
 namespace {
 
-constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied};
+constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied, Field::pressed};
 constexpr FieldSet skin_motion{Field::skinned, Field::skinned_before, Field::skinned_velocity};
 constexpr FieldSet history{Field::position_before, Field::velocity_before};
 
@@ -32,6 +32,44 @@ constexpr std::array<KernelAccess, kernel_count> table{{
      {Field::position, Field::skinned, Field::position_before}},
     {"skin", KernelItems::vertices, {}, {}, {}, {Field::skinned, Field::gravity}},
     {"tie", KernelItems::vertices, {}, {}, {Field::position, Field::velocity}, {Field::tied}},
+    {"contact_bound",
+     KernelItems::contact_leaves,
+     {},
+     {},
+     {Field::position, Field::velocity},
+     {Field::contact_box}},
+    {"contact_enclose",
+     KernelItems::contact_branches,
+     {},
+     {},
+     {Field::contact_box},
+     {Field::contact_branch_box}},
+    {"contact_find",
+     KernelItems::contact_points,
+     {},
+     {},
+     {Field::position, Field::velocity, Field::contact_box, Field::contact_branch_box},
+     {Field::contact_found, Field::contact_place}},
+    {"contact_survey", KernelItems::contact_blocks, {}, {}, {Field::contact_found}, {Field::contact_range}},
+    {"contact_locate", KernelItems::contact_leaves, {}, {}, {Field::contact_range}, {Field::contact_blocks}},
+    {"contact_crowd",
+     KernelItems::vertices,
+     {},
+     {},
+     {Field::contact_found, Field::contact_place, Field::contact_blocks},
+     {Field::contact_crowd}},
+    {"contact_press",
+     KernelItems::contact_points,
+     {Field::contact_found, Field::contact_place},
+     {},
+     {Field::velocity, Field::contact_crowd},
+     {Field::contact_impulse}},
+    {"contact",
+     KernelItems::vertices,
+     {},
+     {},
+     {Field::contact_found, Field::contact_place, Field::contact_blocks, Field::contact_impulse},
+     {Field::pressed}},
     {"predict",
      KernelItems::vertices,
      predict_reads,
@@ -106,7 +144,16 @@ std::string_view name_of(Field field) {
                                                             "iterate_before",
                                                             "tied",
                                                             "lack",
-                                                            "limit_load"};
+                                                            "limit_load",
+                                                            "contact_box",
+                                                            "contact_branch_box",
+                                                            "contact_found",
+                                                            "contact_place",
+                                                            "contact_range",
+                                                            "contact_blocks",
+                                                            "contact_crowd",
+                                                            "contact_impulse",
+                                                            "pressed"};
   return names[static_cast<std::size_t>(field)];
 }
 
@@ -126,6 +173,14 @@ std::uint32_t item_count(const Model& model, KernelItems items) {
       return static_cast<std::uint32_t>(model.limit.size());
     case KernelItems::surface:
       return model.surface_count();
+    case KernelItems::contact_leaves:
+      return model.contact_leaf_count();
+    case KernelItems::contact_branches:
+      return model.contact_branch_count();
+    case KernelItems::contact_points:
+      return static_cast<std::uint32_t>(model.contact.size());
+    case KernelItems::contact_blocks:
+      return model.contact_block_count();
   }
   return 0;
 }
@@ -149,12 +204,24 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
   std::vector<Step> begin;
   if (model.has_skeleton()) begin.push_back({Kernel::skin, Stage::skin});
   if (model.has_ties()) begin.push_back({Kernel::tie, Stage::tie});
+  if (model.has_contact()) {
+    if (!begin.empty()) plan.push_back({.steps = std::exchange(begin, {})});
+    plan.push_back({.steps = {{Kernel::contact_bound},
+                              {Kernel::contact_enclose},
+                              {Kernel::contact_find},
+                              {Kernel::contact_survey},
+                              {Kernel::contact_locate},
+                              {Kernel::contact_crowd},
+                              {Kernel::contact_press},
+                              {Kernel::contact}},
+                    .shown = Stage::contact});
+  }
   const Step predict{Kernel::predict, Stage::predict}, region{Kernel::region, Stage::region},
       goal{Kernel::goal, Stage::goal}, integrate{Kernel::integrate, Stage::integrate};
 
   if (!model.is_implicit()) {
-    // Ties reach anywhere. What follows them is a block of its own, which can be swept.
-    if (model.has_ties()) plan.push_back({.steps = std::exchange(begin, {})});
+    // Ties and contacts reach anywhere. What follows them is a block of its own, which can be swept.
+    if (model.has_ties() && !begin.empty()) plan.push_back({.steps = std::exchange(begin, {})});
     if (for_probe)
       append(begin, {predict, region, goal, integrate});
     else

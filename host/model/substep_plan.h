@@ -19,11 +19,20 @@
 namespace fascicle::model {
 
 // Kernels in the order of their stages. The same word names the shader. lack, crowd and limit are the stage
-// limit. update and iterate are fused from others, with the same bits.
+// limit, and those with contact in their names are the stage contact. update and iterate are fused from
+// others, with the same bits.
 enum class Kernel : std::uint8_t {
   rebase,
   skin,
   tie,
+  contact_bound,
+  contact_enclose,
+  contact_find,
+  contact_survey,
+  contact_locate,
+  contact_crowd,
+  contact_press,
+  contact,
   predict,
   region,
   goal,
@@ -36,7 +45,7 @@ enum class Kernel : std::uint8_t {
   iterate,  // goal and relax of an implicit one
   embed,
 };
-inline constexpr std::uint32_t kernel_count = 14;
+inline constexpr std::uint32_t kernel_count = 22;
 
 // What changes from substep to substep. Each is a buffer of shaders/buffers.h and an array, or a part of one,
 // of cpu_reference/solver/fields.h. There, an explicit substep keeps the velocities that predict makes in
@@ -59,8 +68,17 @@ enum class Field : std::uint8_t {
   tied,
   lack,
   limit_load,
+  contact_box,
+  contact_branch_box,
+  contact_found,
+  contact_place,
+  contact_range,
+  contact_blocks,
+  contact_crowd,
+  contact_impulse,
+  pressed,
 };
-inline constexpr std::uint32_t field_count = 17;
+inline constexpr std::uint32_t field_count = 26;
 std::string_view name_of(Field field);
 
 // A set of fields.
@@ -86,7 +104,15 @@ struct FieldSet {
 };
 
 // What a kernel runs over: an invocation, or a turn of a loop, an item.
-enum class KernelItems : std::uint8_t { vertices, limits, surface };
+enum class KernelItems : std::uint8_t {
+  vertices,
+  limits,
+  surface,
+  contact_leaves,
+  contact_branches,
+  contact_points,
+  contact_blocks
+};
 
 // What a kernel may touch, in any model. An invocation writes only its own item's numbers, so the items of
 // one kernel may run in any order: no field that it reads of other items is one that it writes.

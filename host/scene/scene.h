@@ -157,6 +157,13 @@ struct FleshSettings {
   double exaggerate = 1.0;  // [0, 4]: all free layers' inertia_scale is multiplied by it
 };
 
+// How flesh meets flesh.
+struct ContactSettings {
+  bool self = false;               // flesh of the body does not pass through other flesh of it
+  std::optional<double> distance;  // m: flesh nearer than that at rest does not meet; absent: by the mesh
+  double friction = 0.5;           // Coulomb's coefficient, at least 0
+};
+
 // Muscle fibres drawn as a polyline from origin to insertion, m.
 struct FibreCurve {
   std::string name;
@@ -302,6 +309,7 @@ struct Scene {
   std::vector<BoneSegment> bones;
   SkeletonSettings skeleton;
   FleshSettings flesh;
+  ContactSettings contact;
   std::vector<Layer> layers;  // at least one
   std::vector<FibreCurve> fibres;
   std::vector<Muscle> muscles;

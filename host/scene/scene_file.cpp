@@ -387,6 +387,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read_skeleton_settings(root, scene);
   read_layers(root, surroundings, scene);
   read_flesh(root, scene);
+  read_keys(table_at(root, "contact"), scene.contact);
   read_fibres(root, scene);
   read_muscles(root, surroundings, scene);
   for_each_named(root, "pin",

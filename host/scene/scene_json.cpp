@@ -77,6 +77,7 @@ Json json_of(const Scene& scene) {
               {"clip_name", clip_name(scene)},
               {"gravity", json_of(scene.gravity)},
               {"motion", json_of(scene.motion)},
+              {"contact", json_of(scene.contact)},
               {"solver", json_of(scene.solver)},
               {"geometry", std::visit(GeometryJson{}, scene.geometry)},
               {"scale", scene.scale},

@@ -27,8 +27,10 @@ void read_keys(const toml::table& table, BodySettings& body);
 // scene_keys_layer.cpp
 const Table& layer_table();
 const Table& flesh_table();
+const Table& contact_table();
 void read_keys(const toml::table& table, Layer& layer);
 void read_keys(const toml::table& table, FleshSettings& flesh);
+void read_keys(const toml::table& table, ContactSettings& contact);
 
 // scene_keys_motion.cpp
 const Table& solver_table();

@@ -1,4 +1,4 @@
-// What flesh is: [layers.NAME], [flesh].
+// What flesh is: [layers.NAME], [flesh], [contact].
 #include "host/scene/material.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_rows.h"
@@ -101,6 +101,24 @@ const auto& flesh_rows() {
   return all;
 }
 
+const auto& contact_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      key(&ContactSettings::self,
+          {.name = "self", .doc = "Flesh of the body does not pass through other flesh of it."}),
+      key(&ContactSettings::distance,
+          {.name = "distance",
+           .doc = "Flesh that lies nearer than that at rest does not meet, m. Where absent, twice the mean "
+                  "edge of the tetrahedra's surface.",
+           .range = positive(1e3)}),
+      key(&ContactSettings::friction, {.name = "friction",
+                                       .doc = "Coulomb's coefficient of friction between flesh and flesh.",
+                                       .range = between(0.0, 100.0)})};
+  static_assert(base::has_row_for_each_member<ContactSettings, decltype(all)>,
+                "a member of ContactSettings has no row here");
+  return all;
+}
+
 }  // namespace
 
 const Table& layer_table() {
@@ -128,6 +146,17 @@ const Table& flesh_table() {
 }
 void read_keys(const toml::table& table, FleshSettings& flesh) {
   read_rows(table, flesh_rows(), flesh);
+}
+
+const Table& contact_table() {
+  static const Table table = with_keys({.name = "contact", .doc = "How flesh meets flesh."}, contact_rows());
+  return table;
+}
+void read_keys(const toml::table& table, ContactSettings& contact) {
+  read_rows(table, contact_rows(), contact);
+}
+Json json_of(const ContactSettings& contact) {
+  return json_of_rows(contact_rows(), contact);
 }
 
 }  // namespace fascicle::scene

@@ -32,6 +32,10 @@ const Table& scene_table() {
             .type = KeyType::table,
             .doc = "What is wished of all flesh.",
             .table = &flesh_table()},
+           {.name = "contact",
+            .type = KeyType::table,
+            .doc = "How flesh meets flesh.",
+            .table = &contact_table()},
            {.name = "layers",
             .type = KeyType::named_tables,
             .doc =

@@ -1,0 +1,138 @@
+#include "cpu_reference/oracle/oracle_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace fascicle::cpu_reference {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::Vector4d;
+
+namespace {
+
+// The least gradient of depth that shows a way out.
+constexpr double least_gradient = 0.1;
+// A vertex shares its mass between as many contacts as its coefficients add up to, at least two.
+constexpr double least_crowd = 2.0;
+// What friction takes of the sliding velocity at most.
+constexpr double most_friction = 0.5;
+// BDF2 passes on 4/9 of a force's work on positions in a substep.
+constexpr double implicit_strength = 4.0;
+
+// Columns: the edges from the first corner.
+Matrix3d edges_of(const std::array<std::uint32_t, 4>& corners, const Points& places) {
+  Matrix3d edges;
+  for (int k = 0; k < 3; ++k) edges.col(k) = places[corners[std::size_t(k) + 1]] - places[corners[0]];
+  return edges;
+}
+
+}  // namespace
+
+Contacts::Contacts(const model::Model& model) : model_(model) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    rest_.emplace_back(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
+    mobility_.push_back(model.is_kinematic(i) ? 0.0 : 1.0 / model.mass[i]);
+  }
+}
+
+std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32_t tetrahedron,
+                                                const Points& places) const {
+  Pair pair{};
+  pair.point = point;
+  pair.tetrahedron = tetrahedron;
+  for (std::size_t k = 0; k < 4; ++k) pair.corners[k] = model_.contact_tetrahedron[4 * tetrahedron + k];
+  const shader::ContactPoint& of = model_.contact[point];
+  const Matrix3d edges = edges_of(pair.corners, places);
+  if (!(edges.determinant() > 0.0)) return std::nullopt;
+  const Matrix3d inverse = edges.inverse();
+  const Vector3d in_edges = inverse * (places[of.vertex] - places[pair.corners[0]]);
+  pair.weights << 1.0 - in_edges.sum(), in_edges;
+  if (pair.weights.minCoeff() < 0.0) return std::nullopt;
+
+  bool can_move = mobility_[of.vertex] > 0.0;
+  Vector3d apart = -rest_[of.vertex];
+  Vector4d depths;
+  const auto near = model_.contact_near.begin() + of.first_near;
+  bool is_across_a_gap = true;
+  for (int k = 0; k < 4; ++k) {
+    const std::uint32_t i = pair.corners[std::size_t(k)];
+    can_move = can_move || mobility_[i] > 0.0;
+    apart += pair.weights[k] * rest_[i];
+    depths[k] = model_.contact_depth[i];
+    is_across_a_gap = is_across_a_gap && std::binary_search(near, near + of.near_count, i);
+  }
+  const bool is_far = apart.norm() > double(of.margin);
+  if (!can_move || !(is_far || is_across_a_gap)) return std::nullopt;
+
+  const double depth = pair.weights.dot(depths);
+  const double pushed =
+      is_far ? std::min(depth, (apart.norm() - double(of.margin)) / 2.0) : depth - double(of.allowance);
+  const Vector3d gradient = inverse.transpose() * (depths.tail<3>() - Vector3d::Constant(depths[0]));
+  pair.push = pair.normal = Vector3d::Zero();
+  if (pushed > 0.0 && gradient.norm() >= least_gradient) {
+    pair.push = -pushed / std::max(1.0, gradient.squaredNorm()) * gradient;
+    pair.normal = -gradient.normalized();
+  }
+  return pair;
+}
+
+std::vector<Contacts::Pair> Contacts::found_at(const Points& places) const {
+  std::vector<Pair> pairs;
+  const std::uint32_t tetrahedra = model_.contact_tetrahedron_count();
+  std::vector<Eigen::AlignedBox3d> boxes(tetrahedra);
+  for (std::uint32_t t = 0; t < tetrahedra; ++t)
+    for (std::size_t k = 0; k < 4; ++k) boxes[t].extend(places[model_.contact_tetrahedron[4 * t + k]]);
+  for (std::uint32_t p = 0; p < model_.contact.size(); ++p)
+    for (std::uint32_t t = 0; t < tetrahedra; ++t) {
+      if (!boxes[t].contains(places[model_.contact[p].vertex])) continue;
+      const std::optional<Pair> pair = pair_of(p, t, places);
+      if (!pair) continue;
+      pairs.push_back(*pair);
+      break;
+    }
+  return pairs;
+}
+
+Points Contacts::accelerations(const Points& q, const Points& v, double h) const {
+  Points places = q;
+  if (model_.is_implicit())
+    for (std::size_t i = 0; i < q.size(); ++i) places[i] += h * v[i];
+  const std::vector<Pair> pairs = found_at(places);
+  std::vector<double> crowd(q.size(), 0.0);
+  for (const Pair& pair : pairs) {
+    crowd[model_.contact[pair.point].vertex] += 1.0;
+    for (int k = 0; k < 4; ++k) crowd[pair.corners[std::size_t(k)]] += pair.weights[k];
+  }
+  const auto load = [&](std::uint32_t i) { return mobility_[i] * std::max(least_crowd, crowd[i]); };
+  const double strength = model_.is_implicit() ? implicit_strength : 1.0;
+  Points a(q.size(), Vector3d::Zero());
+  for (const Pair& pair : pairs) {
+    const shader::ContactPoint& of = model_.contact[pair.point];
+    Vector3d velocity = v[of.vertex];
+    double loads = load(of.vertex);
+    for (int k = 0; k < 4; ++k) {
+      velocity -= pair.weights[k] * v[pair.corners[std::size_t(k)]];
+      loads += pair.weights[k] * load(pair.corners[std::size_t(k)]);
+    }
+    if (!(loads > 0.0)) continue;
+    const double along = velocity.dot(pair.normal);
+    const double pushed = strength / h * pair.push.dot(pair.normal) - along;
+    const Vector3d sliding = velocity - along * pair.normal;
+    Vector3d impulse = pushed * pair.normal;
+    if (sliding.norm() > 0.0)
+      impulse -= std::min(most_friction, double(of.friction) * std::abs(pushed) / sliding.norm()) * sliding;
+    impulse /= loads;
+    a[of.vertex] += mobility_[of.vertex] / h * impulse;
+    for (int k = 0; k < 4; ++k) {
+      const std::uint32_t i = pair.corners[std::size_t(k)];
+      a[i] -= pair.weights[k] * mobility_[i] / h * impulse;
+    }
+  }
+  return a;
+}
+
+}  // namespace fascicle::cpu_reference

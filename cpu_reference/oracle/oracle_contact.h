@@ -1,0 +1,45 @@
+// Contact of flesh with flesh, in double precision, from the rest data: which point lies in which tetrahedron
+// is found by looking at all of them. The response is ours and not the paper's (shaders/kernel/contact.inc
+// says what it is).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "cpu_reference/oracle/oracle_equations.h"
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+class Contacts {
+ public:
+  explicit Contacts(const model::Model& model);
+  bool empty() const { return model_.contact.empty(); }
+  // The accelerations of all vertices in a substep of h seconds that begins at `q` with `v`. The implicit
+  // integrator's contacts are looked for where the vertices would come to by themselves.
+  Points accelerations(const Points& q, const Points& v, double h) const;
+
+  // A point that lies in a tetrahedron which it may meet.
+  struct Pair {
+    std::uint32_t point;                   // of Model::contact
+    std::uint32_t tetrahedron;             // of Model::contact_tetrahedron
+    std::array<std::uint32_t, 4> corners;  // vertices
+    Eigen::Vector4d weights;               // of the point's place between them
+    Eigen::Vector3d push, normal;          // d and n; 0 where nothing is pushed
+  };
+  // By ascending point.
+  std::vector<Pair> found_at(const Points& places) const;
+
+ private:
+  std::optional<Pair> pair_of(std::uint32_t point, std::uint32_t tetrahedron, const Points& places) const;
+
+  const model::Model& model_;
+  Points rest_;
+  std::vector<double> mobility_;  // inverse masses, 0 of kinematic vertices
+};
+
+}  // namespace fascicle::cpu_reference

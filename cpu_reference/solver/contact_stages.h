@@ -1,0 +1,25 @@
+// The kernels of stage contact on the CPU, in their plain form: what the shaders of the same names do, item
+// by item. CpuSolver finds the same contacts by a shorter way, contact_search.h. See stages.h for how ranges
+// work.
+#pragma once
+
+#include <cstdint>
+
+#include "cpu_reference/solver/fields.h"
+#include "cpu_reference/solver/stages.h"
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+// Over the leaves, the branches, the points, the blocks of points, the leaves, the vertices, the points, the
+// vertices.
+void contact_bound(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_enclose(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_find(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_survey(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_locate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_crowd(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_press(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+
+}  // namespace fascicle::cpu_reference

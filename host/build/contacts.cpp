@@ -1,0 +1,326 @@
+#include "host/build/contacts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+
+#include "host/base/parallel.h"
+#include "host/build/boundary.h"
+#include "host/build/box_tree.h"
+#include "host/build/limits.h"
+#include "host/build/surface_search.h"
+
+namespace fascicle::build {
+
+namespace {
+
+using Eigen::Vector3d;
+using model::Model;
+using Triangle = std::array<std::uint32_t, 3>;
+
+// Mean edges of the surface that the margin has. Below two, flesh met its own neighbours where a character's
+// cage is coarse; from three on more volume stays in folds.
+constexpr double margin_edges = 2.0;
+// How far around a point vertices across a gap are looked for, in margins, and how many times that the way
+// along the flesh must be.
+constexpr double gap_margins = 1.5;
+constexpr double gap_detour = 3.0;
+
+std::vector<Vector3d> rest_places(const Model& model) {
+  std::vector<Vector3d> places;
+  places.reserve(model.vertex_count);
+  for (std::size_t i = 0; i < model.vertex_count; ++i)
+    places.emplace_back(double{model.rest[3 * i]}, double{model.rest[3 * i + 1]},
+                        double{model.rest[3 * i + 2]});
+  return places;
+}
+
+double mean_edge(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest) {
+  double sum = 0.0;
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) sum += (rest[t[k]] - rest[t[(k + 1) % 3]]).norm();
+  return sum / (3.0 * static_cast<double>(triangles.size()));
+}
+
+// Of each vertex the distance to the surface at rest, 0 on it.
+std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest,
+                          const std::vector<char>& is_on_surface) {
+  mesh::SurfaceMesh surface;
+  surface.vertices = rest;
+  surface.triangles = triangles;
+  const SurfaceSearch search(surface);
+  std::vector<float> depth(rest.size(), 0.0f);
+  base::for_each_in_parallel(rest.size(), base::thread_count(), [&](std::size_t i, std::size_t) {
+    if (!is_on_surface[i]) depth[i] = model::as_factor(search.nearest(rest[i]).distance);
+  });
+  return depth;
+}
+
+// The bits of a number below 2^20 at every third place.
+std::uint64_t spread(std::uint64_t number) {
+  std::uint64_t bits = 0;
+  for (unsigned b = 0; b < 20; ++b) bits |= (number >> b & 1U) << (3 * b);
+  return bits;
+}
+
+// The tetrahedra along Morton's curve, so that leaves and branches are small. Four corners a tetrahedron.
+std::vector<std::uint32_t> ordered_tetrahedra(const Model& model, const std::vector<Vector3d>& rest) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+  for (std::uint32_t t = 0; t < model.tetrahedron_count(); ++t) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t k = 0; k < 4; ++k) sum += rest[model.tetrahedron[4 * std::size_t{t} + k]];
+    std::uint64_t code = 0;
+    for (int a = 0; a < 3; ++a) {
+      // Rest coordinates lie in [-1, 1].
+      const double along = (sum[a] / 4.0 + 1.0) / 2.0 * 0x1p20;
+      code |= spread(static_cast<std::uint64_t>(std::clamp(along, 0.0, 0x1p20 - 1.0))) << a;
+    }
+    order.emplace_back(code, t);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::uint32_t> corners;
+  corners.reserve(4 * order.size());
+  for (const auto& [code, t] : order)
+    for (std::size_t k = 0; k < 4; ++k) corners.push_back(model.tetrahedron[4 * std::size_t{t} + k]);
+  return corners;
+}
+
+void write_entries(Model& model) {
+  std::vector<std::uint32_t>& offset = model.contact_offset;
+  offset.assign(std::size_t{model.vertex_count} + 1, 0);
+  for (const std::uint32_t i : model.contact_tetrahedron) ++offset[i + 1];
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) offset[i + 1] += offset[i];
+  model.contact_entry.resize(model.contact_tetrahedron.size());
+  std::vector<std::uint32_t> next(offset.begin(), offset.end() - 1);
+  for (std::uint32_t e = 0; e < model.contact_tetrahedron.size(); ++e)
+    model.contact_entry[next[model.contact_tetrahedron[e]]++] = e;
+}
+
+struct FloatBox {
+  std::array<float, 3> low{}, high{};
+};
+
+void append(std::vector<float>& boxes, const FloatBox& box) {
+  for (const std::array<float, 3>& side : {box.low, box.high}) {
+    boxes.insert(boxes.end(), side.begin(), side.end());
+    boxes.push_back(0.0f);
+  }
+}
+
+// One box around each `size` of the boxes in turn.
+template <class BoxOf>
+std::vector<FloatBox> boxes_around(std::uint32_t count, std::uint32_t size, const BoxOf& box_of) {
+  std::vector<FloatBox> boxes;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const FloatBox part = box_of(k);
+    if (k % size == 0) boxes.push_back(part);
+    for (std::size_t a = 0; a < 3; ++a) {
+      boxes.back().low[a] = std::min(boxes.back().low[a], part.low[a]);
+      boxes.back().high[a] = std::max(boxes.back().high[a], part.high[a]);
+    }
+  }
+  return boxes;
+}
+
+void write_rest_boxes(Model& model) {
+  const std::uint32_t size = 4 * shader::contact_leaf;
+  const auto corners = static_cast<std::uint32_t>(model.contact_tetrahedron.size());
+  const std::vector<FloatBox> leaves = boxes_around(corners, size, [&](std::uint32_t e) {
+    const float* x = model.rest.data() + 3 * std::size_t{model.contact_tetrahedron[e]};
+    return FloatBox{{x[0], x[1], x[2]}, {x[0], x[1], x[2]}};
+  });
+  const std::vector<FloatBox> branches =
+      boxes_around(static_cast<std::uint32_t>(leaves.size()), shader::contact_branch,
+                   [&](std::uint32_t leaf) { return leaves[leaf]; });
+  for (const std::vector<FloatBox>* level : {&leaves, &branches})
+    for (const FloatBox& box : *level) append(model.contact_rest_box, box);
+}
+
+// Which vertices lie near each other across a gap.
+class GapSearch {
+ public:
+  GapSearch(const Model& model, const std::vector<Vector3d>& rest, double reach)
+      : model_(model), rest_(rest), reach_(reach), tree_(boxes_of(rest)) {}
+
+  // Working memory of one thread.
+  struct Walk {
+    std::vector<double> way;
+    std::vector<std::uint32_t> touched;
+    std::vector<char> is_asked;
+  };
+
+  // Vertices nearer to `from` than the reach, to which the way along the flesh's edges is gap_detour times
+  // the reach or longer; ascending.
+  std::vector<std::uint32_t> across_from(std::uint32_t from, Walk& walk) const {
+    walk.way.resize(rest_.size(), std::numeric_limits<double>::infinity());
+    walk.is_asked.resize(rest_.size(), 0);
+    std::vector<std::uint32_t> asked;
+    tree_.visit_near(rest_[from], reach_ * reach_, [&](std::uint32_t i) {
+      asked.push_back(i);
+      walk.is_asked[i] = 1;
+      return reach_ * reach_;
+    });
+    walk_along(from, asked.size(), walk);
+    std::vector<std::uint32_t> across;
+    for (const std::uint32_t i : asked) {
+      if (std::isinf(walk.way[i])) across.push_back(i);
+      walk.is_asked[i] = 0;
+    }
+    for (const std::uint32_t i : walk.touched) walk.way[i] = std::numeric_limits<double>::infinity();
+    walk.touched.clear();
+    std::sort(across.begin(), across.end());
+    return across;
+  }
+
+ private:
+  static std::vector<BoundingBox> boxes_of(const std::vector<Vector3d>& places) {
+    std::vector<BoundingBox> boxes;
+    for (const Vector3d& p : places) boxes.push_back({p, p});
+    return boxes;
+  }
+
+  // Dijkstra's ways from a vertex, until all that is asked for is reached or the rest is too far.
+  void walk_along(std::uint32_t from, std::size_t asked, Walk& walk) const {
+    using Waiting = std::pair<double, std::uint32_t>;
+    std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> queue;
+    const auto come_to = [&](std::uint32_t i, double way) {
+      if (way >= walk.way[i] || way >= gap_detour * reach_) return;
+      if (std::isinf(walk.way[i])) {
+        walk.touched.push_back(i);
+        asked -= walk.is_asked[i] != 0 ? 1U : 0U;
+      }
+      walk.way[i] = way;
+      queue.emplace(way, i);
+    };
+    come_to(from, 0.0);
+    while (!queue.empty() && asked > 0) {
+      const auto [way, i] = queue.top();
+      queue.pop();
+      if (way > walk.way[i]) continue;
+      for (std::uint32_t e = model_.ring_offset[i]; e < model_.ring_offset[i + 1]; ++e)
+        come_to(model_.ring[e], way + (rest_[model_.ring[e]] - rest_[i]).norm());
+    }
+  }
+
+  const Model& model_;
+  const std::vector<Vector3d>& rest_;
+  double reach_;
+  BoxTree tree_;
+};
+
+// How deep a point lies at rest in flesh across a gap: in the first tetrahedron of such flesh that holds it.
+class RestOverlap {
+ public:
+  RestOverlap(const Model& model, const std::vector<Vector3d>& rest)
+      : model_(model), rest_(rest), tree_(boxes_of(model, rest)) {}
+
+  double depth(std::uint32_t vertex, std::span<const std::uint32_t> near) const {
+    std::optional<std::uint32_t> first;
+    double depth = 0.0;
+    tree_.visit_near(rest_[vertex], 0.0, [&](std::uint32_t t) {
+      if (first && *first < t) return 0.0;
+      if (const std::optional<double> found = depth_in(t, vertex, near)) {
+        first = t;
+        depth = *found;
+      }
+      return 0.0;
+    });
+    return depth;
+  }
+
+ private:
+  static std::vector<BoundingBox> boxes_of(const Model& model, const std::vector<Vector3d>& rest) {
+    std::vector<BoundingBox> boxes;
+    for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4) {
+      const std::uint32_t* corner = model.contact_tetrahedron.data() + t;
+      boxes.push_back(
+          box_around(std::array{rest[corner[0]], rest[corner[1]], rest[corner[2]], rest[corner[3]]}));
+    }
+    return boxes;
+  }
+
+  std::optional<double> depth_in(std::uint32_t t, std::uint32_t vertex,
+                                 std::span<const std::uint32_t> near) const {
+    const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
+    Eigen::Matrix3d edges;
+    for (int k = 0; k < 3; ++k) edges.col(k) = rest_[corner[k + 1]] - rest_[corner[0]];
+    const Vector3d in_edges = edges.inverse() * (rest_[vertex] - rest_[corner[0]]);
+    const std::array<double, 4> weights{1.0 - in_edges.sum(), in_edges[0], in_edges[1], in_edges[2]};
+    double depth = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (weights[k] < 0.0 || !std::binary_search(near.begin(), near.end(), corner[k])) return std::nullopt;
+      depth += weights[k] * double{model_.contact_depth[corner[k]]};
+    }
+    return depth;
+  }
+
+  const Model& model_;
+  const std::vector<Vector3d>& rest_;
+  BoxTree tree_;
+};
+
+// The points' lists across gaps, and how deep they rest in what is there.
+void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) {
+  const GapSearch search(model, rest, gap_margins * margin);
+  std::vector<std::vector<std::uint32_t>> near(model.contact.size());
+  std::vector<GapSearch::Walk> walks(base::thread_count());
+  base::for_each_in_parallel(near.size(), walks.size(), [&](std::size_t p, std::size_t worker) {
+    near[p] = search.across_from(model.contact[p].vertex, walks[worker]);
+  });
+  const RestOverlap overlap(model, rest);
+  for (std::size_t p = 0; p < near.size(); ++p) {
+    shader::ContactPoint& point = model.contact[p];
+    point.first_near = static_cast<std::uint32_t>(model.contact_near.size());
+    point.near_count = static_cast<std::uint32_t>(near[p].size());
+    if (near[p].empty()) continue;
+    model.contact_near.insert(model.contact_near.end(), near[p].begin(), near[p].end());
+    point.allowance = model::as_factor(overlap.depth(point.vertex, near[p]));
+  }
+}
+
+}  // namespace
+
+void write_contact(const scene::ContactSettings& settings, const std::string& source, Model& model) {
+  if (!settings.self || model.tetrahedron.empty()) return;
+  bool can_move = false;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) can_move = can_move || !model.is_kinematic(i);
+  if (!can_move) return;
+
+  const std::vector<Vector3d> rest = rest_places(model);
+  const std::vector<Triangle> triangles = boundary_triangles(model, source);
+  std::vector<char> is_on_surface(model.vertex_count, 0);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t i : t) is_on_surface[i] = 1;
+  const double margin =
+      settings.distance ? *settings.distance / model.unit : margin_edges * mean_edge(triangles, rest);
+
+  model.contact_depth = depths(triangles, rest, is_on_surface);
+  model.contact_tetrahedron = ordered_tetrahedra(model, rest);
+  model.contact_number.assign(model.vertex_count, shader::no_contact);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (!is_on_surface[i]) continue;
+    model.contact_number[i] = static_cast<std::uint32_t>(model.contact.size());
+    model.contact.push_back({.vertex = i,
+                             .margin = static_cast<float>(margin),
+                             .allowance = 0.0f,
+                             .friction = model::as_factor(settings.friction),
+                             .first_near = 0,
+                             .near_count = 0});
+  }
+  write_entries(model);
+  write_rest_boxes(model);
+  write_gaps(rest, margin, model);
+  write_mobility(model);
+}
+
+}  // namespace fascicle::build

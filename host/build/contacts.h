@@ -1,0 +1,20 @@
+// What lets flesh meet flesh: shaders/kernel/contact.inc.
+#pragma once
+
+#include <string>
+
+#include "host/model/model.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::build {
+
+// Fills the model's contact arrays, and mobility, from its rest shape, masses, tags and tetrahedra. Nothing
+// is filled where the settings say no self-contact, or where no vertex can move.
+//
+// Every vertex of the surface is a point. Flesh does not meet what lies nearer to it at rest than the margin:
+// settings.distance, or where absent twice the mean edge of the surface. But limbs that are near each other
+// at rest and far apart along the flesh (three times as far as they are near) do meet, from the depth on in
+// which they rest.
+void write_contact(const scene::ContactSettings& settings, const std::string& source, model::Model& model);
+
+}  // namespace fascicle::build

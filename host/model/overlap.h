@@ -1,0 +1,39 @@
+// How much of a body lies inside itself: what stage contact is there to prevent, measured in double
+// precision.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/model/model.h"
+
+namespace fascicle::model {
+
+struct Overlap {
+  std::uint32_t vertices = 0;  // of the surface, in flesh that is far from them at rest
+  double deepest = 0.0;        // m: of these, below the surface of that flesh at rest
+  double volume = 0.0;         // m^3: half the sum of their areas times their depths, as two sides overlap
+};
+
+class OverlapMeter {
+ public:
+  // The model has contact arrays and must outlive the meter.
+  explicit OverlapMeter(const Model& model);
+
+  // Of a body whose vertices are at these places, 3 numbers each, in working units. Flesh that follows the
+  // skeleton on both sides is left out.
+  Overlap of(std::span<const float> positions) const;
+
+ private:
+  // How deep point p lies in the first tetrahedron that holds it and that it may meet, or in tetrahedron t;
+  // below 0: in none. Boxes, six floats each, are those of the leaves and branches of tetrahedra.
+  double depth(std::uint32_t p, std::span<const float> positions, std::span<const float> leaves,
+               std::span<const float> branches) const;
+  double depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const;
+
+  const Model& model_;
+  std::vector<double> area_;  // of each point, square working units
+};
+
+}  // namespace fascicle::model

@@ -1,0 +1,29 @@
+// Stage contact, last: the acceleration of a vertex by its own contact, then by those in its tetrahedra. One
+// invocation a vertex.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/indexing/contact_gather.glsl"
+
+void main() {
+  uint i = item_index();
+  if (i >= push.substep.vertex_count) return;
+  Vector sum = zero_vector();
+  bool first = true;
+  uint own = contact_number[i];
+  if (own != no_contact && is_found(own)) {
+    sum = vector_of(contact_impulse_of[own]);
+    first = false;
+  }
+  for (uint e = contact_offset[i]; e < contact_offset[i + 1u]; ++e) {
+    uint t = contact_entry[e] >> 2u;
+    uvec2 points = points_of(t);
+    for (uint p = points.x; p < points.y; ++p) {
+      if (contact_found[p] != t) continue;
+      Vector term = contact_term(-weight_of(p, contact_entry[e] & 3u), vector_of(contact_impulse_of[p]));
+      if (first) sum = term;
+      else sum = contact_add(sum, term);
+      first = false;
+    }
+  }
+  pressed[i] = record_of(contact_acceleration(sum, mobility[i], push.substep.inverse_h));
+}

@@ -1,0 +1,24 @@
+// Stage contact, first: boxes around the tetrahedra. One invocation a leaf.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/indexing/contact.glsl"
+
+void main() {
+  uint leaf = item_index();
+  if (leaf >= leaf_count()) return;
+  uint first = leaf * contact_leaf;
+  uint end = first + contact_leaf;
+  if (end > push.substep.contact_tetrahedron_count) end = push.substep.contact_tetrahedron_count;
+  vec4 low = record_of(place_of(contact_tetrahedron[first].x));
+  vec4 high = low;
+  for (uint t = first; t < end; ++t) {
+    uvec4 corners = contact_tetrahedron[t];
+    for (uint k = 0u; k < 4u; ++k) {
+      vec4 x = record_of(place_of(corners[k]));
+      low = lower(low, x);
+      high = higher(high, x);
+    }
+  }
+  contact_box[2u * leaf] = low;
+  contact_box[2u * leaf + 1u] = high;
+}

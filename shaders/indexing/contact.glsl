@@ -1,0 +1,56 @@
+// What the shaders of stage contact share.
+#ifndef FASCICLE_INDEXING_CONTACT_GLSL
+#define FASCICLE_INDEXING_CONTACT_GLSL
+#include "shaders/indexing/buffers.glsl"
+#include "shaders/kernel/contact.inc"
+
+layout(std430, binding = buffer_contact) readonly buffer ContactBuffer { ContactPoint contact[]; };
+layout(std430, binding = buffer_contact_near) readonly buffer ContactNearBuffer { uint contact_near[]; };
+layout(std430, binding = buffer_contact_tetrahedron) readonly buffer ContactTetrahedronBuffer {
+  uvec4 contact_tetrahedron[];
+};
+layout(std430, binding = buffer_contact_depth) readonly buffer ContactDepthBuffer { float contact_depth[]; };
+layout(std430, binding = buffer_contact_number) readonly buffer ContactNumberBuffer { uint contact_number[]; };
+layout(std430, binding = buffer_contact_offset) readonly buffer ContactOffsetBuffer { uint contact_offset[]; };
+layout(std430, binding = buffer_contact_entry) readonly buffer ContactEntryBuffer { uint contact_entry[]; };
+layout(std430, binding = buffer_contact_rest_box) readonly buffer ContactRestBoxBuffer { vec4 contact_rest_box[]; };
+layout(std430, binding = buffer_mobility) readonly buffer MobilityBuffer { float mobility[]; };
+layout(std430, binding = buffer_contact_box) buffer ContactBoxBuffer { vec4 contact_box[]; };
+layout(std430, binding = buffer_contact_branch_box) buffer ContactBranchBoxBuffer { vec4 contact_branch_box[]; };
+layout(std430, binding = buffer_contact_found) buffer ContactFoundBuffer { uint contact_found[]; };
+layout(std430, binding = buffer_contact_place) buffer ContactPlaceBuffer { vec4 contact_place[]; };
+layout(std430, binding = buffer_contact_range) buffer ContactRangeBuffer { uvec2 contact_range[]; };
+layout(std430, binding = buffer_contact_blocks) buffer ContactBlocksBuffer { uvec2 contact_blocks[]; };
+layout(std430, binding = buffer_contact_crowd) buffer ContactCrowdBuffer { float contact_crowd[]; };
+layout(std430, binding = buffer_contact_impulse) buffer ContactImpulseBuffer { vec4 contact_impulse_of[]; };
+
+uint parts_of(uint count, uint size) { return (count + (size - 1u)) / size; }
+uint leaf_count() { return parts_of(push.substep.contact_tetrahedron_count, contact_leaf); }
+uint branch_count() { return parts_of(leaf_count(), contact_branch); }
+
+// Places at which the stage looks for contacts.
+Vector place_of(uint i) {
+  Vector x = vector_of(position[i]);
+  if (with_implicit) x = contact_ahead(x, vector_of(velocity[i]), push.substep.h);
+  return x;
+}
+
+Vector rest_of(uint i) { return vector_of(rest[i]); }
+
+bool box_holds(vec4 low, vec4 high, Vector x) {
+  return x.x >= low.x && x.x <= high.x && x.y >= low.y && x.y <= high.y && x.z >= low.z && x.z <= high.z;
+}
+vec4 lower(vec4 a, vec4 b) {
+  return vec4(b.x < a.x ? b.x : a.x, b.y < a.y ? b.y : a.y, b.z < a.z ? b.z : a.z, 0.0f);
+}
+vec4 higher(vec4 a, vec4 b) {
+  return vec4(b.x > a.x ? b.x : a.x, b.y > a.y ? b.y : a.y, b.z > a.z ? b.z : a.z, 0.0f);
+}
+
+// The weight of corner `corner` in the contact of point p.
+float weight_of(uint p, uint corner) {
+  vec4 w = contact_place[3u * p];
+  return corner == 0u ? w.x : corner == 1u ? w.y : corner == 2u ? w.z : w.w;
+}
+
+#endif

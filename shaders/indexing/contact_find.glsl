@@ -1,0 +1,53 @@
+// Whether a point and a tetrahedron are in contact; what of it later kernels need.
+#ifndef FASCICLE_INDEXING_CONTACT_FIND_GLSL
+#define FASCICLE_INDEXING_CONTACT_FIND_GLSL
+#include "shaders/indexing/contact.glsl"
+
+// Whether nothing in a box can meet the point, as all of it lies near it at rest.
+bool is_near_at_rest(ContactPoint point, uint box) {
+  if (point.near_count > 0u) return false;
+  vec4 low = contact_rest_box[2u * box];
+  vec4 high = contact_rest_box[2u * box + 1u];
+  Vector x = rest_of(point.vertex);
+  return contact_is_near(x, vector_of(low), vector_of(high), point.margin);
+}
+
+bool is_across_a_gap(ContactPoint point, uint vertex) {
+  for (uint k = 0u; k < point.near_count; ++k)
+    if (contact_near[point.first_near + k] == vertex) return true;
+  return false;
+}
+
+bool meets(uint p, ContactPoint point, Vector x, uint t) {
+  uvec4 corners = contact_tetrahedron[t];
+  Vector a = place_of(corners.x);
+  Vector b = place_of(corners.y);
+  Vector c = place_of(corners.z);
+  Vector d = place_of(corners.w);
+  if (!contact_is_in_box(x, a, b, c, d)) return false;
+  ContactVolumes v = contact_volumes(x, a, b, c, d);
+  if (!contact_is_inside(v)) return false;
+  if (!(mobility[point.vertex] > 0.0f) && !(mobility[corners.x] > 0.0f) && !(mobility[corners.y] > 0.0f) &&
+      !(mobility[corners.z] > 0.0f) && !(mobility[corners.w] > 0.0f))
+    return false;
+  ContactWeights w = contact_weights(v);
+  Vector offset = contact_apart(w, rest_of(point.vertex), rest_of(corners.x), rest_of(corners.y), rest_of(corners.z),
+                                 rest_of(corners.w));
+  float squared = contact_along(offset, offset);
+  bool is_far = squared > point.margin * point.margin;
+  if (!is_far && !(is_across_a_gap(point, corners.x) && is_across_a_gap(point, corners.y) &&
+                   is_across_a_gap(point, corners.z) && is_across_a_gap(point, corners.w)))
+    return false;
+  float depth = contact_mean(w, contact_depth[corners.x], contact_depth[corners.y], contact_depth[corners.z],
+                             contact_depth[corners.w]);
+  float pushed = depth - point.allowance;
+  if (is_far) pushed = contact_depth_beyond(depth, squared, point.margin);
+  ContactPush push_out = contact_push(v, pushed, contact_depth[corners.x], contact_depth[corners.y],
+                                      contact_depth[corners.z], contact_depth[corners.w]);
+  contact_place[3u * p] = vec4(w.a, w.b, w.c, w.d);
+  contact_place[3u * p + 1u] = record_of(push_out.push);
+  contact_place[3u * p + 2u] = record_of(push_out.normal);
+  return true;
+}
+
+#endif
