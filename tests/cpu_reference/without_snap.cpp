@@ -3,6 +3,8 @@
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
+#include "cpu_reference/contact_search.cpp"
+#include "cpu_reference/contact_stages.cpp"
 #include "cpu_reference/cpu_solver.cpp"
 #include "cpu_reference/fields.cpp"
 #include "cpu_reference/huge_pages.cpp"
