@@ -9,8 +9,8 @@ void main() {
   uint first = leaf * contact_leaf;
   uint end = first + contact_leaf;
   if (end > push.substep.contact_tetrahedron_count) end = push.substep.contact_tetrahedron_count;
-  vec4 low = record_of(place_of(contact_tetrahedron[first].x));
-  vec4 high = low;
+  vec4 low = nothing_is_lower;
+  vec4 high = nothing_is_higher;
   for (uint t = first; t < end; ++t) {
     uvec4 corners = contact_tetrahedron[t];
     for (uint k = 0u; k < 4u; ++k) {

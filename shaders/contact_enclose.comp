@@ -9,9 +9,9 @@ void main() {
   uint first = branch * contact_branch;
   uint end = first + contact_branch;
   if (end > leaf_count()) end = leaf_count();
-  vec4 low = contact_box[2u * first];
-  vec4 high = contact_box[2u * first + 1u];
-  for (uint leaf = first + 1u; leaf < end; ++leaf) {
+  vec4 low = nothing_is_lower;
+  vec4 high = nothing_is_higher;
+  for (uint leaf = first; leaf < end; ++leaf) {
     low = lower(low, contact_box[2u * leaf]);
     high = higher(high, contact_box[2u * leaf + 1u]);
   }

@@ -51,6 +51,9 @@ struct ContactBox {
   Place low, high;
 };
 
+// Around nothing. What is no number grows no box, whichever corner it belongs to.
+inline constexpr ContactBox empty_contact_box{{3.0e38f, 3.0e38f, 3.0e38f}, {-3.0e38f, -3.0e38f, -3.0e38f}};
+
 inline void grow(ContactBox& box, const ContactBox& other) {
   const auto lower = [](float& a, float b) { a = b < a ? b : a; };
   const auto higher = [](float& a, float b) { a = b > a ? b : a; };
@@ -76,8 +79,7 @@ template <class PlaceOf>
 ContactBox contact_leaf_box(const model::Model& model, std::uint32_t leaf, const PlaceOf& place_of) {
   const std::uint32_t first = leaf * shader::contact_leaf,
                       end = std::min(first + shader::contact_leaf, model.contact_tetrahedron_count());
-  const Place x = place_of(corners_of(model, first)[0]);
-  ContactBox box{x, x};
+  ContactBox box = empty_contact_box;
   for (std::uint32_t t = first; t < end; ++t)
     for (const std::uint32_t i : corners_of(model, t)) {
       const Place corner = place_of(i);
@@ -91,8 +93,8 @@ inline ContactBox contact_branch_box(const model::Model& model, std::uint32_t br
                                      const std::vector<float>& leaf_boxes) {
   const std::uint32_t first = branch * shader::contact_branch,
                       end = std::min(first + shader::contact_branch, model.contact_leaf_count());
-  ContactBox box = contact_box_at(leaf_boxes, first);
-  for (std::uint32_t leaf = first + 1; leaf < end; ++leaf) grow(box, contact_box_at(leaf_boxes, leaf));
+  ContactBox box = empty_contact_box;
+  for (std::uint32_t leaf = first; leaf < end; ++leaf) grow(box, contact_box_at(leaf_boxes, leaf));
   return box;
 }
 

@@ -40,6 +40,9 @@ Vector rest_of(uint i) { return vector_of(rest[i]); }
 bool box_holds(vec4 low, vec4 high, Vector x) {
   return x.x >= low.x && x.x <= high.x && x.y >= low.y && x.y <= high.y && x.z >= low.z && x.z <= high.z;
 }
+// A box around nothing. What is no number grows no box, whichever corner it belongs to.
+const vec4 nothing_is_lower = vec4(3.0e38f, 3.0e38f, 3.0e38f, 0.0f);
+const vec4 nothing_is_higher = vec4(-3.0e38f, -3.0e38f, -3.0e38f, 0.0f);
 vec4 lower(vec4 a, vec4 b) {
   return vec4(b.x < a.x ? b.x : a.x, b.y < a.y ? b.y : a.y, b.z < a.z ? b.z : a.z, 0.0f);
 }

@@ -1,5 +1,6 @@
 // What the CPU's kernels touch, held against the schedule: a field that a kernel does not write stays as it
 // is, and one that it does not read may hold anything.
+#include <bit>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -9,7 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/solver/stages.h"
+#include "cpu_reference/contact_stages.h"
+#include "cpu_reference/stages.h"
 #include "host/model/implicit.h"
 #include "host/model/substep_plan.h"
 #include "tests/support/bar_model.h"
@@ -23,15 +25,33 @@ using model::Field;
 using model::Kernel;
 using model::Model;
 
-// Where a field's numbers stand.
+// Where a field's numbers stand: one of `first` and `first_whole`.
 struct Place {
   float* first = nullptr;
   std::size_t count = 0, stride = 1, width = 1;
+  std::uint32_t* first_whole = nullptr;
+
+  // The bits of number k.
+  float get(std::size_t k) const {
+    return first != nullptr ? first[k] : std::bit_cast<float>(first_whole[k]);
+  }
+  void set(std::size_t k, float x) const {
+    if (first != nullptr)
+      first[k] = x;
+    else
+      first_whole[k] = std::bit_cast<std::uint32_t>(x);
+  }
 };
 
 Place place_of(cpu::Fields& fields, Field field, const Model& m) {
   const auto in = [&](cpu::Floats& of, std::size_t stride, std::size_t place, std::size_t width) {
     return of.empty() ? Place{} : Place{of.data() + place, m.vertex_count, stride, width};
+  };
+  const auto numbers = [](std::vector<float>& of, std::size_t width) {
+    return Place{of.data(), of.size() / width, width, width};
+  };
+  const auto wholes = [](std::vector<std::uint32_t>& of, std::size_t width) {
+    return Place{nullptr, of.size() / width, width, width, of.data()};
   };
   const auto vectors = [&](cpu::Floats& of) { return in(of, cpu::vector_stride, 0, 3); };
   switch (field) {
@@ -69,6 +89,24 @@ Place place_of(cpu::Fields& fields, Field field, const Model& m) {
       return {fields.lack.data(), fields.lack.size()};
     case Field::limit_load:
       return {fields.load.data(), fields.load.size()};
+    case Field::contact_box:
+      return numbers(fields.contact_box, 6);
+    case Field::contact_branch_box:
+      return numbers(fields.contact_branch_box, 6);
+    case Field::contact_found:
+      return wholes(fields.contact_found, 1);
+    case Field::contact_place:
+      return numbers(fields.contact_place, 10);
+    case Field::contact_range:
+      return wholes(fields.contact_range, 2);
+    case Field::contact_blocks:
+      return wholes(fields.contact_blocks, 2);
+    case Field::contact_crowd:
+      return numbers(fields.contact_crowd, 1);
+    case Field::contact_impulse:
+      return numbers(fields.contact_impulse, 3);
+    case Field::pressed:
+      return vectors(fields.pressed);
   }
   return {};
 }
@@ -81,7 +119,11 @@ std::vector<Field> all_fields() {
 
 void for_each_number(const Place& place, const std::function<void(float&)>& change) {
   for (std::size_t i = 0; i < place.count; ++i)
-    for (std::size_t k = 0; k < place.width; ++k) change(place.first[i * place.stride + k]);
+    for (std::size_t k = 0; k < place.width; ++k) {
+      float x = place.get(i * place.stride + k);
+      change(x);
+      place.set(i * place.stride + k, x);
+    }
 }
 
 std::vector<float> numbers_of(const Place& place) {
@@ -106,7 +148,8 @@ struct PlanCase {
                         .volume = true,
                         .ties = true,
                         .implicit = implicit,
-                        .limits = implicit})),
+                        .limits = implicit,
+                        .contact = true})),
         options{.integrator = implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step},
         motion(model, 1),
         drive(motion.drive(3)) {
@@ -123,6 +166,18 @@ struct PlanCase {
     in.implicit.omega = 1.5f;
     in.responses = std::span<const shader::Response>(tables.responses)
                        .subspan(in.implicit.first_response, model.vertex_count);
+  }
+
+  static bool is_whole(Field f) {
+    return f == Field::contact_found || f == Field::contact_range || f == Field::contact_blocks;
+  }
+  // Number k of a field of whole numbers: some points have found nothing, a block all but the outermost
+  // tetrahedra, and a leaf may have been found by all blocks.
+  std::uint32_t whole(Field f, std::uint32_t k) const {
+    const std::uint32_t tetrahedra = model.contact_tetrahedron_count();
+    if (f == Field::contact_found) return k % (tetrahedra + 2);
+    if (f == Field::contact_range) return k % 2 == 0 ? 1 : tetrahedra - 2;
+    return k % 2 == 0 ? 0 : model.contact_block_count() + 1;
   }
 
   // Fields of a body in motion: every number is random, positions near rest.
@@ -143,11 +198,18 @@ struct PlanCase {
         // A tetrahedron in three lacks volume.
         if (f == Field::lack) x = k % 3 == 0 ? 0.01f : 0.0f;
         if (f == Field::limit_load) x = 1.0f;
+        if (f == Field::contact_box) x = k % 6 < 3 ? -1.0f : 1.0f;
+        if (f == Field::contact_branch_box) x = k % 6 < 3 ? -2.0f : 2.0f;
+        // More than the least that counts.
+        if (f == Field::contact_crowd) x = 3.0f;
+        if (is_whole(f)) x = std::bit_cast<float>(whole(f, static_cast<std::uint32_t>(k)));
         ++k;
       });
     }
     return made;
   }
+
+  Range points() const { return {0, static_cast<std::uint32_t>(model.contact.size())}; }
 
   void run(Kernel kernel, cpu::Fields& fields) const {
     const Range vertices{0, model.vertex_count};
@@ -158,6 +220,22 @@ struct PlanCase {
         return skin(model, in, fields, vertices);
       case Kernel::tie:
         return tie(model, in, fields, vertices);
+      case Kernel::contact_bound:
+        return contact_bound(model, in, fields, {0, model.contact_leaf_count()});
+      case Kernel::contact_enclose:
+        return contact_enclose(model, in, fields, {0, model.contact_branch_count()});
+      case Kernel::contact_find:
+        return contact_find(model, in, fields, points());
+      case Kernel::contact_survey:
+        return contact_survey(model, in, fields, {0, model.contact_block_count()});
+      case Kernel::contact_locate:
+        return contact_locate(model, in, fields, {0, model.contact_leaf_count()});
+      case Kernel::contact_crowd:
+        return contact_crowd(model, in, fields, vertices);
+      case Kernel::contact_press:
+        return contact_press(model, in, fields, points());
+      case Kernel::contact:
+        return contact(model, in, fields, vertices);
       case Kernel::predict:
         return predict(model, in, fields, vertices);
       case Kernel::region:
@@ -225,7 +303,9 @@ bool is_read_for_itself(Kernel kernel, Field field, const PlanCase& c, cpu::Fiel
   const std::vector<float> before = numbers_of(place_of(sound, field, c.model)),
                            after = numbers_of(place_of(fields, field, c.model));
   for (std::size_t k = 0; k < after.size(); ++k)
-    if (after[k] != before[k] && after[k] != moved[k]) return true;
+    if (std::bit_cast<std::uint32_t>(after[k]) != std::bit_cast<std::uint32_t>(before[k]) &&
+        std::bit_cast<std::uint32_t>(after[k]) != std::bit_cast<std::uint32_t>(moved[k]))
+      return true;
   return false;
 }
 
@@ -287,7 +367,7 @@ std::vector<std::uint32_t> reached_from(Kernel kernel, Field field, std::uint32_
   cpu::Fields sound = c.fields(), poisoned = c.fields();
   const Place place = place_of(poisoned, field, c.model);
   for (std::size_t k = 0; k < place.width; ++k)
-    place.first[vertex * place.stride + k] = std::numeric_limits<float>::quiet_NaN();
+    place.set(vertex * place.stride + k, std::numeric_limits<float>::quiet_NaN());
   c.run(kernel, sound);
   c.run(kernel, poisoned);
   std::vector<std::uint32_t> reached;
@@ -295,7 +375,10 @@ std::vector<std::uint32_t> reached_from(Kernel kernel, Field field, std::uint32_
     for (const Field written : all_fields()) {
       const Place a = place_of(sound, written, c.model), b = place_of(poisoned, written, c.model);
       if (a.count != c.model.vertex_count || (written == field && i == vertex)) continue;
-      if (std::memcmp(a.first + i * a.stride, b.first + i * b.stride, 4 * a.width) == 0) continue;
+      bool same = true;
+      for (std::size_t k = i * a.stride; k < i * a.stride + a.width; ++k)
+        same = same && std::bit_cast<std::uint32_t>(a.get(k)) == std::bit_cast<std::uint32_t>(b.get(k));
+      if (same) continue;
       reached.push_back(i);
       break;
     }
@@ -335,17 +418,21 @@ TEST(SubstepPlanOnTheCpu, ReadsReachNoFurtherThanTheScheduleSays) {
   EXPECT_GT(ring_seen, 100u);
 }
 
-// The control: ties reach further, which the same look at them shows.
-TEST(SubstepPlanOnTheCpu, TheReachOfTiesIsSeen) {
+// The control: ties and contacts reach further, which the same look at them shows.
+TEST(SubstepPlanOnTheCpu, TheReachOfTiesAndContactsIsSeen) {
   const PlanCase c(false);
-  bool is_beyond = false;
-  for (std::uint32_t vertex = 0; vertex < c.model.vertex_count; ++vertex)
-    for (const std::uint32_t i : reached_from(Kernel::tie, Field::position, vertex, c)) {
-      const auto first = c.model.ring.begin() + c.model.ring_offset[vertex];
-      const auto last = c.model.ring.begin() + c.model.ring_offset[vertex + 1];
-      is_beyond = is_beyond || (i != vertex && std::find(first, last, i) == last);
-    }
-  EXPECT_TRUE(is_beyond);
+  for (const auto& [kernel, field] :
+       {std::pair{Kernel::tie, Field::position}, {Kernel::contact, Field::contact_impulse}}) {
+    bool is_beyond = false;
+    for (std::uint32_t vertex = 0; vertex < c.points().last; ++vertex)
+      for (const std::uint32_t i : reached_from(kernel, field, vertex, c)) {
+        const std::uint32_t from = field == Field::contact_impulse ? c.model.contact[vertex].vertex : vertex;
+        const auto first = c.model.ring.begin() + c.model.ring_offset[from];
+        const auto last = c.model.ring.begin() + c.model.ring_offset[from + 1];
+        is_beyond = is_beyond || (i != from && std::find(first, last, i) == last);
+      }
+    EXPECT_TRUE(is_beyond) << name_of(kernel);
+  }
 }
 
 // The check itself: a kernel held against another's row must differ.

@@ -36,7 +36,16 @@ std::vector<std::pair<Field, std::uint32_t>> buffers_of_fields() {
           {Field::iterate_before, shader::buffer_iterate_before},
           {Field::tied, shader::buffer_tied},
           {Field::lack, shader::buffer_lack},
-          {Field::limit_load, shader::buffer_limit_load}};
+          {Field::limit_load, shader::buffer_limit_load},
+          {Field::contact_box, shader::buffer_contact_box},
+          {Field::contact_branch_box, shader::buffer_contact_branch_box},
+          {Field::contact_found, shader::buffer_contact_found},
+          {Field::contact_place, shader::buffer_contact_place},
+          {Field::contact_range, shader::buffer_contact_range},
+          {Field::contact_blocks, shader::buffer_contact_blocks},
+          {Field::contact_crowd, shader::buffer_contact_crowd},
+          {Field::contact_impulse, shader::buffer_contact_impulse},
+          {Field::pressed, shader::buffer_pressed}};
 }
 
 struct Bindings {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/contact_models.h"
 #include "tests/support/limit_models.h"
 #include "tests/support/sliding_models.h"
 #include "tests/support/test_models.h"
@@ -47,11 +48,12 @@ TEST(ModelArrays, RowsAreInTheOrderOfTheStruct) {
   });
 }
 
-// Each array that has an entry too many, of a model with ties and limits, is found.
+// Each array that has an entry too many, of a model with ties, limits and contact, is found.
 TEST(ModelArrays, EveryArraysSizeIsChecked) {
   Model good = make_implicit(make_model(kuhn_bar(3, 2, 2, 0.25)), 1e4);
   add_sliding(good, [](const Eigen::Vector3d& p) { return p.y() > 0.4; });
   add_limits(good, 0.3);
+  add_contact(good, 0.1, depth_below_boundary(good));
   ASSERT_NO_THROW(model::check_model(good));
   int checked = 0;
   base::for_each_row(model::model_arrays, [&](const auto& row) {

@@ -8,6 +8,7 @@
 
 #include "cpu_reference/solver/cpu_solver.h"
 #include "host/model/validate.h"
+#include "tests/support/contact_models.h"
 #include "tests/support/limit_models.h"
 #include "tests/support/sliding_models.h"
 #include "tests/support/test_models.h"
@@ -52,6 +53,21 @@ Model& limited(Model& model) {
   model = make_implicit(model, 1e4);
   add_limits(model, 0.3);
   return model;
+}
+
+// Its first point has two vertices across a gap.
+Model& touching(Model& model) {
+  add_contact(model, 0.1, depth_below_boundary(model));
+  add_gap(model, 0, {3, 5}, 0.25f);
+  return model;
+}
+
+TEST(CheckModel, AcceptsContact) {
+  Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
+  EXPECT_NO_THROW(check_model(touching(model)));
+  add_gap(model, 4, {0, 1, 2}, 0.0f);
+  EXPECT_NO_THROW(check_model(model));
+  EXPECT_NO_THROW(check_model(without_contact(model)));
 }
 
 TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
@@ -118,6 +134,71 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"limit", [](Model& m) { limited(m).limit[0].size = 0.75f; }},
       {"mobility", [](Model& m) { limited(m).mobility[0] = 0.0f; }},
       {"mobility", [](Model& m) { m.mobility.push_back(1.0f); }},
+      {"mobility", [](Model& m) { touching(m).mobility.clear(); }},
+      {"mobility", [](Model& m) { touching(m).mobility[2] = 0.0f; }},
+      {"mobility",
+       [](Model& m) {
+         touching(m);
+         make_kinematic(m, 2);
+       }},
+      {"contact", [](Model& m) { touching(m).contact[1].vertex = m.vertex_count; }},
+      {"contact", [](Model& m) {
+ touching(m);
+ std::swap(m.contact[1].vertex, m.contact[2].vertex);
+ }},
+      {"contact",
+       [](Model& m) {
+         touching(m);
+         std::swap(m.contact[1].vertex, m.contact[2].vertex);
+         std::swap(m.contact_number[m.contact[1].vertex], m.contact_number[m.contact[2].vertex]);
+       }},
+      {"contact", [](Model& m) { touching(m).contact[1].margin = 0.0f; }},
+      {"contact", [](Model& m) { touching(m).contact[1].margin = 1e-40f; }},
+      {"contact", [](Model& m) { touching(m).contact[1].allowance = -0.5f; }},
+      {"contact",
+       [](Model& m) { touching(m).contact[1].friction = std::numeric_limits<float>::quiet_NaN(); }},
+      {"contact",
+       [](Model& m) { touching(m).contact[1].friction = std::numeric_limits<float>::infinity(); }},
+      {"contact", [](Model& m) { touching(m).contact[1].first_near = 1; }},
+      {"contact", [](Model& m) { touching(m).contact[1].near_count = 1; }},
+      {"contact_near", [](Model& m) { touching(m).contact_near.push_back(7); }},
+      {"contact_near", [](Model& m) { touching(m).contact_near[0] = 5; }},
+      {"contact_near", [](Model& m) { touching(m).contact_near[1] = m.vertex_count; }},
+      {"contact_near", [](Model& m) { m.contact_near.push_back(0); }},
+      {"contact_tetrahedron", [](Model& m) { touching(m).contact_tetrahedron.pop_back(); }},
+      {"contact_tetrahedron", [](Model& m) { touching(m).contact_tetrahedron[5] = m.vertex_count; }},
+      {"contact_depth", [](Model& m) { touching(m).contact_depth[1] = -0.5f; }},
+      {"contact_depth", [](Model& m) { touching(m).contact_depth.pop_back(); }},
+      {"contact_number",
+       [](Model& m) {
+         touching(m);
+         // Vertices inside have no point, and none is free for one of them.
+         for (std::uint32_t& number : m.contact_number)
+           if (number == shader::no_contact) number = 0;
+       }},
+      {"contact_number",
+       [](Model& m) {
+         touching(m);
+         for (std::uint32_t& number : m.contact_number)
+           if (number == shader::no_contact) number = std::uint32_t(m.contact.size());
+       }},
+      {"contact_offset", [](Model& m) { touching(m).contact_offset[1] = 100000; }},
+      {"contact_entry", [](Model& m) {
+ touching(m);
+ std::swap(m.contact_entry[0], m.contact_entry[1]);
+ }},
+      {"contact_entry", [](Model& m) {
+ touching(m);
+ m.contact_entry[0] = m.contact_entry.back();
+ }},
+      {"contact_entry", [](Model& m) { touching(m).contact_entry.push_back(0); }},
+      {"contact_rest_box", [](Model& m) {
+ touching(m);
+ std::swap(m.contact_rest_box[1], m.contact_rest_box[5]);
+ }},
+      {"contact_rest_box", [](Model& m) { touching(m).contact_rest_box.pop_back(); }},
+      {"contact_rest_box",
+       [](Model& m) { touching(m).contact_rest_box[2] = std::numeric_limits<float>::quiet_NaN(); }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
       {"force_index", [](Model& m) { m.force_index.push_back(0); }},
       {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},

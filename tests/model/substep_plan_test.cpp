@@ -46,11 +46,21 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "skin tie predict | 7 (region goal relax) | integrate");
   EXPECT_EQ(plan_of({.skeleton = true, .implicit = true, .limits = true}, false),
             "skin predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
+  const std::string contact =
+      "contact_bound contact_enclose contact_find contact_survey contact_locate contact_crowd contact_press "
+      "contact | ";
+  EXPECT_EQ(plan_of({.contact = true}, true), contact + "predict region goal integrate");
+  EXPECT_EQ(plan_of({.skeleton = true, .contact = true}, false), "skin | " + contact + "region update");
+  EXPECT_EQ(plan_of({.skeleton = true, .ties = true, .contact = true}, false),
+            "skin tie | " + contact + "region update");
+  EXPECT_EQ(plan_of({.ties = true, .implicit = true, .limits = true, .contact = true}, false),
+            "tie | " + contact + "predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
 }
 
 // Every stage but embed is shown once an iteration, and none twice.
 TEST(SubstepPlan, ShowsAProbeEveryStage) {
-  const Model m = make_bar({.skeleton = true, .ties = true, .implicit = true, .limits = true});
+  const Model m =
+      make_bar({.skeleton = true, .ties = true, .implicit = true, .limits = true, .contact = true});
   std::vector<model::Stage> shown;
   for (const Block& block : substep_plan(m, {.integrator = model::Integrator::implicit_step}, true)) {
     for (const model::Step& step : block.steps)
@@ -73,6 +83,14 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
   // The buffers of skinned and skinned_before change places: what update reads as the one before, the next
   // substep's skin writes.
   EXPECT_TRUE(must_wait(access_of(Kernel::skin), {Field::skinned_before}, {}));
+  EXPECT_FALSE(wait_for_each_other(Kernel::skin, Kernel::contact_bound));
+  const Kernel contact[] = {Kernel::contact_bound,  Kernel::contact_enclose, Kernel::contact_find,
+                            Kernel::contact_survey, Kernel::contact_locate,  Kernel::contact_crowd,
+                            Kernel::contact_press,  Kernel::contact,         Kernel::predict};
+  for (std::size_t k = 1; k < std::size(contact); ++k)
+    EXPECT_TRUE(wait_for_each_other(contact[k - 1], contact[k])) << name_of(contact[k]);
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_find, Kernel::contact_press));
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_bound, Kernel::update)) << "moves what boxes hold";
   EXPECT_FALSE(must_wait(access_of(Kernel::embed), {Field::position}, {Field::velocity}));
 }
 
@@ -85,7 +103,8 @@ TEST(SubstepPlan, FusesOnlyWhatMayChangePlaces) {
   const model::KernelAccess predict{
       "predict", model::KernelItems::vertices, access_of(Kernel::predict).own, {}, {}, {Field::velocity}};
   const model::KernelAccess& region = access_of(Kernel::region);
-  EXPECT_FALSE(must_wait(region, {Field::velocity, Field::gravity, Field::tied}, predict.writes));
+  EXPECT_FALSE(
+      must_wait(region, {Field::velocity, Field::gravity, Field::tied, Field::pressed}, predict.writes));
   EXPECT_FALSE(must_wait(predict, {}, region.writes));
 }
 
@@ -107,6 +126,8 @@ TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
   // Ties reach across the body, and limits run over tetrahedra.
   EXPECT_FALSE(swept({.skeleton = true, .ties = true}, 0));
   EXPECT_TRUE(swept({.skeleton = true, .ties = true}, 1));
+  EXPECT_FALSE(swept({.contact = true}, 0));
+  EXPECT_TRUE(swept({.contact = true}, 1));
   EXPECT_FALSE(swept({.implicit = true, .limits = true}, 2));
   EXPECT_FALSE(swept({.skeleton = true, .implicit = true}, 0)) << "skin and predict reach no ring";
   EXPECT_FALSE(model::swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));

@@ -113,15 +113,23 @@ TEST(SharedLayout, Limit) {
   EXPECT_EQ(layout.stride, sizeof(shader::Limit));
 }
 
+TEST(SharedLayout, ContactPoint) {
+  const Layout layout = layout_in(shader::module_of("contact_find"), "ContactPoint");
+  EXPECT_EQ(layout.members, (Members{MEMBER(ContactPoint, vertex), MEMBER(ContactPoint, margin),
+                                     MEMBER(ContactPoint, allowance), MEMBER(ContactPoint, friction),
+                                     MEMBER(ContactPoint, first_near), MEMBER(ContactPoint, near_count)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::ContactPoint));
+}
+
 TEST(SharedLayout, SubstepAndPush) {
   const Layout substep = layout_in(shader::module_of("update"), "Substep");
-  EXPECT_EQ(
-      substep.members,
-      (Members{MEMBER(Substep, h), MEMBER(Substep, inverse_h), MEMBER(Substep, gravity_x),
-               MEMBER(Substep, gravity_y), MEMBER(Substep, gravity_z), MEMBER(Substep, shift_x),
-               MEMBER(Substep, shift_y), MEMBER(Substep, shift_z), MEMBER(Substep, vertex_count),
-               MEMBER(Substep, surface_count), MEMBER(Substep, joint_count), MEMBER(Substep, first_bone),
-               MEMBER(Substep, first_muscle), MEMBER(Substep, first_force)}));
+  EXPECT_EQ(substep.members,
+            (Members{MEMBER(Substep, h), MEMBER(Substep, inverse_h), MEMBER(Substep, gravity_x),
+                     MEMBER(Substep, gravity_y), MEMBER(Substep, gravity_z), MEMBER(Substep, shift_x),
+                     MEMBER(Substep, shift_y), MEMBER(Substep, shift_z), MEMBER(Substep, vertex_count),
+                     MEMBER(Substep, surface_count), MEMBER(Substep, joint_count),
+                     MEMBER(Substep, first_bone), MEMBER(Substep, first_muscle), MEMBER(Substep, first_force),
+                     MEMBER(Substep, contact_count), MEMBER(Substep, contact_tetrahedron_count)}));
   const Layout push = layout_in(shader::module_of("update"), "Push");
   EXPECT_EQ(push.members,
             (Members{MEMBER(Push, substep), MEMBER(Push, first_slice), MEMBER(Push, implicit)}));

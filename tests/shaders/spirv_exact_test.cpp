@@ -40,6 +40,11 @@ std::string all_of(const std::vector<std::string>& lines) {
   return text;
 }
 
+// Shaders that compute nothing in floats: there is no operation for the pass to decorate.
+bool only_compares(const std::string& shader) {
+  return shader == "contact_enclose" || shader == "contact_locate" || shader == "contact_survey";
+}
+
 class OurShader : public testing::TestWithParam<std::string> {};
 
 TEST_P(OurShader, PassesTheLint) {
@@ -48,11 +53,12 @@ TEST_P(OurShader, PassesTheLint) {
 
 // The control: as the compiler leaves it, each shader that computes is refused.
 TEST_P(OurShader, WithoutThePassIsRefused) {
-  EXPECT_FALSE(spirv_exact::lint(read_raw_module(GetParam())).empty());
+  EXPECT_EQ(spirv_exact::lint(read_raw_module(GetParam())).empty(), only_compares(GetParam()));
 }
 
 // Each decoration is needed: one left out is seen.
 TEST_P(OurShader, OneUndecoratedOperationIsRefused) {
+  if (only_compares(GetParam())) return;
   const Module exact = shader::module_of(GetParam());
   Words missing_one(exact.begin(), exact.begin() + spirv_exact::header_words);
   std::uint32_t left_out = 0;

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "tests/support/contact_models.h"
 #include "tests/support/limit_models.h"
 
 namespace fascicle::tests {
@@ -128,25 +129,59 @@ void add_ties(const BarOptions& o, Model& m) {
   }
 }
 
-// Kuhn's six tetrahedra of each cube, those that the noise did not turn round.
-void add_limited_tetrahedra(const BarOptions& o, Model& m) {
+// Kuhn's six tetrahedra of each cube that spans `size` cells of the grid.
+std::vector<std::uint32_t> kuhn_tetrahedra(const BarOptions& o, std::uint32_t size) {
   const std::array<std::array<std::size_t, 3>, 6> orders{
       {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
-  for (std::uint32_t x = 0; x + 1 < o.x; ++x)
-    for (std::uint32_t y = 0; y + 1 < o.y; ++y)
-      for (std::uint32_t z = 0; z + 1 < o.z; ++z)
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t x = 0; x + size < o.x; ++x)
+    for (std::uint32_t y = 0; y + size < o.y; ++y)
+      for (std::uint32_t z = 0; z + size < o.z; ++z)
         for (std::size_t order = 0; order < 6; ++order) {
           std::array<std::uint32_t, 3> at{x, y, z};
           std::array<std::uint32_t, 4> corner{};
           corner[0] = (at[0] * o.y + at[1]) * o.z + at[2];
           for (std::size_t k = 0; k < 3; ++k) {
-            ++at[orders[order][k]];
+            at[orders[order][k]] += size;
             corner[k + 1] = (at[0] * o.y + at[1]) * o.z + at[2];
           }
           if (order >= 3) std::swap(corner[0], corner[1]);
-          m.tetrahedron.insert(m.tetrahedron.end(), corner.begin(), corner.end());
+          corners.insert(corners.end(), corner.begin(), corner.end());
         }
+  return corners;
+}
+
+// Those that the noise did not turn round.
+void add_limited_tetrahedra(const BarOptions& o, Model& m) {
+  m.tetrahedron = kuhn_tetrahedra(o, 1);
   add_limits(m, 0.9);
+}
+
+// A tetrahedron over two cells holds points that are no corner of it. Far from them by the tiny margins is
+// whatever the bar bends by; and a third of the points may meet what is around them at once.
+void add_contacts(const BarOptions& o, Model& m) {
+  m.contact_tetrahedron = kuhn_tetrahedra(o, 2);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+    m.contact_depth.push_back(static_cast<float>(0.04 * noise(i, 7)));
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    if (i % 11 == 10) continue;
+    std::vector<std::uint32_t> near;
+    for (std::uint32_t j = 0; i % 3 == 1 && j < o.x * o.y * o.z; ++j) {
+      const auto apart = [&](std::uint32_t each, std::uint32_t count) {
+        const std::uint32_t a = i / each % count, b = j / each % count;
+        return a < b ? b - a : a - b;
+      };
+      if (apart(o.y * o.z, o.x) <= 1 && apart(o.z, o.y) <= 2 && apart(1, o.z) <= 2) near.push_back(j);
+    }
+    m.contact.push_back({.vertex = i,
+                         .margin = 1e-5f * static_cast<float>(1 + i % 5),
+                         .allowance = near.empty() ? 0.0f : 0.01f * static_cast<float>(i % 4),
+                         .friction = 0.25f * static_cast<float>(i % 4),
+                         .first_near = static_cast<std::uint32_t>(m.contact_near.size()),
+                         .near_count = static_cast<std::uint32_t>(near.size())});
+    m.contact_near.insert(m.contact_near.end(), near.begin(), near.end());
+  }
+  finish_contact(m);
 }
 
 }  // namespace
@@ -226,6 +261,7 @@ Model make_bar(const BarOptions& o) {
     if (o.skeleton && m.carried.empty()) m.carried.assign(m.vertex_count, 0.0f);
   }
   if (o.limits) add_limited_tetrahedra(o, m);
+  if (o.contact) add_contacts(o, m);
   return m;
 }
 

@@ -22,6 +22,7 @@ struct BarOptions {
   bool surface = true;
   bool implicit = false;      // for the implicit integrator, from soft to stiff
   bool limits = false;        // of an implicit one: no tetrahedron loses a tenth of its volume
+  bool contact = false;       // most vertices are points, in tetrahedra that may be met nearly everywhere
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
 };
 

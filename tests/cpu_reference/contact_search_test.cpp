@@ -1,0 +1,295 @@
+// The search for contacts against its plain form, and both against a look at all tetrahedra: the same
+// contacts and the same bits, however the body moves and from whatever the search remembers.
+#include "cpu_reference/contact_search.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cpu_reference/contact_stages.h"
+#include "tests/cpu_reference/two_blocks.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace cpu = cpu_reference;
+using cpu::Fields;
+using cpu::Place;
+using cpu::SubstepInput;
+using model::Model;
+
+constexpr double step_length = 1.0 / 480.0;
+
+SubstepInput input_for(const Model& m) {
+  TestDrive quiet = quiet_drive(m, step_length);
+  SubstepInput in;
+  in.step = model::first_substep(m, quiet.get());
+  return in;
+}
+
+void run_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
+  const auto points = static_cast<std::uint32_t>(m.contact.size());
+  contact_bound(m, in, fields, {0, m.contact_leaf_count()});
+  contact_enclose(m, in, fields, {0, m.contact_branch_count()});
+  contact_find(m, in, fields, {0, points});
+  contact_survey(m, in, fields, {0, m.contact_block_count()});
+  contact_locate(m, in, fields, {0, m.contact_leaf_count()});
+  contact_crowd(m, in, fields, {0, m.vertex_count});
+  contact_press(m, in, fields, {0, points});
+  contact(m, in, fields, {0, m.vertex_count});
+}
+
+// The first of all tetrahedra that each point meets.
+std::vector<std::uint32_t> found_among_all(const Model& m, const SubstepInput& in, Fields fields) {
+  std::vector<std::uint32_t> found(m.contact.size(), shader::no_contact);
+  const auto place_of = [&](std::uint32_t i) { return cpu::contact_sight(m, in, fields, i); };
+  for (std::uint32_t p = 0; p < found.size(); ++p)
+    for (std::uint32_t t = 0; t < m.contact_tetrahedron_count() && found[p] == shader::no_contact; ++t)
+      if (cpu::contact_meets(m, fields, p, place_of(m.contact[p].vertex), t, place_of)) found[p] = t;
+  return found;
+}
+
+bool same_bits(const float* a, const float* b, std::size_t count) {
+  return std::equal(a, a + count, b, [](float x, float y) {
+    return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y);
+  });
+}
+
+// What differs first, or nothing.
+std::string contact_difference(const Model& m, const Fields& a, const Fields& b) {
+  for (std::size_t p = 0; p < m.contact.size(); ++p) {
+    if (a.contact_found[p] != b.contact_found[p])
+      return "point " + std::to_string(p) + " is in " + std::to_string(a.contact_found[p]) + " or in " +
+             std::to_string(b.contact_found[p]);
+    if (a.contact_found[p] == shader::no_contact) continue;
+    if (!same_bits(&a.contact_place[10 * p], &b.contact_place[10 * p], 10))
+      return "the place of point " + std::to_string(p);
+    if (!same_bits(&a.contact_impulse[3 * p], &b.contact_impulse[3 * p], 3))
+      return "the impulse of point " + std::to_string(p);
+  }
+  for (std::size_t i = 0; i < m.vertex_count; ++i)
+    if (!same_bits(&a.pressed[cpu::vector_stride * i], &b.pressed[cpu::vector_stride * i], 3))
+      return "the acceleration of vertex " + std::to_string(i);
+  return "";
+}
+
+void put(const Model& m, const std::vector<float>& positions, const std::vector<float>& velocities,
+         Fields& fields) {
+  for (std::size_t i = 0; i < m.vertex_count; ++i)
+    for (std::size_t a = 0; a < 3; ++a) {
+      fields.vertices[cpu::vertex_stride * i + a] = positions[3 * i + a];
+      fields.velocities[cpu::vector_stride * i + a] = velocities[3 * i + a];
+    }
+}
+
+// A body that is thrown about, step by step.
+class Motions {
+ public:
+  Motions(const TwoBlocks& blocks, unsigned seed)
+      : blocks_(blocks), random_(seed), along_(-1.0 + blocks.spacing) {
+    bent_.resize(blocks.model.rest.size(), 0.0);
+    velocities.resize(blocks.model.rest.size(), 0.0f);
+  }
+
+  std::vector<float> positions, velocities;
+
+  // Whether something is no number.
+  bool is_broken() const {
+    const auto is_nan = [](float x) { return std::isnan(x); };
+    return std::any_of(positions.begin(), positions.end(), is_nan) ||
+           std::any_of(velocities.begin(), velocities.end(), is_nan);
+  }
+
+  void next() {
+    const double s = blocks_.spacing;
+    // Mostly it trembles; at times it swings, and at times it is elsewhere at once.
+    const double reach = step_ % 17 == 16 ? 1.5 : step_ % 7 == 6 ? 0.4 : 0.01;
+    along_ = std::clamp(along_ + reach * s * normal(), -1.0 - s, -1.0 + 2.5 * s);
+    aside_ = std::clamp(aside_ + reach * s * normal(), -s, s);
+    for (double& x : bent_)
+      x = std::clamp(x + (step_ % 17 == 16 ? 0.1 : 0.005) * s * normal(), -0.4 * s, 0.4 * s);
+    positions = blocks_.model.rest;
+    for (std::size_t k = 0; k < positions.size(); ++k) {
+      double x = double{positions[k]} + bent_[k];
+      if (k >= 3 * std::size_t{blocks_.first_of_second}) x += k % 3 == 0 ? along_ : aside_;
+      // Points upon corners, edges and faces, corners upon each other and tetrahedra without volume.
+      if (step_ % 5 == 3) x = std::round(x * 2.0 / s) * s / 2.0;
+      positions[k] = static_cast<float>(x);
+      velocities[k] = static_cast<float>(normal());
+    }
+    if (step_ % 11 == 4) positions[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
+    if (step_ % 11 == 8) positions[random_() % positions.size()] = std::numeric_limits<float>::infinity();
+    if (step_ % 11 == 9) velocities[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
+    // Flat as paper.
+    for (std::size_t k = 2; step_ % 13 == 7 && k < positions.size(); k += 3) positions[k] = 0.125f;
+    // A vertex that stands where others do.
+    for (int pair = 0; step_ % 3 == 1 && pair < 10; ++pair) {
+      const std::size_t from = 3 * (random_() % blocks_.model.vertex_count),
+                        to = 3 * (random_() % blocks_.model.vertex_count);
+      std::copy_n(positions.begin() + static_cast<std::ptrdiff_t>(from), 3,
+                  positions.begin() + static_cast<std::ptrdiff_t>(to));
+    }
+    ++step_;
+  }
+
+ private:
+  double normal() { return normal_(random_); }
+
+  const TwoBlocks& blocks_;
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+  std::vector<double> bent_;
+  double along_, aside_ = 0.0;
+  int step_ = 0;
+};
+
+// Some points meet from the beginning what is beside them.
+void let_neighbours_meet(Model& m) {
+  for (std::uint32_t p = 0; p < m.contact.size(); p += 4) {
+    std::vector<std::uint32_t> near;
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+      if (i % 3 != 0 && (triple_at(m.rest, i) - triple_at(m.rest, m.contact[p].vertex)).norm() < 0.4)
+        near.push_back(i);
+    add_gap(m, p, near, 0.001f * static_cast<float>(p % 3));
+  }
+}
+
+struct Seen {
+  std::size_t contacts = 0, most = 0, changes = 0;
+};
+
+Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed) {
+  const Model& m = blocks.model;
+  const SubstepInput in = input_for(m);
+  struct Searching {
+    Searching(const Model& m, unsigned threads) : search(m), pool(threads) { size_fields(m, fields); }
+    cpu::ContactSearch search;
+    cpu::ThreadPool pool;
+    Fields fields;
+  };
+  std::vector<std::unique_ptr<Searching>> searches;
+  for (const unsigned threads : {1u, 2u, 3u}) searches.push_back(std::make_unique<Searching>(m, threads));
+  Motions motions(blocks, seed);
+  Fields plain;
+  size_fields(m, plain);
+  Seen seen;
+  for (int step = 0; step < steps; ++step) {
+    SCOPED_TRACE("step " + std::to_string(step));
+    motions.next();
+    const std::vector<std::uint32_t> before = plain.contact_found;
+    put(m, motions.positions, motions.velocities, plain);
+    run_plainly(m, in, plain);
+    EXPECT_EQ(plain.contact_found, found_among_all(m, in, plain));
+    for (const auto& s : searches) {
+      put(m, motions.positions, motions.velocities, s->fields);
+      s->search.run(in, s->fields, s->pool);
+      EXPECT_EQ(contact_difference(m, plain, s->fields), "") << s->pool.size() << " threads";
+    }
+    // A body that is no number stays so: what comes after is another one.
+    for (auto& s : searches)
+      if (motions.is_broken()) s = std::make_unique<Searching>(m, s->pool.size());
+    if (testing::Test::HasFailure()) return seen;
+    const auto contacts = plain.contact_found.size() -
+                          static_cast<std::size_t>(std::count(plain.contact_found.begin(),
+                                                              plain.contact_found.end(), shader::no_contact));
+    seen.contacts += contacts;
+    seen.most = std::max(seen.most, contacts);
+    seen.changes += before != plain.contact_found;
+  }
+  return seen;
+}
+
+TEST(ContactSearch, FindsWhatThePlainKernelsFind) {
+  for (unsigned seed = 0; seed < 4; ++seed)
+    for (const bool implicit : {false, true}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + (implicit ? ", implicit" : ", explicit"));
+      TwoBlocks blocks = make_two_blocks(3, 3, 2 + seed % 2, 0.125, seed, implicit, seed % 2 == 1);
+      if (seed >= 2) let_neighbours_meet(blocks.model);
+      const Seen seen = expect_same_contacts(blocks, 120, seed);
+      EXPECT_GT(seen.contacts, 500u);
+      EXPECT_GT(seen.changes, 20u);
+    }
+}
+
+// More than one branch of leaves.
+TEST(ContactSearch, FindsWhatThePlainKernelsFindInLargerBodies) {
+  const TwoBlocks blocks = make_two_blocks(6, 5, 5, 0.0625, 9);
+  ASSERT_GT(blocks.model.contact_branch_count(), 1u);
+  EXPECT_GT(expect_same_contacts(blocks, 40, 5).most, 10u);
+}
+
+struct Touching {
+  Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), in(input_for(blocks.model)) {
+    size_fields(blocks.model, fields);
+    const auto solver = cpu::make_cpu_solver(blocks.model, {}, 1);
+    const model::State state = overlapping(blocks, solver->save(), 3);
+    put(blocks.model, state.positions, state.velocities, fields);
+    run_plainly(blocks.model, in, fields);
+  }
+  TwoBlocks blocks;
+  SubstepInput in;
+  Fields fields;
+};
+
+// The controls: one contact less, and one bit, are seen.
+TEST(ContactSearch, ADroppedContactWouldBeSeen) {
+  const Touching t;
+  Fields dropped = t.fields;
+  const auto found = std::find_if(dropped.contact_found.begin(), dropped.contact_found.end(),
+                                  [](std::uint32_t at) { return at != shader::no_contact; });
+  ASSERT_NE(found, dropped.contact_found.end());
+  EXPECT_EQ(contact_difference(t.blocks.model, t.fields, dropped), "");
+  *found = shader::no_contact;
+  EXPECT_NE(contact_difference(t.blocks.model, t.fields, dropped), "");
+  Fields bent = t.fields;
+  const auto pressed =
+      std::find_if(bent.pressed.begin(), bent.pressed.end(), [](float x) { return x != 0.0f; });
+  *pressed = std::nextafter(*pressed, 2.0f * *pressed);
+  EXPECT_NE(contact_difference(t.blocks.model, t.fields, bent), "");
+}
+
+// The accelerations by the contacts that were found, added up in one order for all vertices: the own contact,
+// then by tetrahedron, then by point; or all of that backwards.
+Fields added_up(const Touching& t, bool backwards) {
+  const Model& m = t.blocks.model;
+  Fields fields = t.fields;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    std::vector<Place> terms;
+    const auto impulse_of = [&](std::uint32_t p) {
+      return cpu::place_at(&fields.contact_impulse[3 * std::size_t{p}]);
+    };
+    for (std::uint32_t p = 0; p < m.contact.size(); ++p)
+      if (m.contact[p].vertex == i && fields.contact_found[p] != shader::no_contact)
+        terms.push_back(impulse_of(p));
+    for (std::uint32_t tetrahedron = 0; tetrahedron < m.contact_tetrahedron_count(); ++tetrahedron)
+      for (std::uint32_t p = 0; p < m.contact.size(); ++p)
+        for (std::size_t k = 0; k < 4; ++k)
+          if (fields.contact_found[p] == tetrahedron && cpu::corners_of(m, tetrahedron)[k] == i)
+            terms.push_back(kernel::contact_term<float>(-fields.contact_place[10 * std::size_t{p} + k],
+                                                             impulse_of(p)));
+    if (backwards) std::reverse(terms.begin(), terms.end());
+    Place sum{0.0f, 0.0f, 0.0f};
+    for (std::size_t k = 0; k < terms.size(); ++k)
+      sum = k == 0 ? terms[k] : kernel::contact_add<float>(sum, terms[k]);
+    cpu::put_place(&fields.pressed[cpu::vector_stride * std::size_t{i}],
+                   kernel::contact_acceleration<float>(sum, m.mobility[i], t.in.step.inverse_h));
+  }
+  return fields;
+}
+
+TEST(ContactSearch, AnotherOrderOfSummationWouldBeSeen) {
+  const Touching t;
+  EXPECT_EQ(contact_difference(t.blocks.model, t.fields, added_up(t, false)), "");
+  EXPECT_NE(contact_difference(t.blocks.model, t.fields, added_up(t, true)), "");
+}
+
+}  // namespace
+}  // namespace fascicle::tests

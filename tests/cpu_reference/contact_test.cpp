@@ -1,0 +1,425 @@
+// Contact: flesh that lies in other flesh. The Oracle against numbers by hand, the solver against the Oracle;
+// a free body pushes and turns itself by nothing and does the same wherever it stands and however it is
+// numbered; blocks that meet do not pass through each other.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_contact.h"
+#include "host/model/validate.h"
+#include "tests/cpu_reference/oracle_run.h"
+#include "tests/cpu_reference/solver_runs.h"
+#include "tests/cpu_reference/two_blocks.h"
+#include "tests/support/bar_model.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+using cpu_reference::make_cpu_solver;
+using cpu_reference::Simd;
+using Eigen::Vector3d;
+using model::Model;
+using model::State;
+
+Points points_in(const std::vector<float>& values) {
+  Points points;
+  for (std::uint32_t i = 0; 3 * std::size_t{i} < values.size(); ++i) points.push_back(triple_at(values, i));
+  return points;
+}
+
+double largest_in(const Points& points) {
+  double largest = 0.0;
+  for (const Vector3d& p : points) largest = std::max(largest, p.norm());
+  return largest;
+}
+
+// A regular tetrahedron 0 1 2 3 with corners (1,1,1) ... / 4 around (-1/2, 0, 0), corner 0 a quarter deep,
+// the others on the surface; and beside it another, 4 5 6 7, far away at rest.
+struct PointInTetrahedron {
+  explicit PointInTetrahedron(bool implicit) {
+    Mesh mesh = regular_tetrahedron();
+    for (Vector3d& p : mesh.points) p = p / 4.0 - Vector3d(0.5, 0, 0);
+    for (int k = 0; k < 4; ++k) mesh.points.push_back(mesh.points[std::size_t(k)] + Vector3d(1, 0, 0));
+    auto other = mesh.tetrahedra[0];
+    for (std::uint32_t& i : other) i += 4;
+    mesh.tetrahedra.push_back(other);
+    model = make_model(mesh);
+    std::fill(model.mass.begin(), model.mass.end(), 1.0);
+    model.mass[4] = 2.0;
+    fill_weights(model);
+    if (implicit) model = make_implicit(model, 1e4);
+    add_contact(model, 0.125, [](std::uint32_t i) { return i == 0 ? 0.25 : 0.0; });
+  }
+
+  // Vertex 4 comes to the middle of the tetrahedron, with velocity v against it.
+  State meeting(const Vector3d& v) const {
+    State state = make_cpu_solver(model, contact_options(model), 1)->save();
+    const Vector3d x = Vector3d(-0.5, 0, 0) - (model.is_implicit() ? h * v : Vector3d(0, 0, 0));
+    for (int a = 0; a < 3; ++a) {
+      state.positions[12 + std::size_t(a)] = float(x[a]);
+      state.velocities[12 + std::size_t(a)] = float(v[a]);
+    }
+    return state;
+  }
+
+  static constexpr double h = 0.5;
+  Model model;
+};
+
+// By hand. The weights are 1/4 each, the gradient of the first is (1,1,1): g = (1,1,1) / 4, |g|^2 = 3/16, the
+// depth p = 1/16. d = -p g has the length sqrt(3)/64, n = -(1,1,1)/sqrt(3). No vertex is in more than two
+// contacts: 1/k = 2 (1/2) + 4 (1/4) 2 = 3.
+TEST(Contact, IsWhatAHandComputes) {
+  const Vector3d n = -Vector3d(1, 1, 1).normalized(), aside = Vector3d(1, -1, 0).normalized();
+  for (const bool implicit : {false, true}) {
+    const PointInTetrahedron c(implicit);
+    check_model(c.model);
+    const double sigma = double(implicit ? shader::contact_strength_implicit : shader::contact_strength);
+    const cpu_reference::Contacts contacts(c.model);
+    std::size_t at_the_limit = 0;
+    for (const double approach : {0.25, -0.125, 0.0})
+      for (const double sliding : {0.0625, 2.0, 0.0}) {
+        SCOPED_TRACE(std::to_string(approach) + " in, " + std::to_string(sliding) + " along");
+        const State state = c.meeting(-approach * n + sliding * aside);
+        Points q = points_in(state.positions), v = points_in(state.velocities), ahead = q;
+        for (std::size_t i = 0; i < q.size(); ++i) ahead[i] += implicit ? c.h * v[i] : Vector3d(0, 0, 0);
+        const auto pairs = contacts.found_at(ahead);
+        ASSERT_EQ(pairs.size(), 1u);
+        EXPECT_EQ(c.model.contact[pairs[0].point].vertex, 4u);
+        for (int k = 0; k < 4; ++k) EXPECT_NEAR(pairs[0].weights[k], 0.25, 1e-6);
+        EXPECT_LT((pairs[0].push + Vector3d(1, 1, 1) / 64.0).norm(), 1e-6);
+        EXPECT_LT((pairs[0].normal - n).norm(), 1e-6);
+
+        const double pushed = sigma * std::sqrt(3.0) / 64.0 / c.h + approach;
+        // Coulomb's 1/2 of the push, or half of what slides.
+        const double rubbed = std::min(0.5 * std::abs(pushed), 0.5 * sliding);
+        at_the_limit += rubbed < 0.5 * sliding ? 1 : 0;
+        const Vector3d impulse = (pushed * n - rubbed * aside) / 3.0;
+        Points expected(8, Vector3d::Zero());
+        expected[4] = 0.5 * impulse / c.h;
+        for (std::size_t k = 0; k < 4; ++k) expected[k] = -0.25 * impulse / c.h;
+        EXPECT_LT(largest_distance(contacts.accelerations(q, v, c.h), expected), 1e-6);
+        const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
+        EXPECT_LT(largest_distance(points_in(contact_output(*solver, c.model, state, c.h)), expected), 1e-6);
+      }
+    EXPECT_GE(at_the_limit, 3u);
+  }
+}
+
+// What is near at rest does not meet, unless it is across a gap; then from the allowance on. What moves with
+// the skeleton on both sides does not.
+TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
+  PointInTetrahedron c(false);
+  const Points q = points_in(c.meeting(Vector3d::Zero()).positions);
+  const auto pairs = [&] { return cpu_reference::Contacts(c.model).found_at(q); };
+  const auto is_pressed = [&] {
+    const auto solver = make_cpu_solver(c.model, {}, 1);
+    return largest_in(points_in(contact_output(*solver, c.model, c.meeting(Vector3d::Zero()), c.h))) > 0.0;
+  };
+  ASSERT_EQ(pairs().size(), 1u);
+  EXPECT_TRUE(is_pressed());
+  c.model.contact[4].margin = 2.0f;
+  EXPECT_EQ(pairs().size(), 0u);
+  EXPECT_FALSE(is_pressed());
+  add_gap(c.model, 4, {0, 1, 2, 3}, 0.03125f);
+  ASSERT_EQ(pairs().size(), 1u);
+  EXPECT_TRUE(is_pressed());
+  EXPECT_NEAR(pairs()[0].push.norm(), std::sqrt(3.0) / 4.0 / 32.0, 1e-6) << "half as deep";
+  c.model.contact[4].allowance = 0.125f;
+  EXPECT_EQ(pairs()[0].push.norm(), 0.0);
+  c.model.contact_near[3] = 5;
+  EXPECT_EQ(pairs().size(), 0u);
+  EXPECT_FALSE(is_pressed());
+  c.model.contact_near[3] = 3;
+  for (const std::uint32_t i : {0u, 1u, 2u, 3u, 4u}) make_kinematic(c.model, i);
+  fill_weights(c.model);
+  finish_contact(c.model);
+  EXPECT_EQ(pairs().size(), 0u);
+  EXPECT_FALSE(is_pressed());
+}
+
+TEST(Contact, TheModelsKeepTheirPromises) {
+  EXPECT_NO_THROW(check_model(make_two_blocks(3, 3, 2, 0.125, 1).model));
+  EXPECT_NO_THROW(check_model(make_two_blocks(3, 3, 2, 0.125, 1, true, true).model));
+  for (const bool implicit : {false, true})
+    EXPECT_NO_THROW(
+        check_model(make_bar({.ties = true, .implicit = implicit, .contact = true, .odd_vertices = true})));
+}
+
+// The bars of other rooms' tests are in contact from the first substep on, and stay in one piece.
+TEST(Contact, BarsAreInContact) {
+  for (const bool implicit : {false, true}) {
+    const Model m = make_bar({.implicit = implicit, .contact = true});
+    const auto solver = make_cpu_solver(m, contact_options(m), 1);
+    const auto count = [&](const State& state) {
+      std::size_t pressed = 0;
+      for (const Vector3d& a : points_in(contact_output(*solver, m, state, 1.0 / 240.0)))
+        pressed += a.norm() > 0.0 ? 1 : 0;
+      return pressed;
+    };
+    EXPECT_GT(count(solver->save()), m.vertex_count / 4);
+    BarMotion motion(m, 4);
+    for (std::uint64_t k = 1; k <= 12; ++k) solver->submit(motion.drive(k), {});
+    const State late = solver->save();
+    EXPECT_GT(count(late), m.vertex_count / 4);
+    for (const float x : late.positions) EXPECT_LT(std::abs(x), 2.0f);
+  }
+}
+
+// Barycentric weights are rounded by 2^-24 x coordinate / edge = 6e-7 of the largest, and gradients by as
+// much over the height of jittered tetrahedra: 1e-4 leaves ten times that.
+constexpr double rounding = 1e-4;
+
+TEST(Contact, FollowsTheOracle) {
+  std::size_t pressed = 0;
+  for (unsigned seed = 0; seed < 8; ++seed)
+    for (const bool implicit : {false, true}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + (implicit ? ", implicit" : ", explicit"));
+      const TwoBlocks blocks = make_two_blocks(3, 2 + seed % 2, 3, 0.125, seed, implicit, seed % 3 == 1);
+      const auto solver = make_cpu_solver(blocks.model, contact_options(blocks.model), 2);
+      cpu_reference::Oracle oracle(blocks.model, contact_options(blocks.model));
+      const State state = overlapping(blocks, solver->save(), seed);
+      const Points ours = points_in(contact_output(*solver, blocks.model, state, 1.0 / 480.0)),
+                   theirs = points_in(contact_output(oracle, blocks.model, state, 1.0 / 480.0));
+      EXPECT_LT(largest_distance(ours, theirs), rounding * largest_in(theirs));
+      for (const Vector3d& a : theirs) pressed += a.norm() > 0.0 ? 1 : 0;
+    }
+  EXPECT_GT(pressed, 200u);
+}
+
+struct Push {
+  Vector3d force = Vector3d::Zero(), moment = Vector3d::Zero();
+  double size = 0.0;
+};
+
+Push sum_of(const Model& m, const Points& places, const Points& accelerations) {
+  Push sum;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+    const Vector3d f = m.mass[i] * accelerations[i];
+    sum.force += f;
+    sum.moment += places[i].cross(f);
+    sum.size += f.norm();
+  }
+  return sum;
+}
+
+// Both forces of a contact act at one place: weights are rounded by 2^-24 of a coordinate over an edge, and
+// of these there are as many errors as contacts. The control: a corner that is not pushed back.
+TEST(Contact, PushesAndTurnsABodyByNothing) {
+  for (const bool implicit : {false, true}) {
+    const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 5, implicit);
+    const Model& m = blocks.model;
+    const double h = 1.0 / 480.0;
+    const auto solver = make_cpu_solver(m, contact_options(m), 1);
+    const State state = overlapping(blocks, solver->save(), 2);
+    Points places = points_in(state.positions);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (implicit) places[i] += h * triple_at(state.velocities, std::uint32_t(i));
+    Points a = points_in(contact_output(*solver, m, state, h));
+    const Push sum = sum_of(m, places, a);
+    ASSERT_GT(sum.size, 0.0);
+    EXPECT_LT(sum.force.norm(), 2e-6 * sum.size);
+    EXPECT_LT(sum.moment.norm(), 2e-6 * sum.size);
+    *std::max_element(a.begin(), a.end(), [](const Vector3d& x, const Vector3d& y) {
+      return x.norm() < y.norm();
+    }) = Vector3d::Zero();
+    EXPECT_GT(sum_of(m, places, a).force.norm(), 1e-3 * sum.size);
+  }
+}
+
+// A quarter turn and a shift.
+TEST(Contact, DoesTheSameWhereverTheBodyStands) {
+  for (const bool implicit : {false, true}) {
+    const TwoBlocks blocks = make_two_blocks(3, 3, 2, 0.125, 6, implicit);
+    const auto solver = make_cpu_solver(blocks.model, contact_options(blocks.model), 1);
+    const State here = overlapping(blocks, solver->save(), 8);
+    State there = here;
+    for (std::size_t i = 0; i < blocks.model.vertex_count; ++i) {
+      for (std::vector<float>* values : {&there.positions, &there.velocities})
+        std::tie((*values)[3 * i], (*values)[3 * i + 1]) = std::pair{-(*values)[3 * i + 1], (*values)[3 * i]};
+      there.positions[3 * i] += 0.5f;
+    }
+    Points a = points_in(contact_output(*solver, blocks.model, here, 1.0 / 480.0));
+    const Points b = points_in(contact_output(*solver, blocks.model, there, 1.0 / 480.0));
+    ASSERT_GT(largest_in(a), 0.0);
+    for (Vector3d& x : a) x = Vector3d(-x.y(), x.x(), x.z());
+    EXPECT_LT(largest_distance(a, b), rounding * largest_in(a));
+  }
+}
+
+// Contacts of a vertex are added up in another order.
+TEST(Contact, NumberingMattersByRoundingOnly) {
+  const Mesh mesh = two_blocks_mesh(3, 3, 3, 0.125, 7);
+  const auto n = std::uint32_t(mesh.points.size());
+  std::vector<std::uint32_t> new_number(n);
+  std::iota(new_number.begin(), new_number.end(), 0u);
+  std::mt19937 random(11);
+  std::shuffle(new_number.begin(), new_number.end(), random);
+  Mesh other = mesh;
+  for (std::uint32_t i = 0; i < n; ++i) other.points[new_number[i]] = mesh.points[i];
+  for (auto& t : other.tetrahedra)
+    for (std::uint32_t& i : t) i = new_number[i];
+  const auto model_of = [](const Mesh& of) {
+    TwoBlocks blocks{make_model(of), std::uint32_t(of.points.size() / 2), 0.125};
+    add_contact(blocks.model, 0.1875, depth_below_boundary(blocks.model));
+    return blocks;
+  };
+  const TwoBlocks a = model_of(mesh), b = model_of(other);
+  const auto of_a = make_cpu_solver(a.model, {}, 1), of_b = make_cpu_solver(b.model, {}, 1);
+  const State state = overlapping(a, of_a->save(), 4);
+  State renumbered = of_b->save();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      renumbered.positions[3 * new_number[i] + c] = state.positions[3 * i + c];
+      renumbered.velocities[3 * new_number[i] + c] = state.velocities[3 * i + c];
+    }
+  const Points ours = points_in(contact_output(*of_a, a.model, state, 1.0 / 480.0)),
+               theirs = points_in(contact_output(*of_b, b.model, renumbered, 1.0 / 480.0));
+  Points back(n);
+  for (std::uint32_t i = 0; i < n; ++i) back[i] = theirs[new_number[i]];
+  ASSERT_GT(largest_in(ours), 0.0);
+  EXPECT_LT(largest_distance(ours, back), rounding * largest_in(ours));
+  EXPECT_GT(largest_distance(ours, theirs), 0.1 * largest_in(ours)) << "nothing was renumbered";
+}
+
+// Towards each other along x, 8 mm apart.
+State thrown(const TwoBlocks& blocks, State state, double speed) {
+  float most = -2.0f, least = 2.0f;
+  for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i) {
+    const float x = state.positions[3 * std::size_t{i}];
+    if (i < blocks.first_of_second)
+      most = std::max(most, x);
+    else
+      least = std::min(least, x);
+  }
+  for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i) {
+    const bool second = i >= blocks.first_of_second;
+    if (second) state.positions[3 * std::size_t{i}] += most - least + 0.008f;
+    state.velocities[3 * std::size_t{i}] = float(second ? -speed : speed);
+  }
+  return state;
+}
+
+// How far the second block's middle is beyond the first one's.
+double apart(const TwoBlocks& blocks, const State& state) {
+  double sum = 0.0;
+  for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i)
+    sum += (i < blocks.first_of_second ? -1.0 : 1.0) * double(state.positions[3 * std::size_t{i}]);
+  return sum / double(blocks.first_of_second);
+}
+
+double kinetic_energy(const Model& m, const State& state) {
+  double sum = 0.0;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+    sum += 0.5 * m.mass[i] * triple_at(state.velocities, i).squaredNorm();
+  return sum;
+}
+
+// The control: without contact they change sides.
+TEST(Contact, BlocksThatMeetDoNotPassThroughEachOther) {
+  for (const bool implicit : {false, true}) {
+    SCOPED_TRACE(implicit ? "implicit" : "explicit");
+    const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 3, implicit);
+    const double h = 1.0 / 480.0;
+    const auto end_of = [&](const Model& m, double& most_energy) {
+      const auto solver = make_cpu_solver(m, contact_options(m), 2);
+      solver->load(thrown(blocks, solver->save(), 0.5));
+      const double start = kinetic_energy(m, solver->save());
+      TestDrive quiet = quiet_drive(m, h, 8);
+      most_energy = 0.0;
+      double least_apart = 10.0;
+      for (int k = 0; k < 120; ++k) {
+        solver->submit(quiet.get(), {});
+        const State state = solver->save();
+        most_energy = std::max(most_energy, kinetic_energy(m, state) / start);
+        least_apart = std::min(least_apart, apart(blocks, state));
+      }
+      return least_apart;
+    };
+    double energy = 0.0;
+    EXPECT_GT(end_of(blocks.model, energy), 0.25) << "of 0.38 where they touch";
+    // The push beyond a margin is the gradient of an energy in rest flesh alone; a hundredth for what is
+    // bent.
+    EXPECT_LT(energy, 1.01);
+    EXPECT_LT(end_of(without_contact(blocks.model), energy), 0.0);
+  }
+}
+
+TEST(Contact, LanesAndThreadsHaveTheScalarBits) {
+  std::vector<Model> models;
+  for (const bool implicit : {false, true}) {
+    models.push_back(make_two_blocks(3, 3, 3, 0.125, 3, implicit).model);
+    models.push_back(
+        make_bar({.skeleton = true, .muscle = true, .ties = true, .implicit = implicit, .contact = true}));
+  }
+  for (const Model& m : models) {
+    const TwoBlocks as_blocks{m, m.vertex_count / 2, 0.125};
+    const auto run = [&](Simd simd, unsigned threads) {
+      const auto solver = make_cpu_solver(m, contact_options(m), threads, simd);
+      if (!m.has_skeleton()) solver->load(overlapping(as_blocks, solver->save(), 2));
+      Sway sway(m);
+      for (std::uint64_t k = 1; k <= 10; ++k) solver->submit(sway.at(k), {});
+      return solver->save();
+    };
+    const State scalar = run(Simd::scalar, 1);
+    for (const Simd simd : cpu_reference::available_simd())
+      for (const unsigned threads : {1u, 3u}) EXPECT_EQ(run(simd, threads), scalar) << name_of(simd);
+  }
+}
+
+// What a search remembers of the substeps before has no part in a State.
+TEST(Contact, GoesOnFromASavedState) {
+  for (const bool implicit : {false, true}) {
+    const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 3, implicit);
+    const model::SolverOptions options = contact_options(blocks.model);
+    TestDrive quiet = quiet_drive(blocks.model, 1.0 / 480.0, 4);
+    const auto whole = make_cpu_solver(blocks.model, options, 2),
+               late = make_cpu_solver(blocks.model, options, 1),
+               other = make_cpu_solver(blocks.model, options, 3);
+    whole->load(thrown(blocks, whole->save(), 0.5));
+    other->load(overlapping(blocks, other->save(), 7));
+    for (int k = 0; k < 10; ++k)
+      for (model::Solver* solver : {whole.get(), other.get()}) solver->submit(quiet.get(), {});
+    const State middle = whole->save();
+    // One that has seen nothing, and one that remembers another motion.
+    late->load(middle);
+    other->load(middle);
+    for (int k = 0; k < 10; ++k)
+      for (model::Solver* solver : {whole.get(), late.get(), other.get()}) solver->submit(quiet.get(), {});
+    EXPECT_NE(whole->save(), middle);
+    EXPECT_EQ(late->save(), whole->save());
+    EXPECT_EQ(other->save(), whole->save());
+  }
+}
+
+// Arrays of contact alone change no bit: as long as nothing meets, the body moves as one without them.
+TEST(Contact, WithoutAMeetingNothingChanges) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    Model plain = random_model(seed);
+    plain.momentum_scaled = true;
+    fill_weights(plain);
+    if (seed % 2 == 1) plain = make_implicit(plain, 2e4);
+    Model touching = plain;
+    add_contact(touching, 100.0, depth_below_boundary(plain));
+    const auto a = make_cpu_solver(plain, contact_options(plain), 1),
+               b = make_cpu_solver(touching, contact_options(touching), 2);
+    Sway sway(plain);
+    for (std::uint64_t k = 1; k <= 10; ++k) {
+      a->submit(sway.at(k), {});
+      b->submit(sway.at(k), {});
+    }
+    EXPECT_EQ(a->save(), b->save()) << seed;
+  }
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
