@@ -1,6 +1,6 @@
 // The search for contacts against its plain form, and both against a look at all tetrahedra: the same
 // contacts and the same bits, however the body moves and from whatever the search remembers.
-#include "cpu_reference/contact_search.h"
+#include "cpu_reference/solver/contact_search.h"
 
 #include <algorithm>
 #include <bit>
@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/contact_stages.h"
+#include "cpu_reference/solver/contact_stages.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_reference/contact_stages.h"
-#include "cpu_reference/stages.h"
+#include "cpu_reference/solver/contact_stages.h"
+#include "cpu_reference/solver/stages.h"
 #include "host/model/implicit.h"
 #include "host/model/substep_plan.h"
 #include "tests/support/bar_model.h"

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "host/model/solver.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/test_models.h"

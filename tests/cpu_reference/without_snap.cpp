@@ -3,16 +3,16 @@
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
-#include "cpu_reference/contact_search.cpp"
-#include "cpu_reference/contact_stages.cpp"
-#include "cpu_reference/cpu_solver.cpp"
-#include "cpu_reference/fields.cpp"
-#include "cpu_reference/huge_pages.cpp"
-#include "cpu_reference/lane_stages.cpp"
-#include "cpu_reference/slices.cpp"
-#include "cpu_reference/stages.cpp"
-#include "cpu_reference/sweeps.cpp"
-#include "cpu_reference/thread_pool.cpp"
+#include "cpu_reference/solver/contact_search.cpp"
+#include "cpu_reference/solver/contact_stages.cpp"
+#include "cpu_reference/solver/cpu_solver.cpp"
+#include "cpu_reference/solver/fields.cpp"
+#include "cpu_reference/solver/huge_pages.cpp"
+#include "cpu_reference/solver/lane_stages.cpp"
+#include "cpu_reference/solver/slices.cpp"
+#include "cpu_reference/solver/stages.cpp"
+#include "cpu_reference/solver/sweeps.cpp"
+#include "cpu_reference/solver/thread_pool.cpp"
 
 // Only the lanes that need no compiler options; those are in without_snap_lanes.cpp.
 namespace fascicle::cpu_reference {

@@ -203,7 +203,7 @@ TEST(IncludeRules, PlantedBreachesAreSeen) {
       {"gpu/bad.cpp", "#include \"cpu_reference/solver/cpu_solver.h\"\n"},
       {"cpu_reference/solver/bad.cpp", "#include \"gpu/device.h\"\n"},
       {"cpu_reference/oracle/bad.cpp", "#include \"cpu_reference/solver/stages.h\"\n"},
-      {"cpu_reference/bad.cpp", ""},
+      {"cpu_reference/solver/bad.cpp", ""},
       {"gpu/bad.h", "  #  include \"host/scene/scene.h\"\n"},
       {"cpu_reference/solver/bad.cpp", "#include \"host/build/build.h\"\n"},
       {"host/build/bad.cpp", "#include <tetgen.h>\n"},
