@@ -12,6 +12,7 @@
 #   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
 #   ./do touches NAME [COMMIT]   count where a model array or a scene key is named, outside tests
 #   ./do package [DIR]    build the Debian packages, and check what is in them
+#   ./do portable         build for any distribution, source by source, and bake in a root that holds only libc
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do site             the pages as a web site in build/site (mkdocs)
@@ -142,11 +143,16 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     need $build_packages dpkg-dev
     out=$PWD/${1:-build/package/packages}
     case ${1:-} in /*) out=$1 ;; esac
-    cmake --preset release -B build/package -DCMAKE_INSTALL_PREFIX=/usr -DFASCICLE_TESTS=OFF >&2
-    cmake --build build/package >&2
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-} -DCMAKE_INSTALL_PREFIX=/usr
     mkdir -p "$out"
-    (cd build/package && cpack -B "$out") >&2
+    (cd build/release && cpack -B "$out") >&2
     exec tests/library/check_packages.sh "$out"
+    ;;
+  portable)
+    need $build_packages $test_packages
+    build portable
+    exec ctest --preset portable
     ;;
   try-packages)
     need debootstrap
