@@ -166,8 +166,11 @@ class GapSearch {
     walk.is_asked.resize(rest_.size(), 0);
     std::vector<std::uint32_t> asked;
     tree_.visit_near(rest_[from], reach_ * reach_, [&](std::uint32_t i) {
-      asked.push_back(i);
-      walk.is_asked[i] = 1;
+      // The tree also shows what lies beside those in a leaf.
+      if ((rest_[i] - rest_[from]).squaredNorm() <= reach_ * reach_) {
+        asked.push_back(i);
+        walk.is_asked[i] = 1;
+      }
       return reach_ * reach_;
     });
     walk_along(from, asked.size(), walk);

@@ -12,6 +12,7 @@
 #include "cpu_reference/solver/cpu_solver.h"
 #include "cpu_reference/solver/slices.h"
 #include "tests/cpu_reference/solver_runs.h"
+#include "tests/support/bar_model.h"
 #include "tests/support/test_models.h"
 
 namespace fascicle::tests {
@@ -131,6 +132,14 @@ TEST(Lanes, HaveTheScalarBitsOfImplicitRandomModels) {
   }
   EXPECT_GT(with_forces, 2u);
   EXPECT_GT(with_carried, 2u);
+}
+
+TEST(Lanes, HaveTheScalarBitsInContact) {
+  for (const bool implicit : {false, true}) {
+    expect_same_bits(make_bar({.skeleton = true, .forces = true, .implicit = implicit, .contact = true}), 6);
+    expect_same_bits(make_bar({.x = 14, .y = 9, .z = 7, .ties = true, .implicit = implicit, .contact = true}),
+                     3);
+  }
 }
 
 // A fan around an edge: two one-rings of 71, more than lanes take at a time, among ones of four.

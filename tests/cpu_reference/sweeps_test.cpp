@@ -12,6 +12,7 @@
 
 #include "cpu_reference/solver/cpu_solver.h"
 #include "tests/support/bar_model.h"
+#include "tests/support/contact_models.h"
 
 namespace fascicle::tests {
 namespace {
@@ -250,15 +251,22 @@ TEST(Sweeps, OfALargeBodyKeepTheBits) {
     std::uint32_t substeps;
   };
   const BarOptions large{.x = 220, .y = 16, .z = 16, .surface = false};
-  BarOptions posed = large, tied = large, soft = large;
+  BarOptions posed = large, tied = large, touching = large, soft = large;
   posed.skeleton = posed.carried = posed.cuts = posed.muscle = posed.forces = posed.volume = true;
   tied.ties = true;
+  touching.contact = touching.skeleton = true;
   soft.implicit = soft.muscle = soft.skeleton = soft.carried = true;
   struct Nobody : model::Probe {
     void on_stage(const model::Where&, std::span<const float>) override {}
   };
-  for (const Case& c : {Case{"explicit", posed, 10}, Case{"ties", tied, 3}, Case{"implicit", soft, 2}}) {
-    const Model m = make_bar(c.bar);
+  for (const Case& c : {Case{"explicit", posed, 10}, Case{"ties", tied, 3}, Case{"contact", touching, 2},
+                        Case{"implicit", soft, 2}}) {
+    Model m = make_bar(c.bar);
+    if (m.has_contact()) {
+      // Those of one end, so that the search takes less than the rest.
+      m.contact_tetrahedron.resize(4 * std::size_t{600});
+      finish_contact(m);
+    }
     for (const unsigned threads : {1u, 3u})
       ASSERT_GT(cpu_reference::make_sweeps(m, cpu_reference::make_slices(m), threads).passes(), 1u);
     const model::SolverOptions options{

@@ -62,6 +62,9 @@ TEST(SceneReference, TheManifestHasEveryKey) {
   EXPECT_EQ(missing("motion", json_of(scene::Motion{})), none);
   EXPECT_EQ(missing("solver", json_of(scene::SolverSettings{})), none);
   EXPECT_EQ(missing("skeleton", json_of(scene::SkeletonSettings{})), none);
+  scene::ContactSettings contact;
+  contact.distance = 0.5;
+  EXPECT_EQ(missing("contact", json_of(contact)), none);
   EXPECT_EQ(missing("force", json_of(scene::Force{})), none);
   EXPECT_EQ(missing("fibres", json_of(scene::FibreCurve{})), none);
   EXPECT_EQ(missing("bones", json_of(scene::BoneSegment{})), none);

@@ -27,6 +27,11 @@ seed = 7
 from = [0.0, 0.1, 0.1]
 to = [0.4, 0.1, 0.1]
 
+[contact]
+self = true
+distance = 0.0625
+friction = 0.75
+
 [layers.skin]
 alpha = 0.25
 
@@ -342,6 +347,7 @@ std::string describe(const Scene& scene) {
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,
          scene.skeleton.connect);
   d.line("flesh", scene.flesh.softness, scene.flesh.exaggerate);
+  d.line("contact", scene.contact.self, scene.contact.distance.value_or(-1.0), scene.contact.friction);
   for (const FibreCurve& curve : scene.fibres) {
     d.line("fibres", curve.name, curve.radius);
     for (const Vector3d& point : curve.points) d.line("point", point);
