@@ -14,7 +14,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/cpu_solver.h"
+#include "cpu_reference/solver/cpu_solver.h"
 #include "tests/build/scenes.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/sliding_models.h"
