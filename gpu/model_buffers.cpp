@@ -4,6 +4,7 @@
 
 #include "gpu/sliced_rings.h"
 #include "host/model/model_arrays.h"
+#include "host/model/substep_plan.h"
 
 namespace fascicle::gpu {
 namespace {
@@ -35,47 +36,26 @@ std::vector<std::uint32_t> tags_and_degrees(const Model& model) {
 }  // namespace
 
 std::vector<PlannedBuffer> plan_buffers(const Model& model) {
-  const std::uint64_t n = model.vertex_count, m = model.surface_count();
-  const std::uint64_t skinned = model.has_skeleton() ? n : 0;
-  const std::uint64_t implicit = model.is_implicit() ? n : 0;
+  const std::uint64_t n = model.vertex_count;
   const std::uint64_t entries = sliced_entry_count(model);
-  std::vector<PlannedBuffer> plan{
-      {shader::buffer_position, "position", 16 * n},
-      {shader::buffer_velocity, "velocity", 16 * n},
-      {shader::buffer_rotation, "rotation", 16 * n},
-      {shader::buffer_transform, "transform", 48 * n},
-      {shader::buffer_goal, "goal", 16 * n},
-      {shader::buffer_skinned, "skinned", 16 * skinned},
-      {shader::buffer_skinned_before, "skinned before", 16 * skinned},
-      {shader::buffer_skinned_velocity, "skinned velocity", 16 * model.carried.size()},
-      {shader::buffer_gravity, "gravity", 16 * skinned},
-      {shader::buffer_surface, "surface", 12 * m},
-      {shader::buffer_position_before, "position before", 16 * implicit},
-      {shader::buffer_velocity_before, "velocity before", 16 * implicit},
-      {shader::buffer_predicted, "predicted", 16 * implicit},
-      {shader::buffer_iterate_before, "iterate before", 16 * implicit},
-      {shader::buffer_response, "response", 2 * sizeof(shader::Response) * implicit},
-      {shader::buffer_tied, "tied", model.has_ties() ? 16 * n : 0},
-      {shader::buffer_lack, "lack", 4 * model.limit.size()},
-      {shader::buffer_limit_load, "limit load", model.has_limits() ? 4 * n : 0},
-      {shader::buffer_contact_box, "contact box", 32 * std::uint64_t{model.contact_leaf_count()}},
-      {shader::buffer_contact_branch_box, "contact branch box",
-       32 * std::uint64_t{model.contact_branch_count()}},
-      {shader::buffer_contact_found, "contact found", 4 * model.contact.size()},
-      {shader::buffer_contact_place, "contact place", 48 * model.contact.size()},
-      {shader::buffer_contact_range, "contact range", 8 * std::uint64_t{model.contact_block_count()}},
-      {shader::buffer_contact_blocks, "contact blocks", 8 * std::uint64_t{model.contact_leaf_count()}},
-      {shader::buffer_contact_crowd, "contact crowd", model.has_contact() ? 4 * n : 0},
-      {shader::buffer_contact_impulse, "contact impulse", 16 * model.contact.size()},
-      {shader::buffer_pressed, "pressed", model.has_contact() ? 16 * n : 0},
-      // Several arrays of the model in one.
-      {shader::buffer_rest, "rest", 16 * n},
-      {shader::buffer_tag, "tag", 4 * n},
-      {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},
-      {shader::buffer_ring, "ring", is_near(model) ? 0 : 4 * entries},
-      {shader::buffer_share_taken, "share taken", 4 * entries},
-      {shader::buffer_share_given, "share given", 4 * entries},
-  };
+  std::vector<PlannedBuffer> plan;
+  for (const model::FieldTraits& row : model::field_rows) {
+    const bool is_kept = row.is_kept == nullptr || (model.*row.is_kept)();
+    plan.push_back(
+        {row.buffer, row.name, is_kept ? std::uint64_t{row.bytes} * item_count(model, row.items) : 0});
+  }
+  plan.insert(
+      plan.end(),
+      {
+          {shader::buffer_response, "response", model.is_implicit() ? 2 * sizeof(shader::Response) * n : 0},
+          // Several arrays of the model in one.
+          {shader::buffer_rest, "rest", 16 * n},
+          {shader::buffer_tag, "tag", 4 * n},
+          {shader::buffer_slice, "slice", 4 * ((n + shader::slice_width - 1) / shader::slice_width)},
+          {shader::buffer_ring, "ring", is_near(model) ? 0 : 4 * entries},
+          {shader::buffer_share_taken, "share taken", 4 * entries},
+          {shader::buffer_share_given, "share given", 4 * entries},
+      });
   model::for_each_array(model, [&](const auto& row, const auto& values) {
     const model::Buffer& buffer = row.traits.buffer;
     if (buffer.number == model::no_buffer) return;

@@ -19,6 +19,7 @@ namespace fascicle::gpu {
 namespace {
 
 using model::Drive;
+using model::Field;
 using model::Frame;
 using model::Model;
 using model::Probe;
@@ -100,8 +101,7 @@ class VulkanSolver : public model::Solver {
       recorder.dispatch(StageKernel::embed, swapped_, substep, model_.surface_count());
       if (probe) {
         recorder.wait();
-        probe->on_stage({slot.index, drive.substeps - 1, Stage::embed},
-                        read(shader::buffer_surface, 3 * std::size_t{model_.surface_count()}));
+        probe->on_stage({slot.index, drive.substeps - 1, Stage::embed}, shown(Stage::embed));
       }
     }
     recorder.read_results(swapped_);
@@ -242,28 +242,42 @@ class VulkanSolver : public model::Solver {
 
   // A stage's output in the layout of stage_width.
   std::vector<float> shown(Stage stage) const {
-    const std::size_t n = model_.vertex_count;
-    if (stage == Stage::region) {
-      const std::vector<float> rows = read(shader::buffer_transform, 12 * n);
-      std::vector<float> transforms;
-      transforms.reserve(12 * n);
-      for (std::size_t r = 0; r < n; ++r) {
-        for (std::size_t row = 0; row < 3; ++row)
-          for (std::size_t k = 0; k < 3; ++k) transforms.push_back(rows[4 * (row * n + r) + k]);
-        for (std::size_t row = 0; row < 3; ++row) transforms.push_back(rows[4 * (row * n + r) + 3]);
-      }
-      return model::side_by_side(transforms, 12, read(shader::buffer_rotation, 4 * n), 4);
+    std::vector<float> values;
+    std::size_t width = 0;
+    for (const Field field : shown_by(stage)) {
+      std::vector<float> more = shown(field);
+      const std::size_t floats = row_of(field).floats;
+      values = width == 0 ? std::move(more) : model::side_by_side(values, width, more, floats);
+      width += floats;
     }
-    if (stage == Stage::integrate)
-      return model::side_by_side(read_triples(shader::buffer_position), 3,
-                                 read_triples(shader::buffer_velocity), 3);
-    if (stage == Stage::skin)
-      return model::side_by_side(read_triples(skinned_buffer()), 3, read_triples(shader::buffer_gravity), 3);
-    if (stage == Stage::tie) return read_triples(shader::buffer_tied);
-    if (stage == Stage::contact) return read_triples(shader::buffer_pressed);
-    if (stage == Stage::relax || stage == Stage::limit) return read_triples(shader::buffer_position);
-    if (stage == Stage::goal) return read_triples(shader::buffer_goal);
-    return read_triples(model_.is_implicit() ? shader::buffer_predicted : shader::buffer_velocity);
+    return values;
+  }
+
+  // A field's items by the floats of its row.
+  std::vector<float> shown(Field field) const {
+    const model::FieldTraits& row = row_of(field);
+    const std::size_t items = item_count(model_, row.items), stored = row.bytes / sizeof(float);
+    const std::vector<float> values = read(buffer_of(field), stored * items);
+    std::vector<float> floats;
+    floats.reserve(row.floats * items);
+    if (field == Field::transform) {
+      for (std::size_t r = 0; r < items; ++r) {
+        for (std::size_t k = 0; k < 3; ++k)
+          for (std::size_t c = 0; c < 3; ++c) floats.push_back(values[4 * (k * items + r) + c]);
+        for (std::size_t k = 0; k < 3; ++k) floats.push_back(values[4 * (k * items + r) + 3]);
+      }
+      return floats;
+    }
+    for (std::size_t i = 0; i < items; ++i)
+      for (std::size_t k = 0; k < row.floats; ++k) floats.push_back(values[stored * i + k]);
+    return floats;
+  }
+
+  // Where a field is in this substep. What predict makes of an explicit one is in its velocities.
+  std::uint32_t buffer_of(Field field) const {
+    if (field == Field::skinned) return skinned_buffer();
+    if (field == Field::predicted && !model_.is_implicit()) return shader::buffer_velocity;
+    return row_of(field).buffer;
   }
 
   std::uint32_t skinned_buffer() const {

@@ -28,6 +28,8 @@ Points points_of(std::span<const float> values) {
   return points;
 }
 
+}  // namespace
+
 void append(std::vector<float>& floats, const Vector3d& v) {
   for (int k = 0; k < 3; ++k) floats.push_back(float(v[k]));
 }
@@ -42,8 +44,6 @@ std::vector<float> floats_of(const Points& points) {
   for (const Vector3d& p : points) append(floats, p);
   return floats;
 }
-
-}  // namespace
 
 Oracle::Impl::Impl(const model::Model& of, const model::SolverOptions& with)
     : model(of),
@@ -62,46 +62,6 @@ Oracle::Impl::Impl(const model::Model& of, const model::SolverOptions& with)
   }
 }
 
-std::vector<float> Oracle::Impl::output(Stage stage) const {
-  std::vector<float> values;
-  switch (stage) {
-    case Stage::skin:
-      for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-        append(values, skinned[i]);
-        append(values, turned_gravity[i]);
-      }
-      return values;
-    case Stage::tie:
-      return floats_of(tied);
-    case Stage::contact:
-      return floats_of(pressed);
-    case Stage::predict:
-      return floats_of(model.is_implicit() ? y : v);
-    case Stage::region:
-      for (const RegionPose& pose : regions) {
-        const Matrix3d L = pose.R.toRotationMatrix() * pose.T + pose.V;
-        for (int row = 0; row < 3; ++row) append(values, Vector3d(L.row(row)));
-        append(values, Vector3d(pose.c - L * pose.c0));
-        append(values, pose.R);
-      }
-      return values;
-    case Stage::goal:
-      return floats_of(goals);
-    case Stage::relax:
-    case Stage::limit:
-      return floats_of(q);
-    case Stage::integrate:
-      for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-        append(values, q[i]);
-        append(values, v[i]);
-      }
-      return values;
-    case Stage::embed:
-      return floats_of(surface);
-  }
-  return values;
-}
-
 Oracle::Impl::Substep Oracle::Impl::substep_of(const model::Drive& drive, std::uint32_t number) const {
   const auto part = [&](auto all, std::uint32_t count) {
     return all.subspan(std::size_t{number} * count, count);
@@ -118,52 +78,6 @@ Oracle::Impl::Substep Oracle::Impl::substep_of(const model::Drive& drive, std::u
   for (const float g : model.volume_gain) gain = std::max(gain, double(g));
   now.chebyshev = Chebyshev(options.iterations, stiffest(*now.stepping), gain / 2.0);
   return now;
-}
-
-void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t iteration) {
-  using model::Kernel;
-  switch (kernel) {
-    case Kernel::skin:
-      return skin(now.bones);
-    case Kernel::tie:
-      tied = ties.accelerations(q, v, now.h);
-      return;
-    case Kernel::contact:
-      pressed = contacts.accelerations(q, v, now.h);
-      return;
-    case Kernel::contact_bound:
-    case Kernel::contact_enclose:
-    case Kernel::contact_find:
-    case Kernel::contact_survey:
-    case Kernel::contact_locate:
-    case Kernel::contact_crowd:
-    case Kernel::contact_press:
-      return;  // all of the stage is Kernel::contact here
-    case Kernel::predict:
-      if (model.is_implicit())
-        return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());
-      return predict(now.gravity, now.forces, now.h);
-    case Kernel::region:
-      return region(now.muscles);
-    case Kernel::goal:
-      return goal();
-    case Kernel::relax:
-      return relax(now.chebyshev->gain(iteration), now.chebyshev->omega(iteration), *now.stepping);
-    case Kernel::limit:
-      return limits.apply(q);
-    case Kernel::integrate:
-      if (model.is_implicit()) return finish_implicit(*now.stepping);
-      return integrate(now.decay, now.h);
-    case Kernel::embed:
-      return embed();
-    case Kernel::rebase:
-    case Kernel::lack:
-    case Kernel::crowd:
-    case Kernel::update:
-    case Kernel::iterate:
-      break;
-  }
-  throw std::logic_error("oracle: " + std::string(name_of(kernel)) + " is not run by itself");
 }
 
 // The rotation option names ways to approximate (9) in float; here (9) is solved, so it has no say.

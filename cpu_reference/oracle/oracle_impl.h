@@ -1,5 +1,5 @@
-// What Oracle holds and what its stages do, one by one: oracle_stages.cpp. oracle.cpp runs them in their
-// order.
+// What Oracle holds and what its stages do, one by one, and what a probe is shown of them:
+// oracle_stages.cpp. oracle.cpp runs them in their order.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "cpu_reference/oracle/oracle.h"
 #include "cpu_reference/oracle/oracle_contact.h"
@@ -23,6 +24,11 @@
 #include "host/model/substep_plan.h"
 
 namespace fascicle::cpu_reference {
+
+// x y z, w x y z.
+void append(std::vector<float>& floats, const Eigen::Vector3d& v);
+void append(std::vector<float>& floats, const Eigen::Quaterniond& q);
+std::vector<float> floats_of(const Points& points);
 
 struct Oracle::Impl {
   Impl(const model::Model& of, const model::SolverOptions& with);
@@ -92,6 +98,8 @@ struct Oracle::Impl {
   Eigen::Matrix3d scale_of_region(std::uint32_t r, std::span<const shader::Muscle> muscles) const;
   Eigen::Vector3d skinned_velocity(std::uint32_t i, double h) const;
   void carry(const model::Cut& cut, double h);
+  // A field at item i, as a probe is shown it.
+  void append_field(std::vector<float>& floats, model::Field field, std::uint32_t i) const;
   std::vector<float> output(model::Stage stage) const;
 };
 

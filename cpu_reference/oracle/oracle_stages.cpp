@@ -1,6 +1,8 @@
-// The stages of a substep in double precision, as the paper has them.
+// The stages of a substep in double precision, as the paper has them, and what a probe is shown of each.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include <Eigen/Geometry>
 
@@ -221,6 +223,93 @@ void Oracle::Impl::embed() {
   surface.assign(model.surface_count(), Vector3d::Zero());
   for (std::size_t k = 0; k < model.surface_vertex.size(); ++k)
     surface[k / 4] += double(model.surface_weight[k]) * q[model.surface_vertex[k]];
+}
+
+void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t iteration) {
+  using model::Kernel;
+  switch (kernel) {
+    case Kernel::skin:
+      return skin(now.bones);
+    case Kernel::tie:
+      tied = ties.accelerations(q, v, now.h);
+      return;
+    case Kernel::contact:
+      pressed = contacts.accelerations(q, v, now.h);
+      return;
+    case Kernel::contact_bound:
+    case Kernel::contact_enclose:
+    case Kernel::contact_find:
+    case Kernel::contact_survey:
+    case Kernel::contact_locate:
+    case Kernel::contact_crowd:
+    case Kernel::contact_press:
+      return;  // all of the stage is Kernel::contact here
+    case Kernel::predict:
+      if (model.is_implicit())
+        return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());
+      return predict(now.gravity, now.forces, now.h);
+    case Kernel::region:
+      return region(now.muscles);
+    case Kernel::goal:
+      return goal();
+    case Kernel::relax:
+      return relax(now.chebyshev->gain(iteration), now.chebyshev->omega(iteration), *now.stepping);
+    case Kernel::limit:
+      return limits.apply(q);
+    case Kernel::integrate:
+      if (model.is_implicit()) return finish_implicit(*now.stepping);
+      return integrate(now.decay, now.h);
+    case Kernel::embed:
+      return embed();
+    case Kernel::rebase:
+    case Kernel::lack:
+    case Kernel::crowd:
+    case Kernel::update:
+    case Kernel::iterate:
+      break;
+  }
+  throw std::logic_error("oracle: " + std::string(name_of(kernel)) + " is not run by itself");
+}
+
+void Oracle::Impl::append_field(std::vector<float>& floats, model::Field field, std::uint32_t i) const {
+  using model::Field;
+  switch (field) {
+    case Field::position:
+      return append(floats, q[i]);
+    case Field::velocity:
+      return append(floats, v[i]);
+    case Field::rotation:
+      return append(floats, regions[i].R);
+    case Field::transform: {
+      const RegionPose& pose = regions[i];
+      const Matrix3d L = pose.R.toRotationMatrix() * pose.T + pose.V;
+      for (int row = 0; row < 3; ++row) append(floats, Vector3d(L.row(row)));
+      return append(floats, Vector3d(pose.c - L * pose.c0));
+    }
+    case Field::goal:
+      return append(floats, goals[i]);
+    case Field::skinned:
+      return append(floats, skinned[i]);
+    case Field::gravity:
+      return append(floats, turned_gravity[i]);
+    case Field::predicted:
+      return append(floats, model.is_implicit() ? y[i] : v[i]);
+    case Field::tied:
+      return append(floats, tied[i]);
+    case Field::pressed:
+      return append(floats, pressed[i]);
+    case Field::surface:
+      return append(floats, surface[i]);
+    default:
+      throw std::logic_error("oracle: " + std::string(name_of(field)) + " is not shown");
+  }
+}
+
+std::vector<float> Oracle::Impl::output(model::Stage stage) const {
+  std::vector<float> floats;
+  for (std::uint32_t i = 0; i < item_count(model, items_of(stage)); ++i)
+    for (const model::Field field : shown_by(stage)) append_field(floats, field, i);
+  return floats;
 }
 
 }  // namespace fascicle::cpu_reference

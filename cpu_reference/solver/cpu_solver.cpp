@@ -33,71 +33,6 @@ using model::Read;
 using model::Stage;
 using model::State;
 
-Column vectors_of(const Floats& field) {
-  return {field, vector_stride, 0, 3};
-}
-
-Column positions_of(const Fields& fields) {
-  return {fields.vertices, vertex_stride, 0, 3};
-}
-
-// The linear map row by row, the translation, the rotation.
-std::array<Column, 7> regions_of(const Fields& fields) {
-  const auto part = [&](std::size_t place, std::size_t width) {
-    return Column{fields.regions, region_stride, place, width};
-  };
-  return {part(0, 3), part(4, 3), part(8, 3), part(3, 1), part(7, 1), part(11, 1), part(rotation_place, 4)};
-}
-
-using ModelStage = void (*)(const Model&, const SubstepInput&, Fields&, Range);
-
-// A kernel one vertex after the other, and in lanes where it is written so.
-struct KernelCode {
-  ModelStage one_by_one = nullptr;
-  LaneStage LaneStages::*in_lanes = nullptr;
-};
-
-// Of a plan's kernels; those of stage limit are carried out by limit_volumes, those of stage contact by
-// ContactSearch.
-KernelCode code_of(Kernel kernel, bool is_implicit) {
-  switch (kernel) {
-    case Kernel::skin:
-      return {&skin, &LaneStages::skin};
-    case Kernel::tie:
-      return {&tie};
-    case Kernel::predict:
-      return {&predict, is_implicit ? &LaneStages::predict : nullptr};
-    case Kernel::region:
-      return {&region, &LaneStages::region};
-    case Kernel::goal:
-      return {&goal};
-    case Kernel::relax:
-      return {&relax};
-    case Kernel::integrate:
-      return {&integrate, is_implicit ? &LaneStages::integrate : nullptr};
-    case Kernel::update:
-      return {&update, &LaneStages::update};
-    case Kernel::iterate:
-      return {&iterate, &LaneStages::iterate};
-    case Kernel::embed:
-      return {&embed};
-    case Kernel::rebase:
-    case Kernel::contact_bound:
-    case Kernel::contact_enclose:
-    case Kernel::contact_find:
-    case Kernel::contact_survey:
-    case Kernel::contact_locate:
-    case Kernel::contact_crowd:
-    case Kernel::contact_press:
-    case Kernel::contact:
-    case Kernel::lack:
-    case Kernel::crowd:
-    case Kernel::limit:
-      break;
-  }
-  throw std::logic_error(std::string(name_of(kernel)) + " is not run by itself");
-}
-
 // Numbers below a count, each once.
 struct Numbers {
   explicit Numbers(std::uint32_t count) : is_listed(count, 0) {}
@@ -176,7 +111,7 @@ class CpuSolver : public model::Solver {
                 .origin = origin_,
                 .positions = positions(),
                 .velocities = vectors(fields_.velocities),
-                .rotations = all(std::array{Column{fields_.regions, region_stride, rotation_place, 4}}),
+                .rotations = all(std::array{rotations_of(fields_)}),
                 .skinned = vectors(fields_.skinned),
                 .skinned_velocities = vectors(fields_.skinned_velocities)};
     if (step_before_ == 0.0) return state;
@@ -238,12 +173,12 @@ class CpuSolver : public model::Solver {
     });
   }
 
+  KernelCode code_in(Kernel kernel) const { return code_of(kernel, model_, options_.rotation); }
+
   // A kernel over all its items: in lanes where this solver has them, else one by one.
   void run(Kernel kernel, const SubstepInput& in) {
-    const KernelCode code = code_of(kernel, model_.is_implicit());
-    // The regions' stage in lanes has the default rotation only.
-    const bool has_lanes = code.in_lanes != nullptr && !(kernel == Kernel::region && in.mueller);
-    if (lanes_ == nullptr || !has_lanes) {
+    const KernelCode code = code_in(kernel);
+    if (lanes_ == nullptr || code.in_lanes == nullptr) {
       run(item_count(model_, access_of(kernel).items), code.one_by_one, in);
       return;
     }
@@ -255,7 +190,7 @@ class CpuSolver : public model::Solver {
 
   bool is_swept(const Block& block) const {
     const auto is_in_lanes = [&](const model::Step& step) {
-      return code_of(step.kernel, model_.is_implicit()).in_lanes != nullptr;
+      return code_in(step.kernel).in_lanes != nullptr;
     };
     return !sweeps_.empty() && swept_steps(block) &&
            std::all_of(block.steps.begin(), block.steps.end(), is_in_lanes);
@@ -264,7 +199,7 @@ class CpuSolver : public model::Solver {
   // A block's steps as a pass of a sweep.
   Pass pass_of(const Block& block, const SubstepInput& in) {
     const model::SweptSteps steps = *swept_steps(block);
-    const auto lanes = [&](Kernel kernel) { return lanes_->*code_of(kernel, model_.is_implicit()).in_lanes; };
+    const auto lanes = [&](Kernel kernel) { return lanes_->*code_in(kernel).in_lanes; };
     return {lane_input(model_, slices_, in, fields_), steps.skin ? lanes(*steps.skin) : nullptr,
             lanes(steps.region), lanes(steps.move)};
   }
@@ -386,28 +321,10 @@ class CpuSolver : public model::Solver {
 
   // A stage's output in the layout of stage_width.
   std::vector<float> output(Stage stage) const {
-    switch (stage) {
-      case Stage::skin:
-        return all(std::array{vectors_of(fields_.skinned), vectors_of(fields_.gravity)});
-      case Stage::tie:
-        return vectors(fields_.tied);
-      case Stage::contact:
-        return vectors(fields_.pressed);
-      case Stage::predict:
-        return vectors(fields_.predicted);
-      case Stage::region:
-        return all(regions_of(fields_));
-      case Stage::goal:
-        return vectors(fields_.goals);
-      case Stage::relax:
-      case Stage::limit:
-        return positions();
-      case Stage::integrate:
-        return all(std::array{positions_of(fields_), vectors_of(fields_.velocities)});
-      case Stage::embed:
-        return fields_.surface;
-    }
-    return {};
+    std::vector<Column> columns;
+    for (const model::Field field : shown_by(stage))
+      for (const Column& column : columns_of(fields_, field)) columns.push_back(column);
+    return gathered(item_count(model_, items_of(stage)), columns);
   }
 
   // A stage over the items that are listed.
@@ -478,8 +395,8 @@ class CpuSolver : public model::Solver {
   const LaneStages* lanes_ = nullptr;  // null: one by one
   HugePages pages_;
   Fields fields_{LineAllocator<float>(pages_)};
-  Slices slices_;  // where lanes_ is
-  Sweeps sweeps_;  // none: stage by stage
+  Slices slices_;                          // where lanes_ is
+  Sweeps sweeps_;                          // none: stage by stage
   std::optional<ContactSearch> contacts_;  // where the model has contact
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none

@@ -39,6 +39,84 @@ void size_fields(const model::Model& model, Fields& fields) {
   fields.surface.resize(3 * std::size_t{model.surface_count()});
 }
 
+Column vectors_of(const Floats& field) {
+  return {field, vector_stride, 0, 3};
+}
+
+Column positions_of(const Fields& fields) {
+  return {fields.vertices, vertex_stride, 0, 3};
+}
+
+Column rotations_of(const Fields& fields) {
+  return {fields.regions, region_stride, rotation_place, 4};
+}
+
+namespace {
+
+// The linear map row by row, the translation.
+std::vector<Column> transforms_of(const Fields& fields) {
+  const auto part = [&](std::size_t place, std::size_t width) {
+    return Column{fields.regions, region_stride, place, width};
+  };
+  return {part(0, 3), part(4, 3), part(8, 3), part(3, 1), part(7, 1), part(11, 1)};
+}
+
+}  // namespace
+
+std::vector<Column> columns_of(const Fields& fields, model::Field field) {
+  using model::Field;
+  switch (field) {
+    case Field::position:
+      return {positions_of(fields)};
+    case Field::velocity:
+      return {vectors_of(fields.velocities)};
+    case Field::rotation:
+      return {rotations_of(fields)};
+    case Field::transform:
+      return transforms_of(fields);
+    case Field::goal:
+      return {vectors_of(fields.goals)};
+    case Field::skinned:
+      return {vectors_of(fields.skinned)};
+    case Field::skinned_before:
+      return {vectors_of(fields.skinned_before)};
+    case Field::skinned_velocity:
+      return {vectors_of(fields.skinned_velocities)};
+    case Field::gravity:
+      return {vectors_of(fields.gravity)};
+    case Field::surface:
+      return {{fields.surface, 3, 0, 3}};
+    case Field::position_before:
+      return {vectors_of(fields.positions_before)};
+    case Field::velocity_before:
+      return {vectors_of(fields.velocities_before)};
+    case Field::predicted:
+      return {vectors_of(fields.predicted)};
+    case Field::iterate_before:
+      return {vectors_of(fields.iterate_before)};
+    case Field::tied:
+      return {vectors_of(fields.tied)};
+    case Field::lack:
+      return {{fields.lack, 1, 0, 1}};
+    case Field::limit_load:
+      return {{fields.load, 1, 0, 1}};
+    case Field::contact_crowd:
+      return {{fields.contact_crowd, 1, 0, 1}};
+    case Field::contact_impulse:
+      return {{fields.contact_impulse, 3, 0, 3}};
+    case Field::pressed:
+      return {vectors_of(fields.pressed)};
+    case Field::contact_box:
+    case Field::contact_branch_box:
+    case Field::contact_found:
+    case Field::contact_place:
+    case Field::contact_range:
+    case Field::contact_blocks:
+      break;
+  }
+  return {};
+}
+
 std::vector<float> gathered(std::uint32_t count, std::span<const Column> columns) {
   std::size_t width = 0;
   for (const Column& column : columns) width += column.width;

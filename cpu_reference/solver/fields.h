@@ -11,6 +11,7 @@
 
 #include "cpu_reference/solver/huge_pages.h"
 #include "host/model/model.h"
+#include "host/model/stages.h"
 
 namespace fascicle::cpu_reference {
 
@@ -99,9 +100,14 @@ void size_fields(const model::Model& model, Fields& fields);
 
 // `width` floats of each of `count` items, `stride` apart in a field from `place` on.
 struct Column {
-  const Floats& field;
+  std::span<const float> field;
   std::size_t stride, place, width;
 };
+Column vectors_of(const Floats& field);
+Column positions_of(const Fields& fields);
+Column rotations_of(const Fields& fields);
+// Where a field of the schedule stands, as a probe is shown it; none where its row has no floats.
+std::vector<Column> columns_of(const Fields& fields, model::Field field);
 // The columns side by side without gaps, as State, Frame and Probe have them.
 std::vector<float> gathered(std::uint32_t count, std::span<const Column> columns);
 // The other way for one column of a field of `count` items.

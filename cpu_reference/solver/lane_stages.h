@@ -57,8 +57,7 @@ struct LaneInput {
 
 LaneInput lane_input(const model::Model& model, const Slices& slices, const SubstepInput& in, Fields& fields);
 
-// The range is one of slices.
-using LaneStage = void (*)(const LaneInput& in, Range slices);
+// Each takes a range of slices.
 struct LaneStages {
   LaneStage skin, region, update, iterate;
   LaneStage predict, integrate;  // of an implicit substep; an explicit one's are in update

@@ -1,7 +1,12 @@
 #include "cpu_reference/solver/stages.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
+#include <stdexcept>
+#include <string>
 
+#include "cpu_reference/solver/lane_stages.h"
 #include "shaders/kernel/contact.inc"
 #include "shaders/kernel/embed.inc"
 #include "shaders/kernel/goal.inc"
@@ -438,6 +443,42 @@ void embed(const Model& model, const SubstepInput&, Fields& fields, Range range)
           w[0], fields.vertices[vertex_stride * v[0] + c], w[1], fields.vertices[vertex_stride * v[1] + c],
           w[2], fields.vertices[vertex_stride * v[2] + c], w[3], fields.vertices[vertex_stride * v[3] + c]);
   }
+}
+
+namespace {
+
+enum class InLanes { always, of_implicit, with_qcp };
+
+struct KernelRow {
+  model::Kernel kernel;
+  ModelStage one_by_one;
+  LaneStage LaneStages::*in_lanes = nullptr;
+  InLanes when = InLanes::always;
+};
+constexpr KernelRow kernel_code[] = {
+    {model::Kernel::skin, &skin, &LaneStages::skin},
+    {model::Kernel::tie, &tie},
+    {model::Kernel::predict, &predict, &LaneStages::predict, InLanes::of_implicit},
+    {model::Kernel::region, &region, &LaneStages::region, InLanes::with_qcp},
+    {model::Kernel::goal, &goal},
+    {model::Kernel::relax, &relax},
+    {model::Kernel::integrate, &integrate, &LaneStages::integrate, InLanes::of_implicit},
+    {model::Kernel::update, &update, &LaneStages::update},
+    {model::Kernel::iterate, &iterate, &LaneStages::iterate},
+    {model::Kernel::embed, &embed},
+};
+
+}  // namespace
+
+KernelCode code_of(model::Kernel kernel, const Model& model, model::Rotation rotation) {
+  const KernelRow* row = std::find_if(std::begin(kernel_code), std::end(kernel_code),
+                                      [&](const KernelRow& r) { return r.kernel == kernel; });
+  if (row == std::end(kernel_code))
+    throw std::logic_error(std::string(name_of(kernel)) + " is not run by itself");
+  const bool has_lanes = row->when == InLanes::always ||
+                         (row->when == InLanes::of_implicit && model.is_implicit()) ||
+                         (row->when == InLanes::with_qcp && rotation == model::Rotation::qcp);
+  return {row->one_by_one, has_lanes ? row->in_lanes : nullptr};
 }
 
 }  // namespace fascicle::cpu_reference

@@ -10,6 +10,7 @@
 #include "cpu_reference/solver/fields.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
+#include "host/model/stages.h"
 #include "shaders/shared.h"
 
 namespace fascicle::cpu_reference {
@@ -29,6 +30,21 @@ struct SubstepInput {
   shader::ImplicitStep implicit{};
   std::span<const shader::Response> responses;  // those of the step: n, or none
 };
+
+// A kernel over a range of its items, and in lanes over one of slices: lane_stages.h.
+using ModelStage = void (*)(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+struct LaneInput;
+struct LaneStages;
+using LaneStage = void (*)(const LaneInput& in, Range slices);
+
+// A kernel one item after the other, and in lanes where it is written so.
+struct KernelCode {
+  ModelStage one_by_one = nullptr;
+  LaneStage LaneStages::*in_lanes = nullptr;
+};
+// Of the kernels of a plan that are run one by one. Throws std::logic_error for others: CpuSolver carries out
+// the stages limit and contact as a whole.
+KernelCode code_of(model::Kernel kernel, const model::Model& model, model::Rotation rotation);
 
 // Each follows the integrator of the model. Only implicit models have relax.
 void rebase(const SubstepInput& in, Fields& fields, Range range);

@@ -179,6 +179,7 @@ struct Model {                                 // each member has a row in model
   }
   bool has_contact() const { return !contact.empty(); }
   bool has_limits() const { return !limit.empty(); }
+  bool has_carried() const { return !carried.empty(); }
   bool has_ties() const { return !tie.empty(); }
   bool is_implicit() const { return !stiffness.empty(); }
   bool is_kinematic(std::uint32_t i) const { return (tag[i] & shader::tag_kinematic) != 0; }

@@ -7,44 +7,6 @@
 
 namespace fascicle::model {
 
-const char* name_of(Stage stage) {
-  switch (stage) {
-    case Stage::skin:
-      return "skin";
-    case Stage::tie:
-      return "tie";
-    case Stage::contact:
-      return "contact";
-    case Stage::predict:
-      return "predict";
-    case Stage::region:
-      return "region";
-    case Stage::goal:
-      return "goal";
-    case Stage::relax:
-      return "relax";
-    case Stage::limit:
-      return "limit";
-    case Stage::integrate:
-      return "integrate";
-    case Stage::embed:
-      return "embed";
-  }
-  return "";
-}
-
-std::uint32_t stage_width(Stage stage) {
-  switch (stage) {
-    case Stage::region:
-      return 16;
-    case Stage::skin:
-    case Stage::integrate:
-      return 6;
-    default:
-      return 3;
-  }
-}
-
 std::vector<float> side_by_side(std::span<const float> a, std::size_t a_width, std::span<const float> b,
                                 std::size_t b_width) {
   assert(a.size() / a_width == b.size() / b_width);

@@ -9,26 +9,10 @@
 #include <vector>
 
 #include "host/model/model.h"
+#include "host/model/stages.h"
 #include "shaders/shared.h"
 
 namespace fascicle::model {
-
-// The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
-// shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
-// only one with ties has tie, only one with contact has contact, only one with limits has limit. An implicit
-// substep goes through region, goal and relax once an iteration; an explicit one has no relax.
-enum class Stage { skin, tie, contact, predict, region, goal, relax, limit, integrate, embed };
-inline constexpr std::array<Stage, 10> all_stages{
-    Stage::skin, Stage::tie,   Stage::contact, Stage::predict,   Stage::region,
-    Stage::goal, Stage::relax, Stage::limit,   Stage::integrate, Stage::embed};
-const char* name_of(Stage stage);
-
-// Floats an item of the stage's output holds. skin: skinned position (3), the bones' change of gravity (3);
-// tie: acceleration by the ties; contact: acceleration by contact; predict: velocity with the external
-// forces in (explicit), or the predicted position y (implicit); region: linear map (row by row, 9),
-// translation (3), quaternion w x y z (4); goal: position; relax: position, the iterate; limit: position;
-// integrate: position (3), velocity (3); embed: position. One item a vertex, for embed one a render vertex.
-std::uint32_t stage_width(Stage stage);
 
 // Items of a_width and b_width floats side by side, as stage_width wants them of region (12 and 4) and
 // integrate (3, 3).

@@ -1,123 +1,11 @@
 #include "host/model/substep_plan.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace fascicle::model {
 
 namespace {
-
-constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied, Field::pressed};
-constexpr FieldSet skin_motion{Field::skinned, Field::skinned_before, Field::skinned_velocity};
-constexpr FieldSet history{Field::position_before, Field::velocity_before};
-
-constexpr FieldSet predict_reads =
-    forces_on_vertex | skin_motion | history | FieldSet{Field::position, Field::velocity};
-// The implicit integrator's way of integrate also takes what relax left.
-constexpr FieldSet integrate_reads =
-    skin_motion.without({Field::skinned_velocity}) |
-    FieldSet{Field::position, Field::velocity, Field::goal, Field::predicted};
-constexpr FieldSet integrate_writes{Field::position, Field::velocity, Field::skinned_velocity};
-constexpr FieldSet relax_reads{Field::position, Field::iterate_before, Field::predicted};
-constexpr FieldSet relax_writes{Field::position, Field::iterate_before};
-
-// One row a kernel, in the order of the enumeration: name, items, own, ring, any, writes.
-constexpr std::array<KernelAccess, kernel_count> table{{
-    {"rebase",
-     KernelItems::vertices,
-     {Field::position, Field::skinned, Field::position_before},
-     {},
-     {},
-     {Field::position, Field::skinned, Field::position_before}},
-    {"skin", KernelItems::vertices, {}, {}, {}, {Field::skinned, Field::gravity}},
-    {"tie", KernelItems::vertices, {}, {}, {Field::position, Field::velocity}, {Field::tied}},
-    {"contact_bound",
-     KernelItems::contact_leaves,
-     {},
-     {},
-     {Field::position, Field::velocity},
-     {Field::contact_box}},
-    {"contact_enclose",
-     KernelItems::contact_branches,
-     {},
-     {},
-     {Field::contact_box},
-     {Field::contact_branch_box}},
-    {"contact_find",
-     KernelItems::contact_points,
-     {},
-     {},
-     {Field::position, Field::velocity, Field::contact_box, Field::contact_branch_box},
-     {Field::contact_found, Field::contact_place}},
-    {"contact_survey", KernelItems::contact_blocks, {}, {}, {Field::contact_found}, {Field::contact_range}},
-    {"contact_locate", KernelItems::contact_leaves, {}, {}, {Field::contact_range}, {Field::contact_blocks}},
-    {"contact_crowd",
-     KernelItems::vertices,
-     {},
-     {},
-     {Field::contact_found, Field::contact_place, Field::contact_blocks},
-     {Field::contact_crowd}},
-    {"contact_press",
-     KernelItems::contact_points,
-     {Field::contact_found, Field::contact_place},
-     {},
-     {Field::velocity, Field::contact_crowd},
-     {Field::contact_impulse}},
-    {"contact",
-     KernelItems::vertices,
-     {},
-     {},
-     {Field::contact_found, Field::contact_place, Field::contact_blocks, Field::contact_impulse},
-     {Field::pressed}},
-    {"predict",
-     KernelItems::vertices,
-     predict_reads,
-     {},
-     {},
-     history | FieldSet{Field::position, Field::velocity, Field::predicted, Field::iterate_before}},
-    {"region",
-     KernelItems::vertices,
-     {Field::rotation},
-     {Field::position},
-     {},
-     {Field::rotation, Field::transform}},
-    {"goal", KernelItems::vertices, {}, {Field::transform}, {}, {Field::goal}},
-    {"relax", KernelItems::vertices, relax_reads | FieldSet{Field::goal}, {}, {}, relax_writes},
-    {"lack", KernelItems::limits, {}, {}, {Field::position}, {Field::lack}},
-    {"crowd",
-     KernelItems::vertices,
-     {Field::position},
-     {},
-     {Field::lack},
-     {Field::limit_load, Field::iterate_before}},
-    {"limit",
-     KernelItems::vertices,
-     {Field::position, Field::predicted, Field::goal, Field::velocity},
-     {},
-     {Field::iterate_before, Field::lack, Field::limit_load},
-     {Field::position, Field::predicted, Field::goal, Field::velocity}},
-    {"integrate", KernelItems::vertices, integrate_reads, {}, {}, integrate_writes},
-    {"update",
-     KernelItems::vertices,
-     forces_on_vertex | skin_motion | FieldSet{Field::position, Field::velocity},
-     {Field::transform},
-     {},
-     integrate_writes},
-    {"iterate",
-     KernelItems::vertices,
-     relax_reads,
-     {Field::transform},
-     {},
-     relax_writes | FieldSet{Field::goal}},
-    {"embed", KernelItems::surface, {}, {}, {Field::position}, {Field::surface}},
-}};
-
-constexpr bool items_are_independent() {
-  return std::all_of(table.begin(), table.end(),
-                     [](const KernelAccess& row) { return ((row.ring | row.any) & row.writes).empty(); });
-}
-static_assert(items_are_independent(), "a kernel reads of other items what it writes");
 
 constexpr FieldSet both_skins{Field::skinned, Field::skinned_before};
 
@@ -126,44 +14,6 @@ FieldSet with_both_skins(FieldSet set) {
 }
 
 }  // namespace
-
-std::string_view name_of(Field field) {
-  constexpr std::array<std::string_view, field_count> names{"position",
-                                                            "velocity",
-                                                            "rotation",
-                                                            "transform",
-                                                            "goal",
-                                                            "skinned",
-                                                            "skinned_before",
-                                                            "skinned_velocity",
-                                                            "gravity",
-                                                            "surface",
-                                                            "position_before",
-                                                            "velocity_before",
-                                                            "predicted",
-                                                            "iterate_before",
-                                                            "tied",
-                                                            "lack",
-                                                            "limit_load",
-                                                            "contact_box",
-                                                            "contact_branch_box",
-                                                            "contact_found",
-                                                            "contact_place",
-                                                            "contact_range",
-                                                            "contact_blocks",
-                                                            "contact_crowd",
-                                                            "contact_impulse",
-                                                            "pressed"};
-  return names[static_cast<std::size_t>(field)];
-}
-
-const KernelAccess& access_of(Kernel kernel) {
-  return table[static_cast<std::size_t>(kernel)];
-}
-
-std::string_view name_of(Kernel kernel) {
-  return access_of(kernel).name;
-}
 
 std::uint32_t item_count(const Model& model, KernelItems items) {
   switch (items) {

@@ -3,7 +3,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -16,37 +15,7 @@
 namespace fascicle::tests {
 namespace {
 
-using model::Field;
 using model::Kernel;
-
-std::vector<std::pair<Field, std::uint32_t>> buffers_of_fields() {
-  return {{Field::position, shader::buffer_position},
-          {Field::velocity, shader::buffer_velocity},
-          {Field::rotation, shader::buffer_rotation},
-          {Field::transform, shader::buffer_transform},
-          {Field::goal, shader::buffer_goal},
-          {Field::skinned, shader::buffer_skinned},
-          {Field::skinned_before, shader::buffer_skinned_before},
-          {Field::skinned_velocity, shader::buffer_skinned_velocity},
-          {Field::gravity, shader::buffer_gravity},
-          {Field::surface, shader::buffer_surface},
-          {Field::position_before, shader::buffer_position_before},
-          {Field::velocity_before, shader::buffer_velocity_before},
-          {Field::predicted, shader::buffer_predicted},
-          {Field::iterate_before, shader::buffer_iterate_before},
-          {Field::tied, shader::buffer_tied},
-          {Field::lack, shader::buffer_lack},
-          {Field::limit_load, shader::buffer_limit_load},
-          {Field::contact_box, shader::buffer_contact_box},
-          {Field::contact_branch_box, shader::buffer_contact_branch_box},
-          {Field::contact_found, shader::buffer_contact_found},
-          {Field::contact_place, shader::buffer_contact_place},
-          {Field::contact_range, shader::buffer_contact_range},
-          {Field::contact_blocks, shader::buffer_contact_blocks},
-          {Field::contact_crowd, shader::buffer_contact_crowd},
-          {Field::contact_impulse, shader::buffer_contact_impulse},
-          {Field::pressed, shader::buffer_pressed}};
-}
 
 struct Bindings {
   std::set<std::uint32_t> read, written;
@@ -73,21 +42,20 @@ Bindings bindings_in(spirv_exact::Module module) {
 
 std::set<std::string> names_of(model::FieldSet set) {
   std::set<std::string> names;
-  for (const auto& [field, buffer] : buffers_of_fields())
-    if (set.has(field)) names.insert(std::string(name_of(field)));
+  for (const model::FieldTraits& row : model::field_rows)
+    if (set.has(row.field)) names.insert(row.name);
   return names;
 }
 
 // Those of the bindings that are fields.
 std::set<std::string> names_of(const std::set<std::uint32_t>& bindings) {
   std::set<std::string> names;
-  for (const auto& [field, buffer] : buffers_of_fields())
-    if (bindings.count(buffer) > 0) names.insert(std::string(name_of(field)));
+  for (const model::FieldTraits& row : model::field_rows)
+    if (bindings.count(row.buffer) > 0) names.insert(row.name);
   return names;
 }
 
 TEST(SubstepPlanOnTheGpu, ShadersTouchWhatTheScheduleSays) {
-  ASSERT_EQ(buffers_of_fields().size(), model::field_count);
   for (std::uint32_t k = 0; k < model::kernel_count; ++k) {
     const model::KernelAccess& access = access_of(static_cast<Kernel>(k));
     SCOPED_TRACE(std::string(access.name));
@@ -100,7 +68,7 @@ TEST(SubstepPlanOnTheGpu, ShadersTouchWhatTheScheduleSays) {
 // Everything that a shader writes is a field: no barrier is asked for by a buffer that the schedule has not.
 TEST(SubstepPlanOnTheGpu, ShadersWriteFieldsOnly) {
   std::set<std::uint32_t> fields;
-  for (const auto& [field, buffer] : buffers_of_fields()) fields.insert(buffer);
+  for (const model::FieldTraits& row : model::field_rows) fields.insert(row.buffer);
   for (std::uint32_t k = 0; k < model::kernel_count; ++k) {
     const std::string_view name = name_of(static_cast<Kernel>(k));
     const Bindings bindings = bindings_in(shader::module_of(name));

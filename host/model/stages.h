@@ -1,0 +1,430 @@
+// What there is in a substep: stages, the kernels that they are made of, and the fields that these read and
+// write. Each is an enumeration and its table, one row a value in the same order; what solvers know of a
+// stage follows from its rows. substep_plan.h says in which order they run.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <iterator>
+#include <string_view>
+
+#include "host/model/model.h"
+#include "shaders/buffers.h"
+
+namespace fascicle::model {
+
+// The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
+// shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
+// only one with ties has tie, only one with contact has contact, only one with limits has limit. An implicit
+// substep goes through region, goal and relax once an iteration; an explicit one has no relax.
+enum class Stage { skin, tie, contact, predict, region, goal, relax, limit, integrate, embed };
+
+// Kernels in the order of their stages. The same word names the shader. lack, crowd and limit are the stage
+// limit, and those with contact in their names are the stage contact. update and iterate are fused from
+// others, with the same bits.
+enum class Kernel : std::uint8_t {
+  rebase,
+  skin,
+  tie,
+  contact_bound,
+  contact_enclose,
+  contact_find,
+  contact_survey,
+  contact_locate,
+  contact_crowd,
+  contact_press,
+  contact,
+  predict,
+  region,
+  goal,
+  relax,
+  lack,
+  crowd,
+  limit,
+  integrate,
+  update,   // predict, goal and integrate of an explicit substep
+  iterate,  // goal and relax of an implicit one
+  embed,
+};
+
+// What changes from substep to substep. Each is a buffer of shaders/buffers.h and an array, or a part of one,
+// of cpu_reference/solver/fields.h. There, an explicit substep keeps the velocities that predict makes in
+// `predicted`.
+enum class Field : std::uint8_t {
+  position,
+  velocity,
+  rotation,
+  transform,
+  goal,
+  skinned,
+  skinned_before,
+  skinned_velocity,
+  gravity,
+  surface,
+  position_before,
+  velocity_before,
+  predicted,
+  iterate_before,
+  tied,
+  lack,
+  limit_load,
+  contact_box,
+  contact_branch_box,
+  contact_found,
+  contact_place,
+  contact_range,
+  contact_blocks,
+  contact_crowd,
+  contact_impulse,
+  pressed,
+};
+
+// A set of fields.
+struct FieldSet {
+  std::uint32_t bits = 0;
+  constexpr FieldSet() = default;
+  constexpr FieldSet(std::initializer_list<Field> fields) {
+    for (const Field f : fields) bits |= 1U << static_cast<std::uint32_t>(f);
+  }
+  constexpr bool has(Field f) const { return (bits >> static_cast<std::uint32_t>(f) & 1U) != 0; }
+  constexpr bool empty() const { return bits == 0; }
+  constexpr FieldSet operator|(FieldSet other) const { return of(bits | other.bits); }
+  constexpr FieldSet operator&(FieldSet other) const { return of(bits & other.bits); }
+  constexpr FieldSet without(FieldSet other) const { return of(bits & ~other.bits); }
+  constexpr bool operator==(const FieldSet&) const = default;
+
+ private:
+  static constexpr FieldSet of(std::uint32_t bits) {
+    FieldSet set;
+    set.bits = bits;
+    return set;
+  }
+};
+
+// What a kernel runs over: an invocation, or a turn of a loop, an item.
+enum class KernelItems : std::uint8_t {
+  vertices,
+  limits,
+  surface,
+  contact_leaves,
+  contact_branches,
+  contact_points,
+  contact_blocks
+};
+
+// What a field is, whoever holds it.
+struct FieldTraits {
+  Field field;
+  const char* name;
+  std::uint32_t buffer;  // of shaders/buffers.h
+  std::uint32_t bytes;   // an item of that buffer
+  // An item as a probe is shown it; 0: none is. The GPU's items may hold more.
+  std::uint32_t floats;
+  KernelItems items;
+  bool (Model::*is_kept)() const = nullptr;  // the models that the GPU keeps it for; null: all with items
+};
+inline constexpr FieldTraits field_rows[] = {
+    {Field::position, "position", shader::buffer_position, 16, 3, KernelItems::vertices},
+    {Field::velocity, "velocity", shader::buffer_velocity, 16, 3, KernelItems::vertices},
+    {Field::rotation, "rotation", shader::buffer_rotation, 16, 4, KernelItems::vertices},
+    {Field::transform, "transform", shader::buffer_transform, 48, 12, KernelItems::vertices},
+    {Field::goal, "goal", shader::buffer_goal, 16, 3, KernelItems::vertices},
+    {Field::skinned, "skinned", shader::buffer_skinned, 16, 3, KernelItems::vertices, &Model::has_skeleton},
+    {Field::skinned_before, "skinned_before", shader::buffer_skinned_before, 16, 3, KernelItems::vertices,
+     &Model::has_skeleton},
+    {Field::skinned_velocity, "skinned_velocity", shader::buffer_skinned_velocity, 16, 3,
+     KernelItems::vertices, &Model::has_carried},
+    {Field::gravity, "gravity", shader::buffer_gravity, 16, 3, KernelItems::vertices, &Model::has_skeleton},
+    {Field::surface, "surface", shader::buffer_surface, 12, 3, KernelItems::surface},
+    {Field::position_before, "position_before", shader::buffer_position_before, 16, 3, KernelItems::vertices,
+     &Model::is_implicit},
+    {Field::velocity_before, "velocity_before", shader::buffer_velocity_before, 16, 3, KernelItems::vertices,
+     &Model::is_implicit},
+    {Field::predicted, "predicted", shader::buffer_predicted, 16, 3, KernelItems::vertices,
+     &Model::is_implicit},
+    {Field::iterate_before, "iterate_before", shader::buffer_iterate_before, 16, 3, KernelItems::vertices,
+     &Model::is_implicit},
+    {Field::tied, "tied", shader::buffer_tied, 16, 3, KernelItems::vertices, &Model::has_ties},
+    {Field::lack, "lack", shader::buffer_lack, 4, 1, KernelItems::limits},
+    {Field::limit_load, "limit_load", shader::buffer_limit_load, 4, 1, KernelItems::vertices,
+     &Model::has_limits},
+    {Field::contact_box, "contact_box", shader::buffer_contact_box, 32, 0, KernelItems::contact_leaves},
+    {Field::contact_branch_box, "contact_branch_box", shader::buffer_contact_branch_box, 32, 0,
+     KernelItems::contact_branches},
+    {Field::contact_found, "contact_found", shader::buffer_contact_found, 4, 0, KernelItems::contact_points},
+    {Field::contact_place, "contact_place", shader::buffer_contact_place, 48, 0, KernelItems::contact_points},
+    {Field::contact_range, "contact_range", shader::buffer_contact_range, 8, 0, KernelItems::contact_blocks},
+    {Field::contact_blocks, "contact_blocks", shader::buffer_contact_blocks, 8, 0,
+     KernelItems::contact_leaves},
+    {Field::contact_crowd, "contact_crowd", shader::buffer_contact_crowd, 4, 1, KernelItems::vertices,
+     &Model::has_contact},
+    {Field::contact_impulse, "contact_impulse", shader::buffer_contact_impulse, 16, 3,
+     KernelItems::contact_points},
+    {Field::pressed, "pressed", shader::buffer_pressed, 16, 3, KernelItems::vertices, &Model::has_contact},
+};
+inline constexpr std::uint32_t field_count = std::size(field_rows);
+
+constexpr const FieldTraits& row_of(Field field) {
+  return field_rows[static_cast<std::size_t>(field)];
+}
+constexpr std::string_view name_of(Field field) {
+  return row_of(field).name;
+}
+
+// What a kernel may touch, in any model. An invocation writes only its own item's numbers, so the items of
+// one kernel may run in any order: no field that it reads of other items is one that it writes.
+struct KernelAccess {
+  Kernel kernel;
+  std::string_view name;  // and of the shader
+  KernelItems items;
+  FieldSet own;   // read at its own item
+  FieldSet ring;  // read at the item and in its one-ring
+  FieldSet any;   // read anywhere
+  FieldSet writes;
+
+  constexpr FieldSet reads() const { return own | ring | any; }
+};
+
+inline constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied, Field::pressed};
+inline constexpr FieldSet skin_motion{Field::skinned, Field::skinned_before, Field::skinned_velocity};
+inline constexpr FieldSet history{Field::position_before, Field::velocity_before};
+
+inline constexpr FieldSet predict_reads =
+    forces_on_vertex | skin_motion | history | FieldSet{Field::position, Field::velocity};
+// The implicit integrator's way of integrate also takes what relax left.
+inline constexpr FieldSet integrate_reads =
+    skin_motion.without({Field::skinned_velocity}) |
+    FieldSet{Field::position, Field::velocity, Field::goal, Field::predicted};
+inline constexpr FieldSet integrate_writes{Field::position, Field::velocity, Field::skinned_velocity};
+inline constexpr FieldSet relax_reads{Field::position, Field::iterate_before, Field::predicted};
+inline constexpr FieldSet relax_writes{Field::position, Field::iterate_before};
+
+inline constexpr KernelAccess kernel_rows[] = {
+    {Kernel::rebase,
+     "rebase",
+     KernelItems::vertices,
+     {Field::position, Field::skinned, Field::position_before},
+     {},
+     {},
+     {Field::position, Field::skinned, Field::position_before}},
+    {Kernel::skin, "skin", KernelItems::vertices, {}, {}, {}, {Field::skinned, Field::gravity}},
+    {Kernel::tie, "tie", KernelItems::vertices, {}, {}, {Field::position, Field::velocity}, {Field::tied}},
+    {Kernel::contact_bound,
+     "contact_bound",
+     KernelItems::contact_leaves,
+     {},
+     {},
+     {Field::position, Field::velocity},
+     {Field::contact_box}},
+    {Kernel::contact_enclose,
+     "contact_enclose",
+     KernelItems::contact_branches,
+     {},
+     {},
+     {Field::contact_box},
+     {Field::contact_branch_box}},
+    {Kernel::contact_find,
+     "contact_find",
+     KernelItems::contact_points,
+     {},
+     {},
+     {Field::position, Field::velocity, Field::contact_box, Field::contact_branch_box},
+     {Field::contact_found, Field::contact_place}},
+    {Kernel::contact_survey,
+     "contact_survey",
+     KernelItems::contact_blocks,
+     {},
+     {},
+     {Field::contact_found},
+     {Field::contact_range}},
+    {Kernel::contact_locate,
+     "contact_locate",
+     KernelItems::contact_leaves,
+     {},
+     {},
+     {Field::contact_range},
+     {Field::contact_blocks}},
+    {Kernel::contact_crowd,
+     "contact_crowd",
+     KernelItems::vertices,
+     {},
+     {},
+     {Field::contact_found, Field::contact_place, Field::contact_blocks},
+     {Field::contact_crowd}},
+    {Kernel::contact_press,
+     "contact_press",
+     KernelItems::contact_points,
+     {Field::contact_found, Field::contact_place},
+     {},
+     {Field::velocity, Field::contact_crowd},
+     {Field::contact_impulse}},
+    {Kernel::contact,
+     "contact",
+     KernelItems::vertices,
+     {},
+     {},
+     {Field::contact_found, Field::contact_place, Field::contact_blocks, Field::contact_impulse},
+     {Field::pressed}},
+    {Kernel::predict,
+     "predict",
+     KernelItems::vertices,
+     predict_reads,
+     {},
+     {},
+     history | FieldSet{Field::position, Field::velocity, Field::predicted, Field::iterate_before}},
+    {Kernel::region,
+     "region",
+     KernelItems::vertices,
+     {Field::rotation},
+     {Field::position},
+     {},
+     {Field::rotation, Field::transform}},
+    {Kernel::goal, "goal", KernelItems::vertices, {}, {Field::transform}, {}, {Field::goal}},
+    {Kernel::relax,
+     "relax",
+     KernelItems::vertices,
+     relax_reads | FieldSet{Field::goal},
+     {},
+     {},
+     relax_writes},
+    {Kernel::lack, "lack", KernelItems::limits, {}, {}, {Field::position}, {Field::lack}},
+    {Kernel::crowd,
+     "crowd",
+     KernelItems::vertices,
+     {Field::position},
+     {},
+     {Field::lack},
+     {Field::limit_load, Field::iterate_before}},
+    {Kernel::limit,
+     "limit",
+     KernelItems::vertices,
+     {Field::position, Field::predicted, Field::goal, Field::velocity},
+     {},
+     {Field::iterate_before, Field::lack, Field::limit_load},
+     {Field::position, Field::predicted, Field::goal, Field::velocity}},
+    {Kernel::integrate, "integrate", KernelItems::vertices, integrate_reads, {}, {}, integrate_writes},
+    {Kernel::update,
+     "update",
+     KernelItems::vertices,
+     forces_on_vertex | skin_motion | FieldSet{Field::position, Field::velocity},
+     {Field::transform},
+     {},
+     integrate_writes},
+    {Kernel::iterate,
+     "iterate",
+     KernelItems::vertices,
+     relax_reads,
+     {Field::transform},
+     {},
+     relax_writes | FieldSet{Field::goal}},
+    {Kernel::embed, "embed", KernelItems::surface, {}, {}, {Field::position}, {Field::surface}},
+};
+inline constexpr std::uint32_t kernel_count = std::size(kernel_rows);
+
+constexpr const KernelAccess& access_of(Kernel kernel) {
+  return kernel_rows[static_cast<std::size_t>(kernel)];
+}
+constexpr std::string_view name_of(Kernel kernel) {
+  return access_of(kernel).name;
+}
+
+// The fields that a probe is shown side by side when a stage is done.
+struct ShownFields {
+  constexpr ShownFields(std::initializer_list<Field> of) : count(of.size()) {
+    std::copy(of.begin(), of.end(), fields.begin());
+  }
+  constexpr const Field* begin() const { return fields.data(); }
+  constexpr const Field* end() const { return fields.data() + count; }
+
+  std::array<Field, 2> fields{};
+  std::size_t count;
+};
+
+struct StageRow {
+  Stage stage;
+  const char* name;
+  ShownFields shown;
+};
+inline constexpr StageRow stage_rows[] = {
+    {Stage::skin, "skin", {Field::skinned, Field::gravity}},  // gravity: the bones' change of it
+    {Stage::tie, "tie", {Field::tied}},
+    {Stage::contact, "contact", {Field::pressed}},
+    {Stage::predict, "predict", {Field::predicted}},  // explicit: velocity with the external forces in
+    {Stage::region, "region", {Field::transform, Field::rotation}},
+    {Stage::goal, "goal", {Field::goal}},
+    {Stage::relax, "relax", {Field::position}},
+    {Stage::limit, "limit", {Field::position}},
+    {Stage::integrate, "integrate", {Field::position, Field::velocity}},
+    {Stage::embed, "embed", {Field::surface}},
+};
+
+inline constexpr auto all_stages = [] {
+  std::array<Stage, std::size(stage_rows)> stages{};
+  for (std::size_t k = 0; k < stages.size(); ++k) stages[k] = stage_rows[k].stage;
+  return stages;
+}();
+
+constexpr const StageRow& row_of(Stage stage) {
+  return stage_rows[static_cast<std::size_t>(stage)];
+}
+constexpr const char* name_of(Stage stage) {
+  return row_of(stage).name;
+}
+constexpr const ShownFields& shown_by(Stage stage) {
+  return row_of(stage).shown;
+}
+
+// What the output of a stage has one item of.
+constexpr KernelItems items_of(Stage stage) {
+  return row_of(*shown_by(stage).begin()).items;
+}
+
+// Floats an item of the stage's output holds: those of its fields. A transform is the linear map row by row
+// (9), then the translation (3); a rotation is w x y z.
+constexpr std::uint32_t stage_width(Stage stage) {
+  std::uint32_t width = 0;
+  for (const Field field : shown_by(stage)) width += row_of(field).floats;
+  return width;
+}
+
+// What the tables promise.
+namespace rows {
+
+template <class Row, std::size_t count, class Value>
+constexpr bool are_in_order(const Row (&rows)[count], Value Row::*value) {
+  for (std::size_t k = 0; k < count; ++k)
+    if (static_cast<std::size_t>(rows[k].*value) != k) return false;
+  return true;
+}
+static_assert(are_in_order(field_rows, &FieldTraits::field), "a field has no row, or at another place");
+static_assert(are_in_order(kernel_rows, &KernelAccess::kernel), "a kernel has no row, or at another place");
+static_assert(are_in_order(stage_rows, &StageRow::stage), "a stage has no row, or at another place");
+
+constexpr bool fields_have_rows() {
+  return std::all_of(std::begin(kernel_rows), std::end(kernel_rows), [](const KernelAccess& row) {
+    return (std::uint64_t{(row.reads() | row.writes).bits} >> field_count) == 0;
+  });
+}
+static_assert(fields_have_rows() && field_count <= 32, "a kernel touches a field that has no row");
+
+// Items side by side are of one kind and have floats.
+constexpr bool outputs_are_whole() {
+  for (const StageRow& row : stage_rows)
+    for (const Field field : row.shown)
+      if (row_of(field).floats == 0 || row_of(field).items != items_of(row.stage)) return false;
+  return true;
+}
+static_assert(outputs_are_whole(), "a stage shows fields that do not stand side by side");
+
+constexpr bool items_are_independent() {
+  return std::all_of(std::begin(kernel_rows), std::end(kernel_rows),
+                     [](const KernelAccess& row) { return ((row.ring | row.any) & row.writes).empty(); });
+}
+static_assert(items_are_independent(), "a kernel reads of other items what it writes");
+
+}  // namespace rows
+
+}  // namespace fascicle::model
