@@ -10,7 +10,8 @@
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
 #   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
-#   ./do touches NAME [COMMIT]   count where a model array or a scene key is named, outside tests
+#   ./do touches [stage|format] NAME [COMMIT]   count where a model array or a scene key is named, or a stage or a
+#                         format, outside tests
 #   ./do package [DIR]    build the Debian packages, and check what is in them
 #   ./do portable         build for any distribution, source by source, and bake in a root that holds only libc
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
@@ -123,8 +124,31 @@ case $command in
     exec build/release/draw_rooms . docs/figures/rooms.svg
     ;;
   touches)
-    [ $# -gt 0 ] || { echo "do: touches takes the name of a model array or a scene key" >&2; exit 2; }
+    kind=array
+    case ${1:-} in stage | format) kind=$1; shift ;; esac
+    [ $# -gt 0 ] || { echo "do: touches takes a model array, a scene key, a stage or a format" >&2; exit 2; }
     set -f  # git matches the patterns, also in an older commit
+    # Where a stage is a value of an enumeration, a row, a case or a function, and where a format is; where one uses
+    # what the other has made is not counted. Its own files are.
+    listed() { # PATTERN COMMIT WHERE FILES
+      found=$(git grep -nE "$1" "$2" -- $3 | sed "s|^$2:||" |
+        grep -vE '^[^:]*:[0-9]+: *(//|#)|_sink\.cpp:[0-9]+:' || true)
+      own=$(git ls-tree -r --name-only "$2" -- $4)
+      in_files=$({ printf '%s\n' "$found" | cut -d: -f1; printf '%s\n' "$own"; } | grep . | sort -u)
+      printf '%s\n' "$in_files" | sed 's/^/  /'
+      echo "$name: declared and handed on in $(printf '%s\n' "$in_files" | grep -c .) files," \
+        "$(printf '%s\n' "$found" | grep -c . || true) lines beside its own shader or sink"
+    }
+    name=$1
+    if [ $kind = stage ]; then
+      listed "(Stage|StageKernel|Kernel)::$1\\b|^  $1,|enum class \w+ \{.*\b$1\b|void (Oracle::Impl::)?$1\(" \
+        "${2:-HEAD}" "host/model cpu_reference gpu" "shaders/$1.comp shaders/kernel/$1.inc"
+      exit
+    elif [ $kind = format ]; then
+      listed "make_$1_sink|$1_bytes\\(|\"$1\"|\b$1_sink\.cpp|'$1'" "${2:-HEAD}" \
+        "host python include" "host/formats/$1_sink.cpp host/bake/$1_sink.cpp"
+      exit
+    fi
     # Where it is declared, checked, hashed, stored, uploaded and handed on; elsewhere it is computed or used.
     # In older commits the lanes' files lie in cpu_reference itself.
     plumbing="host/model host/bake/model_fi* host/bake/identity.cpp host/bake/scene_json.* host/scene/scene* \
