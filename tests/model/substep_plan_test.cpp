@@ -101,7 +101,8 @@ TEST(SubstepPlan, FusesOnlyWhatMayChangePlaces) {
   EXPECT_FALSE(access_of(Kernel::region).writes.has(Field::velocity));
   // Of an explicit substep, where predict writes velocities alone.
   const model::KernelAccess predict{
-      "predict", model::KernelItems::vertices, access_of(Kernel::predict).own, {}, {}, {Field::velocity}};
+      Kernel::predict,  "predict", model::KernelItems::vertices, access_of(Kernel::predict).own, {}, {},
+      {Field::velocity}};
   const model::KernelAccess& region = access_of(Kernel::region);
   EXPECT_FALSE(
       must_wait(region, {Field::velocity, Field::gravity, Field::tied, Field::pressed}, predict.writes));
