@@ -273,8 +273,8 @@ Fields added_up(const Touching& t, bool backwards) {
       for (std::uint32_t p = 0; p < m.contact.size(); ++p)
         for (std::size_t k = 0; k < 4; ++k)
           if (fields.contact_found[p] == tetrahedron && cpu::corners_of(m, tetrahedron)[k] == i)
-            terms.push_back(kernel::contact_term<float>(-fields.contact_place[10 * std::size_t{p} + k],
-                                                             impulse_of(p)));
+            terms.push_back(
+                kernel::contact_term<float>(-fields.contact_place[10 * std::size_t{p} + k], impulse_of(p)));
     if (backwards) std::reverse(terms.begin(), terms.end());
     Place sum{0.0f, 0.0f, 0.0f};
     for (std::size_t k = 0; k < terms.size(); ++k)
