@@ -101,13 +101,6 @@ class Motions {
 
   std::vector<float> positions, velocities;
 
-  // Whether something is no number.
-  bool is_broken() const {
-    const auto is_nan = [](float x) { return std::isnan(x); };
-    return std::any_of(positions.begin(), positions.end(), is_nan) ||
-           std::any_of(velocities.begin(), velocities.end(), is_nan);
-  }
-
   void next() {
     const double s = blocks_.spacing;
     // Mostly it trembles; at times it swings, and at times it is elsewhere at once.
@@ -193,9 +186,6 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed) {
       s->search.run(in, s->fields, s->pool);
       EXPECT_EQ(contact_difference(m, plain, s->fields), "") << s->pool.size() << " threads";
     }
-    // A body that is no number stays so: what comes after is another one.
-    for (auto& s : searches)
-      if (motions.is_broken()) s = std::make_unique<Searching>(m, s->pool.size());
     if (testing::Test::HasFailure()) return seen;
     const auto contacts = plain.contact_found.size() -
                           static_cast<std::size_t>(std::count(plain.contact_found.begin(),
