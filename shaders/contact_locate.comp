@@ -7,7 +7,7 @@ void main() {
   uint leaf = item_index();
   if (leaf >= leaf_count()) return;
   uint first = leaf * contact_leaf;
-  uint blocks = parts_of(push.substep.contact_count, contact_block);
+  uint blocks = block_count();
   uint from = blocks;
   uint to = 0u;
   for (uint block = 0u; block < blocks; ++block) {

@@ -5,7 +5,7 @@
 
 void main() {
   uint block = item_index();
-  if (block >= parts_of(push.substep.contact_count, contact_block)) return;
+  if (block >= block_count()) return;
   uint end = (block + 1u) * contact_block;
   if (end > push.substep.contact_count) end = push.substep.contact_count;
   uint lowest = no_contact;

@@ -49,6 +49,14 @@ float squared_motion(const ContactBox& a, const ContactBox& b) {
   return square < infinity ? square : infinity;
 }
 
+// By how much something has moved. What is no number, now or then, may have moved by any amount.
+Place motion_between(const Place& then, const Place& now) {
+  Place by = kernel::subtract<float>(now, then);
+  for (float* part : {&by.x, &by.y, &by.z})
+    if (std::isnan(*part)) *part = infinity;
+  return by;
+}
+
 float distance_to(const ContactBox& box, const Place& x) {
   const auto along = [](float low, float high, float at) { return std::max({low - at, at - high, 0.0f}); };
   return std::sqrt(squared(along(box.low.x, box.high.x, x.x), along(box.low.y, box.high.y, x.y),
@@ -163,7 +171,7 @@ void ContactSearch::look(const SubstepInput& in, const Fields& fields, ThreadPoo
       for (std::uint32_t k = leaf_offset_[leaf]; k < leaf_offset_[leaf + 1]; ++k) {
         const std::size_t at = sight_stride * leaf_vertex_[k];
         const Place x = place_at(sights_.data() + at);
-        const Place by = kernel::subtract<float>(x, place_at(sights_then_.data() + at));
+        const Place by = motion_between(place_at(sights_then_.data() + at), x);
         grow(box, {x, x});
         grow(motion, {by, by});
       }
@@ -188,7 +196,7 @@ Place ContactSearch::sight_of(std::uint32_t vertex) const {
 
 // Since the distances were taken.
 Place ContactSearch::motion_of(std::uint32_t vertex) const {
-  return kernel::subtract<float>(sight_of(vertex), place_at(sights_then_.data() + sight_stride * vertex));
+  return motion_between(place_at(sights_then_.data() + sight_stride * vertex), sight_of(vertex));
 }
 
 // Leaves come in ascending order, so that a point's first find is that of the lowest number.

@@ -24,9 +24,9 @@ layout(std430, binding = buffer_contact_blocks) buffer ContactBlocksBuffer { uve
 layout(std430, binding = buffer_contact_crowd) buffer ContactCrowdBuffer { float contact_crowd[]; };
 layout(std430, binding = buffer_contact_impulse) buffer ContactImpulseBuffer { vec4 contact_impulse_of[]; };
 
-uint parts_of(uint count, uint size) { return (count + (size - 1u)) / size; }
-uint leaf_count() { return parts_of(push.substep.contact_tetrahedron_count, contact_leaf); }
-uint branch_count() { return parts_of(leaf_count(), contact_branch); }
+uint leaf_count() { return (push.substep.contact_tetrahedron_count + (contact_leaf - 1u)) / contact_leaf; }
+uint branch_count() { return (leaf_count() + (contact_branch - 1u)) / contact_branch; }
+uint block_count() { return (push.substep.contact_count + (contact_block - 1u)) / contact_block; }
 
 // Places at which the stage looks for contacts.
 Vector place_of(uint i) {

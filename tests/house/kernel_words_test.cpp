@@ -46,7 +46,8 @@ bool is_shader(const std::string& path) {
 std::vector<std::string> forbidden_words(const Source& source) {
   static const std::regex directive(R"re(^\s*#\s*include\b)re");
   // Whole numbers may be divided, by a constant that shows it is one.
-  static const std::regex whole_division(R"re(/\s*(slice_width\b|[0-9]+u\b))re");
+  static const std::regex whole_division(
+      R"re(/\s*((slice_width|contact_(leaf|branch|block))\b|[0-9]+u\b))re");
   std::vector<std::string> found;
   const std::vector<std::string> lines = lines_of(without_comments(source.text));
   for (std::size_t k = 0; k < lines.size(); ++k) {

@@ -36,7 +36,9 @@ TEST(Names, EveryStageHasItsShaderKernelAndCpuFunction) {
   const std::filesystem::path root(FASCICLE_SOURCE_DIR);
   std::string stages;
   for (const Source& source : read_sources(root))
-    if (source.path == "cpu_reference/solver/stages.h") stages = without_comments(source.text);
+    if (source.path == "cpu_reference/solver/stages.h" ||
+        source.path == "cpu_reference/solver/contact_stages.h")
+      stages += without_comments(source.text);
   ASSERT_FALSE(stages.empty());
   for (const model::Stage stage : model::all_stages) {
     const std::string name = model::name_of(stage);
