@@ -19,8 +19,7 @@ using Pose = std::vector<Eigen::Matrix4d>;  // a joint: from its own space to th
 class Timeline {
  public:
   // `extent`: the body's, metres. The scene and its character must outlive it.
-  Timeline(const scene::Scene& scene, const rig::Character& character, double extent,
-           std::uint64_t substeps);
+  Timeline(const scene::Scene& scene, const rig::Character& character, double extent, std::uint64_t substeps);
 
   const Pose& pose(std::uint64_t count);
   // The pose halfway from the bind pose, standing where the first pose stands and as its root is turned, to

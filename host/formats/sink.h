@@ -51,8 +51,8 @@ struct BakeInfo {
   std::span<const model::Frame> before = {};
   GlbOptions glb = {};
   std::shared_ptr<const SurfaceObjects> objects = {};  // of the surface; none: read from `character`
-  std::uint64_t first_number = 0;       // of frame 0, in names of files, time codes and times of formats
-  bool usd_skel = false;                // usda: skinning alone beside the points
+  std::uint64_t first_number = 0;  // of frame 0, in names of files, time codes and times of formats
+  bool usd_skel = false;           // usda: skinning alone beside the points
 };
 
 // Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside

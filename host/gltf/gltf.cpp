@@ -456,7 +456,7 @@ class Reader {
 }  // namespace
 
 rig::Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read,
-                    const std::filesystem::path& converter) {
+                         const std::filesystem::path& converter) {
   GltfFile file = read_gltf_file(path, converter);
   const std::vector<std::string> notes = file.notes;
   const CheckedGltf checked = check_gltf(std::move(file));

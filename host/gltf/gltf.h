@@ -28,7 +28,7 @@ namespace fascicle::gltf {
 // Throws SceneError with a JSON pointer to what is wrong. URIs outside the file's folder are refused. Appends
 // the paths of the external buffers it reads to `files_read`. `converter`: read_gltf_file.
 rig::Character read_gltf(const std::filesystem::path& path,
-                    std::vector<std::filesystem::path>* files_read = nullptr,
-                    const std::filesystem::path& converter = {});
+                         std::vector<std::filesystem::path>* files_read = nullptr,
+                         const std::filesystem::path& converter = {});
 
 }  // namespace fascicle::gltf

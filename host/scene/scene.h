@@ -20,10 +20,10 @@
 
 namespace fascicle::scene {
 
-using base::SceneError;
 using base::Integrator;
 using base::name_of;
 using base::Rotation;
+using base::SceneError;
 using base::WeightForm;
 using Eigen::Vector3d;
 

@@ -295,7 +295,8 @@ class model {
 };
 
 struct solver_options {
-  std::optional<std::string> rotation = {};  // "qcp", "mueller2016"; absent: as the scene says, here and below
+  std::optional<std::string> rotation =
+      {};  // "qcp", "mueller2016"; absent: as the scene says, here and below
   std::optional<std::uint32_t> iterations = {};  // of an implicit substep
 };
 
