@@ -19,9 +19,9 @@ void main() {
     uvec2 points = points_of(t);
     for (uint p = points.x; p < points.y; ++p) {
       if (contact_found[p] != t) continue;
-      Vector term = contact_term(-weight_of(p, contact_entry[e] & 3u), vector_of(contact_impulse_of[p]));
+      Vector term = scaled_vector(-weight_of(p, contact_entry[e] & 3u), vector_of(contact_impulse_of[p]));
       if (first) sum = term;
-      else sum = contact_add(sum, term);
+      else sum = vector_sum(sum, term);
       first = false;
     }
   }

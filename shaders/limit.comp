@@ -30,7 +30,7 @@ void main() {
     if (!(lack[entry >> 2u] > 0.0f)) continue;
     Vector term = entry_term(entry);
     if (first) sum = term;
-    else sum = limit_add(sum, term);
+    else sum = vector_sum(sum, term);
     first = false;
   }
   Vector move = limit_move(sum, mobility[i]);

@@ -6,7 +6,7 @@
 
 Vector place_of(uint i) {
   Vector x = vector_of(position[i]);
-  if (with_implicit) x = tie_ahead(x, vector_of(velocity[i]), push.substep.h);
+  if (with_implicit) x = place_ahead(x, vector_of(velocity[i]), push.substep.h);
   return x;
 }
 
@@ -16,7 +16,7 @@ Vector entry_term(uint i, uint entry) {
                        t.mobility_a, t.mobility_b, t.mobility_c, t.rest_height);
   float of_corner = i == t.corner_a ? p.of_a : i == t.corner_b ? p.of_b : p.of_c;
   float weight = i == t.sliding ? -tie_coefficient[entry] : tie_coefficient[entry] * of_corner;
-  return tie_term(weight, p.push);
+  return scaled_vector(weight, p.push);
 }
 
 void main() {
@@ -27,7 +27,7 @@ void main() {
   Vector a = zero_vector();
   if (first < end) {
     Vector sum = entry_term(i, first);
-    for (uint entry = first + 1u; entry < end; ++entry) sum = tie_add(sum, entry_term(i, entry));
+    for (uint entry = first + 1u; entry < end; ++entry) sum = vector_sum(sum, entry_term(i, entry));
     a = tie_acceleration(sum, push.substep.inverse_h);
   }
   tied[i] = record_of(a);

@@ -36,7 +36,7 @@ inline Place velocity_of(const Fields& fields, std::uint32_t i) {
 inline Place contact_sight(const model::Model& model, const SubstepInput& in, const Fields& fields,
                            std::uint32_t i) {
   const Place x = place_at(fields.vertices.data() + vertex_stride * std::size_t{i});
-  return model.is_implicit() ? kernel::contact_ahead<float>(x, velocity_of(fields, i), in.step.h) : x;
+  return model.is_implicit() ? kernel::place_ahead<float>(x, velocity_of(fields, i), in.step.h) : x;
 }
 
 inline Place rest_sight(const model::Model& model, std::uint32_t i) {
@@ -126,7 +126,7 @@ bool contact_meets(const model::Model& model, Fields& fields, std::uint32_t p, c
   const Place apart = kernel::contact_apart<float>(
       weights, rest_sight(model, point.vertex), rest_sight(model, corner[0]), rest_sight(model, corner[1]),
       rest_sight(model, corner[2]), rest_sight(model, corner[3]));
-  const float squared = kernel::contact_along<float>(apart, apart);
+  const float squared = kernel::inner_product<float>(apart, apart);
   const bool is_far = squared > point.margin * point.margin;
   const auto first_near = model.contact_near.begin() + point.first_near;
   const auto is_across_a_gap = [&](std::uint32_t i) {

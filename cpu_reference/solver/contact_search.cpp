@@ -79,15 +79,15 @@ Planes planes_of(const std::array<Place, 4>& corner) {
       {{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}}};
   Planes planes;
   for (const auto& [a, b, c, opposite] : faces) {
-    Place normal = kernel::contact_area<float>(kernel::subtract<float>(corner[b], corner[a]),
-                                               kernel::subtract<float>(corner[c], corner[a]));
-    const float length = std::sqrt(kernel::contact_along<float>(normal, normal));
+    Place normal = kernel::vector_area<float>(kernel::subtract<float>(corner[b], corner[a]),
+                                              kernel::subtract<float>(corner[c], corner[a]));
+    const float length = std::sqrt(kernel::inner_product<float>(normal, normal));
     const float inward =
-        kernel::contact_along<float>(kernel::subtract<float>(corner[opposite], corner[a]), normal);
+        kernel::inner_product<float>(kernel::subtract<float>(corner[opposite], corner[a]), normal);
     if (!(std::abs(inward) > 1e-3f * length * std::sqrt(length))) continue;
     const float scale = (inward > 0.0f ? -1.0f : 1.0f) / length;
     normal = {normal.x * scale, normal.y * scale, normal.z * scale};
-    planes.plane[planes.count++] = {normal, kernel::contact_along<float>(normal, corner[a])};
+    planes.plane[planes.count++] = {normal, kernel::inner_product<float>(normal, corner[a])};
   }
   return planes;
 }
@@ -317,7 +317,7 @@ ContactSearch::Pair ContactSearch::make_pair(std::uint32_t block, std::uint32_t 
       float distance = distance_to(around, x);
       for (std::size_t f = 0; f < planes.count; ++f)
         distance =
-            std::max(distance, kernel::contact_along<float>(planes.plane[f].normal, x) - planes.plane[f].at);
+            std::max(distance, kernel::inner_product<float>(planes.plane[f].normal, x) - planes.plane[f].at);
       // What is no number is no distance.
       distance = distance < infinity ? distance - rounding : 0.0f;
       if (distance >= pair.others) continue;
@@ -360,7 +360,7 @@ void ContactSearch::press(const SubstepInput& in, Fields& fields) {
   const auto add = [&](std::uint32_t i, const Place& term) {
     float* sum = fields.pressed.data() + vector_stride * std::size_t{i};
     const bool is_first = sum[3] == 0.0f;
-    put_place(sum, is_first ? term : kernel::contact_add<float>(place_at(sum), term));
+    put_place(sum, is_first ? term : kernel::vector_sum<float>(place_at(sum), term));
     if (!is_first) return;
     sum[3] = 1.0f;
     touched_.push_back(i);
@@ -371,7 +371,7 @@ void ContactSearch::press(const SubstepInput& in, Fields& fields) {
   for (const auto& [t, p] : found_) add(model_.contact[p].vertex, impulse_of(p));
   for (const auto& [t, p] : found_)
     for (std::size_t k = 0; k < 4; ++k)
-      add(corners_of(model_, t)[k], kernel::contact_term<float>(-weights_of(p)[k], impulse_of(p)));
+      add(corners_of(model_, t)[k], kernel::scaled_vector<float>(-weights_of(p)[k], impulse_of(p)));
   for (const std::uint32_t i : touched_) {
     float* sum = fields.pressed.data() + vector_stride * std::size_t{i};
     sum[3] = 0.0f;

@@ -170,8 +170,8 @@ void contact(const Model& model, const SubstepInput& in, Fields& fields, Range r
       is_first = false;
     }
     for_each_contact_at(model, fields, i, [&](std::uint32_t p, float weight) {
-      const Place term = kernel::contact_term<float>(-weight, impulse_of(p));
-      sum = is_first ? term : kernel::contact_add<float>(sum, term);
+      const Place term = kernel::scaled_vector<float>(-weight, impulse_of(p));
+      sum = is_first ? term : kernel::vector_sum<float>(sum, term);
       is_first = false;
     });
     put_place(fields.pressed.data() + vector_stride * std::size_t{i},

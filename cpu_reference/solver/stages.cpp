@@ -100,9 +100,9 @@ Vector external_acceleration(const Model& model, const SubstepInput& in, const F
       acceleration = kernel::add_force<float>(acceleration, model.force_coefficient[k], {f.x, f.y, f.z});
     }
   }
-  if (model.has_ties()) acceleration = kernel::tie_add<float>(acceleration, load_vector(fields.tied, i));
+  if (model.has_ties()) acceleration = kernel::vector_sum<float>(acceleration, load_vector(fields.tied, i));
   if (model.has_contact())
-    acceleration = kernel::contact_add<float>(acceleration, load_vector(fields.pressed, i));
+    acceleration = kernel::vector_sum<float>(acceleration, load_vector(fields.pressed, i));
   return acceleration;
 }
 
@@ -257,7 +257,7 @@ void skin(const Model& model, const SubstepInput& in, Fields& fields, Range rang
 void tie(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   const auto place_of = [&](std::uint32_t i) {
     const Vector x = load_position(fields, i);
-    return model.is_implicit() ? kernel::tie_ahead<float>(x, load_vector(fields.velocities, i), in.step.h)
+    return model.is_implicit() ? kernel::place_ahead<float>(x, load_vector(fields.velocities, i), in.step.h)
                                : x;
   };
   const auto entry_term = [&](std::uint32_t i, std::uint32_t e) {
@@ -267,14 +267,14 @@ void tie(const Model& model, const SubstepInput& in, Fields& fields, Range range
         t.mobility_b, t.mobility_c, t.rest_height);
     const float of_corner = i == t.corner_a ? p.of_a : i == t.corner_b ? p.of_b : p.of_c;
     const float coefficient = model.tie_coefficient[e];
-    return kernel::tie_term<float>(i == t.sliding ? -coefficient : coefficient * of_corner, p.push);
+    return kernel::scaled_vector<float>(i == t.sliding ? -coefficient : coefficient * of_corner, p.push);
   };
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     const std::uint32_t first = model.tie_offset[i], end = model.tie_offset[i + 1];
     Vector acceleration{0.0f, 0.0f, 0.0f};
     if (first < end) {
       Vector sum = entry_term(i, first);
-      for (std::uint32_t e = first + 1; e < end; ++e) sum = kernel::tie_add<float>(sum, entry_term(i, e));
+      for (std::uint32_t e = first + 1; e < end; ++e) sum = kernel::vector_sum<float>(sum, entry_term(i, e));
       acceleration = kernel::tie_acceleration<float>(sum, in.step.inverse_h);
     }
     store_vector(fields.tied, i, acceleration);
@@ -403,7 +403,7 @@ void limit(const Model& model, const SubstepInput& in, Fields& fields, Range ran
       const float* from =
           fields.terms.data() + 12 * std::size_t{fields.term_place[t]} + 3 * (model.limit_entry[e] % 4);
       const Vector term{from[0], from[1], from[2]};
-      sum = is_first ? term : kernel::limit_add<float>(sum, term);
+      sum = is_first ? term : kernel::vector_sum<float>(sum, term);
       is_first = false;
     }
     const Vector move = kernel::limit_move<float>(sum, model.mobility[i]);

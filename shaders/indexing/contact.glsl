@@ -31,7 +31,7 @@ uint block_count() { return (push.substep.contact_count + (contact_block - 1u)) 
 // Places at which the stage looks for contacts.
 Vector place_of(uint i) {
   Vector x = vector_of(position[i]);
-  if (with_implicit) x = contact_ahead(x, vector_of(velocity[i]), push.substep.h);
+  if (with_implicit) x = place_ahead(x, vector_of(velocity[i]), push.substep.h);
   return x;
 }
 

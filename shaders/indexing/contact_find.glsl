@@ -33,7 +33,7 @@ bool meets(uint p, ContactPoint point, Vector x, uint t) {
   ContactWeights w = contact_weights(v);
   Vector offset = contact_apart(w, rest_of(point.vertex), rest_of(corners.x), rest_of(corners.y), rest_of(corners.z),
                                  rest_of(corners.w));
-  float squared = contact_along(offset, offset);
+  float squared = inner_product(offset, offset);
   bool is_far = squared > point.margin * point.margin;
   if (!is_far && !(is_across_a_gap(point, corners.x) && is_across_a_gap(point, corners.y) &&
                    is_across_a_gap(point, corners.z) && is_across_a_gap(point, corners.w)))

@@ -24,8 +24,8 @@ Vector external_acceleration(uint i) {
       a = add_force(a, force_coefficient[k], direction);
     }
   }
-  if (with_ties) a = tie_add(a, vector_of(tied[i]));
-  if (with_contact) a = contact_add(a, vector_of(pressed[i]));
+  if (with_ties) a = vector_sum(a, vector_of(tied[i]));
+  if (with_contact) a = vector_sum(a, vector_of(pressed[i]));
   return a;
 }
 

@@ -264,11 +264,11 @@ Fields added_up(const Touching& t, bool backwards) {
         for (std::size_t k = 0; k < 4; ++k)
           if (fields.contact_found[p] == tetrahedron && cpu::corners_of(m, tetrahedron)[k] == i)
             terms.push_back(
-                kernel::contact_term<float>(-fields.contact_place[10 * std::size_t{p} + k], impulse_of(p)));
+                kernel::scaled_vector<float>(-fields.contact_place[10 * std::size_t{p} + k], impulse_of(p)));
     if (backwards) std::reverse(terms.begin(), terms.end());
     Place sum{0.0f, 0.0f, 0.0f};
     for (std::size_t k = 0; k < terms.size(); ++k)
-      sum = k == 0 ? terms[k] : kernel::contact_add<float>(sum, terms[k]);
+      sum = k == 0 ? terms[k] : kernel::vector_sum<float>(sum, terms[k]);
     cpu::put_place(&fields.pressed[cpu::vector_stride * std::size_t{i}],
                    kernel::contact_acceleration<float>(sum, m.mobility[i], t.in.step.inverse_h));
   }
