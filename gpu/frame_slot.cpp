@@ -10,9 +10,9 @@ namespace {
 // Submissions of one frame that are timed; more than these teach the pace nothing new.
 constexpr std::uint32_t timed_submissions = 16;
 
-std::array<std::span<const std::byte>, 4> parts_of(const model::Drive& drive) {
+std::array<std::span<const std::byte>, 5> parts_of(const model::Drive& drive) {
   return {std::as_bytes(drive.bones), std::as_bytes(drive.muscles), std::as_bytes(drive.forces),
-          std::as_bytes(drive.decay)};
+          std::as_bytes(drive.colliders), std::as_bytes(drive.decay)};
 }
 
 std::span<const float> floats(std::span<const std::byte> bytes) {
@@ -83,8 +83,9 @@ void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32
 
 void FrameSlot::make_sets() {
   descriptors_.emplace(*device_, static_cast<std::uint32_t>(sets_.size()));
-  constexpr std::array<std::uint32_t, 4> numbers{shader::buffer_bone, shader::buffer_muscle,
-                                                 shader::buffer_force, shader::buffer_decay};
+  constexpr std::array<std::uint32_t, drive_parts> numbers{
+      shader::buffer_bone, shader::buffer_muscle, shader::buffer_force, shader::buffer_collider,
+      shader::buffer_decay};
   for (const bool swapped : {false, true}) {
     BufferTable table = buffers_->table(swapped);
     for (std::size_t p = 0; p < numbers.size(); ++p)

@@ -49,11 +49,12 @@ class FrameSlot {
   std::vector<std::uint64_t> slices_of_submission;
 
  private:
+  static constexpr std::size_t drive_parts = 5;  // bones, muscles, forces, colliders, decay
   struct Section {
     VkDeviceSize offset = 0, bytes = 0;
     bool operator==(const Section&) const = default;
   };
-  using Sections = std::array<Section, 4>;  // bones, muscles, forces, decay
+  using Sections = std::array<Section, drive_parts>;
 
   Sections lay_out(const model::Drive& drive) const;
   void make_sets();

@@ -96,6 +96,7 @@ class VulkanSolver : public model::Solver {
       substep.first_bone += model_.joint_count;
       substep.first_muscle += model_.muscle_count;
       substep.first_force += model_.force_count;
+      substep.first_collider += model_.collider_count;
     }
     if (what.surface || probe) {
       recorder.dispatch(StageKernel::embed, swapped_, substep, model_.surface_count());

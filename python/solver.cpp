@@ -113,7 +113,8 @@ std::pair<const float*, std::size_t> items(const Floats& array, py::ssize_t widt
 
 void step_drive(Solver& self, double h, std::uint32_t substeps, const std::array<double, 3>& origin,
                 const std::array<float, 3>& origin_shift, const std::array<float, 3>& gravity,
-                const Floats& bones, const Floats& muscles, const Floats& forces, const Floats& decay) {
+                const Floats& bones, const Floats& muscles, const Floats& forces, const Floats& decay,
+                const Floats& colliders) {
   fascicle_drive drive = fascicle_drive_default();
   drive.substeps = substeps;
   drive.h = h;
@@ -126,6 +127,7 @@ void step_drive(Solver& self, double h, std::uint32_t substeps, const std::array
   std::tie(drive.muscles, drive.muscle_count) = items(muscles, 5, "muscles");
   std::tie(drive.forces, drive.force_count) = items(forces, 4, "forces");
   std::tie(drive.decay, drive.decay_count) = items(decay, 1, "decay");
+  std::tie(drive.colliders, drive.collider_count) = items(colliders, 32, "colliders");
   move_on(self, [&](fascicle::solver& solver) { solver.step_drive(drive); });
 }
 
@@ -183,7 +185,8 @@ constexpr const char* step_drive_text = R"(A frame by what a solver eats, in wor
     bones         float32, (n, 16): a 3 x 4 map row by row, its change of gravity, 0
     muscles       float32, (n, 5): tau, swell, twist
     forces        float32, (n, 4): the vector, 0
-    decay         float32, (layers,): exp(-damping h))";
+    decay         float32, (layers,): exp(-damping h)
+    colliders     float32, (n, 32): two maps, shape and friction, as fascicle/solver.h says)";
 
 void add_views(py::class_<Solver, Handle>& type) {
   using namespace py::literals;
@@ -235,7 +238,8 @@ void add_solver(py::module_& module) {
            "float64, (joints, 4, 4): the clip's own pose at the end of a frame, to change and give back.")
       .def("step_drive", &step_drive, py::kw_only(), "h"_a, "substeps"_a = 1, "origin"_a = no_origin,
            "origin_shift"_a = zero, "gravity"_a = zero, "bones"_a = none, "muscles"_a = none,
-           "forces"_a = none, "decay"_a = none, step_drive_text)
+           "forces"_a = none, "decay"_a = none, "colliders"_a = none,
+           step_drive_text)
       .def_property_readonly(
           "frame", [](Solver& self) { return frame_of(self).index; }, "The frame that the solver is at.")
       .def_property_readonly(

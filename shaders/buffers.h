@@ -104,7 +104,11 @@ BUFFERS_CONSTANT uint buffer_contact_crowd = 67u;    // S, a float a vertex
 BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, a vec4 a point
 BUFFERS_CONSTANT uint buffer_pressed = 69u;          // the accelerations by contact, one vec4 a vertex
 
-BUFFERS_CONSTANT uint buffer_count = 70u;
+// Of a model with colliders.
+BUFFERS_CONSTANT uint buffer_spared = 70u;    // a uint a vertex: the solids that do not hold it, a bit each
+BUFFERS_CONSTANT uint buffer_collider = 71u;  // Collider, a frame's
+
+BUFFERS_CONSTANT uint buffer_count = 72u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;

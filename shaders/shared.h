@@ -89,6 +89,25 @@ struct Force {
   float unused;
 };
 
+// A solid that flesh does not enter, in one substep (kernel/collide.inc): a box whose edges are rounded by a
+// radius (a sphere and a capsule are such boxes), or all that lies below y = radius. The maps lead from the
+// body's space (working units relative to the frame's origin) into the solid's own, at the substep's end and
+// at its beginning; they turn and shift, and do not scale.
+struct Collider {
+  float xx, xy, xz, xt;
+  float yx, yy, yz, yt;
+  float zx, zy, zz, zt;
+  float before_xx, before_xy, before_xz, before_xt;
+  float before_yx, before_yy, before_yz, before_yt;
+  float before_zx, before_zy, before_zz, before_zt;
+  float half_x, half_y, half_z;  // of the box before it is rounded
+  float radius;                  // of a plane: how thick it is
+  float friction;                // Coulomb's coefficient
+  float lifted;                  // share of its depth that a vertex that begins inside is lifted by
+  float is_plane;                // 1 or 0
+  float unused;
+};
+
 // What one substep needs beside the buffers. Lengths in working units, time in seconds.
 struct Substep {
   float h;
@@ -103,6 +122,8 @@ struct Substep {
   uint first_force;                // index of this substep's first Force
   uint contact_count;              // ContactPoints of the model
   uint contact_tetrahedron_count;  // tetrahedra that points may lie in
+  uint first_collider;             // index of this substep's first Collider
+  uint collider_count;             // a substep
 };
 
 // What an implicit substep needs beside. With history (BDF2) H = 2h/3, without (backward Euler, the first

@@ -71,6 +71,7 @@ Oracle::Impl::Substep Oracle::Impl::substep_of(const model::Drive& drive, std::u
               .bones = part(drive.bones, model.joint_count),
               .muscles = part(drive.muscles, model.muscle_count),
               .forces = part(drive.forces, model.force_count),
+              .colliders = part(drive.colliders, model.collider_count),
               .decay = drive.decay};
   if (!model.is_implicit()) return now;
   now.stepping = Stepping{now.h, step_before == drive.h};

@@ -13,6 +13,7 @@
 #include <Eigen/Geometry>
 
 #include "cpu_reference/oracle/oracle.h"
+#include "cpu_reference/oracle/oracle_collide.h"
 #include "cpu_reference/oracle/oracle_contact.h"
 #include "cpu_reference/oracle/oracle_equations.h"
 #include "cpu_reference/oracle/oracle_implicit.h"
@@ -72,6 +73,7 @@ struct Oracle::Impl {
     std::span<const shader::Bone> bones;
     std::span<const shader::Muscle> muscles;
     std::span<const shader::Force> forces;
+    std::span<const shader::Collider> colliders;
     std::span<const float> decay;
     std::optional<Stepping> stepping = std::nullopt;    // implicit
     std::optional<Chebyshev> chebyshev = std::nullopt;  // implicit
@@ -91,6 +93,8 @@ struct Oracle::Impl {
   void begin_implicit(const Eigen::Vector3d& gravity, std::span<const shader::Force> forces,
                       const Stepping& step, double share);
   void relax(double gain, double omega, const Stepping& step);
+  void obstruct(std::span<const shader::Collider> solids);
+  void collide(std::span<const shader::Collider> solids, double h);
   void finish_implicit(const Stepping& step);
   double stiffest(const Stepping& step) const;
   void embed();

@@ -196,6 +196,24 @@ void Oracle::Impl::relax(double gain, double omega, const Stepping& step) {
   }
 }
 
+// Each iteration ends before the solids.
+void Oracle::Impl::obstruct(std::span<const shader::Collider> solids) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (!model.is_kinematic(i)) q[i] = collided(model, solids, i, history[i].q, q[i]).place;
+}
+
+// An explicit substep's end, with the velocity that takes the vertex there; an implicit one's velocity is
+// that of its positions.
+void Oracle::Impl::collide(std::span<const shader::Collider> solids, double h) {
+  if (model.is_implicit()) return obstruct(solids);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    const Vector3d there = collided(model, solids, i, q[i] - h * v[i], q[i]).place;
+    v[i] += (there - q[i]) / h;
+    q[i] = there;
+  }
+}
+
 // The largest a of a free vertex: how far x_hat goes with the goal.
 double Oracle::Impl::stiffest(const Stepping& step) const {
   double largest = 0.0;
@@ -254,8 +272,12 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
       return goal();
     case Kernel::relax:
       return relax(now.chebyshev->gain(iteration), now.chebyshev->omega(iteration), *now.stepping);
+    case Kernel::obstruct:
+      return obstruct(now.colliders);
     case Kernel::limit:
       return limits.apply(q);
+    case Kernel::collide:
+      return collide(now.colliders, now.h);
     case Kernel::integrate:
       if (model.is_implicit()) return finish_implicit(*now.stepping);
       return integrate(now.decay, now.h);

@@ -230,6 +230,7 @@ class CpuSolver : public model::Solver {
     in.bones = drive.bones.subspan(std::size_t{s} * model_.joint_count, model_.joint_count);
     in.muscles = drive.muscles.subspan(std::size_t{s} * model_.muscle_count, model_.muscle_count);
     in.forces = drive.forces.subspan(std::size_t{s} * model_.force_count, model_.force_count);
+    in.colliders = drive.colliders.subspan(std::size_t{s} * model_.collider_count, model_.collider_count);
     in.decay = drive.decay;
     in.mueller = options_.rotation == model::Rotation::mueller2016;
     return in;

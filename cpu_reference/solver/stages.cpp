@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "cpu_reference/solver/collide_stages.h"
 #include "cpu_reference/solver/lane_stages.h"
 #include "shaders/kernel/contact.inc"
 #include "shaders/kernel/embed.inc"
@@ -462,6 +463,8 @@ constexpr KernelRow kernel_code[] = {
     {model::Kernel::region, &region, &LaneStages::region, InLanes::with_qcp},
     {model::Kernel::goal, &goal},
     {model::Kernel::relax, &relax},
+    {model::Kernel::obstruct, &obstruct},
+    {model::Kernel::collide, &collide},
     {model::Kernel::integrate, &integrate, &LaneStages::integrate, InLanes::of_implicit},
     {model::Kernel::update, &update, &LaneStages::update},
     {model::Kernel::iterate, &iterate, &LaneStages::iterate},

@@ -19,12 +19,13 @@ struct Range {
   std::uint32_t first, last;
 };
 
-// One substep's uniform values and this substep's bones, muscles and forces.
+// One substep's uniform values and this substep's bones, muscles, forces and colliders.
 struct SubstepInput {
   shader::Substep step{};
   std::span<const shader::Bone> bones;
   std::span<const shader::Muscle> muscles;
   std::span<const shader::Force> forces;
+  std::span<const shader::Collider> colliders;
   std::span<const float> decay;
   bool mueller = false;
   shader::ImplicitStep implicit{};

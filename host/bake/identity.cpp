@@ -98,7 +98,8 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"solver.iterations", base::number_text(scene.solver.iterations)},
                     {"clip", scene.clip},
                     {"motion", scene::dump(json_of(scene.motion))},
-                    {"forces", scene::dump(json_of(scene.forces))}};
+                    {"forces", scene::dump(json_of(scene.forces))},
+                    {"colliders", scene::dump(json_of(scene.colliders))}};
   for (const auto& [file, file_hash] : scene.input_hashes)
     identity.emplace_back("the content of " + std::filesystem::path(file).filename().string(), file_hash);
   identity.emplace_back("the scene's text (hash)", text_hash(scene.text));

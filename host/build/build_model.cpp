@@ -15,6 +15,7 @@
 #include "host/build/boundary.h"
 #include "host/build/build.h"
 #include "host/build/check_mesh.h"
+#include "host/build/colliders.h"
 #include "host/build/contacts.h"
 #include "host/build/fibre.h"
 #include "host/build/forces.h"
@@ -310,6 +311,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   for (const scene::Layer& layer : scene.layers) least_volumes.push_back(layer.least_volume);
   write_limits(least_volumes, model);
   write_contact(scene.contact, scene.source, model);
+  write_colliders(scene, model);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);
   check_cancelled(options);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/trigonometry.h"
+#include "host/drive/collider_drive.h"
 #include "host/drive/felt_acceleration.h"
 #include "host/drive/muscle_drive.h"
 #include "host/drive/pose_bones.h"
@@ -30,6 +31,9 @@ struct DriveSource::Impl {
   }
   void append_pose(const Pose& pose, const Vector3d& origin, double time);
   void append_forces(double time);
+  void append_colliders(std::uint64_t count, const Vector3d& origin);
+  void append_standing_colliders(const Pose* before, const Pose* at, const Vector3d& origin);
+  double time_of(std::uint64_t count) const;
   void clear();
   Pose mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts);
   Pose followed_back(std::uint64_t count);
@@ -50,6 +54,8 @@ struct DriveSource::Impl {
   std::optional<MuscleDrive> muscle_drive;  // nothing without muscles
   std::vector<shader::Bone> bones;
   std::vector<shader::Muscle> muscles;
+  ColliderDrive collider_drive;
+  std::vector<shader::Collider> colliders;
   std::vector<shader::Force> forces;
   std::vector<float> decay;
   std::vector<std::vector<shader::Bone>> cut_poses;  // four a cut
@@ -57,7 +63,10 @@ struct DriveSource::Impl {
 };
 
 DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint32_t substeps_of_frame)
-    : scene(s), model(m), substeps(substeps_of_frame) {
+    : scene(s),
+      model(m),
+      substeps(substeps_of_frame),
+      collider_drive(s, m, 1.0 / (static_cast<double>(substeps_of_frame) * s.fps)) {
   const auto must_fit = [](const char* what, std::size_t of_scene, std::size_t of_model) {
     if (of_scene != of_model) {
       throw std::invalid_argument("DriveSource: the scene has " + std::to_string(of_scene) + " " + what +
@@ -68,6 +77,7 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint3
   if (model.has_skeleton()) character = std::get_if<rig::Character>(&scene.geometry);
   must_fit("joints", character == nullptr ? 0 : character->skeleton.size(), model.joint_count);
   must_fit("forces", scene.forces.size(), model.force_count);
+  must_fit("colliders", scene.colliders.size(), model.collider_count);
   must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
   if (character != nullptr) timeline.emplace(scene, *character, model::extent(model), substeps);
   if (character != nullptr) felt.emplace(scene, *character, model);
@@ -91,6 +101,7 @@ void DriveSource::Impl::clear() {
   bones.clear();
   muscles.clear();
   forces.clear();
+  colliders.clear();
   cut_poses.clear();
   cuts.clear();
 }
@@ -101,6 +112,29 @@ void DriveSource::Impl::append_forces(double time) {
     const Vector3d f = acts ? Vector3d(force.vector / model.unit) : Vector3d(Vector3d::Zero());
     forces.push_back({static_cast<float>(f[0]), static_cast<float>(f[1]), static_cast<float>(f[2]), 0.0f});
   }
+}
+
+// The time at the end of substep `count`: the clip's, so that solids repeat with it.
+double DriveSource::Impl::time_of(std::uint64_t count) const {
+  if (timeline) return timeline->clip_time(count);
+  return scene.start + static_cast<double>(count) / (static_cast<double>(substeps) * scene.fps);
+}
+
+// The solids' way through substep `count`; where the motion breaks they stand where it goes on.
+void DriveSource::Impl::append_colliders(std::uint64_t count, const Vector3d& origin) {
+  if (scene.colliders.empty()) return;
+  if (!timeline) return collider_drive.append({time_of(count - 1)}, {time_of(count)}, origin, colliders);
+  const std::uint64_t from = timeline->is_cut(count) ? count : count - 1;
+  // What the timeline keeps of one pose may go with the next.
+  const Pose before = timeline->pose(from), at = timeline->pose(count);
+  double time = time_of(from);
+  if (time > time_of(count)) time = scene.start;  // a cycle begins anew
+  collider_drive.append({time, &before}, {time_of(count), &at}, origin, colliders);
+}
+
+// The same before the scene's time begins.
+void DriveSource::Impl::append_standing_colliders(const Pose* before, const Pose* at, const Vector3d& origin) {
+  collider_drive.append({scene.start, before}, {scene.start, at}, origin, colliders);
 }
 
 // Poses added up with weights that sum to 1.
@@ -208,6 +242,7 @@ model::Drive DriveSource::Impl::drive_to(const Vector3d& end) {
   drive.bones = bones;
   drive.muscles = muscles;
   drive.forces = forces;
+  drive.colliders = colliders;
   drive.decay = decay;
   drive.cuts = cuts;
   return drive;
@@ -251,6 +286,7 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
     // A force acts through a substep or not at all: whether it does is settled where the substep begins.
     impl.append_forces(impl.scene.start +
                        static_cast<double>(count - 1) / (static_cast<double>(substeps) * impl.scene.fps));
+    impl.append_colliders(count, origin);
   }
   model::Drive drive = impl.drive_to(end);
   for (int a = 0; a < 3; ++a) drive.origin_shift[static_cast<std::size_t>(a)] = static_cast<float>(shift[a]);
@@ -360,12 +396,18 @@ model::Drive DriveSource::preroll_drive(std::uint64_t frame) {
   impl.clear();
   const Vector3d origin = impl.origin(0);
   const double last = static_cast<double>(preroll_frames() * impl.substeps);
-  for (std::uint64_t s = 1; s <= impl.substeps; ++s) {
+  const auto pose_at = [&](std::uint64_t s) {
     const double x = static_cast<double>((frame - 1) * impl.substeps + s) / last;
     // Begins and ends without speed.
-    if (impl.timeline)
-      impl.append_pose(impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)), origin, impl.scene.start);
+    return impl.timeline ? impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)) : Pose();
+  };
+  Pose before = pose_at(0);
+  for (std::uint64_t s = 1; s <= impl.substeps; ++s) {
+    Pose at = pose_at(s);
+    if (impl.timeline) impl.append_pose(at, origin, impl.scene.start);
     impl.append_forces(impl.scene.start);
+    impl.append_standing_colliders(&before, &at, origin);
+    before = std::move(at);
   }
   return impl.drive_to(origin);
 }
@@ -375,8 +417,10 @@ model::Drive DriveSource::settle_drive() {
   impl.clear();
   const Vector3d origin = impl.origin(0);
   for (std::uint64_t s = 0; s < impl.substeps; ++s) {
-    if (impl.timeline) impl.append_pose(impl.timeline->pose(0), origin, impl.scene.start);
+    const Pose pose = impl.timeline ? impl.timeline->pose(0) : Pose();
+    if (impl.timeline) impl.append_pose(pose, origin, impl.scene.start);
     impl.append_forces(impl.scene.start);
+    impl.append_standing_colliders(&pose, &pose, origin);
   }
   return impl.drive_to(origin);
 }

@@ -12,7 +12,10 @@ namespace fascicle::drive {
 using scene::Vector3d;
 
 PoseDrive::PoseDrive(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps)
-    : scene_(scene), model_(model), substeps_(substeps) {
+    : scene_(scene),
+      model_(model),
+      substeps_(substeps),
+      collider_drive_(scene, model, 1.0 / (static_cast<double>(substeps) * scene.fps)) {
   const double h = 1.0 / (static_cast<double>(substeps) * scene.fps);
   if (model.has_skeleton()) {
     const auto& character = std::get<rig::Character>(scene.geometry);
@@ -54,6 +57,7 @@ model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jum
   after_.clear();
   muscle_values_.clear();
   forces_.clear();
+  colliders_.clear();
   cuts_.clear();
   const Vector3d before = origin_of(last_);
   const Vector3d end = timeline_ ? origin_of(poses.back()) : before;
@@ -63,10 +67,11 @@ model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jum
     append_bones(scene_, model_, poses.front(), end, after_);
     cuts_.push_back({0, array_of(end), before_, before_, after_, after_});
   }
+  Pose stood = timeline_ ? (jumps ? poses.front() : last_) : Pose();
   for (std::size_t s = 1; s <= substeps; ++s) {
     const double left = static_cast<double>(substeps - s) * h;
+    Pose pose;
     if (timeline_) {
-      Pose pose;
       if (poses.size() == substeps) {
         pose = poses[s - 1];
       } else if (jumps || s == substeps) {
@@ -82,6 +87,8 @@ model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jum
     }
     // A force acts through a substep or not at all: whether it does is settled where the substep begins.
     const double begins = time - left - h;
+    collider_drive_.append({begins, &stood}, {time - left, &pose}, end, colliders_);
+    stood = std::move(pose);
     for (const scene::Force& force : scene_.forces) {
       const bool acts = force.start <= begins && begins < force.end;
       const Vector3d f = acts ? Vector3d(force.vector / model_.unit) : Vector3d(Vector3d::Zero());
@@ -104,6 +111,7 @@ model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jum
   drive.bones = bones_;
   drive.muscles = muscle_values_;
   drive.forces = forces_;
+  drive.colliders = colliders_;
   drive.decay = decay_;
   drive.cuts = cuts_;
   return drive;

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "host/drive/collider_drive.h"
 #include "host/drive/muscle_drive.h"
 #include "host/drive/timeline.h"
 #include "host/model/model.h"
@@ -45,6 +46,8 @@ class PoseDrive {
   std::vector<shader::Bone> bones_, before_, after_;
   std::vector<shader::Muscle> muscle_values_;
   std::vector<shader::Force> forces_;
+  ColliderDrive collider_drive_;
+  std::vector<shader::Collider> colliders_;
   std::vector<float> decay_;
   std::vector<model::Cut> cuts_;
 };

@@ -52,6 +52,9 @@ inline float as_factor(double x) {
   return std::abs(factor) < least_factor ? 0.0f : factor;
 }
 
+// A bit each in Model::spared.
+inline constexpr std::uint32_t most_colliders = 32;
+
 // Parts of at most `size` that `count` items make.
 inline std::uint32_t parts_of(std::uint32_t count, std::uint32_t size) {
   return count / size + (count % size != 0 ? 1 : 0);
@@ -153,6 +156,11 @@ struct Model {                                 // each member has a row in model
   std::vector<std::uint32_t> force_index;
   std::vector<float> force_coefficient;  // 1/kg; for wind m^2/kg, the vertex's rest area over its mass
 
+  // Solids that flesh does not enter (shaders/kernel/collide.inc); a drive says where they are. Of each vertex
+  // the solids that do not hold it, a bit each: flesh is not pushed by what lies in it at rest.
+  std::uint32_t collider_count = 0;   // at most most_colliders
+  std::vector<std::uint32_t> spared;  // n with colliders, else empty
+
   // The render mesh, in its own vertex order: each vertex rides on four vertices of the model.
   std::vector<std::uint32_t> surface_vertex;    // 4m
   std::vector<float> surface_weight;            // 4m, barycentric
@@ -178,6 +186,7 @@ struct Model {                                 // each member has a row in model
     return parts_of(static_cast<std::uint32_t>(contact.size()), shader::contact_block);
   }
   bool has_contact() const { return !contact.empty(); }
+  bool has_colliders() const { return collider_count > 0; }
   bool has_limits() const { return !limit.empty(); }
   bool has_carried() const { return !carried.empty(); }
   bool has_ties() const { return !tie.empty(); }

@@ -132,6 +132,9 @@ inline std::size_t joints(const Model& m) {
 inline std::size_t forces(const Model& m) {
   return m.force_count;
 }
+inline bool has_colliders(const Model& m) {
+  return m.has_colliders();
+}
 inline std::size_t surface_vertices(const Model& m) {
   return m.surface_count();
 }
@@ -369,6 +372,13 @@ inline constexpr auto model_arrays = [] {
              .is_there = has_forces,
              .values = finite,
              .buffer = {shader::buffer_force_coefficient}}),
+
+      value("collider_count", &Model::collider_count),
+      array("spared", &Model::spared,
+            {.items = a_vertex,
+             .is_there = has_colliders,
+             .stored = where_there,
+             .buffer = {shader::buffer_spared}}),
 
       array("surface_vertex", &Model::surface_vertex,
             {.items = {.each = 4}, .values = below(vertices), .buffer = {shader::buffer_surface_vertex}}),

@@ -39,6 +39,7 @@ void check_drive(const Model& model, const Drive& drive) {
   check("bones", drive.bones.size(), s * model.joint_count);
   check("muscles", drive.muscles.size(), s * model.muscle_count);
   check("forces", drive.forces.size(), s * model.force_count);
+  check("colliders", drive.colliders.size(), s * model.collider_count);
   check("decay", drive.decay.size(), model.layers.size());
   if (!drive.cuts.empty() && !model.has_skeleton())
     throw std::invalid_argument("drive: it has cuts, and the model no skeleton to be carried by");
@@ -69,6 +70,7 @@ shader::Substep first_substep(const Model& model, const Drive& drive) {
   substep.joint_count = model.joint_count;
   substep.contact_count = static_cast<std::uint32_t>(model.contact.size());
   substep.contact_tetrahedron_count = model.contact_tetrahedron_count();
+  substep.collider_count = model.collider_count;
   return substep;
 }
 

@@ -52,6 +52,7 @@ struct Drive {
   std::span<const shader::Bone> bones;         // joint_count a substep
   std::span<const shader::Muscle> muscles;     // muscle_count a substep
   std::span<const shader::Force> forces;       // force_count a substep
+  std::span<const shader::Collider> colliders;  // collider_count a substep
   std::span<const float> decay;                // exp(-damping h), one a layer (once a frame, not a substep)
   std::span<const Cut> cuts = {};              // by ascending substep; up to the first one the bones are
                                                // relative to the last frame's origin, origin_shift is 0 then

@@ -18,12 +18,14 @@ namespace fascicle::model {
 
 // The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
 // shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
-// only one with ties has tie, only one with contact has contact, only one with limits has limit. An implicit
-// substep goes through region, goal and relax once an iteration; an explicit one has no relax.
-enum class Stage { skin, tie, contact, predict, region, goal, relax, limit, integrate, embed };
+// only one with ties has tie, only one with contact has contact, only one with limits has limit, only one
+// with colliders has collide, which an explicit substep ends with. An implicit substep goes through region,
+// goal and relax once an iteration; an explicit one has no relax.
+enum class Stage { skin, tie, contact, predict, region, goal, relax, limit, collide, integrate, embed };
 
 // Kernels in the order of their stages. The same word names the shader. lack, crowd and limit are the stage
-// limit, and those with contact in their names are the stage contact. update and iterate are fused from
+// limit, obstruct and collide the stage collide, and those with contact in their names are the stage contact.
+// update and iterate are fused from
 // others, with the same bits.
 enum class Kernel : std::uint8_t {
   rebase,
@@ -41,9 +43,11 @@ enum class Kernel : std::uint8_t {
   region,
   goal,
   relax,
+  obstruct,
   lack,
   crowd,
   limit,
+  collide,
   integrate,
   update,   // predict, goal and integrate of an explicit substep
   iterate,  // goal and relax of an implicit one
@@ -290,6 +294,13 @@ inline constexpr KernelAccess kernel_rows[] = {
      {},
      {},
      relax_writes},
+    {Kernel::obstruct,
+     "obstruct",
+     KernelItems::vertices,
+     {Field::position, Field::position_before},
+     {},
+     {},
+     {Field::position}},
     {Kernel::lack, "lack", KernelItems::limits, {}, {}, {Field::position}, {Field::lack}},
     {Kernel::crowd,
      "crowd",
@@ -305,6 +316,13 @@ inline constexpr KernelAccess kernel_rows[] = {
      {},
      {Field::iterate_before, Field::lack, Field::limit_load},
      {Field::position, Field::predicted, Field::goal, Field::velocity}},
+    {Kernel::collide,
+     "collide",
+     KernelItems::vertices,
+     {Field::position, Field::velocity, Field::position_before, Field::predicted},
+     {},
+     {},
+     {Field::position, Field::velocity, Field::predicted, Field::goal}},
     {Kernel::integrate, "integrate", KernelItems::vertices, integrate_reads, {}, {}, integrate_writes},
     {Kernel::update,
      "update",
@@ -357,6 +375,7 @@ inline constexpr StageRow stage_rows[] = {
     {Stage::goal, "goal", {Field::goal}},
     {Stage::relax, "relax", {Field::position}},
     {Stage::limit, "limit", {Field::position}},
+    {Stage::collide, "collide", {Field::position}},
     {Stage::integrate, "integrate", {Field::position, Field::velocity}},
     {Stage::embed, "embed", {Field::surface}},
 };

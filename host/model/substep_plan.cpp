@@ -67,7 +67,8 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
                     .shown = Stage::contact});
   }
   const Step predict{Kernel::predict, Stage::predict}, region{Kernel::region, Stage::region},
-      goal{Kernel::goal, Stage::goal}, integrate{Kernel::integrate, Stage::integrate};
+      goal{Kernel::goal, Stage::goal}, collide{Kernel::collide, Stage::collide},
+      integrate{Kernel::integrate, Stage::integrate};
 
   if (!model.is_implicit()) {
     // Ties and contacts reach anywhere. What follows them is a block of its own, which can be swept.
@@ -77,6 +78,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
     else
       append(begin, {region, {Kernel::update, Stage::integrate}});
     plan.push_back({.steps = std::move(begin)});
+    if (model.has_colliders()) plan.push_back({.steps = {collide}});
     return plan;
   }
 
@@ -87,12 +89,14 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
     append(iterations.steps, {goal, {Kernel::relax, Stage::relax}});
   else
     iterations.steps.push_back({Kernel::iterate, Stage::relax});
+  if (model.has_colliders()) iterations.steps.push_back({Kernel::obstruct});
   plan.push_back(std::move(iterations));
   if (model.has_limits())
     plan.push_back({Block::Repeat::limit_passes,
                     shader::limit_passes,
                     {{Kernel::lack}, {Kernel::crowd}, {Kernel::limit}},
                     Stage::limit});
+  if (model.has_colliders()) plan.push_back({.steps = {collide}});
   plan.push_back({.steps = {integrate}});
   return plan;
 }

@@ -399,6 +399,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
                    scene.probes.push_back({name, read_where(table, surroundings, path)});
                  });
   read_forces(root, surroundings, scene);
+  read_colliders(root, surroundings, scene);
 
   // Meshes last: they can be large, and a slip in the scene file should be told at once.
   if (root.contains("bar")) {
@@ -409,6 +410,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
     read_character(table_at(root, "character"), input.folder, scene);
   }
   check_muscle_bones(root, scene);
+  check_collider_joints(root, scene);
   read_body(root, scene);
   read_time(root, scene);
   read_motion(root, scene);

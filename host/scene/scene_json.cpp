@@ -91,6 +91,7 @@ Json json_of(const Scene& scene) {
               {"pins", json_of(scene.pins)},
               {"probes", json_of(scene.probes)},
               {"forces", json_of(scene.forces)},
+              {"colliders", json_of(scene.colliders)},
               {"text", scene.text}};
   // Keys that set members of the scene itself, and are not named above.
   const Json of_keys = json_of_scene_keys(scene);

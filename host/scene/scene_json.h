@@ -30,6 +30,7 @@ Json json_of(const Muscle& muscle);
 Json json_of(const Pin& pin);
 Json json_of(const ProbeSet& probe);
 Json json_of(const Force& force);
+Json json_of(const Collider& collider);
 Json json_of(const BoneSegment& bone);
 Json json_of(const Bar& bar);
 Json json_of(const BodySettings& body);

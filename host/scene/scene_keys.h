@@ -32,6 +32,10 @@ void read_keys(const toml::table& table, Layer& layer);
 void read_keys(const toml::table& table, FleshSettings& flesh);
 void read_keys(const toml::table& table, ContactSettings& contact);
 
+// scene_keys_collider.cpp
+const Table& collider_table();
+void read_keys(const toml::table& table, Collider& collider);
+
 // scene_keys_motion.cpp
 const Table& solver_table();
 const Table& motion_table();

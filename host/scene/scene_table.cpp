@@ -68,7 +68,11 @@ const Table& scene_table() {
            {.name = "force",
             .type = KeyType::named_tables,
             .doc = "Forces by name.",
-            .table = &force_table()}},
+            .table = &force_table()},
+           {.name = "collider",
+            .type = KeyType::named_tables,
+            .doc = "Solids that flesh does not enter, by name.",
+            .table = &collider_table()}},
       .choices = {{"bar", "mesh", "character"}}};
   return root;
 }

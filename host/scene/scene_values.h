@@ -64,6 +64,11 @@ Where read_where(const toml::table& owner, const Surroundings& surroundings, con
 // Adds [muscle.NAME] to the scene, whose layers have been read.
 void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 
+// Adds [collider.NAME] to the scene. Whether the joint that one goes with is there is asked once the character
+// has been read.
+void read_colliders(const toml::table& root, const Surroundings& surroundings, Scene& scene);
+void check_collider_joints(const toml::table& root, const Scene& scene);
+
 // [scene] fps, start and end, and [motion]: the clip that plays, and how time runs around it. The geometry
 // and the forces have been read. Makes the clip smooth if that is said.
 void read_time(const toml::table& root, Scene& scene);

@@ -158,6 +158,10 @@ typedef struct fascicle_drive {
   size_t force_count;
   const float* decay; /* exp(-damping h), one a layer */
   size_t decay_count;
+  const float* colliders; /* 32 a solid: two 3 x 4 maps from the body's space to its own, at the substep's
+                          end and at its beginning; half its size (3), radius, friction, share of a depth
+                          that is lifted, 1 for a half space or 0, 0 */
+  size_t collider_count;
 } fascicle_drive;
 
 FASCICLE_API void fascicle_drive_init(fascicle_drive* drive, size_t struct_size);

@@ -178,6 +178,7 @@ class Solver:
         muscles: npt.NDArray[np.float32] | None = None,
         forces: npt.NDArray[np.float32] | None = None,
         decay: npt.NDArray[np.float32] | None = None,
+        colliders: npt.NDArray[np.float32] | None = None,
     ) -> None: ...
     @property
     def positions(self) -> npt.NDArray[np.float32]: ...

@@ -57,6 +57,7 @@ layout(std430, binding = buffer_surface_weight) readonly buffer SurfaceWeightBuf
 layout(std430, binding = buffer_bone) readonly buffer BoneBuffer { Bone bone[]; };
 layout(std430, binding = buffer_muscle) readonly buffer MuscleBuffer { Muscle muscle[]; };
 layout(std430, binding = buffer_force) readonly buffer ForceBuffer { Force force[]; };
+layout(std430, binding = buffer_collider) readonly buffer ColliderBuffer { Collider collider[]; };
 layout(std430, binding = buffer_decay) readonly buffer DecayBuffer { float decay[]; };
 
 layout(std430, binding = buffer_position_before) buffer PositionBeforeBuffer { vec4 position_before[]; };
@@ -66,6 +67,7 @@ layout(std430, binding = buffer_iterate_before) buffer IterateBeforeBuffer { vec
 layout(std430, binding = buffer_response) readonly buffer ResponseBuffer { Response response[]; };
 
 layout(std430, binding = buffer_pressed) buffer PressedBuffer { vec4 pressed[]; };
+layout(std430, binding = buffer_spared) readonly buffer SparedBuffer { uint spared[]; };
 layout(std430, binding = buffer_tied) buffer TiedBuffer { vec4 tied[]; };
 layout(std430, binding = buffer_tie) readonly buffer TieBuffer { Tie tie[]; };
 layout(std430, binding = buffer_tie_offset) readonly buffer TieOffsetBuffer { uint tie_offset[]; };

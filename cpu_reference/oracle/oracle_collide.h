@@ -1,0 +1,21 @@
+// Stage collide in double precision: the solids, and how far flesh may go towards them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "cpu_reference/oracle/oracle_equations.h"
+#include "host/model/model.h"
+
+namespace fascicle::cpu_reference {
+
+struct Collided {
+  Eigen::Vector3d place;
+  bool touches = false;
+};
+
+// Vertex i on its way from `start` to `place`, one solid of the substep after the other.
+Collided collided(const model::Model& model, std::span<const shader::Collider> solids, std::uint32_t i,
+                  const Eigen::Vector3d& start, const Eigen::Vector3d& place);
+
+}  // namespace fascicle::cpu_reference

@@ -1,0 +1,78 @@
+// Where the solids let a vertex go, shared by collide.comp and obstruct.comp.
+#ifndef FASCICLE_INDEXING_COLLIDE_GLSL
+#define FASCICLE_INDEXING_COLLIDE_GLSL
+#include "shaders/indexing/buffers.glsl"
+#include "shaders/kernel/collide.inc"
+
+Transform map_at_end(Collider c) {
+  Transform t;
+  t.linear.xx = c.xx;
+  t.linear.xy = c.xy;
+  t.linear.xz = c.xz;
+  t.linear.yx = c.yx;
+  t.linear.yy = c.yy;
+  t.linear.yz = c.yz;
+  t.linear.zx = c.zx;
+  t.linear.zy = c.zy;
+  t.linear.zz = c.zz;
+  t.translation.x = c.xt;
+  t.translation.y = c.yt;
+  t.translation.z = c.zt;
+  return t;
+}
+
+Transform map_at_beginning(Collider c) {
+  Transform t;
+  t.linear.xx = c.before_xx;
+  t.linear.xy = c.before_xy;
+  t.linear.xz = c.before_xz;
+  t.linear.yx = c.before_yx;
+  t.linear.yy = c.before_yy;
+  t.linear.yz = c.before_yz;
+  t.linear.zx = c.before_zx;
+  t.linear.zy = c.before_zy;
+  t.linear.zz = c.before_zz;
+  t.translation.x = c.before_xt;
+  t.translation.y = c.before_yt;
+  t.translation.z = c.before_zt;
+  return t;
+}
+
+CollideShape shape_of(Collider c) {
+  CollideShape s;
+  s.half_size.x = c.half_x;
+  s.half_size.y = c.half_y;
+  s.half_size.z = c.half_z;
+  s.radius = c.radius;
+  s.is_plane = c.is_plane;
+  return s;
+}
+
+struct Collided {
+  Vector place;
+  bool touches;
+};
+
+// Vertex i on its way from `start` to `place`, one solid after the other.
+Collided collided(uint i, Vector start, Vector place) {
+  Collided r;
+  r.place = place;
+  r.touches = false;
+  for (uint k = 0u; k < push.substep.collider_count; ++k) {
+    if ((spared[i] >> k & 1u) != 0u) continue;
+    Collider c = collider[push.substep.first_collider + k];
+    CollideShape shape = shape_of(c);
+    Transform map = map_at_end(c);
+    Vector p0 = apply(map_at_beginning(c), start);
+    Vector p1 = apply(map, r.place);
+    CollideSide first = collide_side(shape, p0);
+    if (!collide_may_touch(first.distance, subtract(p1, p0))) continue;
+    CollideMove m = collide_move(shape, first, p0, p1, c.friction, c.lifted);
+    if (!(m.touches > 0.0f)) continue;
+    r.place = snap_vector(vector_sum(r.place, collide_turned_back(map.linear, m.move)));
+    r.touches = true;
+  }
+  return r;
+}
+
+#endif
