@@ -83,9 +83,9 @@ void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32
 
 void FrameSlot::make_sets() {
   descriptors_.emplace(*device_, static_cast<std::uint32_t>(sets_.size()));
-  constexpr std::array<std::uint32_t, drive_parts> numbers{
-      shader::buffer_bone, shader::buffer_muscle, shader::buffer_force, shader::buffer_collider,
-      shader::buffer_decay};
+  constexpr std::array<std::uint32_t, drive_parts> numbers{shader::buffer_bone, shader::buffer_muscle,
+                                                           shader::buffer_force, shader::buffer_collider,
+                                                           shader::buffer_decay};
   for (const bool swapped : {false, true}) {
     BufferTable table = buffers_->table(swapped);
     for (std::size_t p = 0; p < numbers.size(); ++p)

@@ -238,8 +238,7 @@ void add_solver(py::module_& module) {
            "float64, (joints, 4, 4): the clip's own pose at the end of a frame, to change and give back.")
       .def("step_drive", &step_drive, py::kw_only(), "h"_a, "substeps"_a = 1, "origin"_a = no_origin,
            "origin_shift"_a = zero, "gravity"_a = zero, "bones"_a = none, "muscles"_a = none,
-           "forces"_a = none, "decay"_a = none, "colliders"_a = none,
-           step_drive_text)
+           "forces"_a = none, "decay"_a = none, "colliders"_a = none, step_drive_text)
       .def_property_readonly(
           "frame", [](Solver& self) { return frame_of(self).index; }, "The frame that the solver is at.")
       .def_property_readonly(

@@ -67,9 +67,9 @@ Collided held(const shader::Collider& solid, const Vector3d& p0, const Vector3d&
   const double lift = std::max(0.0, -gap);
   const Vector3d sliding = way - way.dot(side.away) * side.away;
   const double slid = sliding.norm();
-  const Vector3d friction =
-      slid > 0.0 ? Vector3d(-std::min(slid, double(solid.friction) * lift) / slid * sliding)
-                 : Vector3d(Vector3d::Zero());
+  const Vector3d friction = slid > 0.0
+                                ? Vector3d(-std::min(slid, double(solid.friction) * lift) / slid * sliding)
+                                : Vector3d(Vector3d::Zero());
   return {lift * side.away + friction, true};
 }
 

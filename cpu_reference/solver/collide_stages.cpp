@@ -43,10 +43,10 @@ Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, c
   for (std::uint32_t k = 0; k < in.colliders.size(); ++k) {
     if ((model.spared[i] >> k & 1U) != 0) continue;
     const shader::Collider& c = in.colliders[k];
-    const kernel::CollideShape<float> shape{
-        {c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
+    const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
     const kernel::Transform<float> map = map_at_end(c);
-    const Point p0 = kernel::apply<float>(map_at_beginning(c), start), p1 = kernel::apply<float>(map, r.place);
+    const Point p0 = kernel::apply<float>(map_at_beginning(c), start),
+                p1 = kernel::apply<float>(map, r.place);
     const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
     if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) continue;
     const kernel::CollideMove<float> m =

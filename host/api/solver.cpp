@@ -285,9 +285,9 @@ fascicle_status fascicle_solver_step_drive(fascicle_solver* solver, const fascic
                                       "drive.muscles", "drive.muscle_count");
     const auto forces = api::items_of<shader::Force>(
         taken.forces, taken.force_count, substeps * model.force_count, "drive.forces", "drive.force_count");
-    const auto colliders = api::items_of<shader::Collider>(
-        taken.colliders, taken.collider_count, substeps * model.collider_count, "drive.colliders",
-        "drive.collider_count");
+    const auto colliders = api::items_of<shader::Collider>(taken.colliders, taken.collider_count,
+                                                           substeps * model.collider_count, "drive.colliders",
+                                                           "drive.collider_count");
     const auto decay = api::items_of<float>(taken.decay, taken.decay_count, model.layers.size(),
                                             "drive.decay", "drive.decay_count");
     model::Drive made;

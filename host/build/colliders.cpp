@@ -18,7 +18,8 @@ void write_colliders(const scene::Scene& scene, model::Model& model) {
     const double clearance = 0.1 * (solid.half_size.maxCoeff() + solid.radius);
     for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
       const float* rest = model.rest.data() + 3 * std::size_t{i};
-      const Vector3d place = origin + model.unit * Vector3d(double(rest[0]), double(rest[1]), double(rest[2]));
+      const Vector3d place =
+          origin + model.unit * Vector3d(double(rest[0]), double(rest[1]), double(rest[2]));
       if (scene::distance_to(solid, place) <= clearance) model.spared[i] |= 1U << k;
     }
   }

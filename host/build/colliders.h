@@ -6,9 +6,9 @@
 
 namespace fascicle::build {
 
-// Fills Model::collider_count and spared from the model's rest shape. A solid that goes with a joint lies in the
-// character's own flesh: what is in it at rest, or within a tenth of its size of it, it does not hold. What
-// moves on its own holds everything.
+// Fills Model::collider_count and spared from the model's rest shape. A solid that goes with a joint lies in
+// the character's own flesh: what is in it at rest, or within a tenth of its size of it, it does not hold.
+// What moves on its own holds everything.
 void write_colliders(const scene::Scene& scene, model::Model& model);
 
 }  // namespace fascicle::build

@@ -23,7 +23,8 @@ constexpr double lifting_rate = 5.0;
 // The value between keys, held before the first and after the last.
 Vector3d between_keys(const std::vector<double>& times, const std::vector<Vector3d>& values, double time) {
   if (values.empty()) return Vector3d::Zero();
-  const auto next = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
+  const auto next =
+      static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
   if (next == 0) return values.front();
   if (next == times.size()) return values.back();
   const double share = (time - times[next - 1]) / (times[next] - times[next - 1]);

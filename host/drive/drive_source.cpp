@@ -133,7 +133,8 @@ void DriveSource::Impl::append_colliders(std::uint64_t count, const Vector3d& or
 }
 
 // The same before the scene's time begins.
-void DriveSource::Impl::append_standing_colliders(const Pose* before, const Pose* at, const Vector3d& origin) {
+void DriveSource::Impl::append_standing_colliders(const Pose* before, const Pose* at,
+                                                  const Vector3d& origin) {
   collider_drive.append({scene.start, before}, {scene.start, at}, origin, colliders);
 }
 

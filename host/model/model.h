@@ -156,8 +156,8 @@ struct Model {                                 // each member has a row in model
   std::vector<std::uint32_t> force_index;
   std::vector<float> force_coefficient;  // 1/kg; for wind m^2/kg, the vertex's rest area over its mass
 
-  // Solids that flesh does not enter (shaders/kernel/collide.inc); a drive says where they are. Of each vertex
-  // the solids that do not hold it, a bit each: flesh is not pushed by what lies in it at rest.
+  // Solids that flesh does not enter (shaders/kernel/collide.inc); a drive says where they are. Of each
+  // vertex the solids that do not hold it, a bit each: flesh is not pushed by what lies in it at rest.
   std::uint32_t collider_count = 0;   // at most most_colliders
   std::vector<std::uint32_t> spared;  // n with colliders, else empty
 

@@ -45,17 +45,17 @@ struct Cut {
 // returns.
 struct Drive {
   std::uint32_t substeps = 1;
-  double h = 0.0;                              // s; solvers use float(h) and float(1/h)
-  std::array<double, 3> origin{0, 0, 0};       // metres: what this frame's positions are relative to
-  std::array<float, 3> origin_shift{0, 0, 0};  // origin less the last frame's origin, working units
-  std::array<float, 3> gravity{0, 0, 0};       // working units / s^2; to it comes each bone's change of it
-  std::span<const shader::Bone> bones;         // joint_count a substep
-  std::span<const shader::Muscle> muscles;     // muscle_count a substep
-  std::span<const shader::Force> forces;       // force_count a substep
+  double h = 0.0;                               // s; solvers use float(h) and float(1/h)
+  std::array<double, 3> origin{0, 0, 0};        // metres: what this frame's positions are relative to
+  std::array<float, 3> origin_shift{0, 0, 0};   // origin less the last frame's origin, working units
+  std::array<float, 3> gravity{0, 0, 0};        // working units / s^2; to it comes each bone's change of it
+  std::span<const shader::Bone> bones;          // joint_count a substep
+  std::span<const shader::Muscle> muscles;      // muscle_count a substep
+  std::span<const shader::Force> forces;        // force_count a substep
   std::span<const shader::Collider> colliders;  // collider_count a substep
-  std::span<const float> decay;                // exp(-damping h), one a layer (once a frame, not a substep)
-  std::span<const Cut> cuts = {};              // by ascending substep; up to the first one the bones are
-                                               // relative to the last frame's origin, origin_shift is 0 then
+  std::span<const float> decay;                 // exp(-damping h), one a layer (once a frame, not a substep)
+  std::span<const Cut> cuts = {};               // by ascending substep; up to the first one the bones are
+                                                // relative to the last frame's origin, origin_shift is 0 then
 };
 
 // Throws std::invalid_argument where a drive's spans do not fit the model.

@@ -240,18 +240,18 @@ constexpr auto names_of(ColliderShape) {
 struct Collider {
   std::string name;
   ColliderShape shape = ColliderShape::plane;
-  Vector3d center = Vector3d::Zero();                    // sphere, box; plane: any point of it
-  Vector3d normal{0, 1, 0};                              // plane: to the side where the flesh is
-  Vector3d from = Vector3d::Zero(), to = from;           // capsule: where its axis begins and ends
-  Vector3d size = Vector3d::Zero();                      // box: its edges
-  Vector3d turn = Vector3d::Zero();                      // box: degrees about this direction
-  double radius = 0.0;                                   // sphere, capsule; box: of its rounded edges
-  double thickness = 0.0;                                // m around it that flesh does not enter either
-  double friction = 0.5;                                 // Coulomb's coefficient, at least 0
-  std::string joint = {};                                // it goes with this joint; empty: it does not
-  std::vector<double> times = {};                        // s of the clip: keys of its own motion, ascending
-  std::vector<Vector3d> offsets = {};                    // at each of them, m from where it stands
-  std::vector<Vector3d> turns = {};                      // at each of them, degrees about this direction
+  Vector3d center = Vector3d::Zero();           // sphere, box; plane: any point of it
+  Vector3d normal{0, 1, 0};                     // plane: to the side where the flesh is
+  Vector3d from = Vector3d::Zero(), to = from;  // capsule: where its axis begins and ends
+  Vector3d size = Vector3d::Zero();             // box: its edges
+  Vector3d turn = Vector3d::Zero();             // box: degrees about this direction
+  double radius = 0.0;                          // sphere, capsule; box: of its rounded edges
+  double thickness = 0.0;                       // m around it that flesh does not enter either
+  double friction = 0.5;                        // Coulomb's coefficient, at least 0
+  std::string joint = {};                       // it goes with this joint; empty: it does not
+  std::vector<double> times = {};               // s of the clip: keys of its own motion, ascending
+  std::vector<Vector3d> offsets = {};           // at each of them, m from where it stands
+  std::vector<Vector3d> turns = {};             // at each of them, degrees about this direction
 };
 // At most so many in a scene.
 inline constexpr std::size_t most_colliders = 32;

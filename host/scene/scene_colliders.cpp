@@ -79,22 +79,22 @@ class ColliderCheck {
 }  // namespace
 
 void read_colliders(const toml::table& root, const Surroundings& surroundings, Scene& scene) {
-  for_each_named(
-      root, "collider", [&](const std::string& name, const toml::table& table, const std::string& path) {
-        Collider collider;
-        collider.name = name;
-        read_keys(table, collider);
-        const ColliderCheck check(table, path, collider);
-        check.check_shape();
-        check.check_motion();
-        if (!collider.joint.empty() && !surroundings.has_joints)
-          fail(table.get("joint")->source(), join_path(path, "joint"),
-               "only a [character] has joints; leave it out");
-        scene.colliders.push_back(std::move(collider));
-        if (scene.colliders.size() > most_colliders)
-          fail(table.source(), path,
-               "is one collider too many; a scene has at most " + std::to_string(most_colliders));
-      });
+  for_each_named(root, "collider",
+                 [&](const std::string& name, const toml::table& table, const std::string& path) {
+                   Collider collider;
+                   collider.name = name;
+                   read_keys(table, collider);
+                   const ColliderCheck check(table, path, collider);
+                   check.check_shape();
+                   check.check_motion();
+                   if (!collider.joint.empty() && !surroundings.has_joints)
+                     fail(table.get("joint")->source(), join_path(path, "joint"),
+                          "only a [character] has joints; leave it out");
+                   scene.colliders.push_back(std::move(collider));
+                   if (scene.colliders.size() > most_colliders)
+                     fail(table.source(), path,
+                          "is one collider too many; a scene has at most " + std::to_string(most_colliders));
+                 });
 }
 
 void check_collider_joints(const toml::table& root, const Scene& scene) {
@@ -102,16 +102,15 @@ void check_collider_joints(const toml::table& root, const Scene& scene) {
   if (character == nullptr) return;
   std::vector<std::string> names;
   for (const auto& joint : character->skeleton) names.push_back(joint.name);
-  for_each_named(root, "collider",
-                 [&](const std::string&, const toml::table& table, const std::string& path) {
-                   const toml::node* node = table.get("joint");
-                   if (node == nullptr) return;
-                   const std::string& joint = node->as_string()->get();
-                   if (std::find(names.begin(), names.end(), joint) == names.end())
-                     fail(node->source(), join_path(path, "joint"),
-                          "there is no joint \"" + one_line(joint) + "\"" +
-                              base::nearest_name_hint(joint, names));
-                 });
+  for_each_named(
+      root, "collider", [&](const std::string&, const toml::table& table, const std::string& path) {
+        const toml::node* node = table.get("joint");
+        if (node == nullptr) return;
+        const std::string& joint = node->as_string()->get();
+        if (std::find(names.begin(), names.end(), joint) == names.end())
+          fail(node->source(), join_path(path, "joint"),
+               "there is no joint \"" + one_line(joint) + "\"" + base::nearest_name_hint(joint, names));
+      });
 }
 
 }  // namespace fascicle::scene

@@ -12,8 +12,9 @@ const auto& collider_rows() {
       member("name", &Collider::name),
       key(&Collider::shape,
           {.name = "shape",
-           .doc = "plane: flesh stays on the side of `normal`, as above a floor; sphere; capsule: all that is "
-                  "nearer to the line `from` `to` than `radius`; box.",
+           .doc =
+               "plane: flesh stays on the side of `normal`, as above a floor; sphere; capsule: all that is "
+               "nearer to the line `from` `to` than `radius`; box.",
            .required = true}),
       key(&Collider::center, {.name = "center",
                               .doc = "Middle of a sphere or a box, or any point of a plane, m.",
@@ -21,14 +22,12 @@ const auto& collider_rows() {
       key(&Collider::normal, {.name = "normal",
                               .doc = "Plane: a direction to the side where the flesh is.",
                               .range = coordinate}),
-      key(&Collider::from, {.name = "from",
-                            .doc = "Capsule, needed there: where its axis begins, m.",
-                            .range = coordinate}),
+      key(&Collider::from,
+          {.name = "from", .doc = "Capsule, needed there: where its axis begins, m.", .range = coordinate}),
       key(&Collider::to,
           {.name = "to", .doc = "Capsule, needed there: where its axis ends, m.", .range = coordinate}),
-      key(&Collider::size, {.name = "size",
-                            .doc = "Box, needed there: its three edges, m.",
-                            .range = between(0.0, farthest)}),
+      key(&Collider::size,
+          {.name = "size", .doc = "Box, needed there: its three edges, m.", .range = between(0.0, farthest)}),
       key(&Collider::turn,
           {.name = "turn",
            .doc = "Box: how it is turned about its middle: an axis times degrees, [0, 30, 0] is 30 degrees "
@@ -44,12 +43,14 @@ const auto& collider_rows() {
           {.name = "friction", .doc = "Coulomb's coefficient.", .range = between(0.0, 100.0)}),
       key(&Collider::joint,
           {.name = "joint",
-           .doc = "The solid goes with this joint, and stands as said in the bind pose. Flesh that lies in it "
-                  "there, or within a tenth of its size of it, is not held by it."}),
+           .doc =
+               "The solid goes with this joint, and stands as said in the bind pose. Flesh that lies in it "
+               "there, or within a tenth of its size of it, is not held by it."}),
       key(&Collider::times,
           {.name = "times",
-           .doc = "Keys of the solid's own motion: their times of the clip, s, ascending. Between two keys it "
-                  "moves evenly; before the first and after the last it stands.",
+           .doc =
+               "Keys of the solid's own motion: their times of the clip, s, ascending. Between two keys it "
+               "moves evenly; before the first and after the last it stands.",
            .range = between(-1e5, 1e5)}),
       key(&Collider::offsets, {.name = "offsets",
                                .doc = "At each key, how far it has moved, m: [[x, y, z], ...].",

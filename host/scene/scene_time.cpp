@@ -28,8 +28,8 @@ bool is_rest_bake(const toml::table& root, const Scene& scene) {
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
   std::string rest = name_of(Rest::sculpted);
   read(table_at(root, "motion"), "rest", rest);
-  return character != nullptr && character->clips.empty() && scene.forces.empty() && scene.colliders.empty() &&
-         rest == name_of(Rest::sculpted);
+  return character != nullptr && character->clips.empty() && scene.forces.empty() &&
+         scene.colliders.empty() && rest == name_of(Rest::sculpted);
 }
 
 void smooth_played_clip(Scene& scene) {

@@ -64,8 +64,8 @@ Where read_where(const toml::table& owner, const Surroundings& surroundings, con
 // Adds [muscle.NAME] to the scene, whose layers have been read.
 void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 
-// Adds [collider.NAME] to the scene. Whether the joint that one goes with is there is asked once the character
-// has been read.
+// Adds [collider.NAME] to the scene. Whether the joint that one goes with is there is asked once the
+// character has been read.
 void read_colliders(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 void check_collider_joints(const toml::table& root, const Scene& scene);
 
