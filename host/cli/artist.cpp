@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "host/cli/text.h"
+#include "host/render/solid_shapes.h"
 
 namespace fascicle::cli {
 namespace {
@@ -131,25 +132,35 @@ class Survey {
 
 struct Extent {
   double lowest = 0.0;  // y
+  Eigen::AlignedBox3d world;
   double aspect = 1.0;  // width over height in the camera's axes
 };
 
 Extent extent_of(const Survey& survey, const render::View& view) {
   const Eigen::Matrix3d axes = render::camera_axes(view);
-  Eigen::AlignedBox3d box;
+  Eigen::AlignedBox3d box, world;
   double lowest = std::numeric_limits<double>::infinity();
   survey.visit([&](const Eigen::Vector3d& p) {
     box.extend(Eigen::Vector3d(axes * p));
+    world.extend(p);
     lowest = std::min(lowest, p.y());
   });
   const Eigen::Vector3d sizes = box.sizes();
-  return {lowest, sizes.y() > 0.0 ? sizes.x() / sizes.y() : 1.0};
+  return {lowest, world, sizes.y() > 0.0 ? sizes.x() / sizes.y() : 1.0};
 }
 
 // As wide as what it shows, between a door and a film; whole macroblocks, for the sake of video.
 Size natural_size(double aspect, unsigned height) {
   const double width = std::clamp(aspect, 0.6, 1.78) * height;
   return {static_cast<unsigned>(std::lround(width / 16.0)) * 16, height};
+}
+
+// A level plane is drawn as the picture's ground.
+bool is_floor(const scene::Solid& solid) {
+  return solid.is_plane && solid.axes(1, 1) > 0.9999;
+}
+double height_of(const scene::Solid& floor) {
+  return floor.center.y() + floor.radius;
 }
 
 // 1, 2 or 5 times a power of ten, the next from `value` up.
@@ -209,6 +220,10 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   survey.visit([&](const Eigen::Vector3d& p) { fit.include(p); });
   camera_ = fit.camera(arguments.zoom);
   backdrop_.ground = extent.lowest;
+  for (const scene::Solid& solid : frames.solids(0))
+    if (is_floor(solid)) backdrop_.ground = height_of(solid);
+  middle_ = extent.world.center();
+  reach_ = 1.5 * extent.world.diagonal().norm();
 }
 
 render::Camera Artist::camera_at(std::uint64_t k) const {
@@ -217,11 +232,21 @@ render::Camera Artist::camera_at(std::uint64_t k) const {
   return camera;
 }
 
+std::vector<render::Shape> Artist::solids_at(std::uint64_t k) const {
+  std::vector<render::Shape> shapes;
+  for (const scene::Solid& solid : frames_.solids(k)) {
+    if (is_floor(solid) && backdrop_.ground == height_of(solid)) continue;
+    shapes.push_back(render::solid_shape(
+        {solid.axes, solid.center, solid.half_size, solid.radius, solid.is_plane}, middle_, reach_));
+  }
+  return shapes;
+}
+
 render::Image Artist::draw(std::uint64_t k, std::span<const float> positions, std::span<const float> lag,
                            std::span<const float> surface) const {
   const render::Camera camera = camera_at(k);
-  const std::vector<render::Shape> shapes =
-      drawing_->shapes(positions, lag, camera.eye.cast<float>(), surface);
+  std::vector<render::Shape> shapes = drawing_->shapes(positions, lag, camera.eye.cast<float>(), surface);
+  for (render::Shape& solid : solids_at(k)) shapes.push_back(std::move(solid));
   return render::render(shapes, camera, backdrop_, arguments_.threads);
 }
 

@@ -46,10 +46,14 @@ class Artist {
 
   const RenderArguments& arguments_;
   DrawnFrames& frames_;
+  std::vector<render::Shape> solids_at(std::uint64_t k) const;
+
   std::optional<render::Looks> looks_;
   std::optional<render::BodyDrawing> drawing_;
   render::Legend legend_;
   render::Camera camera_;
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // of what the camera holds, and how far that reaches
+  double reach_ = 0.0;
   render::Backdrop backdrop_;
 };
 

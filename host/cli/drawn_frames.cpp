@@ -41,6 +41,7 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
   log_warnings(built.report, log);
   built_ = std::move(built.model);
   character_ = scene::character_file(scene);
+  for (const scene::Collider& collider : scene.colliders) built_solids_.push_back(scene::solid_of(collider));
 }
 
 std::vector<float> DrawnFrames::positions(std::uint64_t k) const {
@@ -70,6 +71,10 @@ std::vector<float> DrawnFrames::skinned_surface(std::uint64_t k) {
 std::vector<float> DrawnFrames::lag(std::uint64_t k) {
   if (!bake_) return std::vector<float>(built_.vertex_count, 0.0f);
   return bake_->lag(bake_->frame(k));
+}
+
+std::vector<scene::Solid> DrawnFrames::solids(std::uint64_t k) {
+  return bake_ ? bake_->solids(k) : built_solids_;
 }
 
 std::optional<render::Looks> DrawnFrames::looks(Log& log) const {

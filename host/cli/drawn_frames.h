@@ -12,6 +12,7 @@
 #include "host/model/model.h"
 #include "host/render/looks.h"
 #include "host/scene/scene.h"
+#include "host/scene/solids.h"
 
 namespace fascicle::cli {
 
@@ -35,6 +36,9 @@ class DrawnFrames {
   // Metres from the skinned vertices, one a vertex; 0 in the rest pose.
   std::vector<float> lag(std::uint64_t k);
 
+  // The scene's solids, metres.
+  std::vector<scene::Solid> solids(std::uint64_t k);
+
   // The file's own colours; nothing where there is no file or it has none. What could not be read is told.
   std::optional<render::Looks> looks(Log& log) const;
 
@@ -43,6 +47,7 @@ class DrawnFrames {
   std::optional<OpenBake> bake_;
   std::optional<formats::SkinnedSurface> skin_;
   model::Model built_;
+  std::vector<scene::Solid> built_solids_;
 };
 
 }  // namespace fascicle::cli

@@ -76,17 +76,26 @@ const scene::Scene& OpenBake::scene() {
   return *scene_;
 }
 
-OpenBake::Skinned OpenBake::skinned(std::uint64_t k) {
-  if (!model_.has_skeleton()) return {model_.rest, model_.rest_origin};
+drive::DriveSource& OpenBake::drives() {
   if (!drives_) {
     const scene::Scene& of_bake = scene();
     drives_.emplace(of_bake, model_, substeps_);
   }
+  return *drives_;
+}
+
+std::vector<scene::Solid> OpenBake::solids(std::uint64_t k) {
+  if (!model_.has_colliders()) return {};
+  return drives().solids(k);
+}
+
+OpenBake::Skinned OpenBake::skinned(std::uint64_t k) {
+  if (!model_.has_skeleton()) return {model_.rest, model_.rest_origin};
   model::State state;
   if (k == 0) {
-    state = drives_->initial_state();
+    state = drives().initial_state();
   } else {
-    const model::Drive drive = drives_->drive(k);
+    const model::Drive drive = drives().drive(k);
     state = model::initial_state(model_, drive.bones.last(model_.joint_count), drive.origin);
   }
   return {std::move(state.positions), state.origin};

@@ -39,10 +39,14 @@ class OpenBake {
     std::array<double, 3> origin;  // m
   };
   Skinned skinned(std::uint64_t k);
+  // The scene's solids in a frame, metres.
+  std::vector<scene::Solid> solids(std::uint64_t k);
   // Metres between each vertex and that place.
   std::vector<float> lag(const model::Frame& frame);
 
  private:
+  drive::DriveSource& drives();
+
   std::filesystem::path folder_;
   bake::ManifestSummary manifest_;
   bake::FrameCacheReader cache_;

@@ -373,6 +373,13 @@ std::vector<Eigen::Matrix4d> DriveSource::joints(std::uint64_t frame) {
   return impl_->timeline->pose(frame * impl_->substeps);
 }
 
+std::vector<scene::Solid> DriveSource::solids(std::uint64_t frame) {
+  Impl& impl = *impl_;
+  const std::uint64_t count = frame * impl.substeps;
+  const Pose pose = impl.timeline ? impl.timeline->pose(count) : Pose();
+  return impl.collider_drive.solids({impl.time_of(count), &pose});
+}
+
 double DriveSource::clip_time(std::uint64_t frame) const {
   return impl_->timeline ? impl_->timeline->clip_time(frame * impl_->substeps) : 0.0;
 }

@@ -8,6 +8,7 @@
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "host/scene/scene.h"
+#include "host/scene/solids.h"
 
 namespace fascicle::drive {
 
@@ -56,6 +57,8 @@ class DriveSource {
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
   // the first pose. Nothing without a skeleton.
   std::vector<Eigen::Matrix4d> joints(std::uint64_t frame);
+  // The scene's solids at the end of a frame, metres of the scene.
+  std::vector<scene::Solid> solids(std::uint64_t frame);
   // The clip's time that a frame shows, s; 0 without a skeleton.
   double clip_time(std::uint64_t frame) const;
 
