@@ -44,7 +44,9 @@ constexpr std::array<KuhnPath, 6> kuhn_paths{{{{0, 1, 2}, false},
 constexpr double least_volume_ratio = 0.1;
 
 void check_bar(const scene::Bar& bar, const std::string& source) {
-  double vertices = 1.0;
+  double vertices = bar.count;
+  if (bar.count == 0) fail(source, "bar: count: 1 or more are needed");
+  if (!(bar.gap >= 0.0) || !std::isfinite(bar.gap)) fail(source, "bar: gap: must not be below 0");
   for (int a = 0; a < 3; ++a) {
     const std::uint32_t n = bar.vertices[static_cast<std::size_t>(a)];
     if (n < 2) fail(source, "bar: vertices: 2 or more are needed along each axis, not " + std::to_string(n));
@@ -78,6 +80,20 @@ void apply_jitter(mesh::TetMesh& mesh, std::vector<Vector3d> displacement, doubl
       if (halve[i]) displacement[i] *= 0.5;
   }
   mesh.vertices = grid;
+}
+
+// More of the same, each `step` above the one before.
+void repeat_upwards(mesh::TetMesh& mesh, std::uint32_t count, double step) {
+  const std::size_t vertices = mesh.vertices.size(), tetrahedra = mesh.tetrahedra.size();
+  for (std::uint32_t k = 1; k < count; ++k) {
+    for (std::size_t i = 0; i < vertices; ++i)
+      mesh.vertices.emplace_back(mesh.vertices[i] + Vector3d(0.0, k * step, 0.0));
+    for (std::size_t t = 0; t < tetrahedra; ++t) {
+      std::array<std::uint32_t, 4> corners = mesh.tetrahedra[t];
+      for (std::uint32_t& corner : corners) corner += static_cast<std::uint32_t>(k * vertices);
+      mesh.tetrahedra.push_back(corners);
+    }
+  }
 }
 
 }  // namespace
@@ -121,6 +137,7 @@ mesh::TetMesh make_bar(const scene::Bar& bar, const std::string& source) {
 
   if (bar.jitter > 0.0)
     apply_jitter(mesh, std::move(displacement), spacing[0] * spacing[1] * spacing[2] / 6.0);
+  repeat_upwards(mesh, bar.count, bar.size[1] + bar.gap);
   return mesh;
 }
 

@@ -32,7 +32,9 @@ using Eigen::Vector3d;
 struct Bar {
   Vector3d size{0.4, 0.08, 0.08};
   std::array<std::uint32_t, 3> vertices{21, 5, 5};
-  double jitter = 0.0;  // [0, 0.3]
+  std::uint32_t count = 1;  // so many of them, one above the other
+  double gap = 0.01;        // m between one and the next
+  double jitter = 0.0;      // [0, 0.3]
   std::uint64_t seed = 1;
 };
 

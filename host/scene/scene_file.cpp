@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "host/made/made_bunny.h"
 #include "host/made/made_character.h"
 #include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
@@ -261,9 +262,15 @@ void read_bar(const toml::table& table, Scene& scene) {
 }
 
 void read_mesh(const toml::table& table, const std::filesystem::path& folder, Scene& scene) {
+  read_mesh_keys(table, scene);
+  if (table.contains("made")) {
+    std::string name;
+    read(table, "made", name);
+    scene.geometry = made::make_surface(name);
+    return;
+  }
   std::string file;
   read(table, "file", file);
-  read_mesh_keys(table, scene);
   try {
     load_mesh(folder / file, scene);
   } catch (const InputFileError& error) {

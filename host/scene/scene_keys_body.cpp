@@ -1,4 +1,5 @@
 // What the body is and how it is filled: [scene], [bar], [mesh], [character], [body].
+#include "host/made/made_bunny.h"
 #include "host/made/made_character.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_rows.h"
@@ -30,6 +31,9 @@ const auto& bar_rows() {
       key(&Bar::size, {.name = "size", .doc = "Extent along x, y and z, m.", .range = positive(1e4)}),
       key(&Bar::vertices,
           {.name = "vertices", .doc = "Vertices along x, y and z.", .range = between(2, 4096)}),
+      key(&Bar::count,
+          {.name = "count", .doc = "How many of them lie one above the other.", .range = between(1, 1000)}),
+      key(&Bar::gap, {.name = "gap", .doc = "Between one and the next, m.", .range = between(0.0, 1e4)}),
       key(&Bar::jitter, {.name = "jitter",
                          .doc = "Inner vertices are moved at random by up to this many spacings.",
                          .range = between(0.0, 0.3)}),
@@ -43,8 +47,11 @@ const auto& mesh_rows() {
   static const std::tuple all{
       loose_key({.name = "file",
                  .type = KeyType::text,
-                 .doc = "The file, relative to the scene file's folder.",
-                 .required = true}),
+                 .doc = "The file, relative to the scene file's folder."}),
+      loose_key({.name = "made",
+                 .type = KeyType::text,
+                 .doc = "A surface made in code: a bunny that sits.",
+                 .allowed = made::made_surface_names()}),
       key(&Scene::scale, {.name = "scale", .doc = "Metres per unit of the file.", .range = positive(1e6)}),
       key(&Scene::resolution,
           {.name = "resolution",
@@ -122,7 +129,9 @@ const Table& mesh_table() {
   static const Table table = with_keys(
       {.name = "mesh",
        .doc =
-           "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a closed surface (.off .obj .ply .stl)."},
+           "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a closed surface (.off .obj .ply .stl); or "
+           "one of fascicle's own.",
+       .choices = {{"file", "made"}}},
       mesh_rows());
   return table;
 }
