@@ -153,7 +153,7 @@ SHARED_CONSTANT uint limit_passes = 12u;
 
 // How hard stage contact pushes: sigma of kernel/contact.inc. The implicit integrator passes on 4/9 of it.
 SHARED_CONSTANT float contact_strength = 1.0f;
-SHARED_CONSTANT float contact_strength_implicit = 4.0f;
+SHARED_CONSTANT float contact_strength_implicit = 2.0f;
 
 // The search for contacts: tetrahedra whose boxes have one box around them, such boxes that have one, and
 // points whose finds are surveyed together. No result depends on them.
