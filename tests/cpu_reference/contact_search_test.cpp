@@ -3,6 +3,7 @@
 #include "cpu_reference/solver/contact_search.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -12,9 +13,11 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "cpu_reference/solver/contact_stages.h"
+#include "cpu_reference/solver/lane_stages.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {
@@ -90,11 +93,18 @@ void put(const Model& m, const std::vector<float>& positions, const std::vector<
     }
 }
 
+// What else becomes of a body that is thrown about.
+struct Fate {
+  std::array<double, 3> thickness{1.0, 1.0, 1.0};  // flakes and needles, in a direction of their own
+  bool turns = false;  // goes through no thickness at all, and is inside out for as long
+  double fall = 0.0;   // what it gains in speed along each axis, a step
+};
+
 // A body that is thrown about, step by step.
 class Motions {
  public:
-  Motions(const TwoBlocks& blocks, unsigned seed)
-      : blocks_(blocks), random_(seed), along_(-1.0 + blocks.spacing) {
+  Motions(const TwoBlocks& blocks, unsigned seed, const Fate& fate)
+      : blocks_(blocks), fate_(fate), random_(seed), along_(-1.0 + blocks.spacing) {
     bent_.resize(blocks.model.rest.size(), 0.0);
     velocities.resize(blocks.model.rest.size(), 0.0f);
   }
@@ -118,6 +128,7 @@ class Motions {
       positions[k] = static_cast<float>(x);
       velocities[k] = static_cast<float>(normal());
     }
+    if (fate_.thickness != Fate{}.thickness || fate_.fall > 0.0) suffer();
     if (step_ % 11 == 4) positions[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
     if (step_ % 11 == 8) positions[random_() % positions.size()] = std::numeric_limits<float>::infinity();
     if (step_ % 11 == 9) velocities[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
@@ -136,7 +147,19 @@ class Motions {
  private:
   double normal() { return normal_(random_); }
 
+  void suffer() {
+    const Eigen::Vector3d fallen = Eigen::Vector3d::Constant(0.5 * fate_.fall * step_ * step_);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    Eigen::Vector3d thickness(fate_.thickness[0], fate_.thickness[1], fate_.thickness[2]);
+    if (fate_.turns) thickness *= std::cos(0.3 * step_);
+    for (std::uint32_t i = 0; i < blocks_.model.vertex_count; ++i) {
+      const Eigen::Vector3d x = turn * thickness.cwiseProduct(triple_at(positions, i)) + fallen;
+      for (std::size_t a = 0; a < 3; ++a) positions[3 * std::size_t{i} + a] = static_cast<float>(x[int(a)]);
+    }
+  }
+
   const TwoBlocks& blocks_;
+  Fate fate_;
   std::mt19937 random_;
   std::normal_distribution<double> normal_;
   std::vector<double> bent_;
@@ -159,18 +182,23 @@ struct Seen {
   std::size_t contacts = 0, most = 0, changes = 0;
 };
 
-Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed) {
+Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, const Fate& fate = {}) {
   const Model& m = blocks.model;
   const SubstepInput in = input_for(m);
   struct Searching {
-    Searching(const Model& m, unsigned threads) : search(m), pool(threads) { size_fields(m, fields); }
+    Searching(const Model& m, cpu::Simd simd, unsigned threads)
+        : search(m, cpu::lane_stages(simd)->contact), pool(threads) {
+      size_fields(m, fields);
+    }
     cpu::ContactSearch search;
     cpu::ThreadPool pool;
     Fields fields;
   };
   std::vector<std::unique_ptr<Searching>> searches;
-  for (const unsigned threads : {1u, 2u, 3u}) searches.push_back(std::make_unique<Searching>(m, threads));
-  Motions motions(blocks, seed);
+  for (const cpu::Simd simd : cpu::available_simd())
+    if (simd != cpu::Simd::scalar)
+      searches.push_back(std::make_unique<Searching>(m, simd, 1 + unsigned(searches.size()) % 3));
+  Motions motions(blocks, seed, fate);
   Fields plain;
   size_fields(m, plain);
   Seen seen;
@@ -207,6 +235,29 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFind) {
       EXPECT_GT(seen.contacts, 500u);
       EXPECT_GT(seen.changes, 20u);
     }
+}
+
+// Planes of such tetrahedra are rounding, and a hundredth of a millimetre is far there.
+TEST(ContactSearch, FindsThemInFlakesAndNeedles) {
+  unsigned seed = 0;
+  for (const double thickness : {0.1, 1e-3, 1e-4, 1e-6})
+    for (const bool needle : {false, true})
+      for (const bool turns : {false, true}) {
+        SCOPED_TRACE(std::to_string(thickness) + (needle ? ", needle" : "") + (turns ? ", turns" : ""));
+        const TwoBlocks blocks = make_two_blocks(3, 3, 2 + seed % 2, 0.125, seed);
+        const Fate fate{.thickness = {1.0, thickness, needle ? thickness : 1.0}, .turns = turns};
+        EXPECT_GT(expect_same_contacts(blocks, 80, seed, fate).contacts, 200u);
+        ++seed;
+      }
+}
+
+// 15 units a step in the end, and 600 from where it began: the last bit of a place is 6e-5.
+TEST(ContactSearch, FindsThemInABodyThatFalls) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const TwoBlocks blocks = make_two_blocks(3, 3, 2, 0.125, seed, seed % 2 == 1);
+    const Fate fate{.thickness = {1.0, 1.0, seed < 2 ? 1.0 : 1e-2}, .fall = 0.19};
+    EXPECT_GT(expect_same_contacts(blocks, 80, seed, fate).contacts, 200u);
+  }
 }
 
 // More than one branch of leaves.
