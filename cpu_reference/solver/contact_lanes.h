@@ -20,11 +20,19 @@ struct ContactVertices {
 };
 
 // The box around the vertices, and the one around the ways that they have come, which is a little larger than
-// they are: no rounding of it or of contact_motions is missing. Infinite where a place is no number.
-// Four floats each.
+// they are: no rounding of it or of what `approach` takes from it is missing. The latter is infinite where a
+// place is no number. Four floats each.
 struct ContactBounds {
   float low[4], high[4];
   float least[4], most[4];
+};
+
+// Leaves of a branch, against points.
+struct ContactApproach {
+  const float *boxes, *motions;  // of the leaves, as boxes are taken together
+  const ContactBounds* points;
+  const float* nearest;  // how near any tetrahedron of a leaf was to the points when they were looked at last
+  float* gone;           // by how much they may have come nearer since then, along any axis: is added to
 };
 
 // Points against tetrahedra of a leaf.
@@ -34,22 +42,28 @@ struct ContactLook {
   const std::uint32_t* corners;   // of the leaf's tetrahedra
   const std::uint16_t* relevant;  // of each tetrahedron the points that it may hold; null: `all`
   std::uint16_t all;
-  std::uint32_t tetrahedra;  // those that are looked at
-  // What is found of them: how far the nearest of the points is from the tetrahedron's box, along the axis
-  // along which it is farthest (at most 0: in the box; infinite: there is none), and what points may be in
-  // the tetrahedron.
+  std::uint32_t tetrahedra;  // those that there are
+  float gone;
+  // Of each tetrahedron how far the points were, at least, from its box, along the axis along which they were
+  // farthest: 0 or less in the box, contact_farthest where it may hold none. `gone` is taken off, and where
+  // nothing is left the tetrahedron is looked at.
   float* apart;
-  std::uint16_t* inside;
+  // What is found: the least of these; tetrahedra that points may be in now, and what points.
+  float nearest;
+  std::uint32_t hits;
+  std::uint16_t inside[contact_boxes_together];
 };
+
+// Farther than that is no farther: motions that lead there are no numbers, or are taken off at once.
+inline constexpr float contact_farthest = 0x1p100f;
 
 struct ContactLanes {
   void (*bound)(const ContactVertices&, ContactBounds&);
-  // Which of the boxes that are taken together overlap another one.
-  std::uint32_t (*overlap)(const float* boxes, const ContactBounds& with);
-  // By how much things in each of the boxes of motion may have come nearer to what is in another one, along
-  // any axis.
-  void (*approach)(const float* motions, const ContactBounds& to, float* by);
-  void (*look)(const ContactLook&);
+  // Which of the boxes that are taken together overlap the points'.
+  std::uint32_t (*overlap)(const float* boxes, const ContactBounds& points);
+  // Which of the leaves have to be looked at: their boxes overlap, and they may have come near.
+  std::uint32_t (*approach)(const ContactApproach&);
+  void (*look)(ContactLook&);
 };
 
 }  // namespace fascicle::cpu_reference

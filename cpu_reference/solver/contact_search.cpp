@@ -15,17 +15,7 @@ namespace {
 static_assert(shader::contact_leaf == contact_boxes_together &&
               shader::contact_branch == contact_boxes_together);
 
-// Tetrahedra are close that may come near within so many substeps. More would make longer lists, which hold
-// for longer; no result depends on it.
-constexpr float substeps_ahead = 16.0f;
-
-// Distances are differences of places and what is taken off them, each rounded to 2^-24 of itself.
-constexpr float rounded_down = 1.0f - 0x1p-22f;
-// Farther than that is no farther: motions that lead there are no numbers, or are taken off at once.
-constexpr float farthest = 0x1p100f;
-
 constexpr std::size_t sight_stride = 4;
-constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
 // The bits of a number below 2^10 at every third place.
 std::uint32_t spread(std::uint32_t number) {
@@ -92,9 +82,6 @@ struct ContactSearch::Sight {
   std::uint32_t block;
   ContactBounds bounds;
   PointBits open;  // points that have found nothing yet
-  // Of the block's lists, the places of those that are not before the leaf at work.
-  std::vector<Near>::const_iterator near;
-  std::vector<Pair>::const_iterator pair;
   // As ContactLook has them.
   alignas(64) std::array<float, 3 * block_size> points;
 };
@@ -140,10 +127,6 @@ std::uint32_t ContactSearch::leaf_end(std::uint32_t leaf) const {
   return std::min((leaf + 1) * leaf_size, model_.contact_tetrahedron_count());
 }
 
-ContactSearch::LeafBits ContactSearch::all_of(std::uint32_t leaf) const {
-  return ~LeafBits{0} >> (leaf_size - (leaf_end(leaf) - leaf * leaf_size));
-}
-
 void ContactSearch::find_near_at_rest() {
   const auto rest_box = [&](std::uint32_t number) {
     const float* from = model_.contact_rest_box.data() + 8 * std::size_t{number};
@@ -170,11 +153,7 @@ void ContactSearch::find_near_at_rest() {
       const std::array<PointBits, leaf_size> relevant = relevant_at_rest(b, leaf);
       const auto first = relevant.begin(), last = first + (leaf_end(leaf) - leaf * leaf_size);
       if (std::all_of(first, last, [&](PointBits of) { return of == blocks_[b].points; })) continue;
-      if (std::all_of(first, last, [](PointBits of) { return of == 0; })) {
-        blocks_[b].near.push_back({leaf, nothing});
-        continue;
-      }
-      blocks_[b].near.push_back({leaf, static_cast<std::uint32_t>(relevant_.size())});
+      blocks_[b].near.push_back({leaf, relevant_.size()});
       relevant_.insert(relevant_.end(), relevant.begin(), relevant.end());
     }
   }
@@ -267,8 +246,6 @@ void ContactSearch::find_in_block(std::uint32_t number, Fields& fields) {
   Sight sight{.block = number,
               .bounds = bounds_of(order_vertex_.data() + begin, end - begin),
               .open = block.points,
-              .near = block.near.begin(),
-              .pair = block.pairs.begin(),
               .points = {}};
   sight.points.fill(std::numeric_limits<float>::infinity());
   for (std::uint32_t k = begin; k < end; ++k) {
@@ -276,85 +253,88 @@ void ContactSearch::find_in_block(std::uint32_t number, Fields& fields) {
       sight.points[a * block_size + (k - begin)] = sights_[sight_stride * order_vertex_[k] + a];
     fields.contact_found[order_[k]] = shader::no_contact;
   }
-  block.next.clear();
-  const float* branches = branch_box_.data();
+  std::size_t at = 0;
   for (std::uint32_t first = 0; first < model_.contact_branch_count(); first += contact_boxes_together) {
-    for_each_bit(lanes_.overlap(branches, sight.bounds),
-                 [&](std::uint32_t bit) { find_in_branch(first + bit, sight, fields); });
-    branches += contact_boxes_stride;
+    const float* boxes =
+        branch_box_.data() + std::size_t{first} * (contact_boxes_stride / contact_boxes_together);
+    for_each_bit(lanes_.overlap(boxes, sight.bounds), [&](std::uint32_t bit) {
+      while (at < block.branches.size() && block.branches[at].number < first + bit) drop(block, at);
+      if (at == block.branches.size() || block.branches[at].number != first + bit) {
+        Branch made{.number = first + bit};
+        made.pair.fill(nothing);
+        block.branches.insert(block.branches.begin() + static_cast<std::ptrdiff_t>(at), made);
+      }
+      find_in_branch(block.branches[at++], sight, fields);
+    });
   }
-  std::swap(block.pairs, block.next);
+  while (at < block.branches.size()) drop(block, at);
 }
 
-void ContactSearch::find_in_branch(std::uint32_t branch, Sight& sight, Fields& fields) {
-  const std::size_t at = std::size_t{branch} * contact_boxes_stride;
-  const std::uint32_t leaves = lanes_.overlap(leaf_box_.data() + at, sight.bounds);
-  if (leaves == 0) return;
-  alignas(64) std::array<float, contact_boxes_together> approach;
-  lanes_.approach(leaf_motion_.data() + at, sight.bounds, approach.data());
-  for_each_bit(leaves, [&](std::uint32_t bit) {
-    find_in_leaf(branch * shader::contact_branch + bit, approach[bit], sight, fields);
+// What moves unseen has no distance.
+void ContactSearch::drop(Block& block, std::size_t branch) {
+  const auto place = block.branches.begin() + static_cast<std::ptrdiff_t>(branch);
+  for (const std::uint32_t pair : place->pair)
+    if (pair != nothing) block.unused.push_back(pair);
+  block.branches.erase(place);
+}
+
+void ContactSearch::find_in_branch(Branch& branch, Sight& sight, Fields& fields) {
+  const std::size_t at = std::size_t{branch.number} * contact_boxes_stride;
+  const LeafBits leaves = lanes_.approach({.boxes = leaf_box_.data() + at,
+                                           .motions = leaf_motion_.data() + at,
+                                           .points = &sight.bounds,
+                                           .nearest = branch.nearest.data(),
+                                           .gone = branch.gone.data()});
+  for_each_bit(leaves, [&](std::uint32_t leaf) {
+    if (sight.open != 0) find_in_leaf(branch, leaf, sight, fields);
   });
 }
 
-void ContactSearch::find_in_leaf(std::uint32_t leaf, float approach, Sight& sight, Fields& fields) {
+void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& sight, Fields& fields) {
   Block& block = blocks_[sight.block];
-  const PointBits* relevant = nullptr;
-  while (sight.near != block.near.end() && sight.near->leaf < leaf) ++sight.near;
-  if (sight.near != block.near.end() && sight.near->leaf == leaf) {
-    if (sight.near->first == nothing) return;
-    relevant = relevant_.data() + sight.near->first;
-  }
-  const PointBits all = leaf_is_held_[leaf] != 0 ? block.mobile : block.points;
-  if (all == 0) return;
-  Pair pair{.leaf = leaf};
-  while (sight.pair != block.pairs.end() && sight.pair->leaf < leaf) ++sight.pair;
-  if (sight.pair != block.pairs.end() && sight.pair->leaf == leaf) {
-    pair = *sight.pair;
-    pair.nearest = (pair.nearest - approach) * rounded_down;
-    pair.others = (pair.others - approach) * rounded_down;
-  }
-  if (sight.open != 0 && !(pair.nearest > 0.0f)) look_at(pair, relevant, all, approach, sight, fields);
-  block.next.push_back(pair);
-}
-
-void ContactSearch::look_at(Pair& pair, const PointBits* relevant, PointBits all, float approach,
-                            Sight& sight, Fields& fields) {
-  const std::uint32_t begin = pair.leaf * leaf_size;
-  const bool anew = !(pair.others > 0.0f);
-  const LeafBits looked_at = anew ? all_of(pair.leaf) : pair.close;
-  std::array<float, leaf_size> apart;
-  std::array<PointBits, leaf_size> inside;
-  lanes_.look({.points = sight.points.data(),
-               .places = sights_.data(),
-               .corners = model_.contact_tetrahedron.data() + std::size_t{4} * begin,
-               .relevant = relevant,
-               .all = all,
-               .tetrahedra = looked_at,
-               .apart = apart.data(),
-               .inside = inside.data()});
-  if (anew) {
-    const float reach = approach < farthest ? substeps_ahead * approach : 0.0f;
-    pair.close = 0;
-    pair.others = farthest;
-    for_each_bit(looked_at, [&](std::uint32_t t) {
-      if (apart[t] > reach)
-        pair.others = std::min(pair.others, apart[t] * rounded_down);
-      else
-        pair.close |= LeafBits{1} << t;
-    });
-  }
-  pair.nearest = pair.others;
+  const std::uint32_t leaf = branch.number * shader::contact_branch + number, begin = leaf * leaf_size;
+  if (branch.pair[number] == nothing) branch.pair[number] = make_pair(block, leaf);
+  Pair& pair = block.pairs[branch.pair[number]];
+  ContactLook look{.points = sight.points.data(),
+                   .places = sights_.data(),
+                   .corners = model_.contact_tetrahedron.data() + std::size_t{4} * begin,
+                   .relevant = pair.relevant,
+                   .all = leaf_is_held_[leaf] != 0 ? block.mobile : block.points,
+                   .tetrahedra = ~LeafBits{0} >> (leaf_size - (leaf_end(leaf) - begin)),
+                   .gone = branch.gone[number],
+                   .apart = pair.apart.data(),
+                   .nearest = 0.0f,
+                   .hits = 0,
+                   .inside = {}};
+  lanes_.look(look);
+  branch.nearest[number] = look.nearest;
+  branch.gone[number] = 0.0f;
   const auto place_of = [&](std::uint32_t i) { return place_at(sights_.data() + sight_stride * i); };
-  for_each_bit(looked_at, [&](std::uint32_t t) {
-    pair.nearest = std::min(pair.nearest, apart[t] * rounded_down);
-    for_each_bit(inside[t] & sight.open, [&](std::uint32_t bit) {
+  for_each_bit(look.hits, [&](std::uint32_t t) {
+    for_each_bit(look.inside[t] & sight.open, [&](std::uint32_t bit) {
       const std::uint32_t p = order_[block_begin(sight.block) + bit];
       if (!contact_meets(model_, fields, p, place_of(model_.contact[p].vertex), begin + t, place_of)) return;
       fields.contact_found[p] = begin + t;
       sight.open &= static_cast<PointBits>(~(1U << bit));
     });
   });
+}
+
+// Nothing is known of it: no tetrahedron is any distance away.
+std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
+  if (block.unused.empty()) {
+    block.unused.push_back(static_cast<std::uint32_t>(block.pairs.size()));
+    block.pairs.emplace_back();
+  }
+  const std::uint32_t place = block.unused.back();
+  block.unused.pop_back();
+  Pair& pair = block.pairs[place];
+  pair = {};
+  std::fill(pair.apart.begin() + (leaf_end(leaf) - leaf * leaf_size), pair.apart.end(), contact_farthest);
+  const auto near = std::lower_bound(block.near.begin(), block.near.end(), leaf,
+                                     [](const Near& of, std::uint32_t number) { return of.leaf < number; });
+  if (near != block.near.end() && near->leaf == leaf) pair.relevant = relevant_.data() + near->first;
+  return place;
 }
 
 // There are few contacts: one thread takes them tetrahedron by tetrahedron, which for every vertex is the

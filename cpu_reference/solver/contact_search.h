@@ -1,11 +1,11 @@
 // Stage contact as CpuSolver runs it: the contacts and the bits of contact_stages.h, found by a shorter way.
 //
 // Points are taken in blocks that lie near each other, tetrahedra in the leaves of the plain search. Where
-// the boxes of a block and a leaf overlap, it is kept how far, at least, the block's points are from the
-// boxes of the leaf's tetrahedra, along any axis. In each substep the most by which the two may have come
-// nearer is taken off; as long as something is left there is no contact between them. Most of a body's
-// surface lies close to flesh that moves with it, and is done with by that. A point and a tetrahedron that
-// lie within the margin at rest are left out from the beginning.
+// the boxes of a block and a leaf overlap, it is kept how far, at least, the block's points were from the
+// boxes of the leaf's tetrahedra, along any axis, and by how much the two may have come nearer since then. As
+// long as something is left there is no contact between them. Most of a body's surface lies close to flesh
+// that moves with it, and is done with by that. A point and a tetrahedron that lie within the margin at rest
+// are left out from the beginning.
 #pragma once
 
 #include <array>
@@ -35,24 +35,31 @@ class ContactSearch {
   // A bit a point of a block, a bit a tetrahedron of a leaf.
   using PointBits = std::uint16_t;
   using LeafBits = std::uint32_t;
+  static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
   // A leaf some of whose tetrahedra lie near some of a block's points at rest.
   struct Near {
     std::uint32_t leaf;
-    std::uint32_t first;  // of relevant_: a number a tetrahedron; or `nothing`: nothing can meet
+    std::size_t first;  // of relevant_, one a tetrahedron
   };
-  // A block and a leaf whose boxes overlap. `close` are tetrahedra that were looked at last and will be
-  // again; the others were farther away.
+  // A block and a leaf that were looked at.
   struct Pair {
-    std::uint32_t leaf = 0;
-    LeafBits close = 0;
-    float nearest = -1.0f;  // how far the points are from all the tetrahedra, at least
-    float others = -1.0f;   // how far they are from those that are not close
+    std::array<float, leaf_size> apart{};  // as in ContactLook
+    const PointBits* relevant = nullptr;   // as in ContactLook
+  };
+  // A block and the leaves of a branch, while their boxes overlap. Leaf by leaf: as in ContactApproach; the
+  // place of the pair, or `nothing`.
+  struct Branch {
+    std::uint32_t number = 0;
+    std::array<float, shader::contact_branch> nearest{}, gone{};
+    std::array<std::uint32_t, shader::contact_branch> pair{};
   };
   struct Block {
     PointBits points = 0, mobile = 0;
-    std::vector<Near> near;         // by ascending leaf
-    std::vector<Pair> pairs, next;  // by ascending leaf; those of the substep that is at work
+    std::vector<Near> near;        // by ascending leaf
+    std::vector<Branch> branches;  // by ascending number
+    std::vector<Pair> pairs;
+    std::vector<std::uint32_t> unused;  // places of pairs
   };
   // A block in the substep that is at work.
   struct Sight;
@@ -66,7 +73,6 @@ class ContactSearch {
   }
   std::uint32_t block_end(std::size_t block) const;
   std::uint32_t leaf_end(std::uint32_t leaf) const;
-  LeafBits all_of(std::uint32_t leaf) const;
   void find_near_at_rest();
   std::array<PointBits, leaf_size> relevant_at_rest(std::uint32_t block, std::uint32_t leaf) const;
 
@@ -74,10 +80,10 @@ class ContactSearch {
   ContactBounds bounds_of(const std::uint32_t* vertices, std::uint32_t count) const;
   void bound_branch(std::uint32_t branch);
   void find_in_block(std::uint32_t block, Fields& fields);
-  void find_in_branch(std::uint32_t branch, Sight& sight, Fields& fields);
-  void find_in_leaf(std::uint32_t leaf, float approach, Sight& sight, Fields& fields);
-  void look_at(Pair& pair, const PointBits* relevant, PointBits all, float approach, Sight& sight,
-               Fields& fields);
+  static void drop(Block& block, std::size_t branch);
+  void find_in_branch(Branch& branch, Sight& sight, Fields& fields);
+  void find_in_leaf(Branch& branch, std::uint32_t leaf, Sight& sight, Fields& fields);
+  std::uint32_t make_pair(Block& block, std::uint32_t leaf) const;
   void press(const SubstepInput& in, Fields& fields);
 
   const model::Model& model_;
