@@ -201,6 +201,7 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, con
   Motions motions(blocks, seed, fate);
   Fields plain;
   size_fields(m, plain);
+  size_plain_contact_fields(m, plain);
   Seen seen;
   for (int step = 0; step < steps; ++step) {
     SCOPED_TRACE("step " + std::to_string(step));
@@ -270,6 +271,7 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFindInLargerBodies) {
 struct Touching {
   Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), in(input_for(blocks.model)) {
     size_fields(blocks.model, fields);
+    size_plain_contact_fields(blocks.model, fields);
     const auto solver = cpu::make_cpu_solver(blocks.model, {}, 1);
     const model::State state = overlapping(blocks, solver->save(), 3);
     put(blocks.model, state.positions, state.velocities, fields);
