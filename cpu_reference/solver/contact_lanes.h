@@ -45,9 +45,10 @@ struct ContactLook {
   std::uint32_t tetrahedra;  // those that there are
   float gone;
   // Of each tetrahedron how far the points were, at least, from its box, along the axis along which they were
-  // farthest: 0 or less in the box, contact_farthest where it may hold none. `gone` is taken off, and where
-  // nothing is left the tetrahedron is looked at.
-  float* apart;
+  // farthest: 0 in the box, contact_farthest where it may hold none. `gone` is taken off, and where nothing
+  // is left, or less than is lost until the next look, the tetrahedron is looked at. Floats cut off after 16
+  // bits, which makes them less.
+  std::uint16_t* apart;
   // What is found: the least of these; tetrahedra that points may be in now, and what points.
   float nearest;
   std::uint32_t hits;

@@ -285,6 +285,13 @@ void ContactSearch::find_in_branch(Branch& branch, Sight& sight, Fields& fields)
                                            .points = &sight.bounds,
                                            .nearest = branch.nearest.data(),
                                            .gone = branch.gone.data()});
+  // There are some megabytes of these in a body: asked for before the first is needed.
+  const Block& block = blocks_[sight.block];
+  for_each_bit(leaves, [&](std::uint32_t leaf) {
+    if (branch.pair[leaf] == nothing) return;
+    __builtin_prefetch(&block.pairs[branch.pair[leaf]]);
+    __builtin_prefetch(block.relevant[branch.pair[leaf]]);
+  });
   for_each_bit(leaves, [&](std::uint32_t leaf) {
     if (sight.open != 0) find_in_leaf(branch, leaf, sight, fields);
   });
@@ -294,15 +301,15 @@ void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& si
   Block& block = blocks_[sight.block];
   const std::uint32_t leaf = branch.number * shader::contact_branch + number, begin = leaf * leaf_size;
   if (branch.pair[number] == nothing) branch.pair[number] = make_pair(block, leaf);
-  Pair& pair = block.pairs[branch.pair[number]];
+  const std::uint32_t place = branch.pair[number];
   ContactLook look{.points = sight.points.data(),
                    .places = sights_.data(),
                    .corners = model_.contact_tetrahedron.data() + std::size_t{4} * begin,
-                   .relevant = pair.relevant,
+                   .relevant = block.relevant[place],
                    .all = leaf_is_held_[leaf] != 0 ? block.mobile : block.points,
                    .tetrahedra = ~LeafBits{0} >> (leaf_size - (leaf_end(leaf) - begin)),
                    .gone = branch.gone[number],
-                   .apart = pair.apart.data(),
+                   .apart = block.pairs[place].apart.data(),
                    .nearest = 0.0f,
                    .hits = 0,
                    .inside = {}};
@@ -325,15 +332,15 @@ std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
   if (block.unused.empty()) {
     block.unused.push_back(static_cast<std::uint32_t>(block.pairs.size()));
     block.pairs.emplace_back();
+    block.relevant.push_back(nullptr);
   }
   const std::uint32_t place = block.unused.back();
   block.unused.pop_back();
-  Pair& pair = block.pairs[place];
-  pair = {};
-  std::fill(pair.apart.begin() + (leaf_end(leaf) - leaf * leaf_size), pair.apart.end(), contact_farthest);
+  block.pairs[place] = {};
   const auto near = std::lower_bound(block.near.begin(), block.near.end(), leaf,
                                      [](const Near& of, std::uint32_t number) { return of.leaf < number; });
-  if (near != block.near.end() && near->leaf == leaf) pair.relevant = relevant_.data() + near->first;
+  const bool is_near = near != block.near.end() && near->leaf == leaf;
+  block.relevant[place] = is_near ? relevant_.data() + near->first : nullptr;
   return place;
 }
 

@@ -43,9 +43,8 @@ class ContactSearch {
     std::size_t first;  // of relevant_, one a tetrahedron
   };
   // A block and a leaf that were looked at.
-  struct Pair {
-    std::array<float, leaf_size> apart{};  // as in ContactLook
-    const PointBits* relevant = nullptr;   // as in ContactLook
+  struct alignas(64) Pair {
+    std::array<std::uint16_t, leaf_size> apart{};  // as in ContactLook
   };
   // A block and the leaves of a branch, while their boxes overlap. Leaf by leaf: as in ContactApproach; the
   // place of the pair, or `nothing`.
@@ -59,7 +58,8 @@ class ContactSearch {
     std::vector<Near> near;        // by ascending leaf
     std::vector<Branch> branches;  // by ascending number
     std::vector<Pair> pairs;
-    std::vector<std::uint32_t> unused;  // places of pairs
+    std::vector<const PointBits*> relevant;  // of each pair, as in ContactLook
+    std::vector<std::uint32_t> unused;       // places of pairs
   };
   // A block in the substep that is at work.
   struct Sight;
