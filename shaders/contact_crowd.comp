@@ -7,13 +7,25 @@ void main() {
   uint i = item_index();
   if (i >= push.substep.vertex_count) return;
   float sum = 0.0f;
+  bool first = true;
   uint own = contact_number[i];
-  if (own != no_contact && is_found(own)) sum = 1.0f;
+  if (own != no_contact && is_found(own)) {
+    sum = 1.0f;
+    first = false;
+  }
   for (uint e = contact_offset[i]; e < contact_offset[i + 1u]; ++e) {
     uint t = contact_entry[e] >> 2u;
-    uvec2 points = points_of(t);
-    for (uint p = points.x; p < points.y; ++p)
-      if (contact_found[p] == t) sum += weight_of(p, contact_entry[e] & 3u);
+    uvec2 blocks = blocks_of(t);
+    for (uint block = blocks.x; block < blocks.y; ++block) {
+      uvec2 points = points_of(block, t);
+      for (uint p = points.x; p < points.y; ++p) {
+        if (contact_found[p] != t) continue;
+        float weight = weight_of(p, contact_entry[e] & 3u);
+        if (first) sum = weight;
+        else sum = sum + weight;
+        first = false;
+      }
+    }
   }
   contact_crowd[i] = sum;
 }

@@ -20,9 +20,9 @@ void main() {
     ContactPush push_out;
     push_out.push = vector_of(contact_place[3u * p + 1u]);
     push_out.normal = vector_of(contact_place[3u * p + 2u]);
-    Vector u = contact_apart(w, zero_vector(), vector_of(velocity[corners.x]), vector_of(velocity[corners.y]),
-                              vector_of(velocity[corners.z]), vector_of(velocity[corners.w]));
-    u = subtract(vector_of(velocity[point.vertex]), u);
+    Vector u = contact_velocity(w, vector_of(velocity[point.vertex]), vector_of(velocity[corners.x]),
+                                vector_of(velocity[corners.y]), vector_of(velocity[corners.z]),
+                                vector_of(velocity[corners.w]));
     float load = load_of(point.vertex) + contact_mean(w, load_of(corners.x), load_of(corners.y), load_of(corners.z),
                                                       load_of(corners.w));
     float strength = with_implicit ? contact_strength_implicit : contact_strength;

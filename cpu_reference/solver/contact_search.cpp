@@ -1,96 +1,21 @@
 #include "cpu_reference/solver/contact_search.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "cpu_reference/solver/contact_meets.h"
 #include "cpu_reference/solver/contact_stages.h"
 
 namespace fascicle::cpu_reference {
 
 namespace {
 
-// Motions and distances are rounded; both are below 4 working units.
-constexpr float rounding = 4e-6f;
-// Distances are taken anew after so many substeps, and when so many points a block have come too near to a
-// leaf to be left out. Neither changes a result.
-constexpr std::uint64_t most_runs = 48;
-constexpr std::uint64_t most_looked_at = 40;
-constexpr std::uint64_t least_runs = 4;
-
-// How far candidates are looked for, in margins. Farther ones would make longer lists, which hold for longer.
-constexpr float reach_in_margins = 0.4f;
+static_assert(shader::contact_leaf == contact_boxes_together &&
+              shader::contact_branch == contact_boxes_together);
 
 constexpr std::size_t sight_stride = 4;
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr ContactBox no_box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-
-bool overlap(const ContactBox& a, const ContactBox& b) {
-  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
-         a.low.z <= b.high.z && b.low.z <= a.high.z;
-}
-
-bool holds(const ContactBox& box, const Place& x) {
-  return overlap(box, {x, x});
-}
-
-float squared(float x, float y, float z) {
-  return x * x + y * y + z * z;
-}
-
-// The square of the most by which two things in these boxes of motions may have moved against each other.
-// What is no number is infinite.
-float squared_motion(const ContactBox& a, const ContactBox& b) {
-  ContactBox both = a;
-  grow(both, b);
-  const float square = squared(both.high.x - both.low.x, both.high.y - both.low.y, both.high.z - both.low.z);
-  return square < infinity ? square : infinity;
-}
-
-// By how much something has moved. What is no number, now or then, may have moved by any amount.
-Place motion_between(const Place& then, const Place& now) {
-  Place by = kernel::subtract<float>(now, then);
-  for (float* part : {&by.x, &by.y, &by.z})
-    if (std::isnan(*part)) *part = infinity;
-  return by;
-}
-
-float distance_to(const ContactBox& box, const Place& x) {
-  const auto along = [](float low, float high, float at) { return std::max({low - at, at - high, 0.0f}); };
-  return std::sqrt(squared(along(box.low.x, box.high.x, x.x), along(box.low.y, box.high.y, x.y),
-                           along(box.low.z, box.high.z, x.z)));
-}
-
-// A plane that a face lies in; `at` grows outward.
-struct Plane {
-  Place normal;
-  float at = 0.0f;
-};
-
-// The planes of a tetrahedron. A flat one has no inside, and its planes are rounding: then there are none.
-struct Planes {
-  std::array<Plane, 4> plane{};
-  std::size_t count = 0;
-};
-Planes planes_of(const std::array<Place, 4>& corner) {
-  constexpr std::array<std::array<std::size_t, 4>, 4> faces{
-      {{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}}};
-  Planes planes;
-  for (const auto& [a, b, c, opposite] : faces) {
-    Place normal = kernel::vector_area<float>(kernel::subtract<float>(corner[b], corner[a]),
-                                              kernel::subtract<float>(corner[c], corner[a]));
-    const float length = std::sqrt(kernel::inner_product<float>(normal, normal));
-    const float inward =
-        kernel::inner_product<float>(kernel::subtract<float>(corner[opposite], corner[a]), normal);
-    if (!(std::abs(inward) > 1e-3f * length * std::sqrt(length))) continue;
-    const float scale = (inward > 0.0f ? -1.0f : 1.0f) / length;
-    normal = {normal.x * scale, normal.y * scale, normal.z * scale};
-    planes.plane[planes.count++] = {normal, kernel::inner_product<float>(normal, corner[a])};
-  }
-  return planes;
-}
 
 // The bits of a number below 2^10 at every third place.
 std::uint32_t spread(std::uint32_t number) {
@@ -116,222 +41,307 @@ std::vector<std::uint32_t> ordered_points(const model::Model& model) {
   return order;
 }
 
+float squared(const Place& v) {
+  return kernel::inner_product<float>(v, v);
+}
+
+// How far two boxes are from each other.
+float squared_distance(const ContactBox& a, const ContactBox& b) {
+  const auto along = [](float low, float high, float other_low, float other_high) {
+    return std::max({low - other_high, other_low - high, 0.0f});
+  };
+  return squared({along(a.low.x, a.high.x, b.low.x, b.high.x), along(a.low.y, a.high.y, b.low.y, b.high.y),
+                  along(a.low.z, a.high.z, b.low.z, b.high.z)});
+}
+
+// One of the boxes that are taken together.
+void put_box(float* boxes, std::uint32_t number, const float* low, const float* high) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    boxes[a * contact_boxes_together + number] = low[a];
+    boxes[(a + 3) * contact_boxes_together + number] = high[a];
+  }
+}
+
+LineVector<float> empty_boxes(std::uint32_t groups) {
+  LineVector<float> boxes(std::size_t{groups} * contact_boxes_stride);
+  for (std::size_t k = 0; k < boxes.size(); ++k)
+    boxes[k] = (k % contact_boxes_stride < contact_boxes_stride / 2 ? 1.0f : -1.0f) *
+               std::numeric_limits<float>::infinity();
+  return boxes;
+}
+
+// Calls use(number of the bit) for each, ascending.
+template <class Use>
+void for_each_bit(std::uint32_t bits, const Use& use) {
+  for (; bits != 0; bits &= bits - 1) use(static_cast<std::uint32_t>(std::countr_zero(bits)));
+}
+
 }  // namespace
 
-ContactSearch::ContactSearch(const model::Model& model) : model_(model), order_(ordered_points(model)) {
+struct ContactSearch::Sight {
+  std::uint32_t block;
+  ContactBounds bounds;
+  PointBits open;  // points that have found nothing yet
+  // As ContactLook has them.
+  alignas(64) std::array<float, 3 * block_size> points;
+};
+
+ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lanes)
+    : model_(model), lanes_(lanes), order_(ordered_points(model)) {
+  for (const std::uint32_t p : order_) order_vertex_.push_back(model.contact[p].vertex);
   sights_.resize(sight_stride * model.vertex_count);
-  blocks_.resize(model::parts_of(static_cast<std::uint32_t>(order_.size()), block_size));
+  // From nowhere, everything may have moved anywhere.
+  sights_before_.assign(sights_.size(), std::numeric_limits<float>::quiet_NaN());
   leaf_offset_.push_back(0);
   for (std::uint32_t leaf = 0; leaf < model.contact_leaf_count(); ++leaf) {
-    const std::size_t first = std::size_t{4} * leaf * shader::contact_leaf,
-                      end = std::min(first + std::size_t{4} * shader::contact_leaf,
-                                     model.contact_tetrahedron.size());
-    std::vector<std::uint32_t> corners(model.contact_tetrahedron.begin() + static_cast<std::ptrdiff_t>(first),
-                                       model.contact_tetrahedron.begin() + static_cast<std::ptrdiff_t>(end));
-    std::sort(corners.begin(), corners.end());
-    leaf_vertex_.insert(leaf_vertex_.end(), corners.begin(), std::unique(corners.begin(), corners.end()));
+    const auto begin = model.contact_tetrahedron.begin() + std::ptrdiff_t{4} * leaf * leaf_size,
+               end = model.contact_tetrahedron.begin() + std::ptrdiff_t{4} * leaf_end(leaf);
+    std::vector<std::uint32_t> vertices(begin, end);
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    for (auto corner = begin; corner != end; ++corner)
+      leaf_corner_.push_back(static_cast<std::uint8_t>(
+          std::lower_bound(vertices.begin(), vertices.end(), *corner) - vertices.begin()));
+    leaf_is_held_.push_back(
+        std::none_of(begin, end, [&](std::uint32_t i) { return model.mobility[i] > 0.0f; }) ? 1 : 0);
+    leaf_vertex_.insert(leaf_vertex_.end(), vertices.begin(), vertices.end());
     leaf_offset_.push_back(static_cast<std::uint32_t>(leaf_vertex_.size()));
   }
-  for (std::vector<float>* boxes : {&leaf_box_, &leaf_box_then_, &leaf_motion_})
-    boxes->resize(6 * std::size_t{model.contact_leaf_count()});
-  branch_box_.resize(6 * std::size_t{model.contact_branch_count()});
+  leaf_box_ = leaf_motion_ = empty_boxes(model.contact_branch_count());
+  branch_box_ = empty_boxes(model::parts_of(model.contact_branch_count(), contact_boxes_together));
+  blocks_.resize(model::parts_of(static_cast<std::uint32_t>(order_.size()), block_size));
+  for (std::size_t b = 0; b < blocks_.size(); ++b)
+    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
+      const auto bit = static_cast<PointBits>(1U << (k - block_begin(b)));
+      blocks_[b].points |= bit;
+      if (model.mobility[order_vertex_[k]] > 0.0f) blocks_[b].mobile |= bit;
+    }
+  find_near_at_rest();
+}
+
+std::uint32_t ContactSearch::block_end(std::size_t block) const {
+  return std::min(block_begin(block) + block_size, static_cast<std::uint32_t>(order_.size()));
+}
+
+std::uint32_t ContactSearch::leaf_end(std::uint32_t leaf) const {
+  return std::min((leaf + 1) * leaf_size, model_.contact_tetrahedron_count());
+}
+
+void ContactSearch::find_near_at_rest() {
+  const auto rest_box = [&](std::uint32_t number) {
+    const float* from = model_.contact_rest_box.data() + 8 * std::size_t{number};
+    return ContactBox{place_at(from), place_at(from + 4)};
+  };
+  const std::uint32_t leaves = model_.contact_leaf_count();
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    ContactBox box = empty_contact_box;
+    float margin = 0.0f;
+    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
+      const Place x = rest_sight(model_, order_vertex_[k]);
+      grow(box, {x, x});
+      margin = std::max(margin, model_.contact[order_[k]].margin);
+    }
+    const auto is_far = [&](std::uint32_t number) {
+      return squared_distance(box, rest_box(number)) > margin * margin;
+    };
+    for (std::uint32_t leaf = 0; leaf < leaves; ++leaf) {
+      if (leaf % shader::contact_branch == 0 && is_far(leaves + leaf / shader::contact_branch)) {
+        leaf += shader::contact_branch - 1;
+        continue;
+      }
+      if (is_far(leaf)) continue;
+      const std::array<PointBits, leaf_size> relevant = relevant_at_rest(b, leaf);
+      const auto first = relevant.begin(), last = first + (leaf_end(leaf) - leaf * leaf_size);
+      if (std::all_of(first, last, [&](PointBits of) { return of == blocks_[b].points; })) continue;
+      blocks_[b].near.push_back({leaf, relevant_.size()});
+      relevant_.insert(relevant_.end(), relevant.begin(), relevant.end());
+    }
+  }
+}
+
+// Of each of a leaf's tetrahedra the points that may meet it. One whose corners all lie nearer to a point at
+// rest than its margin does not (kernel::contact_is_near has the reason for the 0.99), unless all are across
+// a gap.
+std::array<ContactSearch::PointBits, ContactSearch::leaf_size> ContactSearch::relevant_at_rest(
+    std::uint32_t block, std::uint32_t leaf) const {
+  constexpr std::size_t most_vertices = std::size_t{4} * leaf_size;
+  std::array<PointBits, most_vertices> near{}, across{}, moved_by{};
+  const PointBits points = blocks_[block].points;
+  for (std::uint32_t k = block_begin(block); k < block_end(block); ++k) {
+    const auto bit = static_cast<PointBits>(1U << (k - block_begin(block)));
+    const shader::ContactPoint& point = model_.contact[order_[k]];
+    const auto first_near = model_.contact_near.begin() + point.first_near;
+    const Place x = rest_sight(model_, point.vertex);
+    for (std::uint32_t v = leaf_offset_[leaf]; v < leaf_offset_[leaf + 1]; ++v) {
+      const std::uint32_t i = leaf_vertex_[v];
+      const std::size_t at = v - leaf_offset_[leaf];
+      if (squared(kernel::subtract<float>(rest_sight(model_, i), x)) < 0.99f * (point.margin * point.margin))
+        near[at] |= bit;
+      if (std::binary_search(first_near, first_near + point.near_count, i)) across[at] |= bit;
+      moved_by[at] = model_.mobility[i] > 0.0f ? points : blocks_[block].mobile;
+    }
+  }
+  std::array<PointBits, leaf_size> relevant{};
+  for (std::uint32_t t = leaf * leaf_size; t < leaf_end(leaf); ++t) {
+    PointBits all_near = points, all_across = points, moved = 0;
+    for (std::size_t c = 4 * std::size_t{t}; c < 4 * std::size_t{t} + 4; ++c) {
+      all_near &= near[leaf_corner_[c]];
+      all_across &= across[leaf_corner_[c]];
+      moved |= moved_by[leaf_corner_[c]];
+    }
+    relevant[t - leaf * leaf_size] = static_cast<PointBits>(moved & (~all_near | all_across));
+  }
+  return relevant;
 }
 
 void ContactSearch::run(const SubstepInput& in, Fields& fields, ThreadPool& pool) {
-  if (is_due()) {
-    has_distances_ = false;
-    for (Block& block : blocks_) block = {};
-    runs_since_ = 0;
-  }
-  ++runs_since_;
   look(in, fields, pool);
-  find(fields, pool);
+  pool.run(static_cast<std::uint32_t>(blocks_.size()), [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t block = first; block < last; ++block) find_in_block(block, fields);
+  });
   press(in, fields);
 }
 
-bool ContactSearch::is_due() const {
-  if (runs_since_ < least_runs) return false;
-  std::uint64_t looked_at = 0;
-  for (const Block& block : blocks_) looked_at += block.looked_at;
-  return runs_since_ >= most_runs || looked_at > most_looked_at * runs_since_ * blocks_.size();
-}
-
-// Where everything is, and how far the leaves have moved since the distances were taken.
+// Where everything is, and how the leaves have moved.
 void ContactSearch::look(const SubstepInput& in, const Fields& fields, ThreadPool& pool) {
+  std::swap(sights_, sights_before_);
   pool.run(model_.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t i = first; i < last; ++i)
       put_place(sights_.data() + sight_stride * i, contact_sight(model_, in, fields, i));
   });
-  const bool takes_distances = !has_distances_;
-  if (takes_distances) sights_then_ = sights_;
-  has_distances_ = true;
-  pool.run(model_.contact_leaf_count(), [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t leaf = first; leaf < last; ++leaf) {
-      ContactBox box = no_box, motion = no_box;
-      for (std::uint32_t k = leaf_offset_[leaf]; k < leaf_offset_[leaf + 1]; ++k) {
-        const std::size_t at = sight_stride * leaf_vertex_[k];
-        const Place x = place_at(sights_.data() + at);
-        const Place by = motion_between(place_at(sights_then_.data() + at), x);
-        grow(box, {x, x});
-        grow(motion, {by, by});
-      }
-      put_contact_box(leaf_box_, leaf, box);
-      if (takes_distances) put_contact_box(leaf_box_then_, leaf, box);
-      put_contact_box(leaf_motion_, leaf, motion);
-    }
-  });
-  for (std::uint32_t branch = 0; branch < model_.contact_branch_count(); ++branch)
-    put_contact_box(branch_box_, branch, contact_branch_box(model_, branch, leaf_box_));
-}
-
-void ContactSearch::find(Fields& fields, ThreadPool& pool) {
-  pool.run(static_cast<std::uint32_t>(blocks_.size()), [&](std::uint32_t first, std::uint32_t last) {
-    for (std::uint32_t block = first; block < last; ++block) find_in_block(block, fields);
+  pool.run(model_.contact_branch_count(), [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t branch = first; branch < last; ++branch) bound_branch(branch);
   });
 }
 
-Place ContactSearch::sight_of(std::uint32_t vertex) const {
-  return place_at(sights_.data() + sight_stride * vertex);
+ContactBounds ContactSearch::bounds_of(const std::uint32_t* vertices, std::uint32_t count) const {
+  ContactBounds bounds;
+  lanes_.bound({.now = sights_.data(), .before = sights_before_.data(), .vertex = vertices, .count = count},
+               bounds);
+  return bounds;
 }
 
-// Since the distances were taken.
-Place ContactSearch::motion_of(std::uint32_t vertex) const {
-  return motion_between(place_at(sights_then_.data() + sight_stride * vertex), sight_of(vertex));
+void ContactSearch::bound_branch(std::uint32_t branch) {
+  const std::uint32_t begin = branch * shader::contact_branch,
+                      end = std::min(begin + shader::contact_branch, model_.contact_leaf_count());
+  float* boxes = leaf_box_.data() + std::size_t{branch} * contact_boxes_stride;
+  float* motions = leaf_motion_.data() + std::size_t{branch} * contact_boxes_stride;
+  ContactBox all = empty_contact_box;
+  for (std::uint32_t leaf = begin; leaf < end; ++leaf) {
+    const ContactBounds bounds =
+        bounds_of(leaf_vertex_.data() + leaf_offset_[leaf], leaf_offset_[leaf + 1] - leaf_offset_[leaf]);
+    put_box(boxes, leaf - begin, bounds.low, bounds.high);
+    put_box(motions, leaf - begin, bounds.least, bounds.most);
+    grow(all, {place_at(bounds.low), place_at(bounds.high)});
+  }
+  const std::array<float, 6> box{all.low.x, all.low.y, all.low.z, all.high.x, all.high.y, all.high.z};
+  put_box(branch_box_.data() + std::size_t{branch / contact_boxes_together} * contact_boxes_stride,
+          branch % contact_boxes_together, box.data(), box.data() + 3);
 }
 
 // Leaves come in ascending order, so that a point's first find is that of the lowest number.
-void ContactSearch::find_in_block(std::uint32_t block, Fields& fields) {
-  const auto count = static_cast<std::uint32_t>(order_.size());
-  const std::uint32_t begin = block * block_size, end = std::min(begin + block_size, count);
-  ContactBox box = no_box, motion = no_box;
+void ContactSearch::find_in_block(std::uint32_t number, Fields& fields) {
+  Block& block = blocks_[number];
+  const std::uint32_t begin = block_begin(number), end = block_end(number);
+  Sight sight{.block = number,
+              .bounds = bounds_of(order_vertex_.data() + begin, end - begin),
+              .open = block.points,
+              .points = {}};
+  sight.points.fill(std::numeric_limits<float>::infinity());
   for (std::uint32_t k = begin; k < end; ++k) {
-    const std::uint32_t vertex = model_.contact[order_[k]].vertex;
-    const Place x = sight_of(vertex), by = motion_of(vertex);
-    grow(box, {x, x});
-    grow(motion, {by, by});
+    for (std::size_t a = 0; a < 3; ++a)
+      sight.points[a * block_size + (k - begin)] = sights_[sight_stride * order_vertex_[k] + a];
     fields.contact_found[order_[k]] = shader::no_contact;
   }
-  std::vector<Pair>& pairs = blocks_[block].pairs;
   std::size_t at = 0;
-  const std::uint32_t leaves = model_.contact_leaf_count();
-  for (std::uint32_t branch = 0; branch < model_.contact_branch_count(); ++branch) {
-    if (!overlap(box, contact_box_at(branch_box_, branch))) continue;
-    const std::uint32_t last = std::min((branch + 1) * shader::contact_branch, leaves);
-    for (std::uint32_t leaf = branch * shader::contact_branch; leaf < last; ++leaf) {
-      if (!overlap(box, contact_box_at(leaf_box_, leaf))) continue;
-      while (at < pairs.size() && pairs[at].leaf < leaf) ++at;
-      if (at == pairs.size() || pairs[at].leaf != leaf)
-        pairs.insert(pairs.begin() + static_cast<std::ptrdiff_t>(at), make_pair(block, leaf));
-      const Pair& pair = pairs[at];
-      const float nearest = pair.nearest;
-      if (nearest > 0.0f && squared_motion(contact_box_at(leaf_motion_, leaf), motion) < nearest * nearest)
-        continue;
-      find_in_pair(block, pair, fields);
-    }
-  }
-}
-
-void ContactSearch::find_in_pair(std::uint32_t block, const Pair& pair, Fields& fields) {
-  const auto place_of = [&](std::uint32_t i) { return sight_of(i); };
-  const auto count = static_cast<std::uint32_t>(order_.size());
-  const std::uint32_t begin = block * block_size, end = std::min(begin + block_size, count);
-  const ContactBox box = contact_box_at(leaf_box_, pair.leaf),
-                   motion = contact_box_at(leaf_motion_, pair.leaf);
-  const std::uint32_t leaf_begin = pair.leaf * shader::contact_leaf,
-                      leaf_size =
-                          std::min(shader::contact_leaf, model_.contact_tetrahedron_count() - leaf_begin);
-  for (std::uint32_t k = begin; k < end; ++k) {
-    const std::uint32_t p = order_[k];
-    if (fields.contact_found[p] != shader::no_contact) continue;
-    const std::uint32_t vertex = model_.contact[p].vertex;
-    const Place x = sight_of(vertex), by = motion_of(vertex);
-    if (!holds(box, x)) continue;
-    const float square = squared_motion(motion, {by, by});
-    std::uint32_t found = shader::no_contact;
-    const auto look_at = [&](std::uint32_t number) {
-      ++blocks_[block].looked_at;
-      if (leaf_begin + number < found && contact_meets(model_, fields, p, x, leaf_begin + number, place_of))
-        found = leaf_begin + number;
-    };
-    if (!(square < pair.others * pair.others)) {
-      for (std::uint32_t number = 0; number < leaf_size && found == shader::no_contact; ++number)
-        look_at(number);
-    } else {
-      for (std::uint32_t c = pair.first[k - begin]; c < pair.first[k - begin + 1]; ++c) {
-        const Candidate& candidate = pair.candidates[c];
-        if (candidate.distance > 0.0f && square < candidate.distance * candidate.distance) break;
-        look_at(candidate.number);
+  for (std::uint32_t first = 0; first < model_.contact_branch_count(); first += contact_boxes_together) {
+    const float* boxes =
+        branch_box_.data() + std::size_t{first} * (contact_boxes_stride / contact_boxes_together);
+    for_each_bit(lanes_.overlap(boxes, sight.bounds), [&](std::uint32_t bit) {
+      while (at < block.branches.size() && block.branches[at].number < first + bit) drop(block, at);
+      if (at == block.branches.size() || block.branches[at].number != first + bit) {
+        Branch made{.number = first + bit};
+        made.pair.fill(nothing);
+        block.branches.insert(block.branches.begin() + static_cast<std::ptrdiff_t>(at), made);
       }
-    }
-    fields.contact_found[p] = found;
+      find_in_branch(block.branches[at++], sight, fields);
+    });
   }
+  while (at < block.branches.size()) drop(block, at);
 }
 
-ContactSearch::Pair ContactSearch::make_pair(std::uint32_t block, std::uint32_t leaf) const {
-  Pair pair;
-  pair.leaf = leaf;
-  const auto count = static_cast<std::uint32_t>(order_.size());
-  const std::uint32_t begin = block * block_size, size = std::min(block_size, count - begin);
-  const auto then = [&](std::uint32_t i) { return place_at(sights_then_.data() + sight_stride * i); };
-  ContactBox box = no_box;
-  float margin = 0.0f;
-  for (std::uint32_t k = 0; k < size; ++k) {
-    const shader::ContactPoint& point = model_.contact[order_[begin + k]];
-    const Place x = then(point.vertex);
-    grow(box, {x, x});
-    margin = std::max(margin, point.margin);
+// What moves unseen has no distance.
+void ContactSearch::drop(Block& block, std::size_t branch) {
+  const auto place = block.branches.begin() + static_cast<std::ptrdiff_t>(branch);
+  for (const std::uint32_t pair : place->pair)
+    if (pair != nothing) block.unused.push_back(pair);
+  block.branches.erase(place);
+}
+
+void ContactSearch::find_in_branch(Branch& branch, Sight& sight, Fields& fields) {
+  const std::size_t at = std::size_t{branch.number} * contact_boxes_stride;
+  const LeafBits leaves = lanes_.approach({.boxes = leaf_box_.data() + at,
+                                           .motions = leaf_motion_.data() + at,
+                                           .points = &sight.bounds,
+                                           .nearest = branch.nearest.data(),
+                                           .gone = branch.gone.data()});
+  // There are some megabytes of these in a body: asked for before the first is needed.
+  const Block& block = blocks_[sight.block];
+  for_each_bit(leaves, [&](std::uint32_t leaf) {
+    if (branch.pair[leaf] == nothing) return;
+    __builtin_prefetch(&block.pairs[branch.pair[leaf]]);
+    __builtin_prefetch(block.relevant[branch.pair[leaf]]);
+  });
+  for_each_bit(leaves, [&](std::uint32_t leaf) {
+    if (sight.open != 0) find_in_leaf(branch, leaf, sight, fields);
+  });
+}
+
+void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& sight, Fields& fields) {
+  Block& block = blocks_[sight.block];
+  const std::uint32_t leaf = branch.number * shader::contact_branch + number, begin = leaf * leaf_size;
+  if (branch.pair[number] == nothing) branch.pair[number] = make_pair(block, leaf);
+  const std::uint32_t place = branch.pair[number];
+  ContactLook look{.points = sight.points.data(),
+                   .places = sights_.data(),
+                   .corners = model_.contact_tetrahedron.data() + std::size_t{4} * begin,
+                   .relevant = block.relevant[place],
+                   .all = leaf_is_held_[leaf] != 0 ? block.mobile : block.points,
+                   .tetrahedra = ~LeafBits{0} >> (leaf_size - (leaf_end(leaf) - begin)),
+                   .gone = branch.gone[number],
+                   .apart = block.pairs[place].apart.data(),
+                   .nearest = 0.0f,
+                   .hits = 0,
+                   .inside = {}};
+  lanes_.look(look);
+  branch.nearest[number] = look.nearest;
+  branch.gone[number] = 0.0f;
+  const auto place_of = [&](std::uint32_t i) { return place_at(sights_.data() + sight_stride * i); };
+  for_each_bit(look.hits, [&](std::uint32_t t) {
+    for_each_bit(look.inside[t] & sight.open, [&](std::uint32_t bit) {
+      const std::uint32_t p = order_[block_begin(sight.block) + bit];
+      if (!contact_meets(model_, fields, p, place_of(model_.contact[p].vertex), begin + t, place_of)) return;
+      fields.contact_found[p] = begin + t;
+      sight.open &= static_cast<PointBits>(~(1U << bit));
+    });
+  });
+}
+
+// Nothing is known of it: no tetrahedron is any distance away.
+std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
+  if (block.unused.empty()) {
+    block.unused.push_back(static_cast<std::uint32_t>(block.pairs.size()));
+    block.pairs.emplace_back();
+    block.relevant.push_back(nullptr);
   }
-  const float reach = reach_in_margins * margin;
-  pair.others = reach - rounding;
-  pair.nearest = pair.others;
-  std::array<std::vector<Candidate>, block_size> of_point;
-  const std::uint32_t first = leaf * shader::contact_leaf,
-                      last = std::min(first + shader::contact_leaf, model_.contact_tetrahedron_count());
-  for (std::uint32_t t = first; t < last; ++t) {
-    const auto corners = corners_of(model_, t);
-    std::array<Place, 4> places{};
-    ContactBox around = no_box;
-    bool corner_moves = false;
-    for (std::size_t c = 0; c < 4; ++c) {
-      places[c] = then(corners[c]);
-      grow(around, {places[c], places[c]});
-      corner_moves = corner_moves || model_.mobility[corners[c]] > 0.0f;
-    }
-    const ContactBox grown{{around.low.x - reach, around.low.y - reach, around.low.z - reach},
-                           {around.high.x + reach, around.high.y + reach, around.high.z + reach}};
-    if (!overlap(grown, box)) continue;
-    Planes planes;
-    bool has_planes = false;
-    for (std::uint32_t k = 0; k < size; ++k) {
-      const shader::ContactPoint& point = model_.contact[order_[begin + k]];
-      if (!corner_moves && !(model_.mobility[point.vertex] > 0.0f)) continue;
-      const Place x = then(point.vertex);
-      if (!holds(grown, x)) continue;
-      const auto is_near = [&](std::uint32_t i) {
-        const Place apart = kernel::subtract<float>(rest_sight(model_, i), rest_sight(model_, point.vertex));
-        return squared(apart.x, apart.y, apart.z) < 0.99f * (point.margin * point.margin);
-      };
-      if (point.near_count == 0 && std::all_of(corners.begin(), corners.end(), is_near)) continue;
-      if (!has_planes) planes = planes_of(places);
-      has_planes = true;
-      float distance = distance_to(around, x);
-      for (std::size_t f = 0; f < planes.count; ++f)
-        distance =
-            std::max(distance, kernel::inner_product<float>(planes.plane[f].normal, x) - planes.plane[f].at);
-      // What is no number is no distance.
-      distance = distance < infinity ? distance - rounding : 0.0f;
-      if (distance >= pair.others) continue;
-      of_point[k].push_back({t - first, distance});
-    }
-  }
-  for (std::uint32_t k = 0; k < block_size; ++k) {
-    std::sort(of_point[k].begin(), of_point[k].end(),
-              [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-    if (!of_point[k].empty()) pair.nearest = std::min(pair.nearest, of_point[k].front().distance);
-    pair.candidates.insert(pair.candidates.end(), of_point[k].begin(), of_point[k].end());
-    pair.first[k + 1] = static_cast<std::uint16_t>(pair.candidates.size());
-  }
-  return pair;
+  const std::uint32_t place = block.unused.back();
+  block.unused.pop_back();
+  block.pairs[place] = {};
+  const auto near = std::lower_bound(block.near.begin(), block.near.end(), leaf,
+                                     [](const Near& of, std::uint32_t number) { return of.leaf < number; });
+  const bool is_near = near != block.near.end() && near->leaf == leaf;
+  block.relevant[place] = is_near ? relevant_.data() + near->first : nullptr;
+  return place;
 }
 
 // There are few contacts: one thread takes them tetrahedron by tetrahedron, which for every vertex is the
@@ -349,11 +359,15 @@ void ContactSearch::press(const SubstepInput& in, Fields& fields) {
   const auto weights_of = [&](std::uint32_t p) {
     return fields.contact_place.data() + contact_place_stride * p;
   };
+  // Negative as long as there is no sum.
   for (const auto& [t, p] : found_)
-    for (const std::uint32_t i : corners_of(model_, t)) crowd[i] = 0.0f;
+    for (const std::uint32_t i : corners_of(model_, t)) crowd[i] = -1.0f;
   for (const auto& [t, p] : found_) crowd[model_.contact[p].vertex] = 1.0f;
   for (const auto& [t, p] : found_)
-    for (std::size_t k = 0; k < 4; ++k) crowd[corners_of(model_, t)[k]] += weights_of(p)[k];
+    for (std::size_t k = 0; k < 4; ++k) {
+      float& sum = crowd[corners_of(model_, t)[k]];
+      sum = sum < 0.0f ? weights_of(p)[k] : sum + weights_of(p)[k];
+    }
   for (const auto& [t, p] : found_) contact_press(model_, in, fields, {p, p + 1});
 
   // Until the last loop `pressed` holds sums, and its fourth number tells whether there is one.

@@ -1,16 +1,18 @@
 // Stage contact as CpuSolver runs it: the contacts and the bits of contact_stages.h, found by a shorter way.
 //
 // Points are taken in blocks that lie near each other, tetrahedra in the leaves of the plain search. Where
-// the boxes of a block and a leaf overlap, the distance of each of the block's points to the leaf's
-// tetrahedra is kept, as it was at a time in the past. As long as nothing in the two has moved by that much
-// against each other since then, there is no contact between them. Most of a body's surface lies close to
-// flesh that moves with it, and is done with by that.
+// the boxes of a block and a leaf overlap, it is kept how far, at least, the block's points were from the
+// boxes of the leaf's tetrahedra, along any axis, and by how much the two may have come nearer since then. As
+// long as something is left there is no contact between them. Most of a body's surface lies close to flesh
+// that moves with it, and is done with by that. A point and a tetrahedron that lie within the margin at rest
+// are left out from the beginning.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "cpu_reference/solver/contact_lanes.h"
 #include "cpu_reference/solver/contact_meets.h"
 #include "cpu_reference/solver/fields.h"
 #include "cpu_reference/solver/stages.h"
@@ -22,59 +24,80 @@ namespace fascicle::cpu_reference {
 class ContactSearch {
  public:
   // The model has contact and must outlive the search.
-  explicit ContactSearch(const model::Model& model);
+  ContactSearch(const model::Model& model, const ContactLanes& lanes);
 
-  // The whole stage: contact_found, contact_place, contact_impulse and pressed, and contact_crowd of vertices
-  // that take part in a contact.
+  // The whole stage: contact_found, pressed, and of what takes part in a contact contact_place,
+  // contact_impulse and contact_crowd.
   void run(const SubstepInput& in, Fields& fields, ThreadPool& pool);
 
  private:
-  // Points that are taken together.
-  static constexpr std::uint32_t block_size = 16;
-  // A tetrahedron that was near to a point: its number in the leaf, and how far the two were apart at least.
-  struct Candidate {
-    std::uint32_t number;
-    float distance;
+  static constexpr std::uint32_t block_size = contact_points_together, leaf_size = shader::contact_leaf;
+  // A bit a point of a block, a bit a tetrahedron of a leaf.
+  using PointBits = std::uint16_t;
+  using LeafBits = std::uint32_t;
+  static constexpr std::uint32_t nothing = ~std::uint32_t{0};
+
+  // A leaf some of whose tetrahedra lie near some of a block's points at rest.
+  struct Near {
+    std::uint32_t leaf;
+    std::size_t first;  // of relevant_, one a tetrahedron
   };
-  // A block and a leaf. The candidates of each point, nearest first; what a point may meet in the leaf beside
-  // them was no nearer than `others`.
-  struct Pair {
-    std::uint32_t leaf = 0;
-    float nearest = 0.0f;  // of all points
-    float others = 0.0f;
-    std::array<std::uint16_t, block_size + 1> first{};
-    std::vector<Candidate> candidates;
+  // A block and a leaf that were looked at.
+  struct alignas(64) Pair {
+    std::array<std::uint16_t, leaf_size> apart{};  // as in ContactLook
+  };
+  // A block and the leaves of a branch, while their boxes overlap. Leaf by leaf: as in ContactApproach; the
+  // place of the pair, or `nothing`.
+  struct Branch {
+    std::uint32_t number = 0;
+    std::array<float, shader::contact_branch> nearest{}, gone{};
+    std::array<std::uint32_t, shader::contact_branch> pair{};
   };
   struct Block {
-    std::vector<Pair> pairs;      // by ascending leaf
-    std::uint64_t looked_at = 0;  // pairs of a point and a tetrahedron that had come too near to be left out
+    PointBits points = 0, mobile = 0;
+    std::vector<Near> near;        // by ascending leaf
+    std::vector<Branch> branches;  // by ascending number
+    std::vector<Pair> pairs;
+    std::vector<const PointBits*> relevant;  // of each pair, as in ContactLook
+    std::vector<std::uint32_t> unused;       // places of pairs
   };
+  // A block in the substep that is at work.
+  struct Sight;
   struct Found {
     std::uint32_t tetrahedron, point;
     auto operator<=>(const Found&) const = default;
   };
 
+  std::uint32_t block_begin(std::size_t block) const {
+    return static_cast<std::uint32_t>(block) * block_size;
+  }
+  std::uint32_t block_end(std::size_t block) const;
+  std::uint32_t leaf_end(std::uint32_t leaf) const;
+  void find_near_at_rest();
+  std::array<PointBits, leaf_size> relevant_at_rest(std::uint32_t block, std::uint32_t leaf) const;
+
   void look(const SubstepInput& in, const Fields& fields, ThreadPool& pool);
-  bool is_due() const;
-  void find(Fields& fields, ThreadPool& pool);
+  ContactBounds bounds_of(const std::uint32_t* vertices, std::uint32_t count) const;
+  void bound_branch(std::uint32_t branch);
   void find_in_block(std::uint32_t block, Fields& fields);
-  void find_in_pair(std::uint32_t block, const Pair& pair, Fields& fields);
-  Pair make_pair(std::uint32_t block, std::uint32_t leaf) const;
-  Place sight_of(std::uint32_t vertex) const;
-  Place motion_of(std::uint32_t vertex) const;
+  static void drop(Block& block, std::size_t branch);
+  void find_in_branch(Branch& branch, Sight& sight, Fields& fields);
+  void find_in_leaf(Branch& branch, std::uint32_t leaf, Sight& sight, Fields& fields);
+  std::uint32_t make_pair(Block& block, std::uint32_t leaf) const;
   void press(const SubstepInput& in, Fields& fields);
 
   const model::Model& model_;
-  std::vector<std::uint32_t> order_;                      // points, block by block
+  const ContactLanes& lanes_;
+  std::vector<std::uint32_t> order_, order_vertex_;       // points, block by block; their vertices
   std::vector<std::uint32_t> leaf_offset_, leaf_vertex_;  // the vertices of each leaf
-  LineVector<float> sights_;                              // 4 a vertex: where the stage looks for it
-  LineVector<float> sights_then_;                         // the same at the time of the distances
+  std::vector<std::uint8_t> leaf_corner_;  // of each corner, which of its leaf's vertices it is
+  std::vector<char> leaf_is_held_;         // none of its vertices can move by itself
+  std::vector<PointBits> relevant_;
   std::vector<Block> blocks_;
-  // Six floats a box: where a leaf, a branch and a block are; where leaves were then; how far leaves and
-  // blocks have moved since.
-  std::vector<float> leaf_box_, branch_box_, leaf_box_then_, leaf_motion_;
-  std::uint64_t runs_since_ = 0;
-  bool has_distances_ = false;
+  LineVector<float> sights_, sights_before_;  // 4 a vertex: where the stage looks for it; a substep before
+  // Boxes as ContactLanes takes them: of leaves where they are and how they moved, a branch after the other;
+  // of branches.
+  LineVector<float> leaf_box_, leaf_motion_, branch_box_;
   std::vector<Found> found_;
   std::vector<std::uint32_t> touched_;  // vertices that pressed is not 0 of
 };

@@ -20,13 +20,19 @@ bool is_found(const Model& model, const Fields& fields, std::uint32_t p) {
   return fields.contact_found[p] < model.contact_tetrahedron_count();
 }
 
-// The points that may have found tetrahedron t.
-Range points_of(const Model& model, const Fields& fields, std::uint32_t t) {
+// The blocks of points that may have found tetrahedron t.
+Range blocks_of(const Model& model, const Fields& fields, std::uint32_t t) {
   const std::uint32_t* blocks = fields.contact_blocks.data() + 2 * std::size_t{t / shader::contact_leaf};
-  const auto count = static_cast<std::uint32_t>(model.contact.size());
   // Without a find the first block is the number of blocks, and the range empty.
-  return {std::min(blocks[0], model.contact_block_count()) * shader::contact_block,
-          std::min(std::min(blocks[1], model.contact_block_count()) * shader::contact_block, count)};
+  return {blocks[0], std::min(blocks[1], model.contact_block_count())};
+}
+
+// A block's points, if one of them may have found tetrahedron t.
+Range points_of(const Model& model, const Fields& fields, std::uint32_t block, std::uint32_t t) {
+  const std::uint32_t* range = fields.contact_range.data() + 2 * std::size_t{block};
+  if (t < range[0] || t > range[1]) return {0, 0};
+  return {block * shader::contact_block,
+          std::min((block + 1) * shader::contact_block, static_cast<std::uint32_t>(model.contact.size()))};
 }
 
 // Calls use(point, weight) for each contact of a tetrahedron at vertex i.
@@ -34,9 +40,12 @@ template <class Use>
 void for_each_contact_at(const Model& model, const Fields& fields, std::uint32_t i, const Use& use) {
   for (std::uint32_t e = model.contact_offset[i]; e < model.contact_offset[i + 1]; ++e) {
     const std::uint32_t t = model.contact_entry[e] / 4, corner = model.contact_entry[e] % 4;
-    const Range points = points_of(model, fields, t);
-    for (std::uint32_t p = points.first; p < points.last; ++p)
-      if (fields.contact_found[p] == t) use(p, fields.contact_place[10 * std::size_t{p} + corner]);
+    const Range blocks = blocks_of(model, fields, t);
+    for (std::uint32_t block = blocks.first; block < blocks.last; ++block) {
+      const Range points = points_of(model, fields, block, t);
+      for (std::uint32_t p = points.first; p < points.last; ++p)
+        if (fields.contact_found[p] == t) use(p, fields.contact_place[contact_place_stride * p + corner]);
+    }
   }
 }
 
@@ -125,8 +134,12 @@ void contact_crowd(const Model& model, const SubstepInput&, Fields& fields, Rang
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     float sum = 0.0f;
     const std::uint32_t own = model.contact_number[i];
-    if (own != shader::no_contact && is_found(model, fields, own)) sum = 1.0f;
-    for_each_contact_at(model, fields, i, [&](std::uint32_t, float weight) { sum += weight; });
+    bool is_first = own == shader::no_contact || !is_found(model, fields, own);
+    if (!is_first) sum = 1.0f;
+    for_each_contact_at(model, fields, i, [&](std::uint32_t, float weight) {
+      sum = is_first ? weight : sum + weight;
+      is_first = false;
+    });
     fields.contact_crowd[i] = sum;
   }
 }
@@ -141,12 +154,11 @@ void contact_press(const Model& model, const SubstepInput& in, Fields& fields, R
     if (is_found(model, fields, p)) {
       const shader::ContactPoint& point = model.contact[p];
       const auto corner = corners_of(model, fields.contact_found[p]);
-      const float* place = fields.contact_place.data() + 10 * std::size_t{p};
+      const float* place = fields.contact_place.data() + contact_place_stride * p;
       const kernel::ContactWeights<float> weights{place[0], place[1], place[2], place[3]};
-      const Place of_flesh = kernel::contact_apart<float>(
-          weights, {0.0f, 0.0f, 0.0f}, velocity_of(fields, corner[0]), velocity_of(fields, corner[1]),
-          velocity_of(fields, corner[2]), velocity_of(fields, corner[3]));
-      const Place velocity = kernel::subtract<float>(velocity_of(fields, point.vertex), of_flesh);
+      const Place velocity = kernel::contact_velocity<float>(
+          weights, velocity_of(fields, point.vertex), velocity_of(fields, corner[0]),
+          velocity_of(fields, corner[1]), velocity_of(fields, corner[2]), velocity_of(fields, corner[3]));
       const float all =
           load(point.vertex) + kernel::contact_mean<float>(weights, load(corner[0]), load(corner[1]),
                                                            load(corner[2]), load(corner[3]));

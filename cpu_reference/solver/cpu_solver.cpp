@@ -67,7 +67,8 @@ class CpuSolver : public model::Solver {
       slices_ = make_slices(model, fields_.memory);
       fill_constants(model, slices_, fields_);
     }
-    if (model.has_contact()) contacts_.emplace(model);
+    if (model.has_contact())
+      contacts_.emplace(model, (lanes_ != nullptr ? lanes_ : baseline_lane_stages())->contact);
     // Last, as it makes do with what memory is left.
     pool_.emplace(threads);
     if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)

@@ -26,17 +26,20 @@ void size_fields(const model::Model& model, Fields& fields) {
     fields.load.resize(model.vertex_count);
   }
   if (model.has_contact()) {
-    fields.contact_box.resize(6 * std::size_t{model.contact_leaf_count()});
-    fields.contact_branch_box.resize(6 * std::size_t{model.contact_branch_count()});
     fields.contact_found.assign(model.contact.size(), shader::no_contact);
     fields.contact_place.resize(10 * model.contact.size());
-    fields.contact_range.resize(2 * std::size_t{model.contact_block_count()});
-    fields.contact_blocks.resize(2 * std::size_t{model.contact_leaf_count()});
     fields.contact_crowd.resize(model.vertex_count);
     fields.contact_impulse.resize(3 * model.contact.size());
     fields.pressed.resize(vector_stride * n);
   }
   fields.surface.resize(3 * std::size_t{model.surface_count()});
+}
+
+void size_plain_contact_fields(const model::Model& model, Fields& fields) {
+  fields.contact_box.resize(6 * std::size_t{model.contact_leaf_count()});
+  fields.contact_branch_box.resize(6 * std::size_t{model.contact_branch_count()});
+  fields.contact_range.resize(2 * std::size_t{model.contact_block_count()});
+  fields.contact_blocks.resize(2 * std::size_t{model.contact_leaf_count()});
 }
 
 Column vectors_of(const Floats& field) {

@@ -85,18 +85,21 @@ struct Fields {
   std::vector<std::uint32_t> term_place;
   std::vector<float> terms;
   std::vector<float> load;  // 1: how many of the vertex's tetrahedra lack volume, times its mobility
-  // Of a model with contact, else empty. Boxes are six floats: least, most.
+  // Of a model with contact, else empty.
+  std::vector<std::uint32_t> contact_found;  // 1 a ContactPoint
+  std::vector<float> contact_place;          // 10 a point: weights, push, normal
+  std::vector<float> contact_crowd;          // 1: S
+  std::vector<float> contact_impulse;        // 3 a point: J
+  Floats pressed{memory};                    // 4: accelerations by contact
+  // The same, of the stage's plain form alone. Boxes are six floats: least, most.
   std::vector<float> contact_box, contact_branch_box;        // of a leaf, of a branch
-  std::vector<std::uint32_t> contact_found;                  // 1 a ContactPoint
-  std::vector<float> contact_place;                          // 10 a point: weights, push, normal
   std::vector<std::uint32_t> contact_range, contact_blocks;  // 2 a block of points, 2 a leaf
-  std::vector<float> contact_crowd;                          // 1: S
-  std::vector<float> contact_impulse;                        // 3 a point: J
-  Floats pressed{memory};                                    // 4: accelerations by contact
 };
 
 // Gives all fields that the model's stages need without a probe their sizes, in whole slices.
 void size_fields(const model::Model& model, Fields& fields);
+// The same for those that contact_stages.h has and CpuSolver does without.
+void size_plain_contact_fields(const model::Model& model, Fields& fields);
 
 // `width` floats of each of `count` items, `stride` apart in a field from `place` on.
 struct Column {

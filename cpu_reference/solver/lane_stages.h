@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "cpu_reference/solver/contact_lanes.h"
 #include "cpu_reference/solver/fields.h"
 #include "cpu_reference/solver/simd.h"
 #include "cpu_reference/solver/slices.h"
@@ -57,11 +58,12 @@ struct LaneInput {
 
 LaneInput lane_input(const model::Model& model, const Slices& slices, const SubstepInput& in, Fields& fields);
 
-// Each takes a range of slices.
+// The stages take a range of slices each.
 struct LaneStages {
   LaneStage skin, region, update, iterate;
   LaneStage predict, integrate;  // of an implicit substep; an explicit one's are in update
   LaneStage lack;                // over slices of limits
+  ContactLanes contact;
 };
 
 // Null for scalar, and where this build has none for the level.

@@ -8,16 +8,20 @@
 #include <optional>
 #include <queue>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "host/base/parallel.h"
+#include "host/base/text.h"
 #include "host/build/boundary.h"
 #include "host/build/box_tree.h"
 #include "host/build/limits.h"
+#include "host/build/message.h"
 #include "host/build/surface_search.h"
 
 namespace fascicle::build {
@@ -31,6 +35,9 @@ using Triangle = std::array<std::uint32_t, 3>;
 // Mean edges of the surface that the margin has. Below two, flesh met its own neighbours where a character's
 // cage is coarse; from three on more volume stays in folds.
 constexpr double margin_edges = 2.0;
+// What a margin may be at most, in diagonals of the body, and in mean edges if that is more: where the mesh
+// is coarse. Every point asks all vertices within some margins.
+constexpr double most_diagonals = 0.1, most_edges = 4.0;
 // How far around a point vertices across a gap are looked for, in margins, and how many times that the way
 // along the flesh must be.
 constexpr double gap_margins = 1.5;
@@ -50,6 +57,25 @@ double mean_edge(const std::vector<Triangle>& triangles, const std::vector<Vecto
   for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) sum += (rest[t[k]] - rest[t[(k + 1) % 3]]).norm();
   return sum / (3.0 * static_cast<double>(triangles.size()));
+}
+
+// Working units.
+double margin_of(const scene::ContactSettings& settings, const std::vector<Vector3d>& rest, double edge,
+                 const std::string& source, double unit) {
+  if (!settings.distance) return margin_edges * edge;
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& p : rest) box.extend(p);
+  const double margin = *settings.distance / unit,
+               most = std::max(most_diagonals * box.diagonal().norm(), most_edges * edge);
+  // A little less than it is, so that it can be given.
+  const auto metres = [&](double length) {
+    return base::number_text(static_cast<float>((1.0 - 1e-6) * length * unit)) + " m";
+  };
+  if (margin > most)
+    fail(source, "contact.distance: " + base::number_text(*settings.distance) +
+                     " m is too far for a body of this size; give at most " + metres(most) +
+                     ", or leave it out for " + metres(margin_edges * edge));
+  return margin;
 }
 
 // Of each vertex the distance to the surface at rest, 0 on it.
@@ -304,8 +330,7 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
   std::vector<char> is_on_surface(model.vertex_count, 0);
   for (const Triangle& t : triangles)
     for (const std::uint32_t i : t) is_on_surface[i] = 1;
-  const double margin =
-      settings.distance ? *settings.distance / model.unit : margin_edges * mean_edge(triangles, rest);
+  const double margin = margin_of(settings, rest, mean_edge(triangles, rest), source, model.unit);
 
   model.contact_depth = depths(triangles, rest, is_on_surface);
   model.contact_tetrahedron = ordered_tetrahedra(model, rest);

@@ -12,7 +12,8 @@ namespace fascicle::build {
 // is filled where the settings say no self-contact, or where no vertex can move.
 //
 // Every vertex of the surface is a point. Flesh does not meet what lies nearer to it at rest than the margin:
-// settings.distance, or where absent twice the mean edge of the surface. But limbs that are near each other
+// settings.distance, or where absent twice the mean edge of the surface. It is refused above a tenth of the
+// body's diagonal and four such edges. But limbs that are near each other
 // at rest and far apart along the flesh (three times as far as they are near) do meet, from the depth on in
 // which they rest.
 void write_contact(const scene::ContactSettings& settings, const std::string& source, model::Model& model);

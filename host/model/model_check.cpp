@@ -225,6 +225,23 @@ void check_contact_points(const Model& m) {
   if (points != m.contact.size()) broken("contact_number", 0, "names a point twice");
 }
 
+// What a box leaves out the plain search may leave out, and no other search would.
+void check_contact_boxes(const Model& m) {
+  const auto must_hold = [&](std::size_t box, const float* low, const float* high) {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (!(m.contact_rest_box[8 * box + a] <= low[a] && high[a] <= m.contact_rest_box[8 * box + 4 + a]))
+        broken("contact_rest_box", 8 * box + a, "leaves out some of what it is around");
+  };
+  for (std::size_t e = 0; e < m.contact_tetrahedron.size(); ++e) {
+    const float* x = m.rest.data() + 3 * std::size_t{m.contact_tetrahedron[e]};
+    must_hold(e / 4 / shader::contact_leaf, x, x);
+  }
+  for (std::size_t leaf = 0; leaf < m.contact_leaf_count(); ++leaf) {
+    const float* box = m.contact_rest_box.data() + 8 * leaf;
+    must_hold(m.contact_leaf_count() + leaf / shader::contact_branch, box, box + 4);
+  }
+}
+
 void check_contact(const Model& m) {
   if (!m.has_contact()) return;
   if (m.contact_tetrahedron_count() >= shader::no_contact / 4)
@@ -237,10 +254,7 @@ void check_contact(const Model& m) {
       if (e > m.contact_offset[i] && m.contact_entry[e - 1] >= m.contact_entry[e])
         broken("contact_entry", e, "is not ascending");
     }
-  for (std::size_t box = 0; box < m.contact_rest_box.size(); box += 8)
-    for (std::size_t a = 0; a < 3; ++a)
-      if (m.contact_rest_box[box + a] > m.contact_rest_box[box + 4 + a])
-        broken("contact_rest_box", box + a, "is inside out");
+  check_contact_boxes(m);
 }
 
 void check_skin(const Model& m) {
@@ -296,9 +310,16 @@ std::uint64_t solver_bytes(const Model& m) {
   const std::uint64_t floats_of_state = 3 + 3 + 4 + 12 + (m.has_skeleton() ? 9 : 0) +
                                         (m.carried.empty() ? 0 : 3) + (m.has_ties() ? 3 : 0) +
                                         (m.is_implicit() ? 3 + 3 + 3 + 3 + 8 : 0);
-  const std::uint64_t of_limits = (m.limit.size() + m.mobility.size()) * sizeof(float);
-  return arrays + of_limits + n * floats_of_state * sizeof(float) +
-         std::uint64_t{m.surface_count()} * 3 * sizeof(float);
+  const std::uint64_t of_limits = m.has_limits() ? m.limit.size() + n : 0;
+  // Of a point: what it has found, weights, push and normal, impulse; of a vertex: crowd and acceleration;
+  // boxes and ranges.
+  const std::uint64_t of_contact = m.has_contact() ? m.contact.size() * (1 + 4 + 3 + 3 + 3) + n * (1 + 3) +
+                                                         m.contact_leaf_count() * std::uint64_t{6 + 2} +
+                                                         m.contact_branch_count() * std::uint64_t{6} +
+                                                         m.contact_block_count() * std::uint64_t{2}
+                                                   : 0;
+  return arrays + (of_limits + of_contact + n * floats_of_state + std::uint64_t{m.surface_count()} * 3) *
+                      sizeof(float);
 }
 
 }  // namespace fascicle::model

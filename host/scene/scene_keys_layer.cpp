@@ -108,8 +108,10 @@ const auto& contact_rows() {
           {.name = "self", .doc = "Flesh of the body does not pass through other flesh of it."}),
       key(&ContactSettings::distance,
           {.name = "distance",
-           .doc = "Flesh that lies nearer than that at rest does not meet, m. Where absent, twice the mean "
-                  "edge of the tetrahedra's surface.",
+           .doc =
+               "Flesh that lies nearer than that at rest does not meet, m. Where absent, twice the mean "
+               "edge of the tetrahedra's surface. At most a tenth of the body's diagonal, or four of these "
+               "edges if that is more.",
            .range = positive(1e3)}),
       key(&ContactSettings::friction, {.name = "friction",
                                        .doc = "Coulomb's coefficient of friction between flesh and flesh.",

@@ -119,6 +119,34 @@ TEST(WriteContact, PointsAreTheBoundaryAndDepthsTheDistanceToIt) {
   EXPECT_EQ(with_contact(halved, settings).contact[0].margin, 0.5f) << "in working units";
 }
 
+// A tenth of the diagonal, and where the mesh is coarse four mean edges of its surface.
+TEST(WriteContact, RefusesADistanceBeyondTheBody) {
+  const auto is_taken = [](const Model& m, double distance) {
+    scene::ContactSettings settings = self_contact();
+    settings.distance = distance;
+    try {
+      check_model(with_contact(m, settings));
+      return true;
+    } catch (const scene::SceneError& error) {
+      EXPECT_NE(std::string(error.what()).find("contact.distance"), std::string::npos) << error.what();
+      return false;
+    }
+  };
+  // 16 x 4 x 4 cells: the diagonal is 17 edges of a cell, the mean edge of the surface about 1.2.
+  Model m = make_model(kuhn_bar(16, 4, 4, 0.0625));
+  const double edge = 0.0625 * (2.0 + std::sqrt(2.0)) / 3.0;
+  EXPECT_TRUE(is_taken(m, 3.99 * edge));
+  EXPECT_FALSE(is_taken(m, 4.2 * edge));
+  EXPECT_FALSE(is_taken(m, 1000.0));
+  m.unit = 0.25;
+  EXPECT_TRUE(is_taken(m, 0.25 * 3.99 * edge)) << "metres";
+  EXPECT_FALSE(is_taken(m, 0.25 * 4.2 * edge));
+  const Model fine = make_model(kuhn_bar(60, 3, 2, 1.0 / 64));
+  const double tenth = std::sqrt(60.0 * 60 + 9 + 4) / 640;
+  EXPECT_TRUE(is_taken(fine, 0.999 * tenth));
+  EXPECT_FALSE(is_taken(fine, 1.001 * tenth));
+}
+
 std::multiset<std::array<std::uint32_t, 4>> set_of_tetrahedra(const std::vector<std::uint32_t>& corners) {
   std::multiset<std::array<std::uint32_t, 4>> all;
   for (std::size_t t = 0; t < corners.size(); t += 4)

@@ -3,6 +3,7 @@
 #include "cpu_reference/solver/contact_search.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -12,9 +13,11 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "cpu_reference/solver/contact_stages.h"
+#include "cpu_reference/solver/lane_stages.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {
@@ -90,11 +93,18 @@ void put(const Model& m, const std::vector<float>& positions, const std::vector<
     }
 }
 
+// What else becomes of a body that is thrown about.
+struct Fate {
+  std::array<double, 3> thickness{1.0, 1.0, 1.0};  // flakes and needles, in a direction of their own
+  bool turns = false;  // goes through no thickness at all, and is inside out for as long
+  double fall = 0.0;   // what it gains in speed along each axis, a step
+};
+
 // A body that is thrown about, step by step.
 class Motions {
  public:
-  Motions(const TwoBlocks& blocks, unsigned seed)
-      : blocks_(blocks), random_(seed), along_(-1.0 + blocks.spacing) {
+  Motions(const TwoBlocks& blocks, unsigned seed, const Fate& fate)
+      : blocks_(blocks), fate_(fate), random_(seed), along_(-1.0 + blocks.spacing) {
     bent_.resize(blocks.model.rest.size(), 0.0);
     velocities.resize(blocks.model.rest.size(), 0.0f);
   }
@@ -118,6 +128,7 @@ class Motions {
       positions[k] = static_cast<float>(x);
       velocities[k] = static_cast<float>(normal());
     }
+    if (fate_.thickness != Fate{}.thickness || fate_.fall > 0.0) suffer();
     if (step_ % 11 == 4) positions[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
     if (step_ % 11 == 8) positions[random_() % positions.size()] = std::numeric_limits<float>::infinity();
     if (step_ % 11 == 9) velocities[random_() % positions.size()] = std::numeric_limits<float>::quiet_NaN();
@@ -136,7 +147,19 @@ class Motions {
  private:
   double normal() { return normal_(random_); }
 
+  void suffer() {
+    const Eigen::Vector3d fallen = Eigen::Vector3d::Constant(0.5 * fate_.fall * step_ * step_);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    Eigen::Vector3d thickness(fate_.thickness[0], fate_.thickness[1], fate_.thickness[2]);
+    if (fate_.turns) thickness *= std::cos(0.3 * step_);
+    for (std::uint32_t i = 0; i < blocks_.model.vertex_count; ++i) {
+      const Eigen::Vector3d x = turn * thickness.cwiseProduct(triple_at(positions, i)) + fallen;
+      for (std::size_t a = 0; a < 3; ++a) positions[3 * std::size_t{i} + a] = static_cast<float>(x[int(a)]);
+    }
+  }
+
   const TwoBlocks& blocks_;
+  Fate fate_;
   std::mt19937 random_;
   std::normal_distribution<double> normal_;
   std::vector<double> bent_;
@@ -159,20 +182,26 @@ struct Seen {
   std::size_t contacts = 0, most = 0, changes = 0;
 };
 
-Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed) {
+Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, const Fate& fate = {}) {
   const Model& m = blocks.model;
   const SubstepInput in = input_for(m);
   struct Searching {
-    Searching(const Model& m, unsigned threads) : search(m), pool(threads) { size_fields(m, fields); }
+    Searching(const Model& m, cpu::Simd simd, unsigned threads)
+        : search(m, cpu::lane_stages(simd)->contact), pool(threads) {
+      size_fields(m, fields);
+    }
     cpu::ContactSearch search;
     cpu::ThreadPool pool;
     Fields fields;
   };
   std::vector<std::unique_ptr<Searching>> searches;
-  for (const unsigned threads : {1u, 2u, 3u}) searches.push_back(std::make_unique<Searching>(m, threads));
-  Motions motions(blocks, seed);
+  for (const cpu::Simd simd : cpu::available_simd())
+    if (simd != cpu::Simd::scalar)
+      searches.push_back(std::make_unique<Searching>(m, simd, 1 + unsigned(searches.size()) % 3));
+  Motions motions(blocks, seed, fate);
   Fields plain;
   size_fields(m, plain);
+  size_plain_contact_fields(m, plain);
   Seen seen;
   for (int step = 0; step < steps; ++step) {
     SCOPED_TRACE("step " + std::to_string(step));
@@ -209,6 +238,29 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFind) {
     }
 }
 
+// Planes of such tetrahedra are rounding, and a hundredth of a millimetre is far there.
+TEST(ContactSearch, FindsThemInFlakesAndNeedles) {
+  unsigned seed = 0;
+  for (const double thickness : {0.1, 1e-3, 1e-4, 1e-6})
+    for (const bool needle : {false, true})
+      for (const bool turns : {false, true}) {
+        SCOPED_TRACE(std::to_string(thickness) + (needle ? ", needle" : "") + (turns ? ", turns" : ""));
+        const TwoBlocks blocks = make_two_blocks(3, 3, 2 + seed % 2, 0.125, seed);
+        const Fate fate{.thickness = {1.0, thickness, needle ? thickness : 1.0}, .turns = turns};
+        EXPECT_GT(expect_same_contacts(blocks, 80, seed, fate).contacts, 200u);
+        ++seed;
+      }
+}
+
+// 15 units a step in the end, and 600 from where it began: the last bit of a place is 6e-5.
+TEST(ContactSearch, FindsThemInABodyThatFalls) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    const TwoBlocks blocks = make_two_blocks(3, 3, 2, 0.125, seed, seed % 2 == 1);
+    const Fate fate{.thickness = {1.0, 1.0, seed < 2 ? 1.0 : 1e-2}, .fall = 0.19};
+    EXPECT_GT(expect_same_contacts(blocks, 80, seed, fate).contacts, 200u);
+  }
+}
+
 // More than one branch of leaves.
 TEST(ContactSearch, FindsWhatThePlainKernelsFindInLargerBodies) {
   const TwoBlocks blocks = make_two_blocks(6, 5, 5, 0.0625, 9);
@@ -216,9 +268,149 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFindInLargerBodies) {
   EXPECT_GT(expect_same_contacts(blocks, 40, 5).most, 10u);
 }
 
+// Points and a tetrahedron that move, as the search's lanes see them.
+class Approaching {
+ public:
+  explicit Approaching(unsigned seed) : random_(seed) {
+    // All sizes, near the origin and far from it, drifting fast or hardly; a tetrahedron may be a point.
+    const double size = std::pow(10.0, uniform(-3, 2)), thick = size * std::pow(10.0, uniform(-6, 0));
+    const double away = uniform(0, 1) < 0.5 ? 0.0 : std::pow(10.0, uniform(-1, 3));
+    speed_ = size * std::pow(10.0, uniform(-4, 0));
+    for (std::size_t i = 0; i < vertices; ++i)
+      for (std::size_t a = 0; a < 3; ++a)
+        now[4 * i + a] = static_cast<float>(away + (i < 4 ? thick : size) * uniform(-1, 1));
+    drift_ = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+  }
+
+  void move() {
+    before = now;
+    // The tetrahedron goes one way, the points the other, along an axis or across.
+    for (std::size_t i = 0; i < vertices; ++i)
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double by = (i < 4 ? 1.0 : -1.0) * drift_[a] * (uniform(0, 1) < 0.9 ? 1.0 : uniform(-1, 1));
+        now[4 * i + a] = static_cast<float>(double{now[4 * i + a]} + speed_ * (100.0 * drift_[1] + by));
+      }
+  }
+
+  // Of the nearest point, along the axis along which it is farthest from the tetrahedron's box.
+  long double apart() const {
+    long double nearest = std::numeric_limits<long double>::infinity();
+    for (std::size_t p = 4; p < vertices; ++p) {
+      long double farthest = -nearest;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto [low, high] = std::minmax({now[a], now[4 + a], now[8 + a], now[12 + a]});
+        const long double x = now[4 * p + a];
+        farthest = std::max({farthest, low - x, x - high});
+      }
+      nearest = p == 4 ? farthest : std::min(nearest, farthest);
+    }
+    return nearest;
+  }
+
+  // Four corners, then points.
+  static constexpr std::size_t vertices = 7;
+  std::array<float, 4 * vertices> now{}, before{};
+
+ private:
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+
+  std::mt19937 random_;
+  double speed_ = 0.0;
+  std::array<double, 3> drift_{};
+};
+
+cpu::ContactBounds bounds_of(const cpu::ContactLanes& lanes, const Approaching& body, std::uint32_t first,
+                             std::uint32_t count) {
+  std::array<std::uint32_t, Approaching::vertices> numbers{};
+  for (std::uint32_t k = 0; k < count; ++k) numbers[k] = first + k;
+  cpu::ContactBounds bounds;
+  lanes.bound(
+      {.now = body.now.data(), .before = body.before.data(), .vertex = numbers.data(), .count = count},
+      bounds);
+  return bounds;
+}
+
+// What a look says, taken up to 16 bits.
+float look_at(const cpu::ContactLanes& lanes, const Approaching& body) {
+  std::array<float, 3 * cpu::contact_points_together> points{};
+  points.fill(std::numeric_limits<float>::infinity());
+  for (std::size_t p = 4; p < Approaching::vertices; ++p)
+    for (std::size_t a = 0; a < 3; ++a)
+      points[a * cpu::contact_points_together + (p - 4)] = body.now[4 * p + a];
+  const std::array<std::uint32_t, 4> corners{0, 1, 2, 3};
+  std::array<std::uint16_t, cpu::contact_boxes_together> apart{};
+  cpu::ContactLook look{.points = points.data(),
+                        .places = body.now.data(),
+                        .corners = corners.data(),
+                        .relevant = nullptr,
+                        .all = 7,
+                        .tetrahedra = 1,
+                        .gone = 0.0f,
+                        .apart = apart.data(),
+                        .nearest = 0.0f,
+                        .hits = 0,
+                        .inside = {}};
+  lanes.look(look);
+  const auto kept = std::bit_cast<float>(std::uint32_t{apart[0]} << 16);
+  EXPECT_LE(kept, std::max(look.nearest, 0.0f));
+  EXPECT_LE(std::abs(look.nearest - kept), std::max(-look.nearest, 0.01f * look.nearest));
+  return look.nearest;
+}
+
+// Whatever moves, what is left of a distance is no more than the distance. A tetrahedron may be a place and
+// go straight for the points: then all that keeps the search right is how it rounds.
+TEST(ContactSearch, DistancesAreNeverTakenForMoreThanTheyAre) {
+  for (const cpu::Simd simd : cpu::available_simd()) {
+    if (simd == cpu::Simd::scalar) continue;
+    SCOPED_TRACE(cpu::name_of(simd));
+    const cpu::ContactLanes& lanes = cpu::lane_stages(simd)->contact;
+    int begun_apart = 0;
+    for (unsigned seed = 0; seed < 4000; ++seed) {
+      Approaching body(seed);
+      const float looked = look_at(lanes, body);
+      if (!(looked > 0.0f)) continue;
+      ASSERT_LE(looked, body.apart()) << seed;
+      ++begun_apart;
+      std::array<float, cpu::contact_boxes_stride> boxes{}, motions{};
+      std::array<float, cpu::contact_boxes_together> nearest{}, gone{};
+      const std::uint32_t number = seed % cpu::contact_boxes_together;
+      nearest[number] = looked;
+      for (int step = 0; step < 4; ++step) {
+        body.move();
+        const cpu::ContactBounds of_corners = bounds_of(lanes, body, 0, 4),
+                                 of_points = bounds_of(lanes, body, 4, 3);
+        for (std::size_t a = 0; a < 3; ++a) {
+          boxes[a * cpu::contact_boxes_together + number] = of_corners.low[a];
+          boxes[(a + 3) * cpu::contact_boxes_together + number] = of_corners.high[a];
+          motions[a * cpu::contact_boxes_together + number] = of_corners.least[a];
+          motions[(a + 3) * cpu::contact_boxes_together + number] = of_corners.most[a];
+        }
+        const std::uint32_t due = lanes.approach({.boxes = boxes.data(),
+                                                  .motions = motions.data(),
+                                                  .points = &of_points,
+                                                  .nearest = nearest.data(),
+                                                  .gone = gone.data()});
+        const float left = looked - gone[number];
+        ASSERT_LE(static_cast<long double>(looked) - gone[number], body.apart()) << seed << ", step " << step;
+        if (body.apart() <= 0.0L) {
+          ASSERT_TRUE(left <= 0.0f) << seed;
+        }
+        const bool is_near = (due >> number & 1U) != 0;
+        if (is_near) {
+          ASSERT_GE(gone[number], looked) << seed;
+        }
+      }
+    }
+    EXPECT_GT(begun_apart, 1000);
+  }
+}
+
 struct Touching {
   Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), in(input_for(blocks.model)) {
     size_fields(blocks.model, fields);
+    size_plain_contact_fields(blocks.model, fields);
     const auto solver = cpu::make_cpu_solver(blocks.model, {}, 1);
     const model::State state = overlapping(blocks, solver->save(), 3);
     put(blocks.model, state.positions, state.velocities, fields);

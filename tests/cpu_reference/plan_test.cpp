@@ -184,6 +184,7 @@ struct PlanCase {
   cpu::Fields fields() const {
     cpu::Fields made;
     size_fields(model, made);
+    size_plain_contact_fields(model, made);
     for (cpu::Floats* field : {&made.predicted, &made.goals}) field->resize(made.velocities.size());
     std::mt19937 random(7);
     std::uniform_real_distribution<float> small(-0.004f, 0.004f);

@@ -70,6 +70,23 @@ TEST(CheckModel, AcceptsContact) {
   EXPECT_NO_THROW(check_model(without_contact(model)));
 }
 
+// Its arrays, and by hand the numbers of its fields: of points, vertices, leaves, branches and blocks.
+TEST(SolverBytes, CountContact) {
+  Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
+  const std::uint64_t without = solver_bytes(touching(model)) - solver_bytes(without_contact(model));
+  const std::uint64_t arrays = sizeof(float) * (model.contact_near.size() + model.contact_tetrahedron.size() +
+                                                model.contact_depth.size() + model.contact_number.size() +
+                                                model.contact_offset.size() + model.contact_entry.size() +
+                                                model.contact_rest_box.size() + model.mobility.size()) +
+                               sizeof(shader::ContactPoint) * model.contact.size();
+  const std::uint64_t fields =
+      sizeof(float) *
+      (14 * model.contact.size() + 4 * std::uint64_t{model.vertex_count} +
+       8 * std::uint64_t{model.contact_leaf_count()} + 6 * std::uint64_t{model.contact_branch_count()} +
+       2 * std::uint64_t{model.contact_block_count()});
+  EXPECT_EQ(without, arrays + fields);
+}
+
 TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
   using Change = void (*)(Model&);
   const std::pair<const char*, Change> changes[] = {
@@ -197,6 +214,12 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
  std::swap(m.contact_rest_box[1], m.contact_rest_box[5]);
  }},
       {"contact_rest_box", [](Model& m) { touching(m).contact_rest_box.pop_back(); }},
+      {"contact_rest_box", [](Model& m) { touching(m).contact_rest_box[0] += 0.125f; }},
+      {"contact_rest_box",
+       [](Model& m) {
+         touching(m);
+         m.contact_rest_box[8 * std::size_t{m.contact_leaf_count()} + 5] -= 0.125f;
+       }},
       {"contact_rest_box",
        [](Model& m) { touching(m).contact_rest_box[2] = std::numeric_limits<float>::quiet_NaN(); }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
