@@ -39,19 +39,16 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
     for (const fs::path& form : forms_of(path))
       if (fs::symlink_status(form).type() != fs::file_type::not_found) found.push_back(form);
   };
+  for (const formats::Format& format : all_formats())
+    if (format.file == entry)
+      for (const std::string& name : format.beside) add(folder / name);
   if (!entry.ends_with('/')) {
     add(folder / entry);
-    for (const formats::Format& format : all_formats())
-      if (format.file == entry)
-        for (const std::string& spool : format.spools) add(folder / spool);
     return found;
   }
   const std::string extension = entry.substr(0, entry.size() - 1);
   const fs::path inner = folder / entry;
   if (!fs::is_directory(inner)) return found;
-  if (extension == formats::vtu_extension || extension == formats::vtp_extension)
-    add(inner / formats::vtk_series);
-  if (extension == formats::obj_extension) add(inner / formats::obj_materials);
   for (const auto& item : fs::directory_iterator(inner)) {
     std::string name = item.path().filename().string();
     if (name.ends_with(base::temporary_suffix))

@@ -1,5 +1,6 @@
 // surface.mdd: LightWave's Motion Designer Data, read by Blender's mesh cache, Modo, Houdini and Maya's
-// plug-ins.
+// plug-ins. Big-endian int32 frames, int32 points, float32 time of each frame (s), then float32 x y z of each
+// point of each frame.
 #include <bit>
 #include <limits>
 #include <optional>
@@ -69,14 +70,14 @@ class MddSink final : public FrameSink {
   std::optional<base::PartFile> file_;
 };
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_mdd_sink() {
-  return std::make_unique<MddSink>();
-}
-
 std::uint64_t mdd_bytes(const model::Model& model, std::uint64_t frames) {
   return mdd_header_bytes(frames) + frames * model.surface_count() * 3 * sizeof(float);
+}
+
+}  // namespace
+
+Format mdd_format() {
+  return {.name = "mdd", .file = "surface.mdd", .make = make_sink<MddSink>, .bytes = mdd_bytes};
 }
 
 }  // namespace fascicle::formats

@@ -1,4 +1,5 @@
-// obj/: Wavefront OBJ, one file a frame, for whatever reads nothing else.
+// obj/frame_NNNNNN.obj: Wavefront OBJ, one file a frame, for whatever reads nothing else: positions, texture
+// coordinates, normals and triangles with their materials; obj/surface.mtl, where there are any.
 #include <memory>
 #include <optional>
 
@@ -15,6 +16,9 @@
 namespace fascicle::formats {
 
 namespace {
+
+constexpr const char* obj_extension = "obj";
+constexpr const char* obj_materials = "surface.mtl";
 
 void append_lines(std::string& text, const char* word, std::span<const float> values) {
   for (std::size_t i = 0; i < values.size(); i += 3) {
@@ -75,15 +79,19 @@ class ObjSink final : public FrameSink {
   std::vector<std::string> uvs_, faces_;  // of each object
 };
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_obj_sink() {
-  return std::make_unique<ObjSink>();
-}
-
 std::uint64_t obj_bytes(const model::Model& model, std::uint64_t frames) {
   // About 36 characters a position and a normal, 24 a texture coordinate, 40 a triangle.
   return frames * (100 + std::uint64_t{96} * model.surface_count() + model.surface_triangle.size() / 3 * 40);
+}
+
+}  // namespace
+
+Format obj_format() {
+  return {.name = "obj",
+          .file = "obj/",
+          .make = make_sink<ObjSink>,
+          .bytes = obj_bytes,
+          .beside = {std::string("obj/") + obj_materials}};
 }
 
 }  // namespace fascicle::formats

@@ -1,4 +1,7 @@
-// surface.pc2: Point Cache 2, read by Blender's mesh cache, 3ds Max and Maya.
+// surface.pc2: Point Cache 2, read by Blender's mesh cache, 3ds Max and Maya; rest.obj is the mesh it rides
+// on.
+//   char[12] "POINTCACHE2\0", int32 version 1, int32 points, float32 first frame, float32 frames a sample
+//   1, int32 samples, then float32 x y z of each point of each sample; little-endian.
 #include <limits>
 #include <optional>
 
@@ -53,14 +56,14 @@ class Pc2Sink final : public FrameSink {
   std::optional<base::PartFile> file_;
 };
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_pc2_sink() {
-  return std::make_unique<Pc2Sink>();
-}
-
 std::uint64_t pc2_bytes(const model::Model& model, std::uint64_t frames) {
   return pc2_header_bytes + frames * model.surface_count() * 3 * sizeof(float);
+}
+
+}  // namespace
+
+Format pc2_format() {
+  return {.name = "pc2", .file = "surface.pc2", .make = make_sink<Pc2Sink>, .bytes = pc2_bytes};
 }
 
 }  // namespace fascicle::formats

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 // Floats shrink little whatever is tried; the first level is the fastest.
-constexpr int level = 1;
+constexpr int compression_level = 1;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::string vtk_compressed(std::string_view bytes) {
     std::string packed(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                   reinterpret_cast<const Bytef*>(block.data()), static_cast<uLong>(block.size()),
-                  level) != Z_OK)
+                  compression_level) != Z_OK)
       throw std::runtime_error("zlib could not compress an array");
     base::append_bytes(head, std::uint64_t{size});
     body.append(packed, 0, size);

@@ -42,7 +42,8 @@ struct VtkNames {
 };
 std::string vtk_field_data(double time, std::span<const VtkNames> names);
 
-// A .pvd: files and their times (s).
+// A .pvd: files and their times (s). Sinks call theirs `vtk_series`.
+inline constexpr const char* vtk_series = "series.pvd";
 struct VtkStep {
   double time = 0.0;
   std::string file;

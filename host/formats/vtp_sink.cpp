@@ -1,4 +1,7 @@
-// vtp/: the render surface for ParaView, one VTK file a frame, and a collection with their times.
+// vtp/frame_NNNNNN.vtp: the render surface for ParaView, one VTK file a frame, with normals and texture
+// coordinates, and vtp/series.pvd, a collection with their times. A triangle's object and material are
+// numbers in the field data's lists `objects` and `materials`, -1: none. Written beside vtu where the scene
+// has a surface.
 #include <memory>
 #include <optional>
 
@@ -15,6 +18,8 @@
 namespace fascicle::formats {
 
 namespace {
+
+constexpr const char* vtp_extension = "vtp";
 
 class VtpSink final : public FrameSink {
  public:
@@ -102,12 +107,6 @@ void VtpSink::finish() {
   base::write_whole(files_->folder() / vtk_series, vtk_collection(steps));
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_vtp_sink() {
-  return std::make_unique<VtpSink>();
-}
-
 std::uint64_t vtp_bytes(const model::Model& model, std::uint64_t frames) {
   const std::uint64_t points = model.surface_count(), triangles = model.surface_triangle.size() / 3;
   std::uint64_t bytes = 1350;
@@ -115,6 +114,16 @@ std::uint64_t vtp_bytes(const model::Model& model, std::uint64_t frames) {
        {points * 12, points * 12, points * 8, triangles * 4, triangles * 4, triangles * 12, triangles * 4})
     bytes += vtk_compressed_bound(array);
   return frames * (bytes + 70);  // and the frame's line in the collection
+}
+
+}  // namespace
+
+Format vtp_format() {
+  return {.name = "vtp",
+          .file = "vtp/",
+          .make = make_sink<VtpSink>,
+          .bytes = vtp_bytes,
+          .beside = {std::string("vtp/") + vtk_series}};
 }
 
 }  // namespace fascicle::formats

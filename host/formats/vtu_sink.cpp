@@ -1,6 +1,8 @@
-// vtu/: VTK unstructured grids, one compressed file a frame, and a ParaView collection with their times. The
-// format has no way to share arrays between files: what no frame changes is compressed once and stands in
-// each.
+// vtu/frame_NNNNNN.vtu: VTK unstructured grids for ParaView, one compressed file a frame, and vtu/series.pvd,
+// a collection with their times. The tetrahedra in metres with displacement from frame 0 (m), velocity (m/s),
+// layer (a number in the field data's list `layers`), kinematic, and source_vertex, the vertex's number in
+// the input's tetrahedral mesh. The format has no way to share arrays between files: what no frame changes is
+// compressed once and stands in each.
 #include <limits>
 #include <optional>
 
@@ -16,6 +18,7 @@ namespace fascicle::formats {
 
 namespace {
 
+constexpr const char* vtu_extension = "vtu";
 constexpr std::uint8_t vtk_tetra = 10;
 
 class VtuSink final : public FrameSink {
@@ -107,12 +110,6 @@ void VtuSink::finish() {
   base::write_whole(files_->folder() / vtk_series, vtk_collection(steps));
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_vtu_sink() {
-  return std::make_unique<VtuSink>();
-}
-
 std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
   const std::uint64_t points = model.vertex_count, cells = model.tetrahedron_count();
   std::uint64_t bytes = 1700;
@@ -120,6 +117,18 @@ std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
        {points * 12, points * 12, points * 12, points, points, points * 4, cells * 16, cells * 4, cells})
     bytes += vtk_compressed_bound(array);
   return frames * (bytes + 70);  // and the frame's line in the collection
+}
+
+}  // namespace
+
+// Its velocities are not in the frame cache.
+Format vtu_format() {
+  return {.name = "vtu",
+          .file = "vtu/",
+          .make = make_sink<VtuSink>,
+          .bytes = vtu_bytes,
+          .beside = {std::string("vtu/") + vtk_series},
+          .from_cache = false};
 }
 
 }  // namespace fascicle::formats
