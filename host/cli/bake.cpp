@@ -130,9 +130,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
   for (const fs::path& file : files)
     if (const fs::path series = file / formats::vtk_series; fs::exists(series))
       std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
-  const bool has_motion = with_extension(".glb") != nullptr || with_extension(".pc2") != nullptr ||
-                          with_extension(".mdd") != nullptr;
-  if (has_motion)
+  if (std::any_of(files.begin(), files.end(), formats::blender_loads))
     std::cout << "  Blender: blender --python "
               << (fs::path(arguments.folder) / formats::blender_script_name).string() << "\n";
   if (const fs::path* pc2 = with_extension(".pc2"))

@@ -24,6 +24,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/formats/blender_script.h"
 #include "host/formats/frame_files.h"
 #include "host/formats/rest_mesh.h"
 #include "host/formats/surface.h"
@@ -447,6 +448,22 @@ TEST(FrameCache, RefusesWhatIsDamagedOrForeign) {
 TEST(Formats, Names) {
   EXPECT_EQ(bake::format_names(),
             (std::vector<std::string>{"abc", "glb", "mdd", "obj", "pc2", "usda", "vtp", "vtu"}));
+}
+
+// The script's table and what is said of it are one list.
+TEST(BlenderScript, LoadsTheFilesItIsSaidToLoad) {
+  const std::string script = formats::blender_script({.fps = 24.0, .frames = 2, .first_number = 0});
+  std::size_t loaded = 0;
+  for (const formats::Format& format : formats::named_formats()) {
+    const bool has_row =
+        script.find("    '" + format.name + "': ('" + format.file + "', ") != std::string::npos;
+    EXPECT_EQ(formats::blender_loads("out/" + format.file), has_row) << format.name;
+    loaded += has_row ? 1 : 0;
+  }
+  EXPECT_EQ(loaded, 5u);
+  EXPECT_FALSE(formats::blender_loads("out/obj/"));
+  // A character's own file is no motion.
+  EXPECT_FALSE(formats::blender_loads("out/character.glb"));
 }
 
 }  // namespace
