@@ -212,8 +212,7 @@ class AbcSink final : public FrameSink {
 
 void AbcSink::begin(const BakeInfo& info) {
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("abc: the scene has no surface to write; leave out --format abc");
+  require_surface(model, "abc");
   if (info.frames >= std::numeric_limits<std::uint32_t>::max())
     throw base::BakeError("abc: the format counts frames in 32 bits; leave out --format abc");
   unit_ = model.unit;

@@ -125,8 +125,7 @@ void GlbSink::read_character(const BakeInfo& info) {
 void GlbSink::begin(const BakeInfo& info) {
   info_ = info;
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("glb: the scene has no surface to write; leave out --format glb");
+  require_surface(model, "glb");
   if (info.glb.stride == 0) throw base::BakeError("glb: the stride is 0; it must be at least 1");
   read_character(info);
   normals_.emplace(model, objects_of(info)->normals);

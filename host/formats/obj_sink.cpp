@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include "host/base/errors.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
@@ -34,8 +33,7 @@ class ObjSink final : public FrameSink {
   model::Read needs() const override { return {.surface = true}; }
   void begin(const BakeInfo& info) override {
     const model::Model& model = *info.model;
-    if (model.surface_count() == 0)
-      throw base::BakeError("obj: the scene has no surface to write; leave out --format obj");
+    require_surface(model, "obj");
     unit_ = model.unit;
     fps_ = info.fps;
     surface_ = objects_of(info);

@@ -75,8 +75,7 @@ class UsdaSink final : public FrameSink {
 
 void UsdaSink::begin(const BakeInfo& info) {
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("usda: the scene has no surface to write; leave out --format usda");
+  require_surface(model, "usda");
   info_ = info;
   unit_ = model.unit;
   surface_ = objects_of(info);

@@ -82,13 +82,26 @@ std::string vtk_field_data(double time, std::span<const VtkNames> names) {
   return text + "    </FieldData>\n";
 }
 
-std::string vtk_collection(std::span<const VtkStep> steps) {
+VtkFrames::VtkFrames(const BakeInfo& info, const std::string& extension)
+    : start_(info.start),
+      fps_(info.fps),
+      frames_(info.frames),
+      extension_(extension),
+      files_(info.folder, extension, info.first, info.first_number) {}
+
+double VtkFrames::time_of(std::uint64_t frame) const {
+  return start_ + static_cast<double>(frame) / fps_;
+}
+
+void VtkFrames::finish() {
+  files_.sync();
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  "
       "<Collection>\n";
-  for (const VtkStep& step : steps)
-    text += "    <DataSet timestep=\"" + base::number_text(step.time) + "\" file=\"" + step.file + "\"/>\n";
-  return text + "  </Collection>\n</VTKFile>\n";
+  for (std::uint64_t k = 0; k <= frames_; ++k)
+    text += "    <DataSet timestep=\"" + base::number_text(time_of(k)) + "\" file=\"" +
+            frame_file_name(files_.number_of(k), extension_) + "\"/>\n";
+  base::write_whole(files_.folder() / vtk_series, text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace fascicle::formats
