@@ -145,7 +145,7 @@ case $command in
         "${2:-HEAD}" "host/model cpu_reference gpu" "shaders/$1.comp shaders/kernel/$1.inc"
       exit
     elif [ $kind = format ]; then
-      listed "make_$1_sink|$1_bytes\\(|\"$1\"|\b$1_sink\.cpp|'$1'" "${2:-HEAD}" \
+      listed "make_$1_sink|$1_bytes\\(|FORMAT\\($1\\)|$1_format\\(|\"$1\"|\b$1_sink\.cpp|'$1'" "${2:-HEAD}" \
         "host python include" "host/formats/$1_sink.cpp host/bake/$1_sink.cpp"
       exit
     fi

@@ -16,19 +16,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using model::Stage;
 
-namespace {
-
-Vector3d vector_at(std::span<const float> values, std::size_t i) {
-  return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
-}
-
-Points points_of(std::span<const float> values) {
-  Points points(values.size() / 3);
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = vector_at(values, i);
-  return points;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void append(std::vector<float>& floats, const Vector3d& v) {
   for (int k = 0; k < 3; ++k) floats.push_back(float(v[k]));

@@ -32,11 +32,9 @@ Matrix3d edges_of(const std::array<std::uint32_t, 4>& corners, const Points& pla
 
 }  // namespace
 
-Contacts::Contacts(const model::Model& model) : model_(model) {
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    rest_.emplace_back(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
+Contacts::Contacts(const model::Model& model) : model_(model), rest_(points_of(model.rest)) {
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     mobility_.push_back(model.is_kinematic(i) ? 0.0 : 1.0 / model.mass[i]);
-  }
 }
 
 std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32_t tetrahedron,

@@ -10,10 +10,9 @@
 #include <Eigen/Geometry>
 
 #include "cpu_reference/oracle/oracle_weights.h"
+#include "cpu_reference/oracle/points.h"
 
 namespace fascicle::cpu_reference {
-
-using Points = std::vector<Eigen::Vector3d>;
 
 // (8) The weighted centre of region r: c_r from positions, c0_r from rest positions. A region whose weights
 // are all zero has none and is taken to stand at its own vertex.

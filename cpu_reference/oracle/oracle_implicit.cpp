@@ -10,6 +10,7 @@
 
 #include "cpu_reference/oracle/oracle_tie.h"
 #include "cpu_reference/oracle/oracle_weights.h"
+#include "cpu_reference/oracle/points.h"
 
 namespace fascicle::cpu_reference {
 
@@ -18,10 +19,6 @@ using Eigen::Vector3d;
 using model::Model;
 
 namespace {
-
-Vector3d rest_point(const Model& model, std::uint32_t i) {
-  return Vector3d(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
-}
 
 // Calls visit(face, n) for each triangle of the body's surface, n its outward normal as long as its area.
 template <class Visit>
@@ -42,9 +39,9 @@ void for_each_surface_triangle(const Model& model, Visit visit) {
     }
   for (const auto& [face, sides] : faces) {
     if (sides.tetrahedra != 1) continue;
-    const Vector3d o = rest_point(model, face[0]);
-    const Vector3d n = (rest_point(model, face[1]) - o).cross(rest_point(model, face[2]) - o) / 2.0;
-    visit(face, n.dot(rest_point(model, sides.opposite) - o) > 0.0 ? Vector3d(-n) : n);
+    const Vector3d o = vector_at(model.rest, face[0]);
+    const Vector3d n = (vector_at(model.rest, face[1]) - o).cross(vector_at(model.rest, face[2]) - o) / 2.0;
+    visit(face, n.dot(vector_at(model.rest, sides.opposite) - o) > 0.0 ? Vector3d(-n) : n);
   }
 }
 
@@ -66,8 +63,8 @@ std::vector<Matrix3d> stress_directions(const Model& model) {
     for (std::size_t k = t; k < t + 4; ++k)
       if (!slides[model.tetrahedron[k]]) below.push_back(model.tetrahedron[k]);
     if (below.size() != 3) continue;
-    const Vector3d o = rest_point(model, below[0]);
-    const Vector3d n = (rest_point(model, below[1]) - o).cross(rest_point(model, below[2]) - o) / 2.0;
+    const Vector3d o = vector_at(model.rest, below[0]);
+    const Vector3d n = (vector_at(model.rest, below[1]) - o).cross(vector_at(model.rest, below[2]) - o) / 2.0;
     for (const std::uint32_t v : below) {
       area[v] += n.norm();
       normals[v] += n * n.transpose() / n.norm();
@@ -111,10 +108,10 @@ std::vector<double> region_stiffness(const Model& model) {
   std::vector<double> volume(model.vertex_count, 0.0);
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
     const std::uint32_t* corner = &model.tetrahedron[t];
-    const Vector3d o = rest_point(model, corner[0]);
-    const double v = (rest_point(model, corner[1]) - o)
-                         .cross(rest_point(model, corner[2]) - o)
-                         .dot(rest_point(model, corner[3]) - o) /
+    const Vector3d o = vector_at(model.rest, corner[0]);
+    const double v = (vector_at(model.rest, corner[1]) - o)
+                         .cross(vector_at(model.rest, corner[2]) - o)
+                         .dot(vector_at(model.rest, corner[3]) - o) /
                      6.0;
     for (int k = 0; k < 4; ++k) volume[corner[k]] += v / 4.0;
   }

@@ -17,11 +17,9 @@ constexpr double share_of_a_substep = 0.5;
 }  // namespace
 
 Ties::Ties(const model::Model& model) : looks_ahead_(model.is_implicit()) {
-  Points rest;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    rest.emplace_back(model.rest[3 * i], model.rest[3 * i + 1], model.rest[3 * i + 2]);
+  const Points rest = points_of(model.rest);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     mobility_.push_back(model.is_kinematic(i) ? 0.0 : 1.0 / model.mass[i]);
-  }
   ties_at_.resize(model.vertex_count);
   for (const shader::Tie& t : model.tie) {
     const Vector3d &x = rest[t.corner_a], u = rest[t.corner_b] - x, v = rest[t.corner_c] - x;

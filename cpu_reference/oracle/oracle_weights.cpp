@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "cpu_reference/oracle/oracle_implicit.h"
+#include "cpu_reference/oracle/points.h"
 
 namespace fascicle::cpu_reference {
 namespace {
@@ -18,10 +19,6 @@ using model::Model;
 constexpr double no_length = 1e-4;
 // and weights whose sum is below this share of what w_ir = m_i would give come from cosines below 1e-5.
 constexpr double nothing = 1e-10;
-
-Vector3d vector_at(const std::vector<float>& values, std::uint32_t i) {
-  return Vector3d(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
-}
 
 // Calls visit(i) for each i in N_r: vertex r and its one-ring.
 void for_each_in_region(const Model& model, std::uint32_t r,

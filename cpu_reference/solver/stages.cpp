@@ -477,7 +477,8 @@ KernelCode code_of(model::Kernel kernel, const Model& model, model::Rotation rot
   const KernelRow* row = std::find_if(std::begin(kernel_code), std::end(kernel_code),
                                       [&](const KernelRow& r) { return r.kernel == kernel; });
   if (row == std::end(kernel_code))
-    throw std::logic_error(std::string(name_of(kernel)) + " is not run by itself");
+    throw std::logic_error("kernel " + std::string(name_of(kernel)) +
+                           " has no row in kernel_code (cpu_reference/solver/stages.cpp)");
   const bool has_lanes = row->when == InLanes::always ||
                          (row->when == InLanes::of_implicit && model.is_implicit()) ||
                          (row->when == InLanes::with_qcp && rotation == model::Rotation::qcp);

@@ -39,19 +39,16 @@ std::vector<fs::path> existing(const fs::path& folder, const std::string& entry)
     for (const fs::path& form : forms_of(path))
       if (fs::symlink_status(form).type() != fs::file_type::not_found) found.push_back(form);
   };
+  for (const formats::Format& format : all_formats())
+    if (format.file == entry)
+      for (const std::string& name : format.beside) add(folder / name);
   if (!entry.ends_with('/')) {
     add(folder / entry);
-    for (const formats::Format& format : all_formats())
-      if (format.file == entry)
-        for (const std::string& spool : format.spools) add(folder / spool);
     return found;
   }
   const std::string extension = entry.substr(0, entry.size() - 1);
   const fs::path inner = folder / entry;
   if (!fs::is_directory(inner)) return found;
-  if (extension == formats::vtu_extension || extension == formats::vtp_extension)
-    add(inner / formats::vtk_series);
-  if (extension == formats::obj_extension) add(inner / formats::obj_materials);
   for (const auto& item : fs::directory_iterator(inner)) {
     std::string name = item.path().filename().string();
     if (name.ends_with(base::temporary_suffix))
@@ -85,20 +82,14 @@ void remove_stage(const fs::path& folder) {
 
 }  // namespace
 
-FolderLock::FolderLock(const fs::path& folder) {
-  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor_ < 0)
+FolderLock::FolderLock(const fs::path& folder)
+    : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_.get() < 0)
     throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
   // File systems without locks answer something else; there the folder is used unlocked.
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    ::close(descriptor_);
+  if (::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     throw BakeError(folder.string() +
                     ": another fascicle is writing there; wait for it or choose another -o");
-  }
-}
-
-FolderLock::~FolderLock() {
-  ::close(descriptor_);
 }
 
 void make_folder(const fs::path& folder) {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/base/descriptor.h"
+
 namespace fascicle::bake {
 
 // Keeps two bakes out of one folder. Released on destruction, and by the system when the process dies. Throws
@@ -12,12 +14,9 @@ namespace fascicle::bake {
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  int descriptor_ = -1;
+  base::Descriptor descriptor_;
 };
 
 // Makes the folder and those above it. Throws BakeError if the path is something else.

@@ -19,34 +19,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/base/descriptor.h"
+
 namespace fascicle::base {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&&) = delete;
-  ~Descriptor() { close(); }
-  int get() const { return number_; }
-  void close() {
-    if (number_ >= 0) ::close(std::exchange(number_, -1));
-  }
-
- private:
-  int number_;
-};
-
 [[noreturn]] void throw_error(int error, const std::string& what) {
   throw std::system_error(error, std::generic_category(), what);
-}
-
-std::pair<Descriptor, Descriptor> make_pipe() {
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw_error(errno, "pipe");
-  return {Descriptor(ends[0]), Descriptor(ends[1])};
 }
 
 // Everything the child needs, made before fork(): between fork() and exec() nothing may allocate.

@@ -22,6 +22,7 @@
 #include "host/build/box_tree.h"
 #include "host/build/limits.h"
 #include "host/build/message.h"
+#include "host/build/points.h"
 #include "host/build/surface_search.h"
 
 namespace fascicle::build {
@@ -46,9 +47,7 @@ constexpr double gap_detour = 3.0;
 std::vector<Vector3d> rest_places(const Model& model) {
   std::vector<Vector3d> places;
   places.reserve(model.vertex_count);
-  for (std::size_t i = 0; i < model.vertex_count; ++i)
-    places.emplace_back(double{model.rest[3 * i]}, double{model.rest[3 * i + 1]},
-                        double{model.rest[3 * i + 2]});
+  for (std::size_t i = 0; i < model.vertex_count; ++i) places.push_back(vector_at(model.rest, i));
   return places;
 }
 

@@ -8,6 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "host/build/points.h"
+
 namespace fascicle::build {
 
 namespace {
@@ -28,9 +30,7 @@ double square(const Vector3d& v) {
 }
 
 shader::Limit limit_of(const Model& model, const std::array<std::uint32_t, 4>& corner, double share) {
-  const auto rest = [&](std::uint32_t i) {
-    return Vector3d(double{model.rest[3 * i]}, double{model.rest[3 * i + 1]}, double{model.rest[3 * i + 2]});
-  };
+  const auto rest = [&](std::uint32_t i) { return vector_at(model.rest, i); };
   double edges = 0.0;
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t k = 0; k < j; ++k) edges += std::sqrt(square(rest(corner[j]) - rest(corner[k])));

@@ -9,6 +9,7 @@
 
 #include "host/build/boundary.h"
 #include "host/build/message.h"
+#include "host/build/points.h"
 #include "host/build/surface_search.h"
 
 namespace fascicle::build {
@@ -20,10 +21,6 @@ using model::Model;
 
 // Working units. Lower than this is the rounding of positions.
 constexpr double lowest_tie = 0x1p-16;
-
-Vector3d rest_vertex(const Model& model, std::size_t i) {
-  return {double{model.rest[3 * i]}, double{model.rest[3 * i + 1]}, double{model.rest[3 * i + 2]}};
-}
 
 // Normal times twice the area of a triangle.
 Vector3d area_of(const mesh::SurfaceMesh& surface, std::uint32_t triangle) {
@@ -218,7 +215,7 @@ void write_ties(const scene::Scene& scene, Model& model, Report& report) {
   const std::vector<char> slides = of_sliding_layers(scene, model);
   if (slides.empty()) return;
   mesh::SurfaceMesh below{{}, triangles_below(model, slides)};
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) below.vertices.push_back(rest_vertex(model, i));
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) below.vertices.push_back(vector_at(model.rest, i));
   std::vector<std::uint32_t> too_low;
   if (!below.triangles.empty()) {
     const SurfaceSearch search(below);

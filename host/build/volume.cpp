@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "host/build/cube_root.h"
+#include "host/build/points.h"
 
 namespace fascicle::build {
 
@@ -22,9 +23,7 @@ constexpr double least_turned = 0x1p-40;
 
 // (8) at rest, with the weights as the solvers have them.
 Matrix3d rest_moment(const Model& model, std::uint32_t r) {
-  const auto rest = [&](std::uint32_t i) {
-    return Vector3d(double{model.rest[3 * i]}, double{model.rest[3 * i + 1]}, double{model.rest[3 * i + 2]});
-  };
+  const auto rest = [&](std::uint32_t i) { return vector_at(model.rest, i); };
   const float* centre = &model.region_rest[4 * std::size_t{r}];
   const Vector3d o(double{centre[0]}, double{centre[1]}, double{centre[2]});
   Vector3d first = Vector3d::Zero();

@@ -17,11 +17,6 @@ constexpr double no_direction = 1e-4;
 // For the same reason cosines below 1e-5, whose squares these sums are, count as none.
 constexpr double no_weight = 1e-10;
 
-Vector3d vector_at(std::span<const float> values, std::size_t i) {
-  return {static_cast<double>(values[3 * i]), static_cast<double>(values[3 * i + 1]),
-          static_cast<double>(values[3 * i + 2])};
-}
-
 // One region at a time: calls visit(place, i) for the vertex itself and its one-ring; place is -1 for itself.
 template <class Visit>
 void for_each_member(const OneRings& rings, std::size_t r, Visit visit) {
@@ -35,7 +30,7 @@ Vector3d mass_centre(const OneRings& rings, const RestState& state, std::size_t 
   Vector3d sum = Vector3d::Zero();
   double mass = 0.0;
   for_each_member(rings, r, [&](std::ptrdiff_t, std::size_t i) {
-    sum += state.mass[i] * (vector_at(state.rest, i) - q0);
+    sum += state.mass[i] * (rest_at(state, i) - q0);
     mass += state.mass[i];
   });
   return sum / mass;
@@ -51,17 +46,17 @@ double fibre_factor(double beta, double cosine, model::WeightForm form) {
 // Writes region r's weights; false where they sum to nothing.
 bool weigh_region(const OneRings& rings, const RestState& state, model::WeightForm form, std::size_t r,
                   RegionWeights& weights) {
-  const Vector3d q0 = vector_at(state.rest, r);
+  const Vector3d q0 = rest_at(state, r);
   const Vector3d centre = mass_centre(rings, state, r, q0);
   const Vector3d d = vector_at(state.fibre, r);
   const double beta = static_cast<double>(state.beta[r]);
   double reach = 0.0;
   for_each_member(rings, r, [&](std::ptrdiff_t, std::size_t i) {
-    reach = std::max(reach, (vector_at(state.rest, i) - q0 - centre).norm());
+    reach = std::max(reach, (rest_at(state, i) - q0 - centre).norm());
   });
   double sum = 0.0, masses = 0.0;
   for_each_member(rings, r, [&](std::ptrdiff_t place, std::size_t i) {
-    const Vector3d r_i = vector_at(state.rest, i) - q0 - centre;
+    const Vector3d r_i = rest_at(state, i) - q0 - centre;
     const double length = r_i.norm();
     double w = state.mass[i];
     if (length > no_direction * reach) w *= fibre_factor(beta, d.dot(r_i) / length, form);

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "host/build/one_ring.h"
+#include "host/build/points.h"
 #include "host/model/model.h"
 
 namespace fascicle::build {
@@ -23,7 +24,7 @@ struct RestState {
 
 // A vertex's rest position, working units.
 inline Eigen::Vector3d rest_at(const RestState& state, std::size_t i) {
-  return {double{state.rest[3 * i]}, double{state.rest[3 * i + 1]}, double{state.rest[3 * i + 2]}};
+  return vector_at(state.rest, i);
 }
 
 struct RegionWeights {

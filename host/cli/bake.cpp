@@ -16,6 +16,7 @@
 #include "host/drive/drive_source.h"
 #include "host/formats/blender_script.h"
 #include "host/formats/formats.h"
+#include "host/formats/vtk_xml.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/pipeline/device_choice.h"
 #include "host/rig/pose.h"
@@ -76,8 +77,8 @@ std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& sc
                           const model::Model& model) {
   if (!wants(arguments, "glb")) return "";
   const std::uint64_t targets = formats::glb_target_count(scene::frame_count(scene), arguments.output.glb);
-  return "at most " + bytes_text(formats::glb_bytes(model, targets)) + ", " + count_text(targets) +
-         " morph targets of " + count_text(model.surface_count()) + " vertices";
+  return "at most " + bytes_text(formats::format_named("glb").bytes(model, targets)) + ", " +
+         count_text(targets) + " morph targets of " + count_text(model.surface_count()) + " vertices";
 }
 
 std::string expected_look_text(const scene::Scene& scene, const std::optional<bake::ExpectedLook>& expected,
@@ -126,13 +127,10 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
-  const fs::path series = fs::path(arguments.folder) / formats::vtu_extension / formats::vtk_series;
-  if (fs::exists(series)) std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
-  const fs::path skin = fs::path(arguments.folder) / formats::vtp_extension / formats::vtk_series;
-  if (fs::exists(skin)) std::cout << "    the render surface: " << skin.string() << "\n";
-  const bool has_motion = with_extension(".glb") != nullptr || with_extension(".pc2") != nullptr ||
-                          with_extension(".mdd") != nullptr;
-  if (has_motion)
+  for (const fs::path& file : files)
+    if (const fs::path series = file / formats::vtk_series; fs::exists(series))
+      std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
+  if (std::any_of(files.begin(), files.end(), formats::blender_loads))
     std::cout << "  Blender: blender --python "
               << (fs::path(arguments.folder) / formats::blender_script_name).string() << "\n";
   if (const fs::path* pc2 = with_extension(".pc2"))

@@ -80,18 +80,10 @@ ChildBake::ChildBake(std::vector<std::string> arguments) {
   // Not what it is a link to: that may have been replaced since this program began.
   arguments.insert(arguments.begin(), "/proc/self/exe");
   arguments.insert(arguments.end(), {"--log-format", "json"});
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) check(errno, "pipe");
-  descriptor_ = ends[0];
-  ::fcntl(descriptor_, F_SETFL, O_NONBLOCK);
-  try {
-    process_ = spawn(arguments, ends[1]);
-  } catch (...) {
-    ::close(ends[0]);
-    ::close(ends[1]);
-    throw;
-  }
-  ::close(ends[1]);
+  auto [heard, spoken] = base::make_pipe();
+  ::fcntl(heard.get(), F_SETFL, O_NONBLOCK);
+  process_ = spawn(arguments, spoken.get());
+  descriptor_ = std::move(heard);
 }
 
 ChildBake::~ChildBake() {
@@ -99,18 +91,16 @@ ChildBake::~ChildBake() {
     ::kill(process_, SIGKILL);
     ::waitpid(process_, nullptr, 0);
   }
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void ChildBake::listen() {
   std::array<char, 4096> part{};
-  while (descriptor_ >= 0) {
-    const ssize_t count = ::read(descriptor_, part.data(), part.size());
+  while (descriptor_.get() >= 0) {
+    const ssize_t count = ::read(descriptor_.get(), part.data(), part.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return;
     if (count == 0) {
-      ::close(descriptor_);
-      descriptor_ = -1;
+      descriptor_.close();
       if (!unread_.empty()) take_line(std::exchange(unread_, {}));
       return;
     }

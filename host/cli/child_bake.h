@@ -9,6 +9,8 @@
 
 #include <sys/types.h>
 
+#include "host/base/descriptor.h"
+
 namespace fascicle::cli {
 
 // A line of our own log, as --log-format json writes it.
@@ -29,7 +31,7 @@ class ChildBake {
   ChildBake& operator=(const ChildBake&) = delete;
 
   // To poll() for what it says; -1 once it has closed it.
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return descriptor_.get(); }
   // Takes in what it has said.
   void listen();
   // As on ctrl-C: it ends after the frame it is at. Its own group keeps the terminal's from it.
@@ -50,7 +52,7 @@ class ChildBake {
   void take_line(const std::string& line);
 
   pid_t process_ = -1;
-  int descriptor_ = -1;
+  base::Descriptor descriptor_;
   bool ended_ = false, interrupted_ = false;
   int status_ = 0;
   std::uint64_t frame_ = 0, frames_ = 0, other_count_ = 0;

@@ -5,6 +5,7 @@
 
 #include "host/base/part_file.h"
 #include "host/base/text.h"
+#include "host/formats/vtk_xml.h"
 
 namespace fascicle::cli {
 namespace {
@@ -62,8 +63,8 @@ std::string model_vtu_text(const model::Model& model) {
   append_data(out, "Int64", "connectivity", cells, 4,
               [&](std::size_t c, std::size_t k) { return model.tetrahedron[4 * c + k]; });
   append_data(out, "Int64", "offsets", cells, 1, [](std::size_t c, std::size_t) { return 4 * (c + 1); });
-  constexpr int vtk_tetra = 10;
-  append_data(out, "UInt8", "types", cells, 1, [](std::size_t, std::size_t) { return vtk_tetra; });
+  append_data(out, "UInt8", "types", cells, 1,
+              [](std::size_t, std::size_t) { return int{formats::vtk_tetra}; });
   out += "</Cells>\n<CellData Scalars=\"layer\">\n";
   append_data(out, "UInt32", "layer", cells, 1,
               [&](std::size_t c, std::size_t) { return cell_layer(model, c); });

@@ -1,5 +1,6 @@
 // surface.abc: Alembic in its Ogawa form, written from the format's layout; there is no library for it in
-// Debian.
+// Debian. An AbcGeom_PolyMesh_v1 /OBJECT for each object, with samples of P, N, .velocities and .selfBnds,
+// its uv, and an AbcGeom_FaceSet_v1 below it for each material; the archive's bounds are /.childBnds.
 //
 //   root       0 int32 version of the form, 0    1 int32 version of Alembic    2 group of the top object
 //              3 the archive's metadata    4 time samplings    5 indexed metadata
@@ -211,8 +212,7 @@ class AbcSink final : public FrameSink {
 
 void AbcSink::begin(const BakeInfo& info) {
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("abc: the scene has no surface to write; leave out --format abc");
+  require_surface(model, "abc");
   if (info.frames >= std::numeric_limits<std::uint32_t>::max())
     throw base::BakeError("abc: the format counts frames in 32 bits; leave out --format abc");
   unit_ = model.unit;
@@ -401,18 +401,18 @@ void AbcSink::finish() {
   file_->finish(file_->group(root));
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_abc_sink() {
-  return std::make_unique<AbcSink>();
-}
-
 std::uint64_t abc_bytes(const model::Model& model, std::uint64_t frames) {
   const std::uint64_t triangles = model.surface_triangle.size() / 3;
   // Positions, velocities, normals and bounds, each with its length, digest and places in the groups; headers
   // about 1 kB. Texture coordinates and face sets: 8 bytes a vertex and 4 a triangle.
   const std::uint64_t frame = std::uint64_t{36} * model.surface_count() + 96 + 5 * (8 + digest_bytes) + 8 * 8;
   return 1150 + std::uint64_t{8} * model.surface_count() + 20 * triangles + frames * frame;
+}
+
+}  // namespace
+
+Format abc_format() {
+  return {.name = "abc", .file = "surface.abc", .make = make_sink<AbcSink>, .bytes = abc_bytes};
 }
 
 }  // namespace fascicle::formats

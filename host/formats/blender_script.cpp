@@ -1,6 +1,10 @@
 #include "host/formats/blender_script.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "host/base/text.h"
+#include "host/formats/formats.h"
 
 namespace fascicle::formats {
 
@@ -8,7 +12,7 @@ namespace {
 
 // Blender stands on Z; files stand on Y. Its importers of glTF and OBJ turn what they read, once: (x, y, z)
 // becomes (x, -z, y) in the mesh itself. A mesh cache is read raw, so its modifier is told the same turn.
-constexpr const char* body = R"python(
+constexpr const char* script_functions = R"python(
 import math
 import os
 import sys
@@ -106,18 +110,23 @@ def load_usd():
     before = set(bpy.data.objects)
     bpy.ops.wm.usd_import(filepath=path_of('surface.usda'), set_frame_range=False)
     return new_objects(before)
+)python";
 
+// How a format is loaded: a function of Python, above.
+struct Loader {
+  const char* format;
+  const char* function;
+};
+// In the order of what looks best.
+constexpr Loader loaders[] = {
+    {"glb", "load_glb"},
+    {"pc2", "lambda: load_cache('surface.pc2', 'PC2')"},
+    {"mdd", "lambda: load_cache('surface.mdd', 'MDD')"},
+    {"abc", "load_alembic"},
+    {"usda", "load_usd"},
+};
 
-# In the order of what looks best.
-LOADERS = {
-    'glb': ('surface.glb', load_glb),
-    'pc2': ('surface.pc2', lambda: load_cache('surface.pc2', 'PC2')),
-    'mdd': ('surface.mdd', lambda: load_cache('surface.mdd', 'MDD')),
-    'abc': ('surface.abc', load_alembic),
-    'usda': ('surface.usda', load_usd),
-}
-
-
+constexpr const char* script_end = R"python(
 def load(wanted=None):
     """Loads the format named, or the first that is there; the new objects."""
     set_timeline()
@@ -140,11 +149,23 @@ if __name__ == '__main__':
 }  // namespace
 
 std::string blender_script(const BlenderScene& scene) {
-  return "# Loads this bake into Blender: blender --python import_blender.py [-- glb|pc2|mdd|abc|usda]\n"
-         "# Metres; frame 0 of the bake is frame FIRST of Blender.\n\n"
-         "FPS = " +
+  std::string names, table;
+  for (const Loader& loader : loaders) {
+    const Format& format = format_named(loader.format);
+    names += (names.empty() ? "" : "|") + format.name;
+    table += "    '" + format.name + "': ('" + format.file + "', " + loader.function + "),\n";
+  }
+  return "# Loads this bake into Blender: blender --python import_blender.py [-- " + names +
+         "]\n# Metres; frame 0 of the bake is frame FIRST of Blender.\n\nFPS = " +
          base::number_text(scene.fps) + "\nFRAMES = " + base::number_text(scene.frames) +
-         "\nFIRST = " + base::number_text(scene.first_number) + "\n" + body;
+         "\nFIRST = " + base::number_text(scene.first_number) + "\n" + script_functions +
+         "\n\n# In the order of what looks best.\nLOADERS = {\n" + table + "}\n\n" + script_end;
+}
+
+bool blender_loads(const std::filesystem::path& file) {
+  return std::any_of(std::begin(loaders), std::end(loaders), [&](const Loader& loader) {
+    return file.filename() == format_named(loader.format).file;
+  });
 }
 
 }  // namespace fascicle::formats

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 namespace fascicle::formats {
@@ -16,5 +17,8 @@ struct BlenderScene {
 
 // `blender --python import_blender.py`, or --background --python import_blender.py -- FORMAT.
 std::string blender_script(const BlenderScene& scene);
+
+// Whether the script loads this file of a bake's folder.
+bool blender_loads(const std::filesystem::path& file);
 
 }  // namespace fascicle::formats

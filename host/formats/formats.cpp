@@ -1,30 +1,34 @@
 #include "host/formats/formats.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace fascicle::formats {
 
+// Every format once, by name: its NAME_format() is declared and its row listed.
+#define FASCICLE_FORMATS(FORMAT) \
+  FORMAT(abc)                    \
+  FORMAT(glb)                    \
+  FORMAT(mdd)                    \
+  FORMAT(obj)                    \
+  FORMAT(pc2)                    \
+  FORMAT(usda)                   \
+  FORMAT(vtp)                    \
+  FORMAT(vtu)
+
+#define FASCICLE_DECLARED(name) Format name##_format();
+FASCICLE_FORMATS(FASCICLE_DECLARED)
+
 const std::vector<Format>& named_formats() {
-  static const std::vector<Format> formats{
-      {.name = "abc", .file = "surface.abc", .make = make_abc_sink, .bytes = abc_bytes},
-      {.name = "glb",
-       .file = "surface.glb",
-       .make = make_glb_sink,
-       .bytes = glb_bytes,
-       .spools = {glb_spool}},
-      {.name = "mdd", .file = "surface.mdd", .make = make_mdd_sink, .bytes = mdd_bytes},
-      {.name = "obj", .file = "obj/", .make = make_obj_sink, .bytes = obj_bytes},
-      {.name = "pc2", .file = "surface.pc2", .make = make_pc2_sink, .bytes = pc2_bytes},
-      {.name = "usda",
-       .file = "surface.usda",
-       .make = make_usda_sink,
-       .bytes = usda_bytes,
-       .spools = {usda_spool}},
-      {.name = "vtp", .file = "vtp/", .make = make_vtp_sink, .bytes = vtp_bytes},
-      // Its velocities are not in the frame cache.
-      {.name = "vtu", .file = "vtu/", .make = make_vtu_sink, .bytes = vtu_bytes, .from_cache = false},
-  };
+#define FASCICLE_ROW(name) name##_format(),
+  static const std::vector<Format> formats{FASCICLE_FORMATS(FASCICLE_ROW)};
   return formats;
+}
+
+const Format& format_named(std::string_view name) {
+  for (const Format& format : named_formats())
+    if (format.name == name) return format;
+  throw std::invalid_argument("no format is called " + std::string(name));
 }
 
 std::vector<std::string> with_companions(std::vector<std::string> formats, const model::Model& model) {

@@ -1,4 +1,5 @@
-// surface.glb: the character with its skeleton and looks, and the flesh as morph targets.
+// surface.glb: glTF 2.0, the character with its skeleton and looks, its flesh as sparse morph targets on top
+// of skinning, and one animation that moves both.
 //
 // A target holds how far each vertex stands from where skinning alone puts it, taken back through the
 // vertex's blended joint transform: viewers add the morph first and skin after, so at a target's frame they
@@ -43,6 +44,7 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using nlohmann::json;
 
+constexpr const char* glb_spool = "surface.glb.targets";
 // A normal turned by less (radians) is left as it is.
 constexpr double least_turn = 0.004;
 constexpr double default_tolerance = 1e-6;  // of the body's diagonal
@@ -123,8 +125,7 @@ void GlbSink::read_character(const BakeInfo& info) {
 void GlbSink::begin(const BakeInfo& info) {
   info_ = info;
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("glb: the scene has no surface to write; leave out --format glb");
+  require_surface(model, "glb");
   if (info.glb.stride == 0) throw base::BakeError("glb: the stride is 0; it must be at least 1");
   read_character(info);
   normals_.emplace(model, objects_of(info)->normals);
@@ -482,22 +483,22 @@ SinkReport GlbSink::report() const {
   return report;
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_glb_sink() {
-  return std::make_unique<GlbSink>();
-}
-
-std::uint64_t glb_target_count(std::uint64_t frames, const GlbOptions& options) {
-  const std::uint64_t stride = std::max<std::uint64_t>(options.stride, 1);
-  return (frames + stride - 1) / stride + 1;
-}
-
+// At most this for so many morph targets; vertices that only follow the skeleton take nothing.
 std::uint64_t glb_bytes(const model::Model& model, std::uint64_t targets) {
   // The most: every vertex in every target, with its number; about 700 bytes of JSON a target; the character
   // itself with about 64 bytes a vertex and 12 a triangle.
   return targets * (700 + std::uint64_t{28} * model.surface_count()) + 4000 +
          std::uint64_t{64} * model.surface_count() + model.surface_triangle.size() * 4;
+}
+
+}  // namespace
+
+Format glb_format() {
+  return {.name = "glb",
+          .file = "surface.glb",
+          .make = make_sink<GlbSink>,
+          .bytes = glb_bytes,
+          .beside = {glb_spool}};
 }
 
 }  // namespace fascicle::formats

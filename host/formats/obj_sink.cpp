@@ -1,8 +1,8 @@
-// obj/: Wavefront OBJ, one file a frame, for whatever reads nothing else.
+// obj/frame_NNNNNN.obj: Wavefront OBJ, one file a frame, for whatever reads nothing else: positions, texture
+// coordinates, normals and triangles with their materials; obj/surface.mtl, where there are any.
 #include <memory>
 #include <optional>
 
-#include "host/base/errors.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
@@ -15,6 +15,9 @@
 namespace fascicle::formats {
 
 namespace {
+
+constexpr const char* obj_extension = "obj";
+constexpr const char* obj_materials = "surface.mtl";
 
 void append_lines(std::string& text, const char* word, std::span<const float> values) {
   for (std::size_t i = 0; i < values.size(); i += 3) {
@@ -30,8 +33,7 @@ class ObjSink final : public FrameSink {
   model::Read needs() const override { return {.surface = true}; }
   void begin(const BakeInfo& info) override {
     const model::Model& model = *info.model;
-    if (model.surface_count() == 0)
-      throw base::BakeError("obj: the scene has no surface to write; leave out --format obj");
+    require_surface(model, "obj");
     unit_ = model.unit;
     fps_ = info.fps;
     surface_ = objects_of(info);
@@ -75,15 +77,19 @@ class ObjSink final : public FrameSink {
   std::vector<std::string> uvs_, faces_;  // of each object
 };
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_obj_sink() {
-  return std::make_unique<ObjSink>();
-}
-
 std::uint64_t obj_bytes(const model::Model& model, std::uint64_t frames) {
   // About 36 characters a position and a normal, 24 a texture coordinate, 40 a triangle.
   return frames * (100 + std::uint64_t{96} * model.surface_count() + model.surface_triangle.size() / 3 * 40);
+}
+
+}  // namespace
+
+Format obj_format() {
+  return {.name = "obj",
+          .file = "obj/",
+          .make = make_sink<ObjSink>,
+          .bytes = obj_bytes,
+          .beside = {std::string("obj/") + obj_materials}};
 }
 
 }  // namespace fascicle::formats

@@ -1,6 +1,7 @@
 // The seam between the frame loop and the formats. Each format is a sink: begin, write each frame, finish.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -24,6 +25,11 @@ struct GlbOptions {
                                       // target; none: 1e-6 of the body's diagonal
   std::optional<double> compress{};   // m: quantised and compressed, no vertex moved further; none: floats
 };
+// Morph targets of a bake of `frames` frames after frame 0, at most.
+inline std::uint64_t glb_target_count(std::uint64_t frames, const GlbOptions& options) {
+  const std::uint64_t stride = std::max<std::uint64_t>(options.stride, 1);
+  return (frames + stride - 1) / stride + 1;
+}
 
 struct SurfaceObjects;
 

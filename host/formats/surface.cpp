@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/errors.h"
+
 namespace fascicle::formats {
 
 std::vector<float> embed(const model::Model& model, std::span<const float> positions) {
@@ -27,6 +29,11 @@ std::vector<float> world_positions(std::span<const float> positions, double unit
   for (std::size_t i = 0; i < positions.size(); ++i)
     world[i] = static_cast<float>(origin[i % 3] + unit * double{positions[i]});
   return world;
+}
+
+void require_surface(const model::Model& model, const std::string& format) {
+  if (model.surface_count() == 0)
+    throw base::BakeError(format + ": the scene has no surface to write; leave out --format " + format);
 }
 
 std::array<float, 6> bounds(std::span<const float> points) {

@@ -18,6 +18,9 @@ std::vector<float> embed(const model::Model& model, std::span<const float> posit
 std::vector<float> world_positions(std::span<const float> positions, double unit,
                                    const std::array<double, 3>& origin);
 
+// Throws BakeError without a surface, which formats of the render mesh cannot do without.
+void require_surface(const model::Model& model, const std::string& format);
+
 // Least and greatest coordinates of points, x y z x y z. All 0 without points.
 std::array<float, 6> bounds(std::span<const float> points);
 

@@ -1,4 +1,6 @@
-// surface.usda: the surface's objects as UsdGeomMeshes in USD's text form.
+// surface.usda: USD's text form. A UsdGeomMesh /body/OBJECT for each object, with time samples of points,
+// normals, velocities and extent, and the first frame at the default time; time code k is frame k. Materials
+// are UsdPreviewSurfaces, bound to the mesh or to its GeomSubsets.
 //
 // A file of USD holds all samples of an attribute side by side, and frames come one by one. So samples go
 // into a stream beside the file, and finish() puts them in their places. The velocities of a frame are known
@@ -25,11 +27,13 @@ namespace fascicle::formats {
 
 namespace {
 
-// Where samples lie in the stream.
-struct Piece {
+constexpr const char* usda_spool = "surface.usda.samples";
+
+// Where the samples of an attribute lie in the stream.
+struct SampleBytes {
   std::uint64_t offset = 0, bytes = 0;
 };
-using Pieces = std::vector<Piece>;
+using Pieces = std::vector<SampleBytes>;
 
 // Of one object.
 struct MeshPieces {
@@ -71,8 +75,7 @@ class UsdaSink final : public FrameSink {
 
 void UsdaSink::begin(const BakeInfo& info) {
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("usda: the scene has no surface to write; leave out --format usda");
+  require_surface(model, "usda");
   info_ = info;
   unit_ = model.unit;
   surface_ = objects_of(info);
@@ -142,7 +145,7 @@ std::string UsdaSink::header() const {
 void UsdaSink::write_samples(int level, const std::string& attribute, const Pieces& pieces) {
   const std::string before = usd_line(level + 1, "");
   file_->write(usd_line(level, attribute + ".timeSamples = {"));
-  for (const Piece& piece : pieces) {
+  for (const SampleBytes& piece : pieces) {
     file_->write(std::string_view(before).substr(0, before.size() - 1));
     samples_->copy_to(*file_, piece.offset, piece.bytes);
   }
@@ -179,16 +182,20 @@ void UsdaSink::finish() {
   samples_->remove();
 }
 
-}  // namespace
-
-std::unique_ptr<FrameSink> make_usda_sink() {
-  return std::make_unique<UsdaSink>();
-}
-
 std::uint64_t usda_bytes(const model::Model& model, std::uint64_t frames) {
   // About 36 characters a position, a normal and a velocity; 25 a triangle and 24 a texture coordinate.
   return 2000 + model.surface_triangle.size() / 3 * 35 + std::uint64_t{96} * model.surface_count() +
          frames * (400 + std::uint64_t{108} * model.surface_count());
+}
+
+}  // namespace
+
+Format usda_format() {
+  return {.name = "usda",
+          .file = "surface.usda",
+          .make = make_sink<UsdaSink>,
+          .bytes = usda_bytes,
+          .beside = {usda_spool}};
 }
 
 }  // namespace fascicle::formats

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
 // Floats shrink little whatever is tried; the first level is the fastest.
-constexpr int level = 1;
+constexpr int compression_level = 1;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::string vtk_compressed(std::string_view bytes) {
     std::string packed(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                   reinterpret_cast<const Bytef*>(block.data()), static_cast<uLong>(block.size()),
-                  level) != Z_OK)
+                  compression_level) != Z_OK)
       throw std::runtime_error("zlib could not compress an array");
     base::append_bytes(head, std::uint64_t{size});
     body.append(packed, 0, size);
@@ -82,13 +82,26 @@ std::string vtk_field_data(double time, std::span<const VtkNames> names) {
   return text + "    </FieldData>\n";
 }
 
-std::string vtk_collection(std::span<const VtkStep> steps) {
+VtkFrames::VtkFrames(const BakeInfo& info, const std::string& extension)
+    : start_(info.start),
+      fps_(info.fps),
+      frames_(info.frames),
+      extension_(extension),
+      files_(info.folder, extension, info.first, info.first_number) {}
+
+double VtkFrames::time_of(std::uint64_t frame) const {
+  return start_ + static_cast<double>(frame) / fps_;
+}
+
+void VtkFrames::finish() {
+  files_.sync();
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  "
       "<Collection>\n";
-  for (const VtkStep& step : steps)
-    text += "    <DataSet timestep=\"" + base::number_text(step.time) + "\" file=\"" + step.file + "\"/>\n";
-  return text + "  </Collection>\n</VTKFile>\n";
+  for (std::uint64_t k = 0; k <= frames_; ++k)
+    text += "    <DataSet timestep=\"" + base::number_text(time_of(k)) + "\" file=\"" +
+            frame_file_name(files_.number_of(k), extension_) + "\"/>\n";
+  base::write_whole(files_.folder() / vtk_series, text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace fascicle::formats

@@ -8,6 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "host/formats/frame_files.h"
+#include "host/formats/sink.h"
+
 namespace fascicle::formats {
 
 // One array as it stands in the appended data: blocks of at most 1 MiB, each compressed by zlib, behind their
@@ -42,12 +45,26 @@ struct VtkNames {
 };
 std::string vtk_field_data(double time, std::span<const VtkNames> names);
 
-// A .pvd: files and their times (s).
-struct VtkStep {
-  double time = 0.0;
-  std::string file;
+inline constexpr const char* vtk_series = "series.pvd";
+inline constexpr std::uint8_t vtk_tetra = 10;  // a type of cells
+
+// A bake's frames: a file each, and vtk_series, the collection of them with their times.
+class VtkFrames {
+ public:
+  VtkFrames(const BakeInfo& info, const std::string& extension);
+
+  double time_of(std::uint64_t frame) const;  // s
+  void write(std::uint64_t frame, std::string_view text) { files_.write(frame, text); }
+  void sync() { files_.sync(); }
+  // After the last frame.
+  void finish();
+
+ private:
+  double start_, fps_;
+  std::uint64_t frames_;
+  std::string extension_;
+  FrameFiles files_;
 };
-std::string vtk_collection(std::span<const VtkStep> steps);
 
 // The bytes of a list of numbers, likewise.
 template <class T>

@@ -1,12 +1,12 @@
-// vtp/: the render surface for ParaView, one VTK file a frame, and a collection with their times.
+// vtp/frame_NNNNNN.vtp: the render surface for ParaView, one VTK file a frame, with normals and texture
+// coordinates, and vtp/series.pvd, a collection with their times. A triangle's object and material are
+// numbers in the field data's lists `objects` and `materials`, -1: none. Written beside vtu where the scene
+// has a surface.
 #include <memory>
 #include <optional>
 
-#include "host/base/errors.h"
-#include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
-#include "host/formats/frame_files.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
 #include "host/formats/surface_objects.h"
@@ -22,16 +22,14 @@ class VtpSink final : public FrameSink {
   model::Read needs() const override { return {.surface = true}; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  void sync() override { files_->sync(); }
-  void finish() override;
+  void sync() override { frames_->sync(); }
+  void finish() override { frames_->finish(); }
 
  private:
-  double time_of(std::uint64_t frame) const { return info_.start + static_cast<double>(frame) / info_.fps; }
-
   BakeInfo info_;
   std::shared_ptr<const SurfaceObjects> surface_;
   std::optional<SurfaceNormals> normals_;
-  std::optional<FrameFiles> files_;
+  std::optional<VtkFrames> frames_;
   std::vector<VtkNames> names_;
   // What no frame changes, compressed once.
   std::string uvs_, connectivity_, offsets_, objects_, materials_;
@@ -40,11 +38,10 @@ class VtpSink final : public FrameSink {
 void VtpSink::begin(const BakeInfo& info) {
   info_ = info;
   const model::Model& model = *info.model;
-  if (model.surface_count() == 0)
-    throw base::BakeError("vtp: the scene has no surface to write; leave out --format vtp");
+  require_surface(model, "vtp");
   surface_ = objects_of(info);
   normals_.emplace(model, surface_->normals);
-  files_.emplace(info.folder, vtp_extension, info.first, info.first_number);
+  frames_.emplace(info, "vtp");
   std::vector<std::int32_t> objects, materials, offsets;
   std::vector<float> uvs;
   bool has_uvs = false;
@@ -75,7 +72,7 @@ void VtpSink::write(const model::Frame& frame) {
   const std::vector<float> normals = normals_->of(frame.surface);
   VtkArrays arrays;
   // One array a statement: their order in the file is that of the calls.
-  std::string text = vtk_field_data(time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
+  std::string text = vtk_field_data(frames_->time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
                      base::number_text(std::uint64_t{points.size() / 3}) + "\" NumberOfPolys=\"" +
                      base::number_text(std::uint64_t{info_.model->surface_triangle.size() / 3}) + "\">\n";
   text += "      <Points>\n";
@@ -91,21 +88,7 @@ void VtpSink::write(const model::Frame& frame) {
   text += arrays.add("Int32", "connectivity", 1, connectivity_);
   text += arrays.add("Int32", "offsets", 1, offsets_);
   text += "      </Polys>\n    </Piece>\n";
-  files_->write(frame.index, arrays.file("PolyData", text));
-}
-
-void VtpSink::finish() {
-  files_->sync();
-  std::vector<VtkStep> steps;
-  for (std::uint64_t k = 0; k <= info_.frames; ++k)
-    steps.push_back({time_of(k), frame_file_name(files_->number_of(k), vtp_extension)});
-  base::write_whole(files_->folder() / vtk_series, vtk_collection(steps));
-}
-
-}  // namespace
-
-std::unique_ptr<FrameSink> make_vtp_sink() {
-  return std::make_unique<VtpSink>();
+  frames_->write(frame.index, arrays.file("PolyData", text));
 }
 
 std::uint64_t vtp_bytes(const model::Model& model, std::uint64_t frames) {
@@ -115,6 +98,16 @@ std::uint64_t vtp_bytes(const model::Model& model, std::uint64_t frames) {
        {points * 12, points * 12, points * 8, triangles * 4, triangles * 4, triangles * 12, triangles * 4})
     bytes += vtk_compressed_bound(array);
   return frames * (bytes + 70);  // and the frame's line in the collection
+}
+
+}  // namespace
+
+Format vtp_format() {
+  return {.name = "vtp",
+          .file = "vtp/",
+          .make = make_sink<VtpSink>,
+          .bytes = vtp_bytes,
+          .beside = {std::string("vtp/") + vtk_series}};
 }
 
 }  // namespace fascicle::formats

@@ -1,14 +1,14 @@
-// vtu/: VTK unstructured grids, one compressed file a frame, and a ParaView collection with their times. The
-// format has no way to share arrays between files: what no frame changes is compressed once and stands in
-// each.
+// vtu/frame_NNNNNN.vtu: VTK unstructured grids for ParaView, one compressed file a frame, and vtu/series.pvd,
+// a collection with their times. The tetrahedra in metres with displacement from frame 0 (m), velocity (m/s),
+// layer (a number in the field data's list `layers`), kinematic, and source_vertex, the vertex's number in
+// the input's tetrahedral mesh. The format has no way to share arrays between files: what no frame changes is
+// compressed once and stands in each.
 #include <limits>
 #include <optional>
 
 #include "host/base/errors.h"
-#include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
-#include "host/formats/frame_files.h"
 #include "host/formats/surface.h"
 #include "host/formats/vtk_xml.h"
 
@@ -16,22 +16,18 @@ namespace fascicle::formats {
 
 namespace {
 
-constexpr std::uint8_t vtk_tetra = 10;
-
 class VtuSink final : public FrameSink {
  public:
   std::string name() const override { return "vtu"; }
   model::Read needs() const override { return {.positions = true, .velocities = true}; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  void sync() override { files_->sync(); }
-  void finish() override;
+  void sync() override { frames_->sync(); }
+  void finish() override { frames_->finish(); }
 
  private:
-  double time_of(std::uint64_t frame) const { return info_.start + static_cast<double>(frame) / info_.fps; }
-
   BakeInfo info_;
-  std::optional<FrameFiles> files_;
+  std::optional<VtkFrames> frames_;
   std::vector<VtkNames> names_;
   // What no frame changes, compressed once.
   std::string layer_, kinematic_, source_vertex_, connectivity_, offsets_, types_;
@@ -60,7 +56,7 @@ void VtuSink::begin(const BakeInfo& info) {
   VtkNames layers{.name = "layers", .values = {}};
   for (const model::Layer& each : model.layers) layers.values.push_back(each.name);
   names_ = {layers};
-  files_.emplace(info.folder, vtu_extension, info.first, info.first_number);
+  frames_.emplace(info, "vtu");
 }
 
 void VtuSink::write(const model::Frame& frame) {
@@ -79,7 +75,7 @@ void VtuSink::write(const model::Frame& frame) {
   const auto floats = [&](const char* name, const std::vector<float>& values) {
     return arrays.add("Float32", name, 3, std::span<const float>(values));
   };
-  std::string text = vtk_field_data(time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
+  std::string text = vtk_field_data(frames_->time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
                      base::number_text(model.vertex_count) + "\" NumberOfCells=\"" +
                      base::number_text(model.tetrahedron_count()) + "\">\n";
   // One array a statement: their order in the file is that of the calls.
@@ -96,21 +92,7 @@ void VtuSink::write(const model::Frame& frame) {
   text += arrays.add("Int32", "offsets", 1, offsets_);
   text += arrays.add("UInt8", "types", 1, types_);
   text += "      </Cells>\n    </Piece>\n";
-  files_->write(frame.index, arrays.file("UnstructuredGrid", text));
-}
-
-void VtuSink::finish() {
-  files_->sync();
-  std::vector<VtkStep> steps;
-  for (std::uint64_t k = 0; k <= info_.frames; ++k)
-    steps.push_back({time_of(k), frame_file_name(files_->number_of(k), vtu_extension)});
-  base::write_whole(files_->folder() / vtk_series, vtk_collection(steps));
-}
-
-}  // namespace
-
-std::unique_ptr<FrameSink> make_vtu_sink() {
-  return std::make_unique<VtuSink>();
+  frames_->write(frame.index, arrays.file("UnstructuredGrid", text));
 }
 
 std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
@@ -120,6 +102,18 @@ std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
        {points * 12, points * 12, points * 12, points, points, points * 4, cells * 16, cells * 4, cells})
     bytes += vtk_compressed_bound(array);
   return frames * (bytes + 70);  // and the frame's line in the collection
+}
+
+}  // namespace
+
+// Its velocities are not in the frame cache.
+Format vtu_format() {
+  return {.name = "vtu",
+          .file = "vtu/",
+          .make = make_sink<VtuSink>,
+          .bytes = vtu_bytes,
+          .beside = {std::string("vtu/") + vtk_series},
+          .from_cache = false};
 }
 
 }  // namespace fascicle::formats

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/base/descriptor.h"
 #include "host/base/errors.h"
 #include "host/base/helper_program.h"
 #include "host/gltf/convert.h"
@@ -23,25 +24,11 @@ std::string system_message(int error) {
   return std::generic_category().message(error);
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return value_; }
-
- private:
-  int value_;
-};
-
 // The whole of a regular file; `fail` is called with what is wrong and does not return. O_NONBLOCK: a pipe
 // must not hang us.
 template <typename Fail>
 std::vector<unsigned char> read_regular_file(const std::filesystem::path& path, int flags, const Fail& fail) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags));
+  const base::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags));
   if (file.get() < 0) fail("cannot be opened: " + system_message(errno));
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) fail("cannot be read: " + system_message(errno));

@@ -86,6 +86,7 @@ Json json_of(const Scene& scene) {
               {"bones", json_of(scene.bones)},
               {"skeleton", json_of(scene.skeleton)},
               {"layers", json_of(scene.layers)},
+              {"flesh", json_of(scene.flesh)},
               {"fibres", json_of(scene.fibres)},
               {"muscles", json_of(scene.muscles)},
               {"pins", json_of(scene.pins)},

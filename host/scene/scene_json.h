@@ -23,6 +23,7 @@ std::string dump(const Json& json, int indent = -1);
 Json json_of(const Vector3d& vector);
 Json json_of(const Where& where);
 Json json_of(const Layer& layer);
+Json json_of(const FleshSettings& flesh);
 Json json_of(const ContactSettings& contact);
 Json json_of(const SkeletonSettings& skeleton);
 Json json_of(const FibreCurve& curve);

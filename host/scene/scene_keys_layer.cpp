@@ -149,6 +149,9 @@ const Table& flesh_table() {
 void read_keys(const toml::table& table, FleshSettings& flesh) {
   read_rows(table, flesh_rows(), flesh);
 }
+Json json_of(const FleshSettings& flesh) {
+  return json_of_rows(flesh_rows(), flesh);
+}
 
 const Table& contact_table() {
   static const Table table = with_keys({.name = "contact", .doc = "How flesh meets flesh."}, contact_rows());

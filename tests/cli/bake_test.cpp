@@ -2,6 +2,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -47,6 +48,16 @@ TEST(Bake, ResultsGoToStdoutAndSayHowToLook) {
   EXPECT_EQ(manifest.at("status"), "complete");
   EXPECT_EQ(manifest.at("frames"), 6);  // 0.1 s at 60 a second
   EXPECT_EQ(manifest.at("position_hashes").size(), 7u);
+}
+
+TEST(Bake, NamesBlenderWhereItsScriptLoadsWhatWasWritten) {
+  const TemporaryFolder folder;
+  for (const auto& [format, is_loaded] : {std::pair{"obj", false}, {"abc", true}, {"usda", true}}) {
+    const Outcome outcome = fascicle(
+        {"bake", "arm", "-o", folder / format, "--end", "0.05", "--device", "cpu", "--format", format});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(contains(outcome.out, "blender --python"), is_loaded) << outcome.out;
+  }
 }
 
 TEST(Bake, CpuAndVulkanGiveTheSameHashes) {

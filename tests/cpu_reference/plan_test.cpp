@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -433,6 +434,16 @@ TEST(SubstepPlanOnTheCpu, TheReachOfTiesAndContactsIsSeen) {
         is_beyond = is_beyond || (i != from && std::find(first, last, i) == last);
       }
     EXPECT_TRUE(is_beyond) << name_of(kernel);
+  }
+}
+
+// What a kernel that was added to the schedule alone fails with. `lack` has code of its own, not a row.
+TEST(SubstepPlanOnTheCpu, AKernelWithoutCodeIsToldWhereItBelongs) {
+  try {
+    cpu::code_of(Kernel::lack, PlanCase(false).model, model::Rotation::qcp);
+    ADD_FAILURE() << "not refused";
+  } catch (const std::logic_error& error) {
+    EXPECT_STREQ(error.what(), "kernel lack has no row in kernel_code (cpu_reference/solver/stages.cpp)");
   }
 }
 

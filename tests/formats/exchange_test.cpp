@@ -74,9 +74,9 @@ TEST(SurfaceNormals, OfNothingPointUp) {
 TEST(Mdd, IsBigEndianWithTimesInSeconds) {
   const TemporaryFolder folder;
   const model::Model model = folded_sheet();
-  write_frames(formats::make_mdd_sink(), model, folder / "");
+  write_frames(formats::format_named("mdd").make(), model, folder / "");
   const std::string bytes = read_text(folder / "surface.mdd");
-  EXPECT_EQ(bytes.size(), formats::mdd_bytes(model, 3));
+  EXPECT_EQ(bytes.size(), formats::format_named("mdd").bytes(model, 3));
   ASSERT_EQ(bytes.size(), 8u + 4 * 3 + 3 * 6 * 12);
   std::size_t at = 0;
   const auto number = [&] {
@@ -93,7 +93,7 @@ TEST(Mdd, IsBigEndianWithTimesInSeconds) {
 
 TEST(ObjSequence, HasTheMeshOfEachFrame) {
   const TemporaryFolder folder;
-  write_frames(formats::make_obj_sink(), folded_sheet(), folder / "");
+  write_frames(formats::format_named("obj").make(), folded_sheet(), folder / "");
   for (std::uint64_t k = 0; k < 3; ++k) {
     std::istringstream in(read_text(folder / ("obj/frame_00000" + std::to_string(k) + ".obj")));
     std::vector<float> points, normals;
@@ -147,10 +147,11 @@ std::vector<T> values_of(const OgawaSample& sample) {
 TEST(Alembic, IsAPolyMeshWithEverySample) {
   const TemporaryFolder folder;
   const model::Model model = folded_sheet();
-  write_frames(formats::make_abc_sink(), model, folder / "");
+  write_frames(formats::format_named("abc").make(), model, folder / "");
   const std::string file = read_text(folder / "surface.abc");
   // The estimate counts the headers roundly.
-  EXPECT_NEAR(static_cast<double>(file.size()), static_cast<double>(formats::abc_bytes(model, 3)), 400);
+  EXPECT_NEAR(static_cast<double>(file.size()),
+              static_cast<double>(formats::format_named("abc").bytes(model, 3)), 400);
   const OgawaArchive archive = read_ogawa(file);
   EXPECT_EQ(archive.form_version, 0);
   EXPECT_GE(archive.alembic_version, 9999);  // the library refuses less
@@ -213,7 +214,7 @@ TEST(Alembic, OneFrameAndManyFrames) {
   for (const std::uint64_t frames : {0u, 299u}) {
     const TemporaryFolder folder;
     const model::Frame frame = stretched(model, 0);
-    const auto sink = formats::make_abc_sink();
+    const auto sink = formats::format_named("abc").make();
     sink->begin({.model = &model,
                  .folder = folder / "",
                  .scene_name = "s",
@@ -248,7 +249,7 @@ std::string output_of(const std::string& command) {
 TEST(Usd, IsReadByOtherPrograms) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
-  write_frames(formats::make_usda_sink(), folded_sheet(), folder / "");
+  write_frames(formats::format_named("usda").make(), folded_sheet(), folder / "");
   const nlohmann::json usd =
       nlohmann::json::parse(output_of("node '" + (node_readers() / "read_usda.mjs").string() + "' '" +
                                       (folder / "surface.usda").string() + "'"));

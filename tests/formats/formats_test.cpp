@@ -24,6 +24,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/formats/blender_script.h"
 #include "host/formats/frame_files.h"
 #include "host/formats/rest_mesh.h"
 #include "host/formats/surface.h"
@@ -92,7 +93,7 @@ TEST(Surface, RestObjHasTheRenderMeshInMetres) {
 TEST(Pc2, HeaderAndEverySample) {
   const TemporaryFolder folder;
   const model::Model model = two_tetrahedra();
-  write_frames(formats::make_pc2_sink(), model, folder / "");
+  write_frames(formats::format_named("pc2").make(), model, folder / "");
   const std::string bytes = read_text(folder / "surface.pc2");
   EXPECT_EQ(bytes.substr(0, 12), std::string("POINTCACHE2\0", 12));
   EXPECT_EQ(read_value<std::int32_t>(bytes, 12), 1);
@@ -101,7 +102,7 @@ TEST(Pc2, HeaderAndEverySample) {
   EXPECT_EQ(read_value<float>(bytes, 24), 1.0f);
   EXPECT_EQ(read_value<std::int32_t>(bytes, 28), 3);
   ASSERT_EQ(bytes.size(), 32u + 3 * 3 * 12);
-  EXPECT_EQ(bytes.size(), formats::pc2_bytes(model, 3));
+  EXPECT_EQ(bytes.size(), formats::format_named("pc2").bytes(model, 3));
   for (std::size_t k = 0; k < 3; ++k) {
     const double s = 0.5 * (1.0 + 0.25 * static_cast<double>(k));
     // Render vertices in working units at rest, by hand from the weights; exact in float.
@@ -119,7 +120,7 @@ TEST(Pc2, RefusesABodyWithoutSurface) {
   model.surface_vertex.clear();
   model.surface_weight.clear();
   model.surface_triangle.clear();
-  EXPECT_THROW(write_frames(formats::make_pc2_sink(), model, folder / ""), BakeError);
+  EXPECT_THROW(write_frames(formats::format_named("pc2").make(), model, folder / ""), BakeError);
 }
 
 TEST(Metrics, AgainstClosedForms) {
@@ -291,7 +292,7 @@ TEST(Metrics, AreTheSameInEveryLocale) {
 TEST(VtuSeries, HoldsTheMeshAndItsMotion) {
   const TemporaryFolder folder;
   const model::Model model = two_tetrahedra();
-  write_frames(formats::make_vtu_sink(), model, folder / "");
+  write_frames(formats::format_named("vtu").make(), model, folder / "");
   for (std::uint64_t k = 0; k < 3; ++k) {
     VtkFile vtu = read_vtk(folder / ("vtu/frame_00000" + std::to_string(k) + ".vtu"));
     EXPECT_NE(vtu.xml.find("NumberOfPoints=\"5\" NumberOfCells=\"2\""), std::string::npos);
@@ -447,6 +448,22 @@ TEST(FrameCache, RefusesWhatIsDamagedOrForeign) {
 TEST(Formats, Names) {
   EXPECT_EQ(bake::format_names(),
             (std::vector<std::string>{"abc", "glb", "mdd", "obj", "pc2", "usda", "vtp", "vtu"}));
+}
+
+// The script's table and what is said of it are one list.
+TEST(BlenderScript, LoadsTheFilesItIsSaidToLoad) {
+  const std::string script = formats::blender_script({.fps = 24.0, .frames = 2, .first_number = 0});
+  std::size_t loaded = 0;
+  for (const formats::Format& format : formats::named_formats()) {
+    const bool has_row =
+        script.find("    '" + format.name + "': ('" + format.file + "', ") != std::string::npos;
+    EXPECT_EQ(formats::blender_loads("out/" + format.file), has_row) << format.name;
+    loaded += has_row ? 1 : 0;
+  }
+  EXPECT_EQ(loaded, 5u);
+  EXPECT_FALSE(formats::blender_loads("out/obj/"));
+  // A character's own file is no motion.
+  EXPECT_FALSE(formats::blender_loads("out/character.glb"));
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ class Sheet {
   void write(const fs::path& folder, std::optional<double> compress) const {
     fs::create_directories(folder);
     const model::Frame initial = turned(model_, 0);
-    const auto sink = formats::make_glb_sink();
+    const auto sink = formats::format_named("glb").make();
     sink->begin({.model = &model_,
                  .folder = folder,
                  .scene_name = "s",
@@ -184,7 +184,7 @@ TEST(GlbCompress, SeveralObjectsOfOneSkinShareAGrid) {
   const TemporaryFolder folder;
   const auto write = [&](const char* name, std::optional<double> compress) {
     fs::create_directories(folder / name);
-    write_dressed_frames(formats::make_glb_sink(), folder / name, {.glb = {.compress = compress}});
+    write_dressed_frames(formats::format_named("glb").make(), folder / name, {.glb = {.compress = compress}});
     return folder / name / "surface.glb";
   };
   const GltfViewer plain(write("plain", {})), small = unpacked(write("small", 1e-3));
@@ -209,7 +209,7 @@ PlainAndSmall changed_dressed(const TemporaryFolder& folder,
     GlbChunks glb = read_glb(file);
     change(glb.document, glb.binary);
     base::write_whole(file, formats::glb_text({.json = glb.document, .binary = glb.binary}));
-    write_turned_frames(formats::make_glb_sink(), folder / name, {.glb = {.compress = compress}});
+    write_turned_frames(formats::format_named("glb").make(), folder / name, {.glb = {.compress = compress}});
     return folder / name / "surface.glb";
   };
   return {GltfViewer(write("plain", {})), unpacked(write("small", 1e-3))};

@@ -116,7 +116,8 @@ TEST(Glb, StrideLeavesFramesOutAndKeepsTheLast) {
             (std::vector<std::string>{"frame 0", "frame 4", "frame 6"}));
   expect_baked_surface(folder / "out", 1, 4);
   expect_baked_surface(folder / "out", 2, 6);
-  EXPECT_LT(fs::file_size(folder / "out/surface.glb"), formats::glb_bytes(jointed_model(), 3));
+  EXPECT_LT(fs::file_size(folder / "out/surface.glb"),
+            formats::format_named("glb").bytes(jointed_model(), 3));
 }
 
 // How far a viewer is from the bake in every frame, m: from the file alone and the frame cache.

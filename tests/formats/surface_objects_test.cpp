@@ -149,7 +149,7 @@ TEST(SurfaceVelocities, AreTheDerivativeOfWhatIsWritten) {
 
 TEST(Alembic, HoldsObjectsFaceSetsUvsAndVelocities) {
   const TemporaryFolder folder;
-  write_dressed_frames(formats::make_abc_sink(), folder / "", {.first_number = 1001});
+  write_dressed_frames(formats::format_named("abc").make(), folder / "", {.first_number = 1001});
   const OgawaArchive archive = read_ogawa(read_text(folder / "surface.abc"));
   EXPECT_EQ(archive.samplings[1].period, 0.125);
   EXPECT_EQ(archive.samplings[1].times, std::vector<double>{1001.0 / 8.0});
@@ -201,7 +201,7 @@ TEST(Alembic, HoldsObjectsFaceSetsUvsAndVelocities) {
 
 TEST(ObjSequence, HoldsObjectsMaterialsAndUvs) {
   const TemporaryFolder folder;
-  write_dressed_frames(formats::make_obj_sink(), folder / "", {.first_number = 1001});
+  write_dressed_frames(formats::format_named("obj").make(), folder / "", {.first_number = 1001});
   EXPECT_FALSE(fs::exists(folder / "obj/frame_000000.obj"));
   EXPECT_EQ(read_text(folder / "textures/image_000.png"), "no picture");
   const std::string materials = read_text(folder / "obj/surface.mtl");
@@ -236,7 +236,7 @@ TEST(ObjSequence, HoldsObjectsMaterialsAndUvs) {
 
 TEST(VtpSeries, HoldsObjectsMaterialsAndUvs) {
   const TemporaryFolder folder;
-  write_dressed_frames(formats::make_vtp_sink(), folder / "", {.first_number = 1001});
+  write_dressed_frames(formats::format_named("vtp").make(), folder / "", {.first_number = 1001});
   EXPECT_NE(read_text(folder / "vtp/series.pvd").find("timestep=\"1.625\" file=\"frame_001002.vtp\""),
             std::string::npos);
   for (std::uint64_t k = 0; k < 4; ++k) {
@@ -285,7 +285,7 @@ std::string output_of(const std::string& command) {
 TEST(Usd, HoldsObjectsMaterialsUvsAndVelocities) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
-  write_dressed_frames(formats::make_usda_sink(), folder / "", {.first_number = 1001});
+  write_dressed_frames(formats::format_named("usda").make(), folder / "", {.first_number = 1001});
   EXPECT_FALSE(fs::exists(folder / "surface.usda.samples.part"));
   EXPECT_EQ(read_text(folder / "textures/image_000.png"), "no picture");
   const json usd = json::parse(output_of("node '" + (node_readers() / "read_usda.mjs").string() + "' '" +

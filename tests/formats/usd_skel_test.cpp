@@ -153,7 +153,7 @@ TEST(UsdSkel, IsSkinningByTheFilesSkeleton) {
 TEST(UsdSkel, ObjectsAreBoundWhereTheFileHasThemInItsOwnAxes) {
   FASCICLE_NEEDS_NODE_READERS;
   const TemporaryFolder folder;
-  write_dressed_frames(formats::make_usda_sink(), folder / "", {.usd_skel = true});
+  write_dressed_frames(formats::format_named("usda").make(), folder / "", {.usd_skel = true});
   const json usd = read_usd(folder / "surface.usda");
   std::vector<Vector3d> shown;
   for (const char* mesh : {"Body_001", "Body_001_2"})
@@ -169,7 +169,7 @@ TEST(UsdSkel, TakesACharacter) {
   const TemporaryFolder folder;
   const model::Model model = two_tetrahedra();
   const model::Frame initial = turned(model, 0);
-  const auto sink = formats::make_usda_sink();
+  const auto sink = formats::format_named("usda").make();
   EXPECT_THROW(sink->begin({.model = &model,
                             .folder = folder / "",
                             .scene_name = "s",

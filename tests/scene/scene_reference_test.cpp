@@ -60,6 +60,7 @@ TEST(SceneReference, TheManifestHasEveryKey) {
   EXPECT_EQ(missing("layers", json_of(layer)), none);
   EXPECT_EQ(missing("muscle", json_of(scene::Muscle{})), none);
   EXPECT_EQ(missing("motion", json_of(scene::Motion{})), none);
+  EXPECT_EQ(missing("flesh", json_of(scene::FleshSettings{})), none);
   EXPECT_EQ(missing("solver", json_of(scene::SolverSettings{})), none);
   EXPECT_EQ(missing("skeleton", json_of(scene::SkeletonSettings{})), none);
   scene::ContactSettings contact;
@@ -71,6 +72,13 @@ TEST(SceneReference, TheManifestHasEveryKey) {
   EXPECT_EQ(missing("bar", json_of(scene::Bar{})), none);
   // What the text of a scene alone says.
   EXPECT_EQ(missing("scene", json_of(scene::Scene{})), std::vector<std::string>{"description"});
+  // Each table of settings stands in the scene's copy under its own name; these four say what the scene is.
+  const scene::Json copy = json_of(scene::Scene{});
+  const std::set<std::string> others{"scene", "bar", "mesh", "character"};
+  for (const scene::Key& key : scene::scene_table().keys) {
+    const bool is_asked = key.type == scene::KeyType::table && !others.contains(key.name);
+    EXPECT_TRUE(!is_asked || copy.contains(key.name)) << key.name;
+  }
   // The control: a key that most layers lack is not in the copy of those.
   EXPECT_EQ(missing("layers", json_of(scene::Layer{})),
             (std::vector<std::string>{"sliding", "volume", "least_volume"}));
