@@ -118,11 +118,11 @@ Points Contacts::accelerations(const Points& q, const Points& v, double h) const
     }
     if (!(loads > 0.0)) continue;
     const double along = velocity.dot(pair.normal);
-    const double pushed = strength / h * pair.push.dot(pair.normal) - along;
+    const double pushed = std::max(0.0, strength / h * pair.push.dot(pair.normal) - along);
     const Vector3d sliding = velocity - along * pair.normal;
     Vector3d impulse = pushed * pair.normal;
     if (sliding.norm() > 0.0)
-      impulse -= std::min(most_friction, double(of.friction) * std::abs(pushed) / sliding.norm()) * sliding;
+      impulse -= std::min(most_friction, double(of.friction) * pushed / sliding.norm()) * sliding;
     impulse /= loads;
     a[of.vertex] += mobility_[of.vertex] / h * impulse;
     for (int k = 0; k < 4; ++k) {

@@ -98,9 +98,9 @@ TEST(Contact, IsWhatAHandComputes) {
         EXPECT_LT((pairs[0].push + Vector3d(1, 1, 1) / 64.0).norm(), 1e-6);
         EXPECT_LT((pairs[0].normal - n).norm(), 1e-6);
 
-        const double pushed = sigma * std::sqrt(3.0) / 64.0 / c.h + approach;
+        const double pushed = std::max(0.0, sigma * std::sqrt(3.0) / 64.0 / c.h + approach);
         // Coulomb's 1/2 of the push, or half of what slides.
-        const double rubbed = std::min(0.5 * std::abs(pushed), 0.5 * sliding);
+        const double rubbed = std::min(0.5 * pushed, 0.5 * sliding);
         at_the_limit += rubbed < 0.5 * sliding ? 1 : 0;
         const Vector3d impulse = (pushed * n - rubbed * aside) / 3.0;
         Points expected(8, Vector3d::Zero());
