@@ -3,7 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_gather.glsl"
 
-float load_of(uint i) { return contact_load(mobility[i], contact_crowd[i]); }
+float load_of(uint i) {
+  float crowding = with_implicit ? contact_crowding_implicit : contact_crowding;
+  return contact_load(mobility[i], crowding * contact_crowd[i]);
+}
 
 void main() {
   uint p = item_index();

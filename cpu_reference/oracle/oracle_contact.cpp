@@ -21,7 +21,7 @@ constexpr double least_crowd = 2.0;
 // What friction takes of the sliding velocity at most.
 constexpr double most_friction = 0.5;
 // BDF2 passes on 4/9 of a force's work on positions in a substep.
-constexpr double implicit_strength = 4.0;
+constexpr double implicit_strength = 4.0, implicit_crowding = 2.0;
 
 // Columns: the edges from the first corner.
 Matrix3d edges_of(const std::array<std::uint32_t, 4>& corners, const Points& places) {
@@ -105,8 +105,11 @@ Points Contacts::accelerations(const Points& q, const Points& v, double h) const
     crowd[model_.contact[pair.point].vertex] += 1.0;
     for (int k = 0; k < 4; ++k) crowd[pair.corners[std::size_t(k)]] += pair.weights[k];
   }
-  const auto load = [&](std::uint32_t i) { return mobility_[i] * std::max(least_crowd, crowd[i]); };
   const double strength = model_.is_implicit() ? implicit_strength : 1.0;
+  const double crowding = model_.is_implicit() ? implicit_crowding : 1.0;
+  const auto load = [&](std::uint32_t i) {
+    return mobility_[i] * std::max(least_crowd, crowding * crowd[i]);
+  };
   Points a(q.size(), Vector3d::Zero());
   for (const Pair& pair : pairs) {
     const shader::ContactPoint& of = model_.contact[pair.point];

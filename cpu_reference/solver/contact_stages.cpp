@@ -145,8 +145,9 @@ void contact_crowd(const Model& model, const SubstepInput&, Fields& fields, Rang
 }
 
 void contact_press(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  const float crowding = model.is_implicit() ? shader::contact_crowding_implicit : shader::contact_crowding;
   const auto load = [&](std::uint32_t i) {
-    return kernel::contact_load<float>(model.mobility[i], fields.contact_crowd[i]);
+    return kernel::contact_load<float>(model.mobility[i], crowding * fields.contact_crowd[i]);
   };
   const float strength = model.is_implicit() ? shader::contact_strength_implicit : shader::contact_strength;
   for (std::uint32_t p = range.first; p < range.last; ++p) {
