@@ -256,7 +256,7 @@ TEST(SceneText, RefusesWhatDoesNotFitTogether) {
       {"[bar]\n", "sample.toml:1: layers: is missing"},
       {"[bar]\n[layers]\n", "sample.toml:2: layers: is empty"},
       {"[bar]\n[mesh]\nfile = 'a.off'\n[layers.body]\n", "sample.toml:2: mesh: stands beside bar"},
-      {"[mesh]\n[layers.body]\n", "sample.toml:1: mesh.file: is missing"},
+      {"[mesh]\n[layers.body]\n", "sample.toml:1: mesh: lacks one of file, made"},
       {"[mesh]\nfile = 'nowhere.off'\n[layers.body]\n",
        "sample.toml:2: mesh.file: nowhere.off does not exist"},
       {"[mesh]\nfile = 'a.glb'\n[layers.body]\n", "sample.toml:2: mesh.file: a.glb is a character"},
