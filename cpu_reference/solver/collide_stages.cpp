@@ -33,20 +33,21 @@ kernel::Transform<float> map_at_beginning(const shader::Collider& c) {
 
 struct Collided {
   Point place;
+  Point raised;    // on the way there, without speed
+  Point velocity;  // with the solids' impulses
   bool touches = false;
 };
 
 // Vertex i on its way from `start` to `place`, one solid after the other.
 Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, const Point& start,
-                  const Point& place) {
-  Collided r{place};
+                  const Point& place, const Point& velocity) {
+  Collided r{place, {}, velocity};
   for (std::uint32_t k = 0; k < in.colliders.size(); ++k) {
     if ((model.spared[i] >> k & 1U) != 0) continue;
     const shader::Collider& c = in.colliders[k];
     const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
-    const kernel::Transform<float> map = map_at_end(c);
-    const Point p0 = kernel::apply<float>(map_at_beginning(c), start),
-                p1 = kernel::apply<float>(map, r.place);
+    const kernel::Transform<float> map = map_at_end(c), map_before = map_at_beginning(c);
+    const Point p0 = kernel::apply<float>(map_before, start), p1 = kernel::apply<float>(map, r.place);
     const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
     if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) continue;
     const kernel::CollideMove<float> m =
@@ -54,31 +55,63 @@ Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, c
     if (!(m.touches > 0.0f)) continue;
     r.place = kernel::snap_vector<float>(
         kernel::vector_sum<float>(r.place, kernel::collide_turned_back<float>(map.linear, m.move)));
+    r.raised = kernel::vector_sum<float>(r.raised, kernel::collide_turned_back<float>(map.linear, m.raised));
+    const Point moved = kernel::subtract<float>(
+        r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
+    const Point seen = kernel::multiply<float>(
+        map.linear,
+        kernel::subtract<float>(r.velocity, kernel::scaled_vector<float>(in.step.inverse_h, moved)));
+    const Point impulse = kernel::collide_impulse<float>(seen, m.away, c.friction);
+    r.velocity =
+        kernel::vector_sum<float>(r.velocity, kernel::collide_turned_back<float>(map.linear, impulse));
     r.touches = true;
   }
   return r;
 }
 
+void collide_explicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  const Point x = point_at(fields.vertices, vertex_stride, i),
+              v = point_at(fields.velocities, vector_stride, i);
+  const Collided c = collided(model, in, i, kernel::collide_start<float>(x, v, in.step.h), x, v);
+  if (!c.touches) return;
+  put_point(fields.vertices, vertex_stride, i, c.place);
+  put_point(fields.velocities, vector_stride, i,
+            kernel::collide_velocity<float>(v, c.place, x, c.raised, in.step.inverse_h));
+}
+
+void collide_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  const Point start = point_at(fields.positions_before, vector_stride, i),
+              y = point_at(fields.predicted, vector_stride, i),
+              pull = kernel::collide_pull<float>(y, point_at(fields.goals, vector_stride, i),
+                                                 in.responses[i].to_goal),
+              free = kernel::collide_free_velocity<float>(point_at(fields.velocities, vector_stride, i), pull,
+                                                          in.implicit.inverse_step);
+  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  Collided c = collided(model, in, i, start, point_at(fields.vertices, vertex_stride, i), free);
+  const Collided pushed = collided(model, in, i, start, kernel::vector_sum<float>(y, pull), free);
+  if (!c.touches && !pushed.touches) return;
+  if (pushed.touches) c.velocity = pushed.velocity;
+  const Point impulse = kernel::subtract<float>(c.velocity, free);
+  put_point(fields.vertices, vertex_stride, i, c.place);
+  put_point(fields.predicted, vector_stride, i, c.place);
+  put_point(fields.goals, vector_stride, i, c.place);
+  put_point(fields.velocities, vector_stride, i, kernel::snap_vector<float>(c.velocity));
+  put_point(fields.positions_before, vector_stride, i,
+            kernel::collide_begun<float>(start, c.place, y, pull, impulse, in.step.h));
+  put_point(fields.velocities_before, vector_stride, i,
+            kernel::snap_vector<float>(
+                kernel::vector_sum<float>(point_at(fields.velocities_before, vector_stride, i), impulse)));
+}
+
 }  // namespace
 
 void collide(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const bool implicit = model.is_implicit();
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     if (model.is_kinematic(i)) continue;
-    const Point x = point_at(fields.vertices, vertex_stride, i);
-    const Point v = point_at(fields.velocities, vector_stride, i);
-    const Point start = implicit ? point_at(fields.positions_before, vector_stride, i)
-                                 : kernel::collide_start<float>(x, v, in.step.h);
-    const Collided c = collided(model, in, i, start, x);
-    if (!c.touches) continue;
-    put_point(fields.vertices, vertex_stride, i, c.place);
-    const Point before = implicit ? point_at(fields.predicted, vector_stride, i) : x;
-    put_point(fields.velocities, vector_stride, i,
-              kernel::collide_velocity<float>(v, c.place, before,
-                                              implicit ? in.implicit.inverse_step : in.step.inverse_h));
-    if (!implicit) continue;
-    put_point(fields.predicted, vector_stride, i, c.place);
-    put_point(fields.goals, vector_stride, i, c.place);
+    if (model.is_implicit())
+      collide_implicit(model, in, fields, i);
+    else
+      collide_explicit(model, in, fields, i);
   }
 }
 
@@ -86,7 +119,7 @@ void obstruct(const Model& model, const SubstepInput& in, Fields& fields, Range 
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     if (model.is_kinematic(i)) continue;
     const Collided c = collided(model, in, i, point_at(fields.positions_before, vector_stride, i),
-                                point_at(fields.vertices, vertex_stride, i));
+                                point_at(fields.vertices, vertex_stride, i), Point{});
     if (c.touches) put_point(fields.vertices, vertex_stride, i, c.place);
   }
 }
