@@ -107,6 +107,7 @@ void check_collider_joints(const toml::table& root, const Scene& scene) {
         const toml::node* node = table.get("joint");
         if (node == nullptr) return;
         const std::string& joint = node->as_string()->get();
+        if (joint.empty()) return;
         if (std::find(names.begin(), names.end(), joint) == names.end())
           fail(node->source(), join_path(path, "joint"),
                "there is no joint \"" + one_line(joint) + "\"" + base::nearest_name_hint(joint, names));
