@@ -1,9 +1,36 @@
 // Stage collide, when a substep's positions are there: one invocation a vertex. The explicit integrator's velocities
-// are there too. Of the implicit one they follow from y, the goal and the position, which all become the place where
-// the vertex touches; what it was moved by since y goes into the velocity.
+// are there too. Of the implicit one, y, the goal and the position all become the place where the vertex touches, so
+// that its velocity is the one that is written here; and what the next substep takes for the one before is moved.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/collide.glsl"
+
+void collide_explicit(uint i, Vector x, Vector v) {
+  Collided c = collided(i, collide_start(x, v, push.substep.h), x, v);
+  if (!c.touches) return;
+  position[i] = record_of(c.place);
+  velocity[i] = record_of(collide_velocity(v, c.place, x, c.raised, push.substep.inverse_h));
+}
+
+void collide_implicit(uint i, Vector x, Vector v) {
+  Vector start = vector_of(position_before[i]);
+  Vector y = vector_of(predicted[i]);
+  Vector pull =
+      collide_pull(y, vector_of(goal[i]), response[push.implicit.first_response + i].to_goal);
+  Vector free = collide_free_velocity(v, pull, push.implicit.inverse_step);
+  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  Collided c = collided(i, start, x, free);
+  Collided pushed = collided(i, start, vector_sum(y, pull), free);
+  if (!c.touches && !pushed.touches) return;
+  if (pushed.touches) c.velocity = pushed.velocity;
+  Vector impulse = subtract(c.velocity, free);
+  position[i] = record_of(c.place);
+  predicted[i] = record_of(c.place);
+  goal[i] = record_of(c.place);
+  velocity[i] = record_of(snap_vector(c.velocity));
+  position_before[i] = record_of(collide_begun(start, c.place, y, pull, impulse, push.substep.h));
+  velocity_before[i] = record_of(snap_vector(vector_sum(vector_of(velocity_before[i]), impulse)));
+}
 
 void main() {
   uint i = item_index();
@@ -11,16 +38,9 @@ void main() {
   if (is_kinematic(i)) return;
   Vector x = vector_of(position[i]);
   Vector v = vector_of(velocity[i]);
-  Vector start = collide_start(x, v, push.substep.h);
-  if (with_implicit) start = vector_of(position_before[i]);
-  Collided c = collided(i, start, x);
-  if (!c.touches) return;
-  position[i] = record_of(c.place);
   if (with_implicit) {
-    velocity[i] = record_of(collide_velocity(v, c.place, vector_of(predicted[i]), push.implicit.inverse_step));
-    predicted[i] = record_of(c.place);
-    goal[i] = record_of(c.place);
+    collide_implicit(i, x, v);
   } else {
-    velocity[i] = record_of(collide_velocity(v, c.place, x, push.substep.inverse_h));
+    collide_explicit(i, x, v);
   }
 }

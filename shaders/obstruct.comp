@@ -7,6 +7,6 @@ void main() {
   uint i = item_index();
   if (i >= push.substep.vertex_count) return;
   if (is_kinematic(i)) return;
-  Collided c = collided(i, vector_of(position_before[i]), vector_of(position[i]));
+  Collided c = collided(i, vector_of(position_before[i]), vector_of(position[i]), zero_vector());
   if (c.touches) position[i] = record_of(c.place);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -44,46 +45,77 @@ Side side_of(const shader::Collider& solid, const Vector3d& p) {
   return {distance - double(solid.radius), away};
 }
 
-// The move, in the solid's own space, of what goes from p0 to p1.
-Collided held(const shader::Collider& solid, const Vector3d& p0, const Vector3d& p1) {
-  const Vector3d way = p1 - p0;
-  double share = 0.0;
-  Side side = side_of(solid, p0);
-  Vector3d place = p0;
-  for (int step = 0; step < 12 && side.distance > near && share < 1.0 && way.norm() > 0.0; ++step) {
-    share = std::min(1.0, share + side.distance / way.norm());
-    place = p0 + share * way;
-    side = side_of(solid, place);
+// The share of the way from p0 to p1 after which it is near the solid for the first time; 1 where it never
+// is. The distance from a convex solid is a convex function: it falls to its least, which thirds find, and on
+// the way down halves find where it is small enough.
+double share_until_near(const shader::Collider& solid, const Vector3d& p0, const Vector3d& p1) {
+  const auto distance_at = [&](double share) { return side_of(solid, p0 + share * (p1 - p0)).distance; };
+  if (distance_at(0.0) <= near) return 0.0;
+  double low = 0.0, high = 1.0;
+  for (int k = 0; k < 90; ++k) {
+    const double third = (high - low) / 3.0;
+    if (distance_at(low + third) <= distance_at(high - third))
+      high -= third;
+    else
+      low += third;
   }
-  const Side end = side_of(solid, p1);
-  if (!(side.distance <= near) && !(end.distance < 0.0)) return {Vector3d::Zero(), false};
-  const double counted = side.distance < 0.0 ? side.distance * double(solid.lifted) : side.distance;
-  double gap = side.away.dot(p1 - place) + counted;
-  if (side.distance > near && gap >= 0.0) {
-    side = end;
-    gap = end.distance;
+  if (!(distance_at(high) <= near)) return 1.0;
+  low = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    const double half = (low + high) / 2.0;
+    (distance_at(half) <= near ? high : low) = half;
   }
-  if (!(gap <= near)) return {Vector3d::Zero(), false};
-  const double lift = std::max(0.0, -gap);
-  const Vector3d sliding = way - way.dot(side.away) * side.away;
+  return high;
+}
+
+// What Coulomb's friction takes off of `sliding` where `pressed` presses.
+Vector3d held_by_friction(const Vector3d& sliding, double pressed, double friction) {
   const double slid = sliding.norm();
-  const Vector3d friction = slid > 0.0
-                                ? Vector3d(-std::min(slid, double(solid.friction) * lift) / slid * sliding)
-                                : Vector3d(Vector3d::Zero());
-  return {lift * side.away + friction, true};
+  return slid > 0.0 ? Vector3d(std::min(1.0, friction * pressed / slid) * sliding) : Vector3d(sliding);
+}
+
+struct Push {
+  Vector3d move, raised, away;  // in the solid's own space
+};
+
+// What goes from p0 to p1, both seen from the solid; nothing where it does not touch.
+std::optional<Push> push_of(const shader::Collider& solid, const Vector3d& p0, const Vector3d& p1) {
+  const Vector3d way = p1 - p0;
+  if (!(side_of(solid, p0).distance - near <= way.norm())) return std::nullopt;
+  const Vector3d place = p0 + share_until_near(solid, p0, p1) * way;
+  const Side side = side_of(solid, place);
+  if (!(side.distance <= near)) return std::nullopt;
+  const double counted = side.distance < 0.0 ? side.distance * double(solid.lifted) : side.distance;
+  const double gap = side.away.dot(p1 - place) + counted;
+  if (!(gap <= near)) return std::nullopt;
+  const double lift = std::max(0.0, -gap), along = way.dot(side.away);
+  const double stopped = std::min(lift, std::max(0.0, -along));
+  return Push{lift * side.away - held_by_friction(way - along * side.away, stopped, double(solid.friction)),
+              (lift - stopped) * side.away, side.away};
+}
+
+// What stops what leads into the solid, of a velocity as seen from it.
+Vector3d impulse_of(const shader::Collider& solid, const Vector3d& velocity, const Vector3d& away) {
+  const double along = velocity.dot(away), stopped = std::max(0.0, -along);
+  return stopped * away - held_by_friction(velocity - along * away, stopped, double(solid.friction));
 }
 
 }  // namespace
 
 Collided collided(const model::Model& model, std::span<const shader::Collider> solids, std::uint32_t i,
-                  const Vector3d& start, const Vector3d& place) {
-  Collided now{place};
+                  const Vector3d& start, const Vector3d& place, const Vector3d& velocity, double h) {
+  Collided now{place, velocity};
   for (std::size_t k = 0; k < solids.size(); ++k) {
     if ((model.spared[i] >> k & 1U) != 0) continue;
-    const Eigen::Affine3d map = map_of(&solids[k].xx);
-    const Collided move = held(solids[k], map_of(&solids[k].before_xx) * start, map * now.place);
-    if (!move.touches) continue;
-    now.place += map.linear().transpose() * move.place;
+    const Eigen::Affine3d map = map_of(&solids[k].xx), map_before = map_of(&solids[k].before_xx);
+    const auto push = push_of(solids[k], map_before * start, map * now.place);
+    if (!push) continue;
+    const Eigen::Matrix3d back = map.linear().transpose();
+    now.place += back * push->move;
+    now.raised += back * push->raised;
+    // How fast the solid itself moves there.
+    const Vector3d own = (now.place - map_before.inverse() * (map * now.place)) / h;
+    now.velocity += back * impulse_of(solids[k], map.linear() * (now.velocity - own), push->away);
     now.touches = true;
   }
   return now;

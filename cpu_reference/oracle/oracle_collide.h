@@ -11,11 +11,14 @@ namespace fascicle::cpu_reference {
 
 struct Collided {
   Eigen::Vector3d place;
+  Eigen::Vector3d velocity;                          // with the solids' impulses
+  Eigen::Vector3d raised = Eigen::Vector3d::Zero();  // on the way there, without speed
   bool touches = false;
 };
 
-// Vertex i on its way from `start` to `place`, one solid of the substep after the other.
+// Vertex i on its way of h seconds from `start` to `place`, one solid of the substep after the other.
 Collided collided(const model::Model& model, std::span<const shader::Collider> solids, std::uint32_t i,
-                  const Eigen::Vector3d& start, const Eigen::Vector3d& place);
+                  const Eigen::Vector3d& start, const Eigen::Vector3d& place, const Eigen::Vector3d& velocity,
+                  double h);
 
 }  // namespace fascicle::cpu_reference

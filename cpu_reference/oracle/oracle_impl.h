@@ -63,6 +63,7 @@ struct Oracle::Impl {
   Points surface;
   Points y, iterate_before;            // implicit
   std::vector<VertexHistory> history;  // implicit: as the substep began
+  std::vector<bool> is_pushed;         // implicit: by a solid, which has set its velocity
 
   std::deque<model::Frame> frames;
 
@@ -93,8 +94,10 @@ struct Oracle::Impl {
   void begin_implicit(const Eigen::Vector3d& gravity, std::span<const shader::Force> forces,
                       const Stepping& step, double share);
   void relax(double gain, double omega, const Stepping& step);
-  void obstruct(std::span<const shader::Collider> solids);
-  void collide(std::span<const shader::Collider> solids, double h);
+  void obstruct(const Substep& now);
+  void apply_limits();
+  void collide(const Substep& now);
+  void collide_implicit(std::uint32_t i, const Substep& now);
   void finish_implicit(const Stepping& step);
   double stiffest(const Stepping& step) const;
   void embed();

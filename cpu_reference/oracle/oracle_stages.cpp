@@ -164,6 +164,7 @@ void Oracle::Impl::integrate(std::span<const float> decay, double h) {
 void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shader::Force> forces,
                                   const Stepping& step, double share) {
   history.resize(model.vertex_count);
+  is_pushed.assign(model.vertex_count, false);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     history[i] = {q[i], step.has_history ? q_before[i] : q[i], v[i], step.has_history ? v_before[i] : v[i]};
     if (model.is_kinematic(i)) {
@@ -197,21 +198,55 @@ void Oracle::Impl::relax(double gain, double omega, const Stepping& step) {
 }
 
 // Each iteration ends before the solids.
-void Oracle::Impl::obstruct(std::span<const shader::Collider> solids) {
+void Oracle::Impl::obstruct(const Substep& now) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
-    if (!model.is_kinematic(i)) q[i] = collided(model, solids, i, history[i].q, q[i]).place;
+    if (!model.is_kinematic(i))
+      q[i] = collided(model, now.colliders, i, history[i].q, q[i], v[i], now.h).place;
 }
 
-// An explicit substep's end, with the velocity that takes the vertex there; an implicit one's velocity is
-// that of its positions.
-void Oracle::Impl::collide(std::span<const shader::Collider> solids, double h) {
-  if (model.is_implicit()) return obstruct(solids);
+// What limits move goes into the velocity: it is as if the vertex had been drawn there.
+void Oracle::Impl::apply_limits() {
+  const Points before = q;
+  limits.apply(q);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    y[i] += q[i] - before[i];
+    goals[i] += q[i] - before[i];
+  }
+}
+
+// An explicit substep's end, with the velocity that takes the vertex there.
+void Oracle::Impl::collide(const Substep& now) {
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i)) continue;
-    const Vector3d there = collided(model, solids, i, q[i] - h * v[i], q[i]).place;
-    v[i] += (there - q[i]) / h;
-    q[i] = there;
+    if (model.is_implicit()) {
+      collide_implicit(i, now);
+      continue;
+    }
+    const Collided there = collided(model, now.colliders, i, q[i] - now.h * v[i], q[i], v[i], now.h);
+    v[i] += (there.place - q[i] - there.raised) / now.h;
+    q[i] = there.place;
   }
+}
+
+// The solids' impulse is that of a body in free motion, and the motion before is taken to have had it too.
+void Oracle::Impl::collide_implicit(std::uint32_t i, const Substep& now) {
+  const double d = model.layers[model.layer_of(i)].damping;
+  const Vector3d free_place = pulled_position(y[i], goals[i], model.mass[i], stiffness[i], d, *now.stepping);
+  const Vector3d free_velocity = differentiated_position(free_place, history[i], *now.stepping);
+  const auto sent_to = [&](const Vector3d& place) {
+    return collided(model, now.colliders, i, history[i].q, place, free_velocity, now.h);
+  };
+  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  Collided there = sent_to(q[i]);
+  const Collided pushed = sent_to(free_place);
+  if (!there.touches && !pushed.touches) return;
+  if (pushed.touches) there.velocity = pushed.velocity;
+  const Vector3d impulse = there.velocity - free_velocity;
+  q[i] = there.place;
+  v[i] = there.velocity;
+  history[i].q += there.place - free_place - now.h * impulse;
+  history[i].v += impulse;
+  is_pushed[i] = true;
 }
 
 // The largest a of a free vertex: how far x_hat goes with the goal.
@@ -231,7 +266,8 @@ void Oracle::Impl::finish_implicit(const Stepping& step) {
     const Vector3d u = skinned_velocity(i, step.h);
     if (!model.carried.empty()) skinned_velocities[i] = u;
     q_before[i] = history[i].q;
-    v_before[i] = v[i];
+    v_before[i] = history[i].v;
+    if (is_pushed[i]) continue;
     v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step);
   }
 }
@@ -273,11 +309,11 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
     case Kernel::relax:
       return relax(now.chebyshev->gain(iteration), now.chebyshev->omega(iteration), *now.stepping);
     case Kernel::obstruct:
-      return obstruct(now.colliders);
+      return obstruct(now);
     case Kernel::limit:
-      return limits.apply(q);
+      return apply_limits();
     case Kernel::collide:
-      return collide(now.colliders, now.h);
+      return collide(now);
     case Kernel::integrate:
       if (model.is_implicit()) return finish_implicit(*now.stepping);
       return integrate(now.decay, now.h);

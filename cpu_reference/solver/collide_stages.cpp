@@ -68,27 +68,26 @@ Solid solid_of(const shader::Collider& c, std::uint32_t number) {
   return solid;
 }
 
-// Where vertices begin and end, of a range of them: `start` + share x `way`.
-struct Ways {
-  const float* end;    // vertex_stride
-  const float* other;  // vector_stride: velocities, or where they begin
-  float h;             // with velocities; 0 where `other` is where they begin
+// A place on a vertex's way through the substep, and the square of how long the way is at most.
+struct Way {
+  const float* place;
+  float squared;
 };
 
-// Marks the vertices that may reach the solid: those whose distance at the end is less than twice their way.
-// Squares of sums are taken as at most three times the sum of squares. NaN is out of reach of everything.
-template <bool is_plane>
-void mark(const Solid& solid, const Ways& ways, Range range, std::uint32_t* marks) {
+float squared_distance(const float* a, const float* b) {
+  return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
+}
+
+// Marks the vertices that may reach the solid: those that are nearer to it than twice their way. Squares of
+// sums are taken as at most three times the sum of squares. NaN is out of reach of everything.
+template <bool is_plane, class WayOf>
+void mark(const Solid& solid, const WayOf& way_of, Range range, std::uint32_t* marks) {
   const float reach = 3.0f * solid.reach * solid.reach, turning = 6.0f * solid.turning * solid.turning;
-  const float by_velocity = ways.h * ways.h;
   for (std::uint32_t i = range.first; i < range.last; ++i) {
-    const float *x = ways.end + vertex_stride * i, *o = ways.other + vector_stride * i;
-    float way = 0.0f;
-    if (by_velocity > 0.0f)
-      way = by_velocity * (o[0] * o[0] + o[1] * o[1] + o[2] * o[2]);
-    else
-      way = (x[0] - o[0]) * (x[0] - o[0]) + (x[1] - o[1]) * (x[1] - o[1]) + (x[2] - o[2]) * (x[2] - o[2]);
-    const float limit = reach + 12.3f * way + turning * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + way);
+    const Way way = way_of(i);
+    const float* x = way.place;
+    const float limit =
+        reach + 13.3f * way.squared + turning * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + way.squared);
     bool may_reach = false;
     if constexpr (is_plane) {
       const float distance = solid.at.x * x[0] + solid.at.y * x[1] + solid.at.z * x[2] + solid.height;
@@ -101,36 +100,9 @@ void mark(const Solid& solid, const Ways& ways, Range range, std::uint32_t* mark
   }
 }
 
-struct Collided {
-  Point place;
-  bool touches = false;
-};
-
-[[gnu::noinline]] void meet(const Solid& solid, const Point& start, Collided& r) {
-  const shader::Collider& c = *solid.collider;
-  const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
-  const kernel::Transform<float> map = map_at_end(c);
-  const Point p0 = kernel::apply<float>(map_at_beginning(c), start), p1 = kernel::apply<float>(map, r.place);
-  const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
-  if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) return;
-  const kernel::CollideMove<float> m =
-      kernel::collide_move<float>(shape, first, p0, p1, c.friction, c.lifted);
-  if (!(m.touches > 0.0f)) return;
-  r.place = kernel::snap_vector<float>(
-      kernel::vector_sum<float>(r.place, kernel::collide_turned_back<float>(map.linear, m.move)));
-  r.touches = true;
-}
-
-std::vector<Solid> solids_of(const SubstepInput& in) {
-  std::vector<Solid> solids;
-  for (const shader::Collider& c : in.colliders)
-    solids.push_back(solid_of(c, static_cast<std::uint32_t>(solids.size())));
-  return solids;
-}
-
 // Calls use(i) for each free vertex that may reach a solid that holds it.
-template <class Use>
-void for_each_near(const Model& model, std::span<const Solid> solids, const Ways& ways, Range range,
+template <class WayOf, class Use>
+void for_each_near(const Model& model, std::span<const Solid> solids, const WayOf& way_of, Range range,
                    const Use& use) {
   constexpr std::uint32_t block = 256;
   std::array<std::uint32_t, block> marks;
@@ -139,56 +111,124 @@ void for_each_near(const Model& model, std::span<const Solid> solids, const Ways
     marks.fill(0);
     for (const Solid& solid : solids)
       if (solid.collider->is_plane > 0.0f)
-        mark<true>(solid, ways, part, marks.data());
+        mark<true>(solid, way_of, part, marks.data());
       else
-        mark<false>(solid, ways, part, marks.data());
+        mark<false>(solid, way_of, part, marks.data());
     for (std::uint32_t i = part.first; i < part.last; ++i)
       if ((marks[i - part.first] & ~model.spared[i]) != 0 && !model.is_kinematic(i)) use(i);
   }
 }
 
-// A vertex on its way from `start` to `place`, one solid after the other. Once one of them has moved it, it
-// may reach others.
-Collided collided(std::span<const Solid> solids, std::uint32_t spared, const Point& start,
-                  const Point& place) {
-  Collided r{place};
-  for (const Solid& solid : solids)
-    if ((spared & solid.bit) == 0) meet(solid, start, r);
+struct Collided {
+  Point place;
+  Point raised;    // on the way there, without speed
+  Point velocity;  // with the solids' impulses
+  bool touches = false;
+};
+
+// Vertex i on its way from `start` to `place`, one solid after the other.
+Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, const Point& start,
+                  const Point& place, const Point& velocity) {
+  Collided r{place, {}, velocity};
+  for (std::uint32_t k = 0; k < in.colliders.size(); ++k) {
+    if ((model.spared[i] >> k & 1U) != 0) continue;
+    const shader::Collider& c = in.colliders[k];
+    const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
+    const kernel::Transform<float> map = map_at_end(c), map_before = map_at_beginning(c);
+    const Point p0 = kernel::apply<float>(map_before, start), p1 = kernel::apply<float>(map, r.place);
+    const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
+    if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) continue;
+    const kernel::CollideMove<float> m =
+        kernel::collide_move<float>(shape, first, p0, p1, c.friction, c.lifted);
+    if (!(m.touches > 0.0f)) continue;
+    r.place = kernel::snap_vector<float>(
+        kernel::vector_sum<float>(r.place, kernel::collide_turned_back<float>(map.linear, m.move)));
+    r.raised = kernel::vector_sum<float>(r.raised, kernel::collide_turned_back<float>(map.linear, m.raised));
+    const Point moved = kernel::subtract<float>(
+        r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
+    const Point seen = kernel::multiply<float>(
+        map.linear,
+        kernel::subtract<float>(r.velocity, kernel::scaled_vector<float>(in.step.inverse_h, moved)));
+    const Point impulse = kernel::collide_impulse<float>(seen, m.away, c.friction);
+    r.velocity =
+        kernel::vector_sum<float>(r.velocity, kernel::collide_turned_back<float>(map.linear, impulse));
+    r.touches = true;
+  }
   return r;
+}
+
+void collide_explicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  const Point x = point_at(fields.vertices, vertex_stride, i),
+              v = point_at(fields.velocities, vector_stride, i);
+  const Collided c = collided(model, in, i, kernel::collide_start<float>(x, v, in.step.h), x, v);
+  if (!c.touches) return;
+  put_point(fields.vertices, vertex_stride, i, c.place);
+  put_point(fields.velocities, vector_stride, i,
+            kernel::collide_velocity<float>(v, c.place, x, c.raised, in.step.inverse_h));
+}
+
+void collide_implicit(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  const Point start = point_at(fields.positions_before, vector_stride, i),
+              y = point_at(fields.predicted, vector_stride, i),
+              pull = kernel::collide_pull<float>(y, point_at(fields.goals, vector_stride, i),
+                                                 in.responses[i].to_goal),
+              free = kernel::collide_free_velocity<float>(point_at(fields.velocities, vector_stride, i), pull,
+                                                          in.implicit.inverse_step);
+  // Iterations have ended before the solids, so what they pushed away is seen where it would be without.
+  Collided c = collided(model, in, i, start, point_at(fields.vertices, vertex_stride, i), free);
+  const Collided pushed = collided(model, in, i, start, kernel::vector_sum<float>(y, pull), free);
+  if (!c.touches && !pushed.touches) return;
+  if (pushed.touches) c.velocity = pushed.velocity;
+  const Point impulse = kernel::subtract<float>(c.velocity, free);
+  put_point(fields.vertices, vertex_stride, i, c.place);
+  put_point(fields.predicted, vector_stride, i, c.place);
+  put_point(fields.goals, vector_stride, i, c.place);
+  put_point(fields.velocities, vector_stride, i, kernel::snap_vector<float>(c.velocity));
+  put_point(fields.positions_before, vector_stride, i,
+            kernel::collide_begun<float>(start, c.place, y, pull, impulse, in.step.h));
+  put_point(fields.velocities_before, vector_stride, i,
+            kernel::snap_vector<float>(
+                kernel::vector_sum<float>(point_at(fields.velocities_before, vector_stride, i), impulse)));
 }
 
 }  // namespace
 
 void collide(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const bool implicit = model.is_implicit();
   const std::vector<Solid> solids = solids_of(in);
-  const Ways ways{fields.vertices.data(),
-                  implicit ? fields.positions_before.data() : fields.velocities.data(),
-                  implicit ? 0.0f : in.step.h};
-  for_each_near(model, solids, ways, range, [&](std::uint32_t i) {
-    const Point x = point_at(fields.vertices, vertex_stride, i);
-    const Point v = point_at(fields.velocities, vector_stride, i);
-    const Point start = implicit ? point_at(fields.positions_before, vector_stride, i)
-                                 : kernel::collide_start<float>(x, v, in.step.h);
-    const Collided c = collided(solids, model.spared[i], start, x);
-    if (!c.touches) return;
-    put_point(fields.vertices, vertex_stride, i, c.place);
-    const Point before = implicit ? point_at(fields.predicted, vector_stride, i) : x;
-    put_point(fields.velocities, vector_stride, i,
-              kernel::collide_velocity<float>(v, c.place, before,
-                                              implicit ? in.implicit.inverse_step : in.step.inverse_h));
-    if (!implicit) return;
-    put_point(fields.predicted, vector_stride, i, c.place);
-    put_point(fields.goals, vector_stride, i, c.place);
-  });
+  const auto at = [](const Floats& values, std::size_t stride, std::uint32_t i) {
+    return values.data() + stride * i;
+  };
+  if (!model.is_implicit()) {
+    const float squared_h = in.step.h * in.step.h;
+    const auto way_of = [&](std::uint32_t i) {
+      const float* v = at(fields.velocities, vector_stride, i);
+      return Way{at(fields.vertices, vertex_stride, i),
+                 squared_h * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])};
+    };
+    for_each_near(model, solids, way_of, range,
+                  [&](std::uint32_t i) { collide_explicit(model, in, fields, i); });
+    return;
+  }
+  // Its two ways end at the position and at most as far from y as the goal is.
+  const auto way_of = [&](std::uint32_t i) {
+    const float *start = at(fields.positions_before, vector_stride, i),
+                *y = at(fields.predicted, vector_stride, i);
+    const float along_goal =
+        2.0f * squared_distance(y, start) + 2.0f * squared_distance(at(fields.goals, vector_stride, i), y);
+    return Way{start, std::max(squared_distance(at(fields.vertices, vertex_stride, i), start), along_goal)};
+  };
+  for_each_near(model, solids, way_of, range,
+                [&](std::uint32_t i) { collide_implicit(model, in, fields, i); });
 }
 
 void obstruct(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const std::vector<Solid> solids = solids_of(in);
-  const Ways ways{fields.vertices.data(), fields.positions_before.data(), 0.0f};
-  for_each_near(model, solids, ways, range, [&](std::uint32_t i) {
-    const Collided c = collided(solids, model.spared[i], point_at(fields.positions_before, vector_stride, i),
-                                point_at(fields.vertices, vertex_stride, i));
+  const auto way_of = [&](std::uint32_t i) {
+    const float* end = fields.vertices.data() + vertex_stride * i;
+    return Way{end, squared_distance(end, fields.positions_before.data() + vector_stride * i)};
+  };
+  for_each_near(model, solids_of(in), way_of, range, [&](std::uint32_t i) {
+    const Collided c = collided(model, in, i, point_at(fields.positions_before, vector_stride, i),
+                                point_at(fields.vertices, vertex_stride, i), Point{});
     if (c.touches) put_point(fields.vertices, vertex_stride, i, c.place);
   });
 }

@@ -282,6 +282,10 @@ void check_model(const Model& m) {
       m, [&](const auto& row, const auto& values) { check_size(m, row.name, row.traits, values.size()); });
   // Sizes are right: offsets and indices may be followed from here on.
   for_each_array(m, [&](const auto& row, const auto& values) { check_values(m, row, values); });
+  if (m.collider_count > most_colliders)
+    broken("collider_count", 0,
+           "is " + std::to_string(m.collider_count) + ", and a vertex has a bit for each of at most " +
+               std::to_string(most_colliders));
   if (m.layers.empty() || m.layers.size() > shader::tag_layer_mask + 1)
     broken("layers", m.layers.size(), "there must be 1 to 256 layers");
   for (std::size_t k = 0; k < m.layers.size(); ++k)

@@ -246,7 +246,7 @@ struct Collider {
   Vector3d normal{0, 1, 0};                     // plane: to the side where the flesh is
   Vector3d from = Vector3d::Zero(), to = from;  // capsule: where its axis begins and ends
   Vector3d size = Vector3d::Zero();             // box: its edges
-  Vector3d turn = Vector3d::Zero();             // box: degrees about this direction
+  Vector3d rotation = Vector3d::Zero();         // box: degrees about this direction
   double radius = 0.0;                          // sphere, capsule; box: of its rounded edges
   double thickness = 0.0;                       // m around it that flesh does not enter either
   double friction = 0.5;                        // Coulomb's coefficient, at least 0

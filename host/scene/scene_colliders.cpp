@@ -19,7 +19,7 @@ constexpr KeysOfShape keys_of_shapes[] = {
     {ColliderShape::plane, {}, {"center", "normal"}},
     {ColliderShape::sphere, {"radius"}, {"center"}},
     {ColliderShape::capsule, {"from", "to", "radius"}, {}},
-    {ColliderShape::box, {"size"}, {"center", "turn", "radius"}},
+    {ColliderShape::box, {"size"}, {"center", "rotation", "radius"}},
 };
 
 class ColliderCheck {
@@ -36,7 +36,7 @@ class ColliderCheck {
     const std::string shape = name_of(collider_.shape);
     for (const char* key : keys.needed)
       if (!table_.contains(key)) refuse(key, "is missing; a " + shape + " needs it");
-    for (const char* key : {"center", "normal", "from", "to", "size", "turn", "radius"})
+    for (const char* key : {"center", "normal", "from", "to", "size", "rotation", "radius"})
       if (table_.contains(key) && !has(keys.needed, key) && !has(keys.optional, key))
         refuse(key, "says nothing of a " + shape + "; leave it out");
     if (has(keys.needed, "radius") && !(collider_.radius > 0.0)) refuse("radius", "must be above 0");
@@ -107,6 +107,7 @@ void check_collider_joints(const toml::table& root, const Scene& scene) {
         const toml::node* node = table.get("joint");
         if (node == nullptr) return;
         const std::string& joint = node->as_string()->get();
+        if (joint.empty()) return;
         if (std::find(names.begin(), names.end(), joint) == names.end())
           fail(node->source(), join_path(path, "joint"),
                "there is no joint \"" + one_line(joint) + "\"" + base::nearest_name_hint(joint, names));

@@ -28,8 +28,8 @@ const auto& collider_rows() {
           {.name = "to", .doc = "Capsule, needed there: where its axis ends, m.", .range = coordinate}),
       key(&Collider::size,
           {.name = "size", .doc = "Box, needed there: its three edges, m.", .range = between(0.0, farthest)}),
-      key(&Collider::turn,
-          {.name = "turn",
+      key(&Collider::rotation,
+          {.name = "rotation",
            .doc = "Box: how it is turned about its middle: an axis times degrees, [0, 30, 0] is 30 degrees "
                   "about Y.",
            .range = between(-1e5, 1e5)}),

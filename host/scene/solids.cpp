@@ -53,7 +53,7 @@ Solid solid_of(const Collider& collider) {
       solid.half_size = {0.0, (collider.to - collider.from).norm() / 2.0, 0.0};
       break;
     case ColliderShape::box:
-      solid.axes = turned_by(collider.turn);
+      solid.axes = turned_by(collider.rotation);
       solid.half_size = collider.size / 2.0 - Vector3d::Constant(collider.radius);
       break;
   }

@@ -50,26 +50,36 @@ CollideShape shape_of(Collider c) {
 
 struct Collided {
   Vector place;
+  Vector raised;    // on the way there, without speed
+  Vector velocity;  // with the solids' impulses
   bool touches;
 };
 
 // Vertex i on its way from `start` to `place`, one solid after the other.
-Collided collided(uint i, Vector start, Vector place) {
+Collided collided(uint i, Vector start, Vector place, Vector velocity) {
   Collided r;
   r.place = place;
+  r.raised = zero_vector();
+  r.velocity = velocity;
   r.touches = false;
   for (uint k = 0u; k < push.substep.collider_count; ++k) {
     if ((spared[i] >> k & 1u) != 0u) continue;
     Collider c = collider[push.substep.first_collider + k];
     CollideShape shape = shape_of(c);
     Transform map = map_at_end(c);
-    Vector p0 = apply(map_at_beginning(c), start);
+    Transform map_before = map_at_beginning(c);
+    Vector p0 = apply(map_before, start);
     Vector p1 = apply(map, r.place);
     CollideSide first = collide_side(shape, p0);
     if (!collide_may_touch(first.distance, subtract(p1, p0))) continue;
     CollideMove m = collide_move(shape, first, p0, p1, c.friction, c.lifted);
     if (!(m.touches > 0.0f)) continue;
     r.place = snap_vector(vector_sum(r.place, collide_turned_back(map.linear, m.move)));
+    r.raised = vector_sum(r.raised, collide_turned_back(map.linear, m.raised));
+    Vector moved = subtract(r.place, collide_carried_from(map_before, apply(map, r.place)));
+    Vector seen = multiply(map.linear, subtract(r.velocity, scaled_vector(push.substep.inverse_h, moved)));
+    r.velocity =
+        vector_sum(r.velocity, collide_turned_back(map.linear, collide_impulse(seen, m.away, c.friction)));
     r.touches = true;
   }
   return r;

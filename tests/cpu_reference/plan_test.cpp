@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cpu_reference/solver/collide_stages.h"
 #include "cpu_reference/solver/contact_stages.h"
 #include "cpu_reference/solver/stages.h"
 #include "host/model/implicit.h"
@@ -150,7 +151,8 @@ struct PlanCase {
                         .ties = true,
                         .implicit = implicit,
                         .limits = implicit,
-                        .contact = true})),
+                        .contact = true,
+                        .colliders = true})),
         options{.integrator = implicit ? model::Integrator::implicit_step : model::Integrator::explicit_step},
         motion(model, 1),
         drive(motion.drive(3)) {
@@ -159,6 +161,7 @@ struct PlanCase {
     in.bones = drive.bones;
     in.muscles = drive.muscles;
     in.forces = drive.forces;
+    in.colliders = drive.colliders;
     in.decay = drive.decay;
     if (!implicit) return;
     tables = model::implicit_tables(model, options, drive.h);
@@ -246,6 +249,8 @@ struct PlanCase {
         return goal(model, in, fields, vertices);
       case Kernel::relax:
         return relax(model, in, fields, vertices);
+      case Kernel::obstruct:
+        return obstruct(model, in, fields, vertices);
       case Kernel::lack:
         return lack(model, in, fields, {0, static_cast<std::uint32_t>(model.limit.size())});
       case Kernel::crowd:
@@ -258,6 +263,8 @@ struct PlanCase {
         push(model, in, fields, {0, limits});
         return limit(model, in, fields, vertices);
       }
+      case Kernel::collide:
+        return collide(model, in, fields, vertices);
       case Kernel::integrate:
         return integrate(model, in, fields, vertices);
       case Kernel::update:

@@ -251,16 +251,17 @@ TEST(Sweeps, OfALargeBodyKeepTheBits) {
     std::uint32_t substeps;
   };
   const BarOptions large{.x = 220, .y = 16, .z = 16, .surface = false};
-  BarOptions posed = large, tied = large, touching = large, soft = large;
+  BarOptions posed = large, tied = large, touching = large, held = large, soft = large;
   posed.skeleton = posed.carried = posed.cuts = posed.muscle = posed.forces = posed.volume = true;
   tied.ties = true;
   touching.contact = touching.skeleton = true;
+  held.colliders = true;
   soft.implicit = soft.muscle = soft.skeleton = soft.carried = true;
   struct Nobody : model::Probe {
     void on_stage(const model::Where&, std::span<const float>) override {}
   };
   for (const Case& c : {Case{"explicit", posed, 10}, Case{"ties", tied, 3}, Case{"contact", touching, 2},
-                        Case{"implicit", soft, 2}}) {
+                        Case{"colliders", held, 3}, Case{"implicit", soft, 2}}) {
     Model m = make_bar(c.bar);
     if (m.has_contact()) {
       // Those of one end, so that the search takes less than the rest.

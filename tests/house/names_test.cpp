@@ -37,8 +37,8 @@ TEST(Names, EveryStageHasItsShaderKernelAndCpuFunction) {
   std::string stages;
   for (const Source& source : read_sources(root))
     if (source.path == "cpu_reference/solver/stages.h" ||
-        source.path == "cpu_reference/solver/contact_stages.h" ||
-        source.path == "cpu_reference/solver/collide_stages.h")
+        source.path == "cpu_reference/solver/collide_stages.h" ||
+        source.path == "cpu_reference/solver/contact_stages.h")
       stages += without_comments(source.text);
   ASSERT_FALSE(stages.empty());
   for (const model::Stage stage : model::all_stages) {

@@ -48,12 +48,14 @@ TEST(ModelArrays, RowsAreInTheOrderOfTheStruct) {
   });
 }
 
-// Each array that has an entry too many, of a model with ties, limits and contact, is found.
+// Each array that has an entry too many, of a model with ties, limits, contact and colliders, is found.
 TEST(ModelArrays, EveryArraysSizeIsChecked) {
   Model good = make_implicit(make_model(kuhn_bar(3, 2, 2, 0.25)), 1e4);
   add_sliding(good, [](const Eigen::Vector3d& p) { return p.y() > 0.4; });
   add_limits(good, 0.3);
   add_contact(good, 0.1, depth_below_boundary(good));
+  good.collider_count = 3;
+  good.spared.assign(good.vertex_count, 5);
   ASSERT_NO_THROW(model::check_model(good));
   int checked = 0;
   base::for_each_row(model::model_arrays, [&](const auto& row) {

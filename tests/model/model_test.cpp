@@ -87,6 +87,15 @@ TEST(SolverBytes, CountContact) {
   EXPECT_EQ(without, arrays + fields);
 }
 
+TEST(CheckModel, AcceptsColliders) {
+  Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
+  for (const std::uint32_t count : {1u, model::most_colliders}) {
+    model.collider_count = count;
+    model.spared.assign(model.vertex_count, 0x80000001u);
+    EXPECT_NO_THROW(check_model(model)) << count;
+  }
+}
+
 TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
   using Change = void (*)(Model&);
   const std::pair<const char*, Change> changes[] = {
@@ -222,6 +231,18 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
        }},
       {"contact_rest_box",
        [](Model& m) { touching(m).contact_rest_box[2] = std::numeric_limits<float>::quiet_NaN(); }},
+      {"spared", [](Model& m) { m.collider_count = 1; }},
+      {"spared", [](Model& m) { m.spared.assign(m.vertex_count, 0); }},  // of no solid
+      {"spared",
+       [](Model& m) {
+         m.collider_count = 2;
+         m.spared.assign(m.vertex_count + 1, 0);
+       }},
+      {"collider_count",
+       [](Model& m) {
+         m.collider_count = model::most_colliders + 1;
+         m.spared.assign(m.vertex_count, 0);
+       }},
       {"skin_joint", [](Model& m) { m.skin_joint.push_back(0); }},
       {"force_index", [](Model& m) { m.force_index.push_back(0); }},
       {"surface_vertex", [](Model& m) { m.surface_vertex[0] = m.vertex_count; }},

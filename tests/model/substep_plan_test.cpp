@@ -55,12 +55,20 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "skin tie | " + contact + "region update");
   EXPECT_EQ(plan_of({.ties = true, .implicit = true, .limits = true, .contact = true}, false),
             "tie | " + contact + "predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
+  EXPECT_EQ(plan_of({.colliders = true}, true), "predict region goal integrate | collide");
+  EXPECT_EQ(plan_of({.skeleton = true, .colliders = true}, false), "skin region update | collide");
+  EXPECT_EQ(plan_of({.ties = true, .contact = true, .colliders = true}, false),
+            "tie | " + contact + "region update | collide");
+  EXPECT_EQ(plan_of({.implicit = true, .colliders = true}, true),
+            "predict | 7 (region goal relax obstruct) | collide | integrate");
+  EXPECT_EQ(plan_of({.implicit = true, .limits = true, .colliders = true}, false),
+            "predict | 7 (region iterate obstruct) | 12 (lack crowd limit) | collide | integrate");
 }
 
 // Every stage but embed is shown once an iteration, and none twice.
 TEST(SubstepPlan, ShowsAProbeEveryStage) {
-  const Model m =
-      make_bar({.skeleton = true, .ties = true, .implicit = true, .limits = true, .contact = true});
+  const Model m = make_bar(
+      {.skeleton = true, .ties = true, .implicit = true, .limits = true, .contact = true, .colliders = true});
   std::vector<model::Stage> shown;
   for (const Block& block : substep_plan(m, {.integrator = model::Integrator::implicit_step}, true)) {
     for (const model::Step& step : block.steps)
@@ -92,6 +100,11 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_find, Kernel::contact_press));
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_bound, Kernel::update)) << "moves what boxes hold";
   EXPECT_FALSE(must_wait(access_of(Kernel::embed), {Field::position}, {Field::velocity}));
+  EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::collide));
+  EXPECT_TRUE(wait_for_each_other(Kernel::collide, Kernel::region)) << "the next substep's";
+  EXPECT_TRUE(wait_for_each_other(Kernel::iterate, Kernel::obstruct));
+  EXPECT_TRUE(wait_for_each_other(Kernel::obstruct, Kernel::lack));
+  EXPECT_TRUE(wait_for_each_other(Kernel::collide, Kernel::integrate)) << "an implicit substep's";
 }
 
 // Fused kernels give the bits of their parts only if what changes places needs no other order: predict goes
@@ -130,6 +143,10 @@ TEST(SubstepPlan, SweepsBlocksThatReachOneRing) {
   EXPECT_FALSE(swept({.contact = true}, 0));
   EXPECT_TRUE(swept({.contact = true}, 1));
   EXPECT_FALSE(swept({.implicit = true, .limits = true}, 2));
+  // What ends before the solids has a step more than a sweep takes.
+  EXPECT_TRUE(swept({.colliders = true}, 0));
+  EXPECT_FALSE(swept({.colliders = true}, 1));
+  EXPECT_FALSE(swept({.implicit = true, .colliders = true}, 1));
   EXPECT_FALSE(swept({.skeleton = true, .implicit = true}, 0)) << "skin and predict reach no ring";
   EXPECT_FALSE(model::swept_steps({.steps = {{Kernel::predict}, {Kernel::region}, {Kernel::goal}}}));
 }

@@ -22,7 +22,8 @@ using nlohmann::json;
 using scene::Scene;
 using scene::SceneError;
 
-const std::set<std::string> tables_of_named{"bones", "layers", "fibres", "muscle", "pin", "probe", "force"};
+const std::set<std::string> tables_of_named{"bones", "layers", "fibres", "muscle",
+                                            "pin",   "probe",  "force",  "collider"};
 
 // One line of a sample, and what it is about.
 struct Line {
@@ -279,7 +280,7 @@ TEST_F(SceneKeys, TablesOfWrongTypeAreRefused) {
     // Names in the bar sample that are there whatever the path goes on with.
     const std::map<std::string, std::string> names{
         {"bones", "thigh"}, {"layers", "fat"}, {"fibres", "biceps"}, {"muscle", "biceps"},
-        {"pin", "box"},     {"probe", "ball"}, {"force", "push"}};
+        {"pin", "box"},     {"probe", "ball"}, {"force", "push"},    {"collider", "floor"}};
     const std::string first = split(path)[0];
     if (const std::size_t name = set.find("NAME"); name != std::string::npos)
       set.replace(name, 4, names.at(first));

@@ -109,6 +109,32 @@ end = 0.75
 [force.push.where.above]
 axis = "x"
 fraction = 1.0
+
+[collider.ball]
+shape = "sphere"
+center = [0.25, -0.125, 0.0625]
+radius = 0.0625
+thickness = 0.001
+friction = 0.25
+
+[collider.chair]
+shape = "box"
+size = [0.5, 0.25, 0.5]
+rotation = [0.0, 30.0, 0.0]
+radius = 0.015625
+times = [0.5, 1.0, 1.5]
+offsets = [[0.0, 0.0, 0.0], [0.0, 0.125, 0.0], [0.0, 0.125, 0.5]]
+turns = [[0.0, 0.0, 0.0], [0.0, 90.0, 0.0], [0.0, 180.0, 0.0]]
+
+[collider.floor]
+shape = "plane"
+normal = [0.0, 1.0, 0.125]
+
+[collider.rod]
+shape = "capsule"
+from = [0.0, -0.25, 0.0]
+to = [0.5, -0.25, 0.0]
+radius = 0.03125
 )";
 }
 
@@ -170,6 +196,11 @@ handles = 3
 cuts = [0.5, 0.25]
 acceleration_limit = 500.0
 cut_distance = 4.0
+
+[collider.knee]
+shape = "sphere"
+radius = 0.05
+joint = "leg_joint_L_1"
 
 [probe.head.where.joints]
 names = ["Skeleton_neck_joint_1"]
@@ -367,6 +398,13 @@ std::string describe(const Scene& scene) {
   for (const ProbeSet& probe : scene.probes) d.line("probe", probe.name, probe.where);
   for (const Force& f : scene.forces) {
     d.line("force", f.name, f.kind, f.vector, f.where, f.start, f.end);
+  }
+  for (const Collider& c : scene.colliders) {
+    d.line("collider", c.name, c.shape, c.center, c.normal, c.from, c.to, c.size, c.rotation, c.radius,
+           c.thickness, c.friction, c.joint);
+    for (const double time : c.times) d.line("time of key", time);
+    for (const Vector3d& offset : c.offsets) d.line("offset", offset);
+    for (const Vector3d& turn : c.turns) d.line("turned", turn);
   }
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,

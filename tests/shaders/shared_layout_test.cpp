@@ -121,6 +121,23 @@ TEST(SharedLayout, ContactPoint) {
   EXPECT_EQ(layout.stride, sizeof(shader::ContactPoint));
 }
 
+TEST(SharedLayout, Collider) {
+  const Layout layout = layout_in(shader::module_of("collide"), "Collider");
+  EXPECT_EQ(layout.members,
+            (Members{MEMBER(Collider, xx),        MEMBER(Collider, xy),        MEMBER(Collider, xz),
+                     MEMBER(Collider, xt),        MEMBER(Collider, yx),        MEMBER(Collider, yy),
+                     MEMBER(Collider, yz),        MEMBER(Collider, yt),        MEMBER(Collider, zx),
+                     MEMBER(Collider, zy),        MEMBER(Collider, zz),        MEMBER(Collider, zt),
+                     MEMBER(Collider, before_xx), MEMBER(Collider, before_xy), MEMBER(Collider, before_xz),
+                     MEMBER(Collider, before_xt), MEMBER(Collider, before_yx), MEMBER(Collider, before_yy),
+                     MEMBER(Collider, before_yz), MEMBER(Collider, before_yt), MEMBER(Collider, before_zx),
+                     MEMBER(Collider, before_zy), MEMBER(Collider, before_zz), MEMBER(Collider, before_zt),
+                     MEMBER(Collider, half_x),    MEMBER(Collider, half_y),    MEMBER(Collider, half_z),
+                     MEMBER(Collider, radius),    MEMBER(Collider, friction),  MEMBER(Collider, lifted),
+                     MEMBER(Collider, is_plane),  MEMBER(Collider, unused)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::Collider));
+}
+
 TEST(SharedLayout, SubstepAndPush) {
   const Layout substep = layout_in(shader::module_of("update"), "Substep");
   EXPECT_EQ(substep.members,
@@ -129,7 +146,8 @@ TEST(SharedLayout, SubstepAndPush) {
                      MEMBER(Substep, shift_y), MEMBER(Substep, shift_z), MEMBER(Substep, vertex_count),
                      MEMBER(Substep, surface_count), MEMBER(Substep, joint_count),
                      MEMBER(Substep, first_bone), MEMBER(Substep, first_muscle), MEMBER(Substep, first_force),
-                     MEMBER(Substep, contact_count), MEMBER(Substep, contact_tetrahedron_count)}));
+                     MEMBER(Substep, contact_count), MEMBER(Substep, contact_tetrahedron_count),
+                     MEMBER(Substep, first_collider), MEMBER(Substep, collider_count)}));
   const Layout push = layout_in(shader::module_of("update"), "Push");
   EXPECT_EQ(push.members,
             (Members{MEMBER(Push, substep), MEMBER(Push, first_slice), MEMBER(Push, implicit)}));

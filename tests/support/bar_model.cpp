@@ -184,6 +184,50 @@ void add_contacts(const BarOptions& o, Model& m) {
   finish_contact(m);
 }
 
+// Four solids, each of which spares some vertices.
+constexpr std::uint32_t solid_count = 4;
+void add_colliders(Model& m) {
+  m.collider_count = solid_count;
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+    m.spared.push_back(i % 7 == 3 ? 1U << i / 7 % solid_count : 0U);
+}
+
+// A rotation about z by twice the angle whose tangent is t, which needs no sine, then a fixed one about x.
+struct Turn {
+  double rows[3][3];
+};
+Turn turned(double t) {
+  const double c = (1.0 - t * t) / (1.0 + t * t), s = 2.0 * t / (1.0 + t * t);
+  return {{{c, s, 0.0}, {-0.8 * s, 0.8 * c, 0.6}, {0.6 * s, -0.6 * c, 0.8}}};
+}
+
+// Three rows of four: from places relative to `origin` into the space of a solid about `center`.
+void write_map(const Turn& turn, const std::array<double, 3>& center, const std::array<double, 3>& origin,
+               float* rows) {
+  for (const auto& row : turn.rows) {
+    double shift = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      *rows++ = static_cast<float>(row[c]);
+      shift += row[c] * (origin[c] - center[c]);
+    }
+    *rows++ = static_cast<float>(shift);
+  }
+}
+
+// Where solid k has its middle at a time, in frames. The bar falls onto some and lies in others at first.
+std::array<double, 3> center_of(std::uint32_t k, double t) {
+  switch (k) {
+    case 0:  // the plane
+      return {0.0, 0.005 * t - 0.02, 0.0};
+    case 1:
+      return {0.1 + 0.002 * t, 0.01, 0.02 + 0.004 * t};
+    case 2:
+      return {0.15 + 0.003 * t, 0.09, 0.05};
+    default:
+      return {0.3, 0.22 - 0.012 * t, 0.2 - 0.01 * t};
+  }
+}
+
 }  // namespace
 
 Model make_bar(const BarOptions& o) {
@@ -262,6 +306,7 @@ Model make_bar(const BarOptions& o) {
   }
   if (o.limits) add_limited_tetrahedra(o, m);
   if (o.contact) add_contacts(o, m);
+  if (o.colliders) add_colliders(m);
   return m;
 }
 
@@ -272,6 +317,24 @@ void BarMotion::append_pose(double time, float jump, std::vector<shader::Bone>& 
     const float bend = j == 1 ? 0.02f * t + jump : 0.0f;
     to.push_back({1.0f, 0.0f, bend, 0.01f * t + jump, bend, 1.0f, 0.0f, 0.0f, 0.0f, -bend, 1.0f, 0.005f * t,
                   9.81f * bend, 0.1f * bend, -bend, 0.0f});
+  }
+}
+
+// The solids' way through the substep that ends at `time`, in substeps.
+void BarMotion::append_colliders(double time) {
+  for (std::uint32_t k = 0; k < model_.collider_count; ++k) {
+    shader::Collider& solid = colliders_.emplace_back();
+    for (const bool at_end : {false, true}) {
+      const double t = (at_end ? time : time - 1.0) / substeps_;
+      write_map(turned(k == 0 ? -0.05 : 0.01 * k * t), center_of(k, t), origin_,
+                at_end ? &solid.xx : &solid.before_xx);
+    }
+    solid.is_plane = k == 0 ? 1.0f : 0.0f;
+    solid.radius = k == 0 ? 0.005f : k == 3 ? 0.01f : 0.03f;
+    solid.half_y = k >= 2 ? 0.05f : 0.0f;
+    solid.half_x = solid.half_z = k == 3 ? 0.04f : 0.0f;
+    solid.friction = 0.3f * static_cast<float>(k);
+    solid.lifted = 0.02f;
   }
 }
 
@@ -315,6 +378,11 @@ model::Drive BarMotion::drive(std::uint64_t frame) {
     cut_list_.push_back({substep, origin_, pose(0), pose(1), pose(2), pose(3)});
     drive.origin_shift = {0.0f, 0.0f, 0.0f};
   }
+  // Relative to the frame's origin, which is known now.
+  colliders_.clear();
+  for (std::uint32_t s = 0; s < substeps_; ++s)
+    append_colliders(static_cast<double>((frame - 1) * substeps_ + s + 1));
+  drive.colliders = colliders_;
   drive.cuts = cut_list_;
   drive.origin = origin_;
   drive.bones = bones_;

@@ -20,16 +20,18 @@ struct BarOptions {
   bool volume = false;  // a volume term in two of three regions
   bool ties = false;    // of the uppermost vertices to triangles below them, some of which are held
   bool surface = true;
-  bool implicit = false;      // for the implicit integrator, from soft to stiff
-  bool limits = false;        // of an implicit one: no tetrahedron loses a tenth of its volume
-  bool contact = false;       // most vertices are points, in tetrahedra that may be met nearly everywhere
+  bool implicit = false;  // for the implicit integrator, from soft to stiff
+  bool limits = false;    // of an implicit one: no tetrahedron loses a tenth of its volume
+  bool contact = false;   // most vertices are points, in tetrahedra that may be met nearly everywhere
+  bool colliders =
+      false;  // a solid of each shape, all of them moving, in the bar's way; some vertices are spared
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight
 };
 
 model::Model make_bar(const BarOptions& options);
 
-// Owns what a Drive points to: poses, muscles and forces that change with every substep, and a shifting
-// origin.
+// Owns what a Drive points to: poses, muscles, forces and solids that change with every substep, and a
+// shifting origin.
 class BarMotion {
  public:
   BarMotion(const model::Model& model, std::uint32_t substeps, bool cuts = false)
@@ -40,6 +42,7 @@ class BarMotion {
  private:
   // The pose at `time`, in substeps; `jump`: how much further it bends and stands after a cut.
   void append_pose(double time, float jump, std::vector<shader::Bone>& to) const;
+  void append_colliders(double time);
 
   const model::Model& model_;
   std::uint32_t substeps_;
@@ -49,6 +52,7 @@ class BarMotion {
   std::vector<shader::Bone> bones_;
   std::vector<shader::Muscle> muscles_;
   std::vector<shader::Force> forces_;
+  std::vector<shader::Collider> colliders_;
   std::vector<float> decay_;
   std::array<double, 3> origin_{};
 };

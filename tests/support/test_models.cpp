@@ -363,6 +363,7 @@ model::Drive TestDrive::get() {
   drive.bones = bones;
   drive.muscles = muscles;
   drive.forces = forces;
+  drive.colliders = colliders;
   drive.decay = decay;
   return drive;
 }
@@ -376,6 +377,7 @@ TestDrive quiet_drive(const Model& model, double h, std::uint32_t substeps, cons
   d.bones.assign(std::size_t{substeps} * model.joint_count, identity_bone);
   d.muscles.assign(std::size_t{substeps} * model.muscle_count, shader::Muscle{0, 0, 0, 0, 0});
   d.forces.assign(std::size_t{substeps} * model.force_count, shader::Force{0, 0, 0, 0});
+  d.colliders.assign(std::size_t{substeps} * model.collider_count, far_collider);
   for (const model::Layer& layer : model.layers) d.decay.push_back(float(std::exp(-layer.damping * h)));
   return d;
 }

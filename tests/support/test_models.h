@@ -71,6 +71,7 @@ struct TestDrive {
   std::vector<shader::Bone> bones;
   std::vector<shader::Muscle> muscles;
   std::vector<shader::Force> forces;
+  std::vector<shader::Collider> colliders;
   std::vector<float> decay;
   model::Drive get();
 };
@@ -85,7 +86,16 @@ shader::RegionFrame region_frame(const Eigen::Vector3d& normal, const Eigen::Vec
 void add_muscle(model::Model& model, const Eigen::Vector3d& normal, double bulge, double shear = 0.0,
                 std::uint32_t every = 1);
 
-// Bones at rest, muscles slack, no forces, decay by the layers' damping.
+// A half space a thousand working units below everything.
+inline constexpr shader::Collider far_collider = [] {
+  shader::Collider c{};
+  c.xx = c.yy = c.zz = c.before_xx = c.before_yy = c.before_zz = 1.0f;
+  c.yt = c.before_yt = 1000.0f;
+  c.is_plane = 1.0f;
+  return c;
+}();
+
+// Bones at rest, muscles slack, no forces, solids far away, decay by the layers' damping.
 TestDrive quiet_drive(const model::Model& model, double h, std::uint32_t substeps = 1,
                       const Eigen::Vector3d& gravity = Eigen::Vector3d::Zero());
 
