@@ -68,6 +68,13 @@ Solid solid_of(const shader::Collider& c, std::uint32_t number) {
   return solid;
 }
 
+std::vector<Solid> solids_of(const SubstepInput& in) {
+  std::vector<Solid> solids;
+  for (const shader::Collider& c : in.colliders)
+    solids.push_back(solid_of(c, static_cast<std::uint32_t>(solids.size())));
+  return solids;
+}
+
 // A place on a vertex's way through the substep, and the square of how long the way is at most.
 struct Way {
   const float* place;

@@ -39,12 +39,10 @@ class ColliderCheck {
     for (const char* key : {"center", "normal", "from", "to", "size", "rotation", "radius"})
       if (table_.contains(key) && !has(keys.needed, key) && !has(keys.optional, key))
         refuse(key, "says nothing of a " + shape + "; leave it out");
-    if (has(keys.needed, "radius") && !(collider_.radius > 0.0)) refuse("radius", "must be above 0");
     if (collider_.normal.isZero(0.0)) refuse("normal", "has no length; give a direction");
     if (collider_.shape == ColliderShape::capsule && collider_.from == collider_.to)
       refuse("to", "is the same point as `from`; give a sphere instead");
     if (collider_.shape != ColliderShape::box) return;
-    if (!(collider_.size.minCoeff() > 0.0)) refuse("size", "has an edge of 0; a box needs three edges");
     if (2.0 * collider_.radius > collider_.size.minCoeff())
       refuse("radius", "is more than half of the box's shortest edge, so it would be no box");
   }

@@ -45,9 +45,8 @@ const auto& bar_rows() {
 const auto& mesh_rows() {
   using namespace rows;
   static const std::tuple all{
-      loose_key({.name = "file",
-                 .type = KeyType::text,
-                 .doc = "The file, relative to the scene file's folder."}),
+      loose_key(
+          {.name = "file", .type = KeyType::text, .doc = "The file, relative to the scene file's folder."}),
       loose_key({.name = "made",
                  .type = KeyType::text,
                  .doc = "A surface made in code: a bunny that sits.",
@@ -126,13 +125,12 @@ Json json_of(const Bar& bar) {
 }
 
 const Table& mesh_table() {
-  static const Table table = with_keys(
-      {.name = "mesh",
-       .doc =
-           "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a closed surface (.off .obj .ply .stl); or "
-           "one of fascicle's own.",
-       .choices = {{"file", "made"}}},
-      mesh_rows());
+  static const Table table = with_keys({.name = "mesh",
+                                        .doc = "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a "
+                                               "closed surface (.off .obj .ply .stl); or "
+                                               "one of fascicle's own.",
+                                        .choices = {{"file", "made"}}},
+                                       mesh_rows());
   return table;
 }
 void read_mesh_keys(const toml::table& table, Scene& scene) {

@@ -88,6 +88,7 @@ class SceneKeys : public ::testing::Test {
       std::filesystem::copy(character_, folder_.path() / character_.filename());
     samples_.push_back(sample_of(character_sample()));
     samples_.push_back(sample_of(made_sample()));
+    samples_.push_back(sample_of(made_surface_sample()));
     samples_.push_back(sample_of(implicit_sample()));
   }
 

@@ -20,6 +20,8 @@ end = 2.5
 [bar]
 size = [0.5, 0.25, 0.125]
 vertices = [5, 4, 3]
+count = 2
+gap = 0.0625
 jitter = 0.125
 seed = 7
 
@@ -228,6 +230,16 @@ maximum = 1.5
 )";
 }
 
+std::string made_surface_sample() {
+  return R"(# What a surface made in code has instead of a file.
+[mesh]
+made = "bunny"
+
+[layers.body]
+alpha = 0.5
+)";
+}
+
 std::string made_sample() {
   return R"(# What a character made in code has instead of a file.
 [character]
@@ -366,7 +378,8 @@ std::string describe(const Scene& scene) {
   d.line("body", scene.body.cage, scene.body.cage_detail,
          scene.body.vertices ? std::to_string(*scene.body.vertices) : "");
   if (const auto* bar = std::get_if<Bar>(&scene.geometry)) {
-    d.line("bar", bar->size, bar->vertices[0], bar->vertices[1], bar->vertices[2], bar->jitter, bar->seed);
+    d.line("bar", bar->size, bar->vertices[0], bar->vertices[1], bar->vertices[2], bar->count, bar->gap,
+           bar->jitter, bar->seed);
   } else if (const auto* surface = std::get_if<mesh::SurfaceMesh>(&scene.geometry)) {
     for (const Vector3d& p : surface->vertices) d.line("vertex", p);
     for (const auto& t : surface->triangles) d.line("triangle", t[0], t[1], t[2]);
