@@ -155,8 +155,8 @@ SHARED_CONSTANT uint limit_passes = 12u;
 SHARED_CONSTANT float contact_strength = 1.0f;
 SHARED_CONSTANT float contact_strength_implicit = 4.0f;
 
-// What S of kernel/contact.inc is multiplied by. With sigma = 4 the implicit integrator is stable up to half of
-// what takes a depth away at once, and vertices that lie in each other meet twice.
+// What S of kernel/contact.inc is multiplied by. With sigma = 4 the implicit integrator is stable up to half
+// of what takes a depth away at once, and vertices that lie in each other meet twice.
 SHARED_CONSTANT float contact_crowding = 1.0f;
 SHARED_CONSTANT float contact_crowding_implicit = 2.0f;
 
