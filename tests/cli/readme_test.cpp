@@ -188,6 +188,7 @@ TEST_P(Pages, CommandsRun) {
 
 // A block of TOML is a list of jobs, a whole scene, or a file by its name.
 TEST_P(Pages, SceneFilesAreSome) {
+  bool has_files = false;
   for (const Fenced& block : fenced(text_)) {
     if (block.language != "toml") continue;
     std::string scene;
@@ -198,8 +199,9 @@ TEST_P(Pages, SceneFilesAreSome) {
       scene += line + "\n";
     }
     if (is_jobs) continue;  // read by the page's own command
-    if (has_file) {
+    if (has_file && !has_files) {
       put_files();
+      has_files = true;
     }
     std::ofstream(folder_ / "page.toml") << scene;
     EXPECT_NO_THROW(scene::load_scene((folder_ / "page.toml").string())) << GetParam() << "\n" << scene;
