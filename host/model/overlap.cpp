@@ -59,16 +59,6 @@ bool holds(const float* box, const float* x) {
   return true;
 }
 
-// Whether a point lies in the box around four others.
-bool is_between(std::span<const float> positions, const std::uint32_t* corner, const float* x) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto [low, high] = std::minmax({positions[3 * corner[0] + a], positions[3 * corner[1] + a],
-                                          positions[3 * corner[2] + a], positions[3 * corner[3] + a]});
-    if (!(x[a] >= low && x[a] <= high)) return false;
-  }
-  return true;
-}
-
 // Whether all of a box at rest lies within the margin of a point.
 bool is_near(const float* box, const float* rest, float margin) {
   float sum = 0.0f;
@@ -79,37 +69,37 @@ bool is_near(const float* box, const float* rest, float margin) {
   return sum < 0.99f * margin * margin;
 }
 
-using Boxes = std::vector<float>;  // six floats each: least, most
+using Boxes = std::vector<float>;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::array<float, 6> no_box{infinity, infinity, infinity, -infinity, -infinity, -infinity};
 
-Boxes leaf_boxes(const Model& model, std::span<const float> positions) {
-  Boxes boxes;
-  for (std::uint32_t leaf = 0; leaf < model.contact_leaf_count(); ++leaf) {
-    std::array<float, 6> box = no_box;
-    const std::size_t first = 4 * std::size_t{leaf} * shader::contact_leaf,
-                      end = std::min(first + 4 * std::size_t{shader::contact_leaf},
-                                     model.contact_tetrahedron.size());
-    for (std::size_t e = first; e < end; ++e)
-      for (std::size_t a = 0; a < 3; ++a) {
-        const float x = positions[3 * std::size_t{model.contact_tetrahedron[e]} + a];
-        box[a] = std::min(box[a], x);
-        box[3 + a] = std::max(box[3 + a], x);
-      }
-    boxes.insert(boxes.end(), box.begin(), box.end());
+void grow(float* box, const float* low, const float* high) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    box[a] = std::min(box[a], low[a]);
+    box[3 + a] = std::max(box[3 + a], high[a]);
+  }
+}
+
+// Around each tetrahedron. They are made once a frame: points ask for the same ones again and again.
+Boxes tetrahedron_boxes(const Model& model, std::span<const float> positions) {
+  Boxes boxes(6 * std::size_t{model.contact_tetrahedron_count()});
+  for (std::size_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
+    float* box = boxes.data() + 6 * t;
+    std::copy(no_box.begin(), no_box.end(), box);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float* x = positions.data() + 3 * std::size_t{model.contact_tetrahedron[4 * t + k]};
+      grow(box, x, x);
+    }
   }
   return boxes;
 }
 
-Boxes branch_boxes(const Model& model, const Boxes& leaves) {
+// Around each `size` of the boxes in turn.
+Boxes boxes_around(const Boxes& parts, std::uint32_t size) {
   Boxes boxes;
-  for (std::uint32_t leaf = 0; leaf < model.contact_leaf_count(); ++leaf) {
-    if (leaf % shader::contact_branch == 0) boxes.insert(boxes.end(), no_box.begin(), no_box.end());
-    float* box = boxes.data() + boxes.size() - 6;
-    for (std::size_t a = 0; a < 3; ++a) {
-      box[a] = std::min(box[a], leaves[6 * std::size_t{leaf} + a]);
-      box[3 + a] = std::max(box[3 + a], leaves[6 * std::size_t{leaf} + 3 + a]);
-    }
+  for (std::size_t k = 0; 6 * k < parts.size(); ++k) {
+    if (k % size == 0) boxes.insert(boxes.end(), no_box.begin(), no_box.end());
+    grow(boxes.data() + boxes.size() - 6, parts.data() + 6 * k, parts.data() + 6 * k + 3);
   }
   return boxes;
 }
@@ -121,7 +111,6 @@ OverlapMeter::OverlapMeter(const Model& model) : model_(model), area_(areas(mode
 double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const {
   const shader::ContactPoint& point = model_.contact[p];
   const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
-  if (!is_between(positions, corner, positions.data() + 3 * std::size_t{point.vertex})) return -1.0;
   const Vector a = place_of(positions, corner[0]);
   const Vector ab = minus(place_of(positions, corner[1]), a), ac = minus(place_of(positions, corner[2]), a),
                ad = minus(place_of(positions, corner[3]), a),
@@ -149,36 +138,40 @@ double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const 
   return is_free && (is_far || is_across_a_gap) ? deep : -1.0;
 }
 
-double OverlapMeter::depth(std::uint32_t p, std::span<const float> positions, std::span<const float> leaves,
-                           std::span<const float> branches) const {
+double OverlapMeter::depth(std::uint32_t p, std::span<const float> positions, const AllBoxes& boxes) const {
   const shader::ContactPoint& point = model_.contact[p];
   const float* x = positions.data() + 3 * std::size_t{point.vertex};
   const float* rest = model_.rest.data() + 3 * std::size_t{point.vertex};
   const std::uint32_t leaf_count = model_.contact_leaf_count();
-  const auto may_hold = [&](std::span<const float> boxes, std::uint32_t box, std::uint32_t rest_box) {
-    return holds(boxes.data() + 6 * std::size_t{box}, x) &&
+  const auto may_hold = [&](const Boxes& of_level, std::uint32_t box, std::uint32_t rest_box) {
+    return holds(of_level.data() + 6 * std::size_t{box}, x) &&
            (point.near_count > 0 ||
             !is_near(model_.contact_rest_box.data() + 8 * std::size_t{rest_box}, rest, point.margin));
   };
   for (std::uint32_t branch = 0; branch < model_.contact_branch_count(); ++branch) {
-    if (!may_hold(branches, branch, leaf_count + branch)) continue;
+    if (!may_hold(boxes.branches, branch, leaf_count + branch)) continue;
     const std::uint32_t last_leaf = std::min((branch + 1) * shader::contact_branch, leaf_count);
     for (std::uint32_t leaf = branch * shader::contact_branch; leaf < last_leaf; ++leaf) {
-      if (!may_hold(leaves, leaf, leaf)) continue;
+      if (!may_hold(boxes.leaves, leaf, leaf)) continue;
       const std::uint32_t last =
           std::min((leaf + 1) * shader::contact_leaf, model_.contact_tetrahedron_count());
-      for (std::uint32_t t = leaf * shader::contact_leaf; t < last; ++t)
+      for (std::uint32_t t = leaf * shader::contact_leaf; t < last; ++t) {
+        if (!holds(boxes.tetrahedra.data() + 6 * std::size_t{t}, x)) continue;
         if (const double deep = depth_in(p, t, positions); deep >= 0.0) return deep;
+      }
     }
   }
   return -1.0;
 }
 
 Overlap OverlapMeter::of(std::span<const float> positions) const {
-  const Boxes leaves = leaf_boxes(model_, positions), branches = branch_boxes(model_, leaves);
+  AllBoxes boxes;
+  boxes.tetrahedra = tetrahedron_boxes(model_, positions);
+  boxes.leaves = boxes_around(boxes.tetrahedra, shader::contact_leaf);
+  boxes.branches = boxes_around(boxes.leaves, shader::contact_branch);
   Overlap overlap;
   for (std::uint32_t p = 0; p < model_.contact.size(); ++p) {
-    const double deep = depth(p, positions, leaves, branches);
+    const double deep = depth(p, positions, boxes);
     if (deep < 0.0) continue;
     ++overlap.vertices;
     overlap.deepest = std::max(overlap.deepest, deep * model_.unit);

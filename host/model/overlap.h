@@ -26,10 +26,13 @@ class OverlapMeter {
   Overlap of(std::span<const float> positions) const;
 
  private:
-  // How deep point p lies in the first tetrahedron that holds it and that it may meet, or in tetrahedron t;
-  // below 0: in none. Boxes, six floats each, are those of the leaves and branches of tetrahedra.
-  double depth(std::uint32_t p, std::span<const float> positions, std::span<const float> leaves,
-               std::span<const float> branches) const;
+  // Six floats each: least, most.
+  struct AllBoxes {
+    std::vector<float> tetrahedra, leaves, branches;
+  };
+  // How deep point p lies in the first tetrahedron that holds it and that it may meet, or in tetrahedron t,
+  // whose box holds it; below 0: in none.
+  double depth(std::uint32_t p, std::span<const float> positions, const AllBoxes& boxes) const;
   double depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const;
 
   const Model& model_;
