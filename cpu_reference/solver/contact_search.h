@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "cpu_reference/solver/contact_lanes.h"
@@ -65,7 +66,9 @@ class ContactSearch {
   struct Sight;
   struct Found {
     std::uint32_t tetrahedron, point;
-    auto operator<=>(const Found&) const = default;
+    bool operator<(const Found& other) const {
+      return std::pair(tetrahedron, point) < std::pair(other.tetrahedron, other.point);
+    }
   };
 
   std::uint32_t block_begin(std::size_t block) const {
