@@ -79,9 +79,9 @@ TEST(OverlapMeter, FindsWhatAllPairsFind) {
   EXPECT_GT(found, 100u);
 }
 
-// Two cubes of side 1/2, one pushed into the other by 1/8 along x and nothing else. Each has a face of area 1/4
-// that lies 1/8 deep in the other, so the volume is 1/32. Points near the face's rim are nearer to the other's
-// sides than to its face and count with that depth: less than half of the volume is lost so.
+// Two cubes of side 1/2, one pushed into the other by 1/8 along x and nothing else. Each has a face of area
+// 1/4 that lies 1/8 deep in the other, so the volume is 1/32. Points near the face's rim are nearer to the
+// other's sides than to its face and count with that depth: less than half of the volume is lost so.
 TEST(OverlapMeter, ApproachesTheVolumeByHand) {
   Mesh mesh = kuhn_bar(8, 8, 8, 0.0625);
   const auto first = static_cast<std::uint32_t>(mesh.points.size());
