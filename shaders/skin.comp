@@ -5,20 +5,8 @@
 #include "shaders/kernel/skin.inc"
 
 Transform map_term(uint k, Bone b) {
-  Transform t;
-  t.linear.xx = b.xx;
-  t.linear.xy = b.xy;
-  t.linear.xz = b.xz;
-  t.linear.yx = b.yx;
-  t.linear.yy = b.yy;
-  t.linear.yz = b.yz;
-  t.linear.zx = b.zx;
-  t.linear.zy = b.zy;
-  t.linear.zz = b.zz;
-  t.translation.x = b.xt;
-  t.translation.y = b.yt;
-  t.translation.z = b.zt;
-  return skin_term(skin_weight[k], t);
+  return skin_term(skin_weight[k], transform_of(vec4(b.xx, b.xy, b.xz, b.xt), vec4(b.yx, b.yy, b.yz, b.yt),
+                                                vec4(b.zx, b.zy, b.zz, b.zt)));
 }
 
 Vector gravity_term(uint k, Bone b) {

@@ -114,11 +114,8 @@ Vector zero_vector() {
   return v;
 }
 
-Transform load_transform(uint i) {
-  uint n = push.substep.vertex_count;
-  vec4 x = transform[i];
-  vec4 y = transform[n + i];
-  vec4 z = transform[2u * n + i];
+// A map from its three rows.
+Transform transform_of(vec4 x, vec4 y, vec4 z) {
   Transform t;
   t.linear.xx = x.x;
   t.linear.xy = x.y;
@@ -133,6 +130,11 @@ Transform load_transform(uint i) {
   t.translation.y = y.w;
   t.translation.z = z.w;
   return t;
+}
+
+Transform load_transform(uint i) {
+  uint n = push.substep.vertex_count;
+  return transform_of(transform[i], transform[n + i], transform[2u * n + i]);
 }
 
 void store_transform(uint i, Transform t) {

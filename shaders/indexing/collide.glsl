@@ -5,37 +5,13 @@
 #include "shaders/kernel/collide.inc"
 
 Transform map_at_end(Collider c) {
-  Transform t;
-  t.linear.xx = c.xx;
-  t.linear.xy = c.xy;
-  t.linear.xz = c.xz;
-  t.linear.yx = c.yx;
-  t.linear.yy = c.yy;
-  t.linear.yz = c.yz;
-  t.linear.zx = c.zx;
-  t.linear.zy = c.zy;
-  t.linear.zz = c.zz;
-  t.translation.x = c.xt;
-  t.translation.y = c.yt;
-  t.translation.z = c.zt;
-  return t;
+  return transform_of(vec4(c.xx, c.xy, c.xz, c.xt), vec4(c.yx, c.yy, c.yz, c.yt), vec4(c.zx, c.zy, c.zz, c.zt));
 }
 
 Transform map_at_beginning(Collider c) {
-  Transform t;
-  t.linear.xx = c.before_xx;
-  t.linear.xy = c.before_xy;
-  t.linear.xz = c.before_xz;
-  t.linear.yx = c.before_yx;
-  t.linear.yy = c.before_yy;
-  t.linear.yz = c.before_yz;
-  t.linear.zx = c.before_zx;
-  t.linear.zy = c.before_zy;
-  t.linear.zz = c.before_zz;
-  t.translation.x = c.before_xt;
-  t.translation.y = c.before_yt;
-  t.translation.z = c.before_zt;
-  return t;
+  return transform_of(vec4(c.before_xx, c.before_xy, c.before_xz, c.before_xt),
+                      vec4(c.before_yx, c.before_yy, c.before_yz, c.before_yt),
+                      vec4(c.before_zx, c.before_zy, c.before_zz, c.before_zt));
 }
 
 CollideShape shape_of(Collider c) {
