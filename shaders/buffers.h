@@ -102,13 +102,12 @@ BUFFERS_CONSTANT uint buffer_contact_blocks =
     66u;  // uvec2 a leaf: first and last block that found it, and one
 BUFFERS_CONSTANT uint buffer_contact_crowd = 67u;    // S, a float a vertex
 BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, a vec4 a point
-BUFFERS_CONSTANT uint buffer_pressed = 69u;          // the accelerations by contact, one vec4 a vertex
 
 // Of a model with colliders.
-BUFFERS_CONSTANT uint buffer_spared = 70u;    // a uint a vertex: the solids that do not hold it, a bit each
-BUFFERS_CONSTANT uint buffer_collider = 71u;  // Collider, a frame's
+BUFFERS_CONSTANT uint buffer_spared = 69u;    // a uint a vertex: the solids that do not hold it, a bit each
+BUFFERS_CONSTANT uint buffer_collider = 70u;  // Collider, a frame's
 
-BUFFERS_CONSTANT uint buffer_count = 72u;
+BUFFERS_CONSTANT uint buffer_count = 71u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;
@@ -127,8 +126,7 @@ BUFFERS_CONSTANT uint constant_ties = 6u;      // the model has ties
 BUFFERS_CONSTANT uint constant_group_size = 7u;  // invocations of a workgroup, a multiple of slice_width
 BUFFERS_CONSTANT uint constant_near = 8u;        // all neighbours and shares fit 16 bits
 BUFFERS_CONSTANT uint constant_ahead = 9u;       // neighbours that are read before the first is used
-BUFFERS_CONSTANT uint constant_contact = 10u;    // the model has contact
-BUFFERS_CONSTANT uint constant_count = 11u;
+BUFFERS_CONSTANT uint constant_count = 10u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;

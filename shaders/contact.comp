@@ -1,4 +1,4 @@
-// Stage contact, last: the acceleration of a vertex by its own contact, then by those in its tetrahedra. One
+// Stage contact, last: what the impulses of its own contact, then of those in its tetrahedra do to a vertex. One
 // invocation a vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -28,5 +28,9 @@ void main() {
       }
     }
   }
-  pressed[i] = record_of(contact_acceleration(sum, mobility[i], push.substep.inverse_h));
+  if (first) return;
+  Vector gain = contact_gain(sum, mobility[i]);
+  position[i] = record_of(contact_moved(vector_of(position[i]), gain, push.substep.h));
+  velocity[i] = record_of(contact_changed(vector_of(velocity[i]), gain));
+  if (with_implicit) velocity_before[i] = record_of(contact_changed(vector_of(velocity_before[i]), gain));
 }

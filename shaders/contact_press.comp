@@ -4,8 +4,7 @@
 #include "shaders/indexing/contact_gather.glsl"
 
 float load_of(uint i) {
-  float crowding = with_implicit ? contact_crowding_implicit : contact_crowding;
-  return contact_load(mobility[i], crowding * contact_crowd[i]);
+  return contact_load(mobility[i], contact_crowd[i]);
 }
 
 void main() {
@@ -28,8 +27,7 @@ void main() {
                                 vector_of(velocity[corners.w]));
     float load = load_of(point.vertex) + contact_mean(w, load_of(corners.x), load_of(corners.y), load_of(corners.z),
                                                       load_of(corners.w));
-    float strength = with_implicit ? contact_strength_implicit : contact_strength;
-    impulse = contact_impulse(push_out, u, strength * push.substep.inverse_h, point.friction, load);
+    impulse = contact_impulse(push_out, u, push.substep.inverse_h, point.friction, load);
   }
   contact_impulse_of[p] = record_of(impulse);
 }

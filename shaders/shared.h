@@ -151,14 +151,8 @@ struct Response {
 // Passes of stage limit in a substep.
 SHARED_CONSTANT uint limit_passes = 12u;
 
-// How hard stage contact pushes: sigma of kernel/contact.inc. The implicit integrator passes on 4/9 of it.
-SHARED_CONSTANT float contact_strength = 1.0f;
-SHARED_CONSTANT float contact_strength_implicit = 4.0f;
-
-// What S of kernel/contact.inc is multiplied by. With sigma = 4 the implicit integrator is stable up to half
-// of what takes a depth away at once, and vertices that lie in each other meet twice.
-SHARED_CONSTANT float contact_crowding = 1.0f;
-SHARED_CONSTANT float contact_crowding_implicit = 2.0f;
+// Passes of stage contact in a substep. More leave less overlap and turn more tetrahedra inside out.
+SHARED_CONSTANT uint contact_passes = 2u;
 
 // The search for contacts: tetrahedra whose boxes have one box around them, such boxes that have one, and
 // points whose finds are surveyed together. No result depends on them.

@@ -20,8 +20,6 @@ constexpr double least_gradient = 0.1;
 constexpr double least_crowd = 2.0;
 // What friction takes of the sliding velocity at most.
 constexpr double most_friction = 0.5;
-// BDF2 passes on 4/9 of a force's work on positions in a substep.
-constexpr double implicit_strength = 4.0, implicit_crowding = 2.0;
 
 // Columns: the edges from the first corner.
 Matrix3d edges_of(const std::array<std::uint32_t, 4>& corners, const Points& places) {
@@ -95,22 +93,21 @@ std::vector<Contacts::Pair> Contacts::found_at(const Points& places) const {
   return pairs;
 }
 
-Points Contacts::accelerations(const Points& q, const Points& v, double h) const {
+std::vector<Contacts::Pair> Contacts::found_in_substep(const Points& q, const Points& v, double h) const {
   Points places = q;
   if (model_.is_implicit())
     for (std::size_t i = 0; i < q.size(); ++i) places[i] += h * v[i];
-  const std::vector<Pair> pairs = found_at(places);
-  std::vector<double> crowd(q.size(), 0.0);
+  return found_at(places);
+}
+
+Points Contacts::velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const {
+  std::vector<double> crowd(v.size(), 0.0);
   for (const Pair& pair : pairs) {
     crowd[model_.contact[pair.point].vertex] += 1.0;
     for (int k = 0; k < 4; ++k) crowd[pair.corners[std::size_t(k)]] += pair.weights[k];
   }
-  const double strength = model_.is_implicit() ? implicit_strength : 1.0;
-  const double crowding = model_.is_implicit() ? implicit_crowding : 1.0;
-  const auto load = [&](std::uint32_t i) {
-    return mobility_[i] * std::max(least_crowd, crowding * crowd[i]);
-  };
-  Points a(q.size(), Vector3d::Zero());
+  const auto load = [&](std::uint32_t i) { return mobility_[i] * std::max(least_crowd, crowd[i]); };
+  Points gains(v.size(), Vector3d::Zero());
   for (const Pair& pair : pairs) {
     const shader::ContactPoint& of = model_.contact[pair.point];
     Vector3d velocity = v[of.vertex];
@@ -121,19 +118,19 @@ Points Contacts::accelerations(const Points& q, const Points& v, double h) const
     }
     if (!(loads > 0.0)) continue;
     const double along = velocity.dot(pair.normal);
-    const double pushed = std::max(0.0, strength / h * pair.push.dot(pair.normal) - along);
+    const double pushed = std::max(0.0, pair.push.dot(pair.normal) / h - along);
     const Vector3d sliding = velocity - along * pair.normal;
     Vector3d impulse = pushed * pair.normal;
     if (sliding.norm() > 0.0)
       impulse -= std::min(most_friction, double(of.friction) * pushed / sliding.norm()) * sliding;
     impulse /= loads;
-    a[of.vertex] += mobility_[of.vertex] / h * impulse;
+    gains[of.vertex] += mobility_[of.vertex] * impulse;
     for (int k = 0; k < 4; ++k) {
       const std::uint32_t i = pair.corners[std::size_t(k)];
-      a[i] -= pair.weights[k] * mobility_[i] / h * impulse;
+      gains[i] -= pair.weights[k] * mobility_[i] * impulse;
     }
   }
-  return a;
+  return gains;
 }
 
 }  // namespace fascicle::cpu_reference

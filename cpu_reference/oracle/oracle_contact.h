@@ -19,9 +19,6 @@ class Contacts {
  public:
   explicit Contacts(const model::Model& model);
   bool empty() const { return model_.contact.empty(); }
-  // The accelerations of all vertices in a substep of h seconds that begins at `q` with `v`. The implicit
-  // integrator's contacts are looked for where the vertices would come to by themselves.
-  Points accelerations(const Points& q, const Points& v, double h) const;
 
   // A point that lies in a tetrahedron which it may meet.
   struct Pair {
@@ -33,6 +30,11 @@ class Contacts {
   };
   // By ascending point.
   std::vector<Pair> found_at(const Points& places) const;
+  // Those of a substep of h seconds that begins at `q` with `v`. The implicit integrator's contacts are
+  // looked for where the vertices would come to by themselves.
+  std::vector<Pair> found_in_substep(const Points& q, const Points& v, double h) const;
+  // What a pass of the response adds to the velocities `v` of all vertices.
+  Points velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const;
 
  private:
   std::optional<Pair> pair_of(std::uint32_t point, std::uint32_t tetrahedron, const Points& places) const;

@@ -58,7 +58,7 @@ struct Oracle::Impl {
   Points skinned_before;
   Points turned_gravity;  // the bones' change of gravity
   Points tied;            // accelerations by ties; empty without
-  Points pressed;         // accelerations by contact; empty without
+  std::vector<Contacts::Pair> contacts_found;
   Points goals;
   Points surface;
   Points y, iterate_before;            // implicit
@@ -99,6 +99,7 @@ struct Oracle::Impl {
   void collide(const Substep& now);
   void collide_implicit(std::uint32_t i, const Substep& now);
   void finish_implicit(const Stepping& step);
+  void respond_to_contacts(double h);
   double stiffest(const Stepping& step) const;
   void embed();
 

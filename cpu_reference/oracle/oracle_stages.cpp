@@ -76,7 +76,6 @@ void Oracle::Impl::carry(const model::Cut& cut, double h) {
 Vector3d Oracle::Impl::acceleration_of(std::uint32_t i, const Vector3d& gravity,
                                        std::span<const shader::Force> forces) const {
   Vector3d acceleration = tied.empty() ? gravity : gravity + tied[i];
-  if (!pressed.empty()) acceleration += pressed[i];
   if (model.has_skeleton()) acceleration += turned_gravity[i];
   if (model.force_count > 0) {
     for (std::uint32_t k = model.force_offset[i]; k < model.force_offset[i + 1]; ++k) {
@@ -272,6 +271,16 @@ void Oracle::Impl::finish_implicit(const Stepping& step) {
   }
 }
 
+// A vertex of the implicit integrator that gains velocity has had it before the substep as well.
+void Oracle::Impl::respond_to_contacts(double h) {
+  const Points gains = contacts.velocity_gains(contacts_found, v, h);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    q[i] += h * gains[i];
+    v[i] += gains[i];
+    if (model.is_implicit()) v_before[i] += gains[i];
+  }
+}
+
 // A render vertex rides on its four vertices by barycentric coordinates.
 void Oracle::Impl::embed() {
   surface.assign(model.surface_count(), Vector3d::Zero());
@@ -288,16 +297,17 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
       tied = ties.accelerations(q, v, now.h);
       return;
     case Kernel::contact:
-      pressed = contacts.accelerations(q, v, now.h);
+      return respond_to_contacts(now.h);
+    case Kernel::contact_find:
+      contacts_found = contacts.found_in_substep(q, v, now.h);
       return;
     case Kernel::contact_bound:
     case Kernel::contact_enclose:
-    case Kernel::contact_find:
     case Kernel::contact_survey:
     case Kernel::contact_locate:
     case Kernel::contact_crowd:
     case Kernel::contact_press:
-      return;  // all of the stage is Kernel::contact here
+      return;  // contact_find and contact do all that the stage does
     case Kernel::predict:
       if (model.is_implicit())
         return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());
@@ -354,8 +364,6 @@ void Oracle::Impl::append_field(std::vector<float>& floats, model::Field field, 
       return append(floats, model.is_implicit() ? y[i] : v[i]);
     case Field::tied:
       return append(floats, tied[i]);
-    case Field::pressed:
-      return append(floats, pressed[i]);
     case Field::surface:
       return append(floats, surface[i]);
     default:

@@ -107,6 +107,19 @@ inline bool contact_is_near_at_rest(const model::Model& model, std::uint32_t p, 
                                         point.margin);
 }
 
+// What the sum of its impulses does to vertex i.
+inline void contact_apply(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i,
+                          const Place& sum) {
+  const Place gain = kernel::contact_gain<float>(sum, model.mobility[i]);
+  float* position = fields.vertices.data() + vertex_stride * std::size_t{i};
+  put_place(position, kernel::contact_moved<float>(place_at(position), gain, in.step.h));
+  float* velocity = fields.velocities.data() + vector_stride * std::size_t{i};
+  put_place(velocity, kernel::contact_changed<float>(place_at(velocity), gain));
+  if (!model.is_implicit()) return;
+  float* before = fields.velocities_before.data() + vector_stride * std::size_t{i};
+  put_place(before, kernel::contact_changed<float>(place_at(before), gain));
+}
+
 // Whether point p, seen at `x`, lies in tetrahedron t and may meet it; place_of(i) is where vertex i is seen.
 // If so its contact_place is written.
 template <class PlaceOf>

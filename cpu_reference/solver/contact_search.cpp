@@ -90,6 +90,7 @@ ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lane
     : model_(model), lanes_(lanes), order_(ordered_points(model)) {
   for (const std::uint32_t p : order_) order_vertex_.push_back(model.contact[p].vertex);
   sights_.resize(sight_stride * model.vertex_count);
+  sums_.resize(model.vertex_count);
   // From nowhere, everything may have moved anywhere.
   sights_before_.assign(sights_.size(), std::numeric_limits<float>::quiet_NaN());
   leaf_offset_.push_back(0);
@@ -194,12 +195,12 @@ std::array<ContactSearch::PointBits, ContactSearch::leaf_size> ContactSearch::re
   return relevant;
 }
 
-void ContactSearch::run(const SubstepInput& in, Fields& fields, ThreadPool& pool) {
+void ContactSearch::find(const SubstepInput& in, Fields& fields, ThreadPool& pool) {
   look(in, fields, pool);
   pool.run(static_cast<std::uint32_t>(blocks_.size()), [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t block = first; block < last; ++block) find_in_block(block, fields);
   });
-  press(in, fields);
+  crowd(fields);
 }
 
 // Where everything is, and how the leaves have moved.
@@ -346,38 +347,32 @@ std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
 
 // There are few contacts: one thread takes them tetrahedron by tetrahedron, which for every vertex is the
 // order in which contact_crowd and contact add.
-void ContactSearch::press(const SubstepInput& in, Fields& fields) {
+void ContactSearch::crowd(Fields& fields) {
   found_.clear();
   for (std::uint32_t p = 0; p < model_.contact.size(); ++p)
     if (fields.contact_found[p] != shader::no_contact) found_.push_back({fields.contact_found[p], p});
   std::sort(found_.begin(), found_.end());
-  for (const std::uint32_t i : touched_)
-    put_place(fields.pressed.data() + vector_stride * std::size_t{i}, {0.0f, 0.0f, 0.0f});
-  touched_.clear();
 
   std::vector<float>& crowd = fields.contact_crowd;
-  const auto weights_of = [&](std::uint32_t p) {
-    return fields.contact_place.data() + contact_place_stride * p;
-  };
   // Negative as long as there is no sum.
   for (const auto& [t, p] : found_)
     for (const std::uint32_t i : corners_of(model_, t)) crowd[i] = -1.0f;
   for (const auto& [t, p] : found_) crowd[model_.contact[p].vertex] = 1.0f;
   for (const auto& [t, p] : found_)
     for (std::size_t k = 0; k < 4; ++k) {
+      const float weight = fields.contact_place[contact_place_stride * p + k];
       float& sum = crowd[corners_of(model_, t)[k]];
-      sum = sum < 0.0f ? weights_of(p)[k] : sum + weights_of(p)[k];
+      sum = sum < 0.0f ? weight : sum + weight;
     }
-  for (const auto& [t, p] : found_) contact_press(model_, in, fields, {p, p + 1});
+}
 
-  // Until the last loop `pressed` holds sums, and its fourth number tells whether there is one.
+void ContactSearch::respond(const SubstepInput& in, Fields& fields) {
+  for (const auto& [t, p] : found_) contact_press(model_, in, fields, {p, p + 1});
   const auto add = [&](std::uint32_t i, const Place& term) {
-    float* sum = fields.pressed.data() + vector_stride * std::size_t{i};
-    const bool is_first = sum[3] == 0.0f;
-    put_place(sum, is_first ? term : kernel::vector_sum<float>(place_at(sum), term));
-    if (!is_first) return;
-    sum[3] = 1.0f;
-    touched_.push_back(i);
+    Sum& sum = sums_[i];
+    sum.of = sum.is_begun ? kernel::vector_sum<float>(sum.of, term) : term;
+    if (!sum.is_begun) touched_.push_back(i);
+    sum.is_begun = true;
   };
   const auto impulse_of = [&](std::uint32_t p) {
     return place_at(fields.contact_impulse.data() + 3 * std::size_t{p});
@@ -385,12 +380,13 @@ void ContactSearch::press(const SubstepInput& in, Fields& fields) {
   for (const auto& [t, p] : found_) add(model_.contact[p].vertex, impulse_of(p));
   for (const auto& [t, p] : found_)
     for (std::size_t k = 0; k < 4; ++k)
-      add(corners_of(model_, t)[k], kernel::scaled_vector<float>(-weights_of(p)[k], impulse_of(p)));
+      add(corners_of(model_, t)[k],
+          kernel::scaled_vector<float>(-fields.contact_place[contact_place_stride * p + k], impulse_of(p)));
   for (const std::uint32_t i : touched_) {
-    float* sum = fields.pressed.data() + vector_stride * std::size_t{i};
-    sum[3] = 0.0f;
-    put_place(sum, kernel::contact_acceleration<float>(place_at(sum), model_.mobility[i], in.step.inverse_h));
+    contact_apply(model_, in, fields, i, sums_[i].of);
+    sums_[i].is_begun = false;
   }
+  touched_.clear();
 }
 
 }  // namespace fascicle::cpu_reference

@@ -27,9 +27,10 @@ class ContactSearch {
   // The model has contact and must outlive the search.
   ContactSearch(const model::Model& model, const ContactLanes& lanes);
 
-  // The whole stage: contact_found, pressed, and of what takes part in a contact contact_place,
-  // contact_impulse and contact_crowd.
-  void run(const SubstepInput& in, Fields& fields, ThreadPool& pool);
+  // The contacts: contact_found, and of what takes part in one contact_place and contact_crowd.
+  void find(const SubstepInput& in, Fields& fields, ThreadPool& pool);
+  // One pass of the response, to the contacts that were found last.
+  void respond(const SubstepInput& in, Fields& fields);
 
  private:
   static constexpr std::uint32_t block_size = contact_points_together, leaf_size = shader::contact_leaf;
@@ -87,7 +88,7 @@ class ContactSearch {
   void find_in_branch(Branch& branch, Sight& sight, Fields& fields);
   void find_in_leaf(Branch& branch, std::uint32_t leaf, Sight& sight, Fields& fields);
   std::uint32_t make_pair(Block& block, std::uint32_t leaf) const;
-  void press(const SubstepInput& in, Fields& fields);
+  void crowd(Fields& fields);
 
   const model::Model& model_;
   const ContactLanes& lanes_;
@@ -102,7 +103,12 @@ class ContactSearch {
   // of branches.
   LineVector<float> leaf_box_, leaf_motion_, branch_box_;
   std::vector<Found> found_;
-  std::vector<std::uint32_t> touched_;  // vertices that pressed is not 0 of
+  struct Sum {
+    Place of;
+    bool is_begun = false;
+  };
+  std::vector<Sum> sums_;               // of a vertex's impulses
+  std::vector<std::uint32_t> touched_;  // vertices whose sums are begun
 };
 
 }  // namespace fascicle::cpu_reference

@@ -145,11 +145,9 @@ void contact_crowd(const Model& model, const SubstepInput&, Fields& fields, Rang
 }
 
 void contact_press(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const float crowding = model.is_implicit() ? shader::contact_crowding_implicit : shader::contact_crowding;
   const auto load = [&](std::uint32_t i) {
-    return kernel::contact_load<float>(model.mobility[i], crowding * fields.contact_crowd[i]);
+    return kernel::contact_load<float>(model.mobility[i], fields.contact_crowd[i]);
   };
-  const float strength = model.is_implicit() ? shader::contact_strength_implicit : shader::contact_strength;
   for (std::uint32_t p = range.first; p < range.last; ++p) {
     Place impulse{0.0f, 0.0f, 0.0f};
     if (is_found(model, fields, p)) {
@@ -164,7 +162,7 @@ void contact_press(const Model& model, const SubstepInput& in, Fields& fields, R
           load(point.vertex) + kernel::contact_mean<float>(weights, load(corner[0]), load(corner[1]),
                                                            load(corner[2]), load(corner[3]));
       impulse = kernel::contact_impulse<float>({place_at(place + 4), place_at(place + 7)}, velocity,
-                                               strength * in.step.inverse_h, point.friction, all);
+                                               in.step.inverse_h, point.friction, all);
     }
     put_place(fields.contact_impulse.data() + 3 * std::size_t{p}, impulse);
   }
@@ -187,8 +185,7 @@ void contact(const Model& model, const SubstepInput& in, Fields& fields, Range r
       sum = is_first ? term : kernel::vector_sum<float>(sum, term);
       is_first = false;
     });
-    put_place(fields.pressed.data() + vector_stride * std::size_t{i},
-              kernel::contact_acceleration<float>(sum, model.mobility[i], in.step.inverse_h));
+    if (!is_first) contact_apply(model, in, fields, i, sum);
   }
 }
 

@@ -272,8 +272,10 @@ class CpuSolver : public model::Solver {
       probe->on_stage(where, output(*stage));
     };
     for (const Block& block : probe ? probed_plan_ : plan_) {
-      if (block.shown == Stage::contact) {
-        contacts_->run(in, fields_, *pool_);
+      if (block.steps.front().kernel == Kernel::contact_bound) {
+        contacts_->find(in, fields_, *pool_);
+      } else if (block.repeat == Block::Repeat::contact_passes) {
+        for (std::uint32_t pass = 0; pass < block.times; ++pass) contacts_->respond(in, fields_);
       } else if (block.repeat == Block::Repeat::limit_passes) {
         limit_volumes(in);
       } else if (!probe && is_swept(block)) {

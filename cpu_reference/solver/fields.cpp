@@ -30,7 +30,6 @@ void size_fields(const model::Model& model, Fields& fields) {
     fields.contact_place.resize(10 * model.contact.size());
     fields.contact_crowd.resize(model.vertex_count);
     fields.contact_impulse.resize(3 * model.contact.size());
-    fields.pressed.resize(vector_stride * n);
   }
   fields.surface.resize(3 * std::size_t{model.surface_count()});
 }
@@ -107,8 +106,6 @@ std::vector<Column> columns_of(const Fields& fields, model::Field field) {
       return {{fields.contact_crowd, 1, 0, 1}};
     case Field::contact_impulse:
       return {{fields.contact_impulse, 3, 0, 3}};
-    case Field::pressed:
-      return {vectors_of(fields.pressed)};
     case Field::contact_box:
     case Field::contact_branch_box:
     case Field::contact_found:

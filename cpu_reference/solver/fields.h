@@ -90,7 +90,6 @@ struct Fields {
   std::vector<float> contact_place;          // 10 a point: weights, push, normal
   std::vector<float> contact_crowd;          // 1: S
   std::vector<float> contact_impulse;        // 3 a point: J
-  Floats pressed{memory};                    // 4: accelerations by contact
   // The same, of the stage's plain form alone. Boxes are six floats: least, most.
   std::vector<float> contact_box, contact_branch_box;        // of a leaf, of a branch
   std::vector<std::uint32_t> contact_range, contact_blocks;  // 2 a block of points, 2 a leaf

@@ -111,7 +111,6 @@ LaneInput lane_input(const model::Model& model, const Slices& slices, const Subs
                 .skinned_velocities = fields.skinned_velocities.data(),
                 .gravity = fields.gravity.data(),
                 .tied = data_or_null(fields.tied),
-                .pressed = data_or_null(fields.pressed),
                 .iterate_before = fields.iterate_before.data(),
                 .positions_before = fields.positions_before.data(),
                 .velocities_before = fields.velocities_before.data(),

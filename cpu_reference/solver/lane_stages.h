@@ -49,7 +49,7 @@ struct LaneInput {
 
   // As in Fields.
   float *vertices, *regions, *velocities, *predicted, *goals, *skinned, *skinned_velocities, *gravity;
-  const float *tied, *pressed;  // null without
+  const float* tied;  // null without
   float *iterate_before, *positions_before, *velocities_before;
   const float* skinned_before;
   float* lack;

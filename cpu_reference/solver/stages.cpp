@@ -89,7 +89,7 @@ Vector velocity_of_skin(const Model& model, const SubstepInput& in, const Fields
                                          load_vector(fields.skinned_before, i), in.step.inverse_h);
 }
 
-// Gravity, the scene's forces, the ties and the contacts on vertex i.
+// Gravity, the scene's forces and the ties on vertex i.
 Vector external_acceleration(const Model& model, const SubstepInput& in, const Fields& fields,
                              std::uint32_t i) {
   Vector acceleration{in.step.gravity_x, in.step.gravity_y, in.step.gravity_z};
@@ -102,8 +102,6 @@ Vector external_acceleration(const Model& model, const SubstepInput& in, const F
     }
   }
   if (model.has_ties()) acceleration = kernel::vector_sum<float>(acceleration, load_vector(fields.tied, i));
-  if (model.has_contact())
-    acceleration = kernel::vector_sum<float>(acceleration, load_vector(fields.pressed, i));
   return acceleration;
 }
 

@@ -18,14 +18,15 @@ namespace fascicle::model {
 
 // The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
 // shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
-// only one with ties has tie, only one with contact has contact, only one with limits has limit, only one
-// with colliders has collide, which an explicit substep ends with. An implicit substep goes through region,
-// goal and relax once an iteration; an explicit one has no relax.
-enum class Stage { skin, tie, contact, predict, region, goal, relax, limit, collide, integrate, embed };
+// only one with ties has tie, only one with limits has limit, only one with colliders has collide, which an
+// explicit substep ends with, only one with contact has contact: contacts are looked for before predict, and
+// flesh answers to them after integrate. An implicit substep goes through region, goal and relax once an
+// iteration; an explicit one has no relax.
+enum class Stage { skin, tie, predict, region, goal, relax, limit, collide, integrate, contact, embed };
 
-// Kernels in the order of their stages. The same word names the shader. lack, crowd and limit are the stage
-// limit, obstruct and collide the stage collide, and those with contact in their names are the stage contact.
-// update and iterate are fused from
+// Kernels in the order of an implicit substep, but for contact_press and contact, which come last in it. The
+// same word names the shader. lack, crowd and limit are the stage limit, obstruct and collide the stage
+// collide, and those with contact in their names are the stage contact. update and iterate are fused from
 // others, with the same bits.
 enum class Kernel : std::uint8_t {
   rebase,
@@ -83,7 +84,6 @@ enum class Field : std::uint8_t {
   contact_blocks,
   contact_crowd,
   contact_impulse,
-  pressed,
 };
 
 // A set of fields.
@@ -167,7 +167,6 @@ inline constexpr FieldTraits field_rows[] = {
      &Model::has_contact},
     {Field::contact_impulse, "contact_impulse", shader::buffer_contact_impulse, 16, 3,
      KernelItems::contact_points},
-    {Field::pressed, "pressed", shader::buffer_pressed, 16, 3, KernelItems::vertices, &Model::has_contact},
 };
 inline constexpr std::uint32_t field_count = std::size(field_rows);
 
@@ -192,7 +191,7 @@ struct KernelAccess {
   constexpr FieldSet reads() const { return own | ring | any; }
 };
 
-inline constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied, Field::pressed};
+inline constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied};
 inline constexpr FieldSet skin_motion{Field::skinned, Field::skinned_before, Field::skinned_velocity};
 inline constexpr FieldSet history{Field::position_before, Field::velocity_before};
 
@@ -268,11 +267,11 @@ inline constexpr KernelAccess kernel_rows[] = {
     {Kernel::contact,
      "contact",
      KernelItems::vertices,
-     {},
+     {Field::position, Field::velocity, Field::velocity_before},
      {},
      {Field::contact_found, Field::contact_place, Field::contact_range, Field::contact_blocks,
       Field::contact_impulse},
-     {Field::pressed}},
+     {Field::position, Field::velocity, Field::velocity_before}},
     {Kernel::predict,
      "predict",
      KernelItems::vertices,
@@ -370,7 +369,6 @@ struct StageRow {
 inline constexpr StageRow stage_rows[] = {
     {Stage::skin, "skin", {Field::skinned, Field::gravity}},  // gravity: the bones' change of it
     {Stage::tie, "tie", {Field::tied}},
-    {Stage::contact, "contact", {Field::pressed}},
     {Stage::predict, "predict", {Field::predicted}},  // explicit: velocity with the external forces in
     {Stage::region, "region", {Field::transform, Field::rotation}},
     {Stage::goal, "goal", {Field::goal}},
@@ -378,6 +376,7 @@ inline constexpr StageRow stage_rows[] = {
     {Stage::limit, "limit", {Field::position}},
     {Stage::collide, "collide", {Field::position}},
     {Stage::integrate, "integrate", {Field::position, Field::velocity}},
+    {Stage::contact, "contact", {Field::position, Field::velocity}},
     {Stage::embed, "embed", {Field::surface}},
 };
 

@@ -61,11 +61,12 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
                               {Kernel::contact_find},
                               {Kernel::contact_survey},
                               {Kernel::contact_locate},
-                              {Kernel::contact_crowd},
-                              {Kernel::contact_press},
-                              {Kernel::contact}},
-                    .shown = Stage::contact});
+                              {Kernel::contact_crowd}}});
   }
+  const Block respond{Block::Repeat::contact_passes,
+                      shader::contact_passes,
+                      {{Kernel::contact_press}, {Kernel::contact}},
+                      Stage::contact};
   const Step predict{Kernel::predict, Stage::predict}, region{Kernel::region, Stage::region},
       goal{Kernel::goal, Stage::goal}, collide{Kernel::collide, Stage::collide},
       integrate{Kernel::integrate, Stage::integrate};
@@ -78,6 +79,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
     else
       append(begin, {region, {Kernel::update, Stage::integrate}});
     plan.push_back({.steps = std::move(begin)});
+    if (model.has_contact()) plan.push_back(respond);
     if (model.has_colliders()) plan.push_back({.steps = {collide}});
     return plan;
   }
@@ -98,6 +100,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
                     Stage::limit});
   if (model.has_colliders()) plan.push_back({.steps = {collide}});
   plan.push_back({.steps = {integrate}});
+  if (model.has_contact()) plan.push_back(respond);
   return plan;
 }
 

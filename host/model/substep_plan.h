@@ -29,7 +29,7 @@ struct Step {
 
 // Steps that run in order, `times` times over.
 struct Block {
-  enum class Repeat : std::uint8_t { once, iterations, limit_passes };
+  enum class Repeat : std::uint8_t { once, iterations, limit_passes, contact_passes };
   Repeat repeat = Repeat::once;
   std::uint32_t times = 1;
   std::vector<Step> steps;

@@ -15,7 +15,6 @@ layout(constant_id = constant_carried) const bool with_carried = false;
 layout(constant_id = constant_volume) const bool with_volume = false;
 layout(constant_id = constant_implicit) const bool with_implicit = false;
 layout(constant_id = constant_ties) const bool with_ties = false;
-layout(constant_id = constant_contact) const bool with_contact = false;
 layout(constant_id = constant_near) const bool with_near = false;
 layout(constant_id = constant_ahead) const uint ahead = 1u;
 
@@ -66,7 +65,6 @@ layout(std430, binding = buffer_predicted) buffer PredictedBuffer { vec4 predict
 layout(std430, binding = buffer_iterate_before) buffer IterateBeforeBuffer { vec4 iterate_before[]; };
 layout(std430, binding = buffer_response) readonly buffer ResponseBuffer { Response response[]; };
 
-layout(std430, binding = buffer_pressed) buffer PressedBuffer { vec4 pressed[]; };
 layout(std430, binding = buffer_spared) readonly buffer SparedBuffer { uint spared[]; };
 layout(std430, binding = buffer_tied) buffer TiedBuffer { vec4 tied[]; };
 layout(std430, binding = buffer_tie) readonly buffer TieBuffer { Tie tie[]; };

@@ -2,11 +2,10 @@
 #ifndef FASCICLE_INDEXING_PREDICT_GLSL
 #define FASCICLE_INDEXING_PREDICT_GLSL
 #include "shaders/indexing/skeleton.glsl"
-#include "shaders/kernel/contact.inc"
 #include "shaders/kernel/predict.inc"
 #include "shaders/kernel/tie.inc"
 
-// Gravity, the scene's forces, the ties and the contacts on vertex i.
+// Gravity, the scene's forces and the ties on vertex i.
 Vector external_acceleration(uint i) {
   Vector a;
   a.x = push.substep.gravity_x;
@@ -25,7 +24,6 @@ Vector external_acceleration(uint i) {
     }
   }
   if (with_ties) a = vector_sum(a, vector_of(tied[i]));
-  if (with_contact) a = vector_sum(a, vector_of(pressed[i]));
   return a;
 }
 

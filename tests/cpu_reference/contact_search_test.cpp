@@ -11,6 +11,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -38,7 +39,7 @@ SubstepInput input_for(const Model& m) {
   return in;
 }
 
-void run_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
+void find_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
   const auto points = static_cast<std::uint32_t>(m.contact.size());
   contact_bound(m, in, fields, {0, m.contact_leaf_count()});
   contact_enclose(m, in, fields, {0, m.contact_branch_count()});
@@ -46,7 +47,10 @@ void run_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
   contact_survey(m, in, fields, {0, m.contact_block_count()});
   contact_locate(m, in, fields, {0, m.contact_leaf_count()});
   contact_crowd(m, in, fields, {0, m.vertex_count});
-  contact_press(m, in, fields, {0, points});
+}
+
+void respond_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
+  contact_press(m, in, fields, {0, static_cast<std::uint32_t>(m.contact.size())});
   contact(m, in, fields, {0, m.vertex_count});
 }
 
@@ -79,8 +83,12 @@ std::string contact_difference(const Model& m, const Fields& a, const Fields& b)
       return "the impulse of point " + std::to_string(p);
   }
   for (std::size_t i = 0; i < m.vertex_count; ++i)
-    if (!same_bits(&a.pressed[cpu::vector_stride * i], &b.pressed[cpu::vector_stride * i], 3))
-      return "the acceleration of vertex " + std::to_string(i);
+    for (const auto& [of_a, of_b, stride] :
+         {std::tuple{&a.vertices, &b.vertices, cpu::vertex_stride},
+          {&a.velocities, &b.velocities, cpu::vector_stride},
+          {&a.velocities_before, &b.velocities_before, cpu::vector_stride}})
+      if (!of_a->empty() && !same_bits(&(*of_a)[stride * i], &(*of_b)[stride * i], 3))
+        return "the motion of vertex " + std::to_string(i);
   return "";
 }
 
@@ -208,11 +216,13 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, con
     motions.next();
     const std::vector<std::uint32_t> before = plain.contact_found;
     put(m, motions.positions, motions.velocities, plain);
-    run_plainly(m, in, plain);
+    find_plainly(m, in, plain);
     EXPECT_EQ(plain.contact_found, found_among_all(m, in, plain));
+    for (int pass = 0; pass < 2; ++pass) respond_plainly(m, in, plain);
     for (const auto& s : searches) {
       put(m, motions.positions, motions.velocities, s->fields);
-      s->search.run(in, s->fields, s->pool);
+      s->search.find(in, s->fields, s->pool);
+      for (int pass = 0; pass < 2; ++pass) s->search.respond(in, s->fields);
       EXPECT_EQ(contact_difference(m, plain, s->fields), "") << s->pool.size() << " threads";
     }
     if (testing::Test::HasFailure()) return seen;
@@ -414,11 +424,13 @@ struct Touching {
     const auto solver = cpu::make_cpu_solver(blocks.model, {}, 1);
     const model::State state = overlapping(blocks, solver->save(), 3);
     put(blocks.model, state.positions, state.velocities, fields);
-    run_plainly(blocks.model, in, fields);
+    find_plainly(blocks.model, in, fields);
+    found = fields;
+    respond_plainly(blocks.model, in, fields);
   }
   TwoBlocks blocks;
   SubstepInput in;
-  Fields fields;
+  Fields found, fields;  // before the response and after a pass of it
 };
 
 // The controls: one contact less, and one bit, are seen.
@@ -432,17 +444,18 @@ TEST(ContactSearch, ADroppedContactWouldBeSeen) {
   *found = shader::no_contact;
   EXPECT_NE(contact_difference(t.blocks.model, t.fields, dropped), "");
   Fields bent = t.fields;
-  const auto pressed =
-      std::find_if(bent.pressed.begin(), bent.pressed.end(), [](float x) { return x != 0.0f; });
-  *pressed = std::nextafter(*pressed, 2.0f * *pressed);
+  const auto moved =
+      std::find_if(bent.velocities.begin(), bent.velocities.end(), [](float x) { return x != 0.0f; });
+  *moved = std::nextafter(*moved, 2.0f * *moved);
   EXPECT_NE(contact_difference(t.blocks.model, t.fields, bent), "");
 }
 
-// The accelerations by the contacts that were found, added up in one order for all vertices: the own contact,
+// The response to the contacts that were found, added up in one order for all vertices: the own contact,
 // then by tetrahedron, then by point; or all of that backwards.
 Fields added_up(const Touching& t, bool backwards) {
   const Model& m = t.blocks.model;
-  Fields fields = t.fields;
+  Fields fields = t.found;
+  contact_press(m, t.in, fields, {0, static_cast<std::uint32_t>(m.contact.size())});
   for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
     std::vector<Place> terms;
     const auto impulse_of = [&](std::uint32_t p) {
@@ -461,8 +474,7 @@ Fields added_up(const Touching& t, bool backwards) {
     Place sum{0.0f, 0.0f, 0.0f};
     for (std::size_t k = 0; k < terms.size(); ++k)
       sum = k == 0 ? terms[k] : kernel::vector_sum<float>(sum, terms[k]);
-    cpu::put_place(&fields.pressed[cpu::vector_stride * std::size_t{i}],
-                   kernel::contact_acceleration<float>(sum, m.mobility[i], t.in.step.inverse_h));
+    if (!terms.empty()) cpu::contact_apply(m, t.in, fields, i, sum);
   }
   return fields;
 }

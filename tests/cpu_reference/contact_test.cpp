@@ -82,7 +82,6 @@ TEST(Contact, IsWhatAHandComputes) {
   for (const bool implicit : {false, true}) {
     const PointInTetrahedron c(implicit);
     check_model(c.model);
-    const double sigma = double(implicit ? shader::contact_strength_implicit : shader::contact_strength);
     const cpu_reference::Contacts contacts(c.model);
     std::size_t at_the_limit = 0;
     for (const double approach : {0.25, -0.125, 0.0})
@@ -98,17 +97,29 @@ TEST(Contact, IsWhatAHandComputes) {
         EXPECT_LT((pairs[0].push + Vector3d(1, 1, 1) / 64.0).norm(), 1e-6);
         EXPECT_LT((pairs[0].normal - n).norm(), 1e-6);
 
-        const double pushed = std::max(0.0, sigma * std::sqrt(3.0) / 64.0 / c.h + approach);
+        const double pushed = std::max(0.0, std::sqrt(3.0) / 64.0 / c.h + approach);
         // Coulomb's 1/2 of the push, or half of what slides.
         const double rubbed = std::min(0.5 * pushed, 0.5 * sliding);
         at_the_limit += rubbed < 0.5 * sliding ? 1 : 0;
         const Vector3d impulse = (pushed * n - rubbed * aside) / 3.0;
         Points expected(8, Vector3d::Zero());
-        expected[4] = 0.5 * impulse / c.h;
-        for (std::size_t k = 0; k < 4; ++k) expected[k] = -0.25 * impulse / c.h;
-        EXPECT_LT(largest_distance(contacts.accelerations(q, v, c.h), expected), 1e-6);
+        expected[4] = 0.5 * impulse;
+        for (std::size_t k = 0; k < 4; ++k) expected[k] = -0.25 * impulse;
+        EXPECT_LT(largest_distance(contacts.velocity_gains(pairs, v, c.h), expected), 1e-6);
+
+        // The solver's passes answer to the velocities that the other stages left.
         const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
-        EXPECT_LT(largest_distance(points_in(contact_output(*solver, c.model, state, c.h)), expected), 1e-6);
+        const ContactResponse response = contact_response(*solver, c.model, state, c.h);
+        Points x = points_in(response.before.positions), u = points_in(response.before.velocities);
+        for (std::uint32_t pass = 0; pass < shader::contact_passes; ++pass) {
+          const Points gains = contacts.velocity_gains(pairs, u, c.h);
+          for (std::size_t i = 0; i < u.size(); ++i) {
+            u[i] += gains[i];
+            x[i] += c.h * gains[i];
+          }
+        }
+        EXPECT_LT(largest_distance(points_in(response.after.velocities), u), 1e-6);
+        EXPECT_LT(largest_distance(points_in(response.after.positions), x), 1e-6);
       }
     EXPECT_GE(at_the_limit, 3u);
   }
@@ -122,7 +133,7 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   const auto pairs = [&] { return cpu_reference::Contacts(c.model).found_at(q); };
   const auto is_pressed = [&] {
     const auto solver = make_cpu_solver(c.model, {}, 1);
-    return largest_in(points_in(contact_output(*solver, c.model, c.meeting(Vector3d::Zero()), c.h))) > 0.0;
+    return largest_in(points_in(contact_gains(*solver, c.model, c.meeting(Vector3d::Zero()), c.h))) > 0.0;
   };
   ASSERT_EQ(pairs().size(), 1u);
   EXPECT_TRUE(is_pressed());
@@ -161,7 +172,7 @@ TEST(Contact, BarsAreInContact) {
     const auto solver = make_cpu_solver(m, contact_options(m), 1);
     const auto count = [&](const State& state) {
       std::size_t pressed = 0;
-      for (const Vector3d& a : points_in(contact_output(*solver, m, state, 1.0 / 240.0)))
+      for (const Vector3d& a : points_in(contact_gains(*solver, m, state, 1.0 / 240.0)))
         pressed += a.norm() > 0.0 ? 1 : 0;
       return pressed;
     };
@@ -187,8 +198,8 @@ TEST(Contact, FollowsTheOracle) {
       const auto solver = make_cpu_solver(blocks.model, contact_options(blocks.model), 2);
       cpu_reference::Oracle oracle(blocks.model, contact_options(blocks.model));
       const State state = overlapping(blocks, solver->save(), seed);
-      const Points ours = points_in(contact_output(*solver, blocks.model, state, 1.0 / 480.0)),
-                   theirs = points_in(contact_output(oracle, blocks.model, state, 1.0 / 480.0));
+      const Points ours = points_in(contact_gains(*solver, blocks.model, state, 1.0 / 480.0)),
+                   theirs = points_in(contact_gains(oracle, blocks.model, state, 1.0 / 480.0));
       EXPECT_LT(largest_distance(ours, theirs), rounding * largest_in(theirs));
       for (const Vector3d& a : theirs) pressed += a.norm() > 0.0 ? 1 : 0;
     }
@@ -211,8 +222,9 @@ Push sum_of(const Model& m, const Points& places, const Points& accelerations) {
   return sum;
 }
 
-// Both forces of a contact act at one place: weights are rounded by 2^-24 of a coordinate over an edge, and
-// of these there are as many errors as contacts. The control: a corner that is not pushed back.
+// Both impulses of a contact act at one place, where the substep began: x - h v, which a pass leaves where it
+// is. Weights are rounded by 2^-24 of a coordinate over an edge, gains by 2^-24 of the velocities, and of
+// these there are as many errors as contacts. The control: a corner that is not pushed back.
 TEST(Contact, PushesAndTurnsABodyByNothing) {
   for (const bool implicit : {false, true}) {
     const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 5, implicit);
@@ -223,7 +235,7 @@ TEST(Contact, PushesAndTurnsABodyByNothing) {
     Points places = points_in(state.positions);
     for (std::size_t i = 0; i < places.size(); ++i)
       if (implicit) places[i] += h * triple_at(state.velocities, std::uint32_t(i));
-    Points a = points_in(contact_output(*solver, m, state, h));
+    Points a = points_in(contact_gains(*solver, m, state, h));
     const Push sum = sum_of(m, places, a);
     ASSERT_GT(sum.size, 0.0);
     EXPECT_LT(sum.force.norm(), 2e-6 * sum.size);
@@ -247,8 +259,8 @@ TEST(Contact, DoesTheSameWhereverTheBodyStands) {
         std::tie((*values)[3 * i], (*values)[3 * i + 1]) = std::pair{-(*values)[3 * i + 1], (*values)[3 * i]};
       there.positions[3 * i] += 0.5f;
     }
-    Points a = points_in(contact_output(*solver, blocks.model, here, 1.0 / 480.0));
-    const Points b = points_in(contact_output(*solver, blocks.model, there, 1.0 / 480.0));
+    Points a = points_in(contact_gains(*solver, blocks.model, here, 1.0 / 480.0));
+    const Points b = points_in(contact_gains(*solver, blocks.model, there, 1.0 / 480.0));
     ASSERT_GT(largest_in(a), 0.0);
     for (Vector3d& x : a) x = Vector3d(-x.y(), x.x(), x.z());
     EXPECT_LT(largest_distance(a, b), rounding * largest_in(a));
@@ -281,8 +293,8 @@ TEST(Contact, NumberingMattersByRoundingOnly) {
       renumbered.positions[3 * new_number[i] + c] = state.positions[3 * i + c];
       renumbered.velocities[3 * new_number[i] + c] = state.velocities[3 * i + c];
     }
-  const Points ours = points_in(contact_output(*of_a, a.model, state, 1.0 / 480.0)),
-               theirs = points_in(contact_output(*of_b, b.model, renumbered, 1.0 / 480.0));
+  const Points ours = points_in(contact_gains(*of_a, a.model, state, 1.0 / 480.0)),
+               theirs = points_in(contact_gains(*of_b, b.model, renumbered, 1.0 / 480.0));
   Points back(n);
   for (std::uint32_t i = 0; i < n; ++i) back[i] = theirs[new_number[i]];
   ASSERT_GT(largest_in(ours), 0.0);

@@ -107,8 +107,6 @@ Place place_of(cpu::Fields& fields, Field field, const Model& m) {
       return numbers(fields.contact_crowd, 1);
     case Field::contact_impulse:
       return numbers(fields.contact_impulse, 3);
-    case Field::pressed:
-      return vectors(fields.pressed);
   }
   return {};
 }

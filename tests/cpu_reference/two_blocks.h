@@ -70,20 +70,44 @@ inline model::State overlapping(const TwoBlocks& blocks, model::State state, uns
   return state;
 }
 
-// The output of stage contact in the first substep from a state on.
-inline std::vector<float> contact_output(model::Solver& solver, const model::Model& model,
-                                         const model::State& state, double h) {
+// Positions and velocities, three numbers a vertex each.
+struct BodyMotion {
+  std::vector<float> positions, velocities;
+};
+// What stage contact finds in the first substep from a state on, and what it leaves.
+struct ContactResponse {
+  BodyMotion before, after;
+  // What it added to the velocities.
+  std::vector<float> gains() const {
+    std::vector<float> gained = after.velocities;
+    for (std::size_t k = 0; k < gained.size(); ++k) gained[k] -= before.velocities[k];
+    return gained;
+  }
+};
+inline ContactResponse contact_response(model::Solver& solver, const model::Model& model,
+                                        const model::State& state, double h) {
   struct Watch : model::Probe {
     void on_stage(const model::Where& where, std::span<const float> values) override {
-      if (where.stage == model::Stage::contact) output.assign(values.begin(), values.end());
+      if (where.stage == model::Stage::integrate) response.before = motion_in(values);
+      if (where.stage == model::Stage::contact) response.after = motion_in(values);
     }
-    std::vector<float> output;
+    static BodyMotion motion_in(std::span<const float> values) {
+      BodyMotion motion;
+      for (std::size_t k = 0; k < values.size(); ++k)
+        (k % 6 < 3 ? motion.positions : motion.velocities).push_back(values[k]);
+      return motion;
+    }
+    ContactResponse response;
   } watch;
   solver.load(state);
   TestDrive quiet = quiet_drive(model, h);
   solver.submit(quiet.get(), {}, &watch);
   solver.collect();
-  return watch.output;
+  return watch.response;
+}
+inline std::vector<float> contact_gains(model::Solver& solver, const model::Model& model,
+                                        const model::State& state, double h) {
+  return contact_response(solver, model, state, h).gains();
 }
 
 inline Eigen::Vector3d triple_at(const std::vector<float>& values, std::uint32_t i) {

@@ -94,11 +94,13 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
   EXPECT_FALSE(wait_for_each_other(Kernel::skin, Kernel::contact_bound));
   const Kernel contact[] = {Kernel::contact_bound,  Kernel::contact_enclose, Kernel::contact_find,
                             Kernel::contact_survey, Kernel::contact_locate,  Kernel::contact_crowd,
-                            Kernel::contact_press,  Kernel::contact,         Kernel::predict};
+                            Kernel::contact_press,  Kernel::contact,         Kernel::contact_press};
   for (std::size_t k = 1; k < std::size(contact); ++k)
     EXPECT_TRUE(wait_for_each_other(contact[k - 1], contact[k])) << name_of(contact[k]);
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_find, Kernel::contact_press));
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_bound, Kernel::update)) << "moves what boxes hold";
+  EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::contact_press)) << "answers to what it did";
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact, Kernel::region)) << "the next substep's";
   EXPECT_FALSE(must_wait(access_of(Kernel::embed), {Field::position}, {Field::velocity}));
   EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::collide));
   EXPECT_TRUE(wait_for_each_other(Kernel::collide, Kernel::region)) << "the next substep's";
@@ -117,8 +119,7 @@ TEST(SubstepPlan, FusesOnlyWhatMayChangePlaces) {
       Kernel::predict,  "predict", model::KernelItems::vertices, access_of(Kernel::predict).own, {}, {},
       {Field::velocity}};
   const model::KernelAccess& region = access_of(Kernel::region);
-  EXPECT_FALSE(
-      must_wait(region, {Field::velocity, Field::gravity, Field::tied, Field::pressed}, predict.writes));
+  EXPECT_FALSE(must_wait(region, {Field::velocity, Field::gravity, Field::tied}, predict.writes));
   EXPECT_FALSE(must_wait(predict, {}, region.writes));
 }
 
