@@ -61,34 +61,62 @@ struct Collided {
   bool touches = false;
 };
 
+// The solids that pressed last, the newer one first, and the directions away from them.
+struct Pressing {
+  std::size_t newer, older;
+  Point away_newer{}, away_older{};
+};
+
+// One solid's part, `pressing` being those before it. Whether it touches.
+bool collided_with(const SubstepInput& in, std::size_t k, const Point& start, bool rubs, Pressing& pressing,
+                   Collided& r) {
+  const shader::Collider& c = in.colliders[k];
+  const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
+  const kernel::Transform<float> map = map_at_end(c), map_before = map_at_beginning(c);
+  const Point p0 = kernel::apply<float>(map_before, start), p1 = kernel::apply<float>(map, r.place);
+  const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
+  if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) return false;
+  const float friction = rubs ? c.friction : 0.0f;
+  const kernel::CollideMove<float> m = kernel::collide_move<float>(shape, first, p0, p1, friction, c.lifted);
+  if (!(m.touches > 0.0f)) return false;
+  const auto turned_back = [&](const Point& v) { return kernel::collide_turned_back<float>(map.linear, v); };
+  const Point away = turned_back(m.away);
+  Point other = k == pressing.newer ? pressing.away_older : pressing.away_newer;
+  if (rubs) other = {};
+  r.place = kernel::snap_vector<float>(
+      kernel::vector_sum<float>(r.place, kernel::collide_led<float>(turned_back(m.move), away, other)));
+  // Each look lifts by the same again where another solid has undone it: the first one counts.
+  if (rubs) r.raised = kernel::vector_sum<float>(r.raised, turned_back(m.raised));
+  const Point moved = kernel::subtract<float>(
+      r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
+  const Point seen = kernel::multiply<float>(
+      map.linear,
+      kernel::subtract<float>(r.velocity, kernel::scaled_vector<float>(in.step.inverse_h, moved)));
+  const Point impulse = turned_back(kernel::collide_impulse<float>(seen, m.away, friction));
+  r.velocity = kernel::vector_sum<float>(r.velocity, kernel::collide_led<float>(impulse, away, other));
+  r.touches = true;
+  if (k != pressing.newer) {
+    pressing.older = pressing.newer;
+    pressing.away_older = pressing.away_newer;
+    pressing.newer = k;
+  }
+  pressing.away_newer = away;
+  return true;
+}
+
 // Vertex i on its way from `start` to `place`, one solid after the other.
 Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, const Point& start,
                   const Point& place, const Point& velocity) {
   Collided r{place, {}, velocity};
-  for (std::uint32_t k = 0; k < in.colliders.size(); ++k) {
-    if ((model.spared[i] >> k & 1U) != 0) continue;
-    const shader::Collider& c = in.colliders[k];
-    const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
-    const kernel::Transform<float> map = map_at_end(c), map_before = map_at_beginning(c);
-    const Point p0 = kernel::apply<float>(map_before, start), p1 = kernel::apply<float>(map, r.place);
-    const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
-    if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) continue;
-    const kernel::CollideMove<float> m =
-        kernel::collide_move<float>(shape, first, p0, p1, c.friction, c.lifted);
-    if (!(m.touches > 0.0f)) continue;
-    r.place = kernel::snap_vector<float>(
-        kernel::vector_sum<float>(r.place, kernel::collide_turned_back<float>(map.linear, m.move)));
-    r.raised = kernel::vector_sum<float>(r.raised, kernel::collide_turned_back<float>(map.linear, m.raised));
-    const Point moved = kernel::subtract<float>(
-        r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
-    const Point seen = kernel::multiply<float>(
-        map.linear,
-        kernel::subtract<float>(r.velocity, kernel::scaled_vector<float>(in.step.inverse_h, moved)));
-    const Point impulse = kernel::collide_impulse<float>(seen, m.away, c.friction);
-    r.velocity =
-        kernel::vector_sum<float>(r.velocity, kernel::collide_turned_back<float>(map.linear, impulse));
-    r.touches = true;
-  }
+  const std::size_t none = in.colliders.size();
+  Pressing pressing{none, none};
+  std::size_t unmoved = 0;  // since that many solids
+  for (std::uint32_t pass = 0; pass < shader::collide_passes && unmoved < none; ++pass)
+    for (std::size_t k = 0; k < none && unmoved < none; ++k) {
+      const bool touches =
+          (model.spared[i] >> k & 1U) == 0 && collided_with(in, k, start, pass == 0, pressing, r);
+      unmoved = touches ? 1 : unmoved + 1;
+    }
   return r;
 }
 

@@ -50,7 +50,8 @@ struct Scuffle {
 
 // A substep from the same state each time. A way is followed to anywhere within 2^-18 of a surface, whose
 // plane there turns by sqrt(2 x 2^-18 / radius), 0.03 of the roundest here, over what is met at different
-// places; times the millimetre that a grazing way leads in, 3e-5. Velocities are that over h.
+// places; times the millimetre that a grazing way leads in, 3e-5. Velocities are that over h, and
+// twice as much in a corner of two solids: what is led along both goes further by 1 over the angle's sine.
 TEST(Collide, EverySubstepIsTheOracles) {
   for (const bool implicit : {false, true}) {
     SCOPED_TRACE(implicit ? "implicit" : "explicit");
@@ -84,7 +85,7 @@ TEST(Collide, EverySubstepIsTheOracles) {
       }
     }
     EXPECT_LT(furthest, 4e-5);
-    EXPECT_LT(furthest_in_speed, 4e-5 / Scuffle::h);
+    EXPECT_LT(furthest_in_speed, 8e-5 / Scuffle::h);
     EXPECT_GT(acted, compared / 10) << "a hundred times as far";
   }
 }
