@@ -161,6 +161,9 @@ SHARED_CONSTANT uint contact_branch = 32u;
 SHARED_CONSTANT uint contact_block = 32u;
 SHARED_CONSTANT uint no_contact = 0xffffffffu;
 
+// Looks at all solids in a row, most: what one moves into another is moved on along both.
+SHARED_CONSTANT uint collide_passes = 6u;
+
 // Vertices per slice of the sliced one-ring lists on the GPU. No result depends on it.
 SHARED_CONSTANT uint slice_width = 32u;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -79,7 +80,8 @@ struct Push {
 };
 
 // What goes from p0 to p1, both seen from the solid; nothing where it does not touch.
-std::optional<Push> push_of(const shader::Collider& solid, const Vector3d& p0, const Vector3d& p1) {
+std::optional<Push> push_of(const shader::Collider& solid, double friction, const Vector3d& p0,
+                            const Vector3d& p1) {
   const Vector3d way = p1 - p0;
   if (!(side_of(solid, p0).distance - near <= way.norm())) return std::nullopt;
   const Vector3d place = p0 + share_until_near(solid, p0, p1) * way;
@@ -90,14 +92,22 @@ std::optional<Push> push_of(const shader::Collider& solid, const Vector3d& p0, c
   if (!(gap <= near)) return std::nullopt;
   const double lift = std::max(0.0, -gap), along = way.dot(side.away);
   const double stopped = std::min(lift, std::max(0.0, -along));
-  return Push{lift * side.away - held_by_friction(way - along * side.away, stopped, double(solid.friction)),
+  return Push{lift * side.away - held_by_friction(way - along * side.away, stopped, friction),
               (lift - stopped) * side.away, side.away};
 }
 
 // What stops what leads into the solid, of a velocity as seen from it.
-Vector3d impulse_of(const shader::Collider& solid, const Vector3d& velocity, const Vector3d& away) {
+Vector3d impulse_of(double friction, const Vector3d& velocity, const Vector3d& away) {
   const double along = velocity.dot(away), stopped = std::max(0.0, -along);
-  return stopped * away - held_by_friction(velocity - along * away, stopped, double(solid.friction));
+  return stopped * away - held_by_friction(velocity - along * away, stopped, friction);
+}
+
+// A push along `away` becomes one along the edge's plane: it leads as far away, and no nearer to the other
+// solid.
+Vector3d led_along(const Vector3d& push, const Vector3d& away, const std::optional<Vector3d>& other) {
+  if (!other || away.dot(*other) >= 0.0) return push;
+  const Vector3d along = away - away.dot(*other) * *other;
+  return along.squaredNorm() > 1.0 / 64.0 ? Vector3d(push.norm() / along.squaredNorm() * along) : push;
 }
 
 }  // namespace
@@ -105,18 +115,35 @@ Vector3d impulse_of(const shader::Collider& solid, const Vector3d& velocity, con
 Collided collided(const model::Model& model, std::span<const shader::Collider> solids, std::uint32_t i,
                   const Vector3d& start, const Vector3d& place, const Vector3d& velocity, double h) {
   Collided now{place, velocity};
-  for (std::size_t k = 0; k < solids.size(); ++k) {
+  struct Pressed {
+    std::size_t solid;
+    Vector3d away;
+  };
+  std::vector<Pressed> order;  // the last one is the newest
+  // Again and again, until none has touched since the last that did.
+  std::size_t looks = 0, left = solids.size();
+  for (; left > 0 && looks < shader::collide_passes * solids.size(); ++looks, --left) {
+    const std::size_t k = looks % solids.size();
     if ((model.spared[i] >> k & 1U) != 0) continue;
+    const bool is_first = looks < solids.size();
+    const double friction = is_first ? double(solids[k].friction) : 0.0;
     const Eigen::Affine3d map = map_of(&solids[k].xx), map_before = map_of(&solids[k].before_xx);
-    const auto push = push_of(solids[k], map_before * start, map * now.place);
+    const auto push = push_of(solids[k], friction, map_before * start, map * now.place);
     if (!push) continue;
     const Eigen::Matrix3d back = map.linear().transpose();
-    now.place += back * push->move;
-    now.raised += back * push->raised;
+    const Vector3d away = back * push->away;
+    std::erase_if(order, [&](const Pressed& p) { return p.solid == k; });
+    const std::optional<Vector3d> other =
+        is_first || order.empty() ? std::nullopt : std::optional(order.back().away);
+    order.push_back({k, away});
+    now.place += led_along(back * push->move, away, other);
+    if (is_first) now.raised += back * push->raised;
     // How fast the solid itself moves there.
     const Vector3d own = (now.place - map_before.inverse() * (map * now.place)) / h;
-    now.velocity += back * impulse_of(solids[k], map.linear() * (now.velocity - own), push->away);
+    now.velocity +=
+        led_along(back * impulse_of(friction, map.linear() * (now.velocity - own), push->away), away, other);
     now.touches = true;
+    left = solids.size();
   }
   return now;
 }

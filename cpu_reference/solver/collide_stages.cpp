@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <span>
-#include <vector>
 
+#include "cpu_reference/solver/collide_reach.h"
 #include "shaders/kernel/collide.inc"
 
 namespace fascicle::cpu_reference {
@@ -37,92 +35,22 @@ kernel::Transform<float> map_at_beginning(const shader::Collider& c) {
           {c.before_xt, c.before_yt, c.before_zt}};
 }
 
-// A solid with what tells in a few operations that it is out of a vertex's reach. That only rejects, and what
-// it rejects the kernel would leave alone, so it decides no bit.
-struct Solid {
-  const shader::Collider* collider;
-  std::uint32_t bit;
-  // A plane's normal and height, or the middle of another solid; and how far beyond that it reaches, with
-  // twice what it moves by itself.
-  Point at;
-  float height, reach, turning;
-};
-
-Solid solid_of(const shader::Collider& c, std::uint32_t number) {
-  Solid solid{&c, 1U << number, {c.yx, c.yy, c.yz}, c.yt - c.radius, 0.0f, 0.0f};
-  const auto squared = [](float x, float y, float z) { return x * x + y * y + z * z; };
-  float turn = 0.0f;
-  const float *now = &c.xx, *before = &c.before_xx;
-  for (std::size_t k = 0; k < 12; ++k)
-    if (k % 4 != 3) turn += (now[k] - before[k]) * (now[k] - before[k]);
-  const float shift = std::sqrt(squared(c.xt - c.before_xt, c.yt - c.before_yt, c.zt - c.before_zt));
-  // What rounding may add, many times over.
-  constexpr float spare = 1e-4f;
-  solid.turning = 2.1f * std::sqrt(turn);
-  solid.reach = 2.1f * shift + spare;
-  if (c.is_plane > 0.0f) return solid;
-  solid.reach += std::sqrt(squared(c.half_x, c.half_y, c.half_z)) + c.radius;
-  const Point t{c.xt, c.yt, c.zt};
-  const Point back = kernel::collide_turned_back<float>(map_at_end(c).linear, t);
-  solid.at = {-back.x, -back.y, -back.z};
-  return solid;
-}
-
-std::vector<Solid> solids_of(const SubstepInput& in) {
-  std::vector<Solid> solids;
-  for (const shader::Collider& c : in.colliders)
-    solids.push_back(solid_of(c, static_cast<std::uint32_t>(solids.size())));
-  return solids;
-}
-
-// A place on a vertex's way through the substep, and the square of how long the way is at most.
-struct Way {
-  const float* place;
-  float squared;
-};
-
 float squared_distance(const float* a, const float* b) {
   return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
 }
 
-// Marks the vertices that may reach the solid: those that are nearer to it than twice their way. Squares of
-// sums are taken as at most three times the sum of squares. NaN is out of reach of everything.
-template <bool is_plane, class WayOf>
-void mark(const Solid& solid, const WayOf& way_of, Range range, std::uint32_t* marks) {
-  const float reach = 3.0f * solid.reach * solid.reach, turning = 6.0f * solid.turning * solid.turning;
-  for (std::uint32_t i = range.first; i < range.last; ++i) {
-    const Way way = way_of(i);
-    const float* x = way.place;
-    const float limit =
-        reach + 13.3f * way.squared + turning * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] + way.squared);
-    bool may_reach = false;
-    if constexpr (is_plane) {
-      const float distance = solid.at.x * x[0] + solid.at.y * x[1] + solid.at.z * x[2] + solid.height;
-      may_reach = distance <= 0.0f || distance * distance <= limit;
-    } else {
-      const float a = x[0] - solid.at.x, b = x[1] - solid.at.y, c = x[2] - solid.at.z;
-      may_reach = a * a + b * b + c * c <= limit;
-    }
-    marks[i - range.first] |= may_reach ? solid.bit : 0U;
-  }
-}
-
-// Calls use(i) for each free vertex that may reach a solid that holds it.
-template <class WayOf, class Use>
-void for_each_near(const Model& model, std::span<const Solid> solids, const WayOf& way_of, Range range,
-                   const Use& use) {
+// Calls use(model, in, fields, i) for each vertex that may reach a solid that holds it.
+template <class WayOf>
+void for_each_near(const Model& model, const SubstepInput& in, Fields& fields, const WayOf& way_of,
+                   Range range, void (*use)(const Model&, const SubstepInput&, Fields&, std::uint32_t)) {
   constexpr std::uint32_t block = 256;
   std::array<std::uint32_t, block> marks;
   for (std::uint32_t first = range.first; first < range.last; first += block) {
     const Range part{first, std::min(range.last, first + block)};
     marks.fill(0);
-    for (const Solid& solid : solids)
-      if (solid.collider->is_plane > 0.0f)
-        mark<true>(solid, way_of, part, marks.data());
-      else
-        mark<false>(solid, way_of, part, marks.data());
+    for (const ColliderReach& solid : in.reaches) mark_reached(solid, way_of, part, marks.data());
     for (std::uint32_t i = part.first; i < part.last; ++i)
-      if ((marks[i - part.first] & ~model.spared[i]) != 0 && !model.is_kinematic(i)) use(i);
+      if ((marks[i - part.first] & ~model.spared[i]) != 0) use(model, in, fields, i);
   }
 }
 
@@ -133,34 +61,62 @@ struct Collided {
   bool touches = false;
 };
 
+// The solids that pressed last, the newer one first, and the directions away from them.
+struct Pressing {
+  std::size_t newer, older;
+  Point away_newer{}, away_older{};
+};
+
+// One solid's part, `pressing` being those before it. Whether it touches.
+bool collided_with(const SubstepInput& in, std::size_t k, const Point& start, bool rubs, Pressing& pressing,
+                   Collided& r) {
+  const shader::Collider& c = in.colliders[k];
+  const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
+  const kernel::Transform<float> map = map_at_end(c), map_before = map_at_beginning(c);
+  const Point p0 = kernel::apply<float>(map_before, start), p1 = kernel::apply<float>(map, r.place);
+  const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
+  if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) return false;
+  const float friction = rubs ? c.friction : 0.0f;
+  const kernel::CollideMove<float> m = kernel::collide_move<float>(shape, first, p0, p1, friction, c.lifted);
+  if (!(m.touches > 0.0f)) return false;
+  const auto turned_back = [&](const Point& v) { return kernel::collide_turned_back<float>(map.linear, v); };
+  const Point away = turned_back(m.away);
+  Point other = k == pressing.newer ? pressing.away_older : pressing.away_newer;
+  if (rubs) other = {};
+  r.place = kernel::snap_vector<float>(
+      kernel::vector_sum<float>(r.place, kernel::collide_led<float>(turned_back(m.move), away, other)));
+  // Each look lifts by the same again where another solid has undone it: the first one counts.
+  if (rubs) r.raised = kernel::vector_sum<float>(r.raised, turned_back(m.raised));
+  const Point moved = kernel::subtract<float>(
+      r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
+  const Point seen = kernel::multiply<float>(
+      map.linear,
+      kernel::subtract<float>(r.velocity, kernel::scaled_vector<float>(in.step.inverse_h, moved)));
+  const Point impulse = turned_back(kernel::collide_impulse<float>(seen, m.away, friction));
+  r.velocity = kernel::vector_sum<float>(r.velocity, kernel::collide_led<float>(impulse, away, other));
+  r.touches = true;
+  if (k != pressing.newer) {
+    pressing.older = pressing.newer;
+    pressing.away_older = pressing.away_newer;
+    pressing.newer = k;
+  }
+  pressing.away_newer = away;
+  return true;
+}
+
 // Vertex i on its way from `start` to `place`, one solid after the other.
 Collided collided(const Model& model, const SubstepInput& in, std::uint32_t i, const Point& start,
                   const Point& place, const Point& velocity) {
   Collided r{place, {}, velocity};
-  for (std::uint32_t k = 0; k < in.colliders.size(); ++k) {
-    if ((model.spared[i] >> k & 1U) != 0) continue;
-    const shader::Collider& c = in.colliders[k];
-    const kernel::CollideShape<float> shape{{c.half_x, c.half_y, c.half_z}, c.radius, c.is_plane};
-    const kernel::Transform<float> map = map_at_end(c), map_before = map_at_beginning(c);
-    const Point p0 = kernel::apply<float>(map_before, start), p1 = kernel::apply<float>(map, r.place);
-    const kernel::CollideSide<float> first = kernel::collide_side<float>(shape, p0);
-    if (!kernel::collide_may_touch<float>(first.distance, kernel::subtract<float>(p1, p0))) continue;
-    const kernel::CollideMove<float> m =
-        kernel::collide_move<float>(shape, first, p0, p1, c.friction, c.lifted);
-    if (!(m.touches > 0.0f)) continue;
-    r.place = kernel::snap_vector<float>(
-        kernel::vector_sum<float>(r.place, kernel::collide_turned_back<float>(map.linear, m.move)));
-    r.raised = kernel::vector_sum<float>(r.raised, kernel::collide_turned_back<float>(map.linear, m.raised));
-    const Point moved = kernel::subtract<float>(
-        r.place, kernel::collide_carried_from<float>(map_before, kernel::apply<float>(map, r.place)));
-    const Point seen = kernel::multiply<float>(
-        map.linear,
-        kernel::subtract<float>(r.velocity, kernel::scaled_vector<float>(in.step.inverse_h, moved)));
-    const Point impulse = kernel::collide_impulse<float>(seen, m.away, c.friction);
-    r.velocity =
-        kernel::vector_sum<float>(r.velocity, kernel::collide_turned_back<float>(map.linear, impulse));
-    r.touches = true;
-  }
+  const std::size_t none = in.colliders.size();
+  Pressing pressing{none, none};
+  std::size_t unmoved = 0;  // since that many solids
+  for (std::uint32_t pass = 0; pass < shader::collide_passes && unmoved < none; ++pass)
+    for (std::size_t k = 0; k < none && unmoved < none; ++k) {
+      const bool touches =
+          (model.spared[i] >> k & 1U) == 0 && collided_with(in, k, start, pass == 0, pressing, r);
+      unmoved = touches ? 1 : unmoved + 1;
+    }
   return r;
 }
 
@@ -200,8 +156,22 @@ void collide_implicit(const Model& model, const SubstepInput& in, Fields& fields
 
 }  // namespace
 
+void collide_vertex(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  if (model.is_kinematic(i)) return;
+  if (model.is_implicit())
+    collide_implicit(model, in, fields, i);
+  else
+    collide_explicit(model, in, fields, i);
+}
+
+void obstruct_vertex(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i) {
+  if (model.is_kinematic(i)) return;
+  const Collided c = collided(model, in, i, point_at(fields.positions_before, vector_stride, i),
+                              point_at(fields.vertices, vertex_stride, i), Point{});
+  if (c.touches) put_point(fields.vertices, vertex_stride, i, c.place);
+}
+
 void collide(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const std::vector<Solid> solids = solids_of(in);
   const auto at = [](const Floats& values, std::size_t stride, std::uint32_t i) {
     return values.data() + stride * i;
   };
@@ -212,8 +182,7 @@ void collide(const Model& model, const SubstepInput& in, Fields& fields, Range r
       return Way{at(fields.vertices, vertex_stride, i),
                  squared_h * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])};
     };
-    for_each_near(model, solids, way_of, range,
-                  [&](std::uint32_t i) { collide_explicit(model, in, fields, i); });
+    for_each_near(model, in, fields, way_of, range, &collide_vertex);
     return;
   }
   // Its two ways end at the position and at most as far from y as the goal is.
@@ -222,10 +191,9 @@ void collide(const Model& model, const SubstepInput& in, Fields& fields, Range r
                 *y = at(fields.predicted, vector_stride, i);
     const float along_goal =
         2.0f * squared_distance(y, start) + 2.0f * squared_distance(at(fields.goals, vector_stride, i), y);
-    return Way{start, std::max(squared_distance(at(fields.vertices, vertex_stride, i), start), along_goal)};
+    return Way{start, squared_distance(at(fields.vertices, vertex_stride, i), start) + along_goal};
   };
-  for_each_near(model, solids, way_of, range,
-                [&](std::uint32_t i) { collide_implicit(model, in, fields, i); });
+  for_each_near(model, in, fields, way_of, range, &collide_vertex);
 }
 
 void obstruct(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
@@ -233,11 +201,7 @@ void obstruct(const Model& model, const SubstepInput& in, Fields& fields, Range 
     const float* end = fields.vertices.data() + vertex_stride * i;
     return Way{end, squared_distance(end, fields.positions_before.data() + vector_stride * i)};
   };
-  for_each_near(model, solids_of(in), way_of, range, [&](std::uint32_t i) {
-    const Collided c = collided(model, in, i, point_at(fields.positions_before, vector_stride, i),
-                                point_at(fields.vertices, vertex_stride, i), Point{});
-    if (c.touches) put_point(fields.vertices, vertex_stride, i, c.place);
-  });
+  for_each_near(model, in, fields, way_of, range, &obstruct_vertex);
 }
 
 }  // namespace fascicle::cpu_reference

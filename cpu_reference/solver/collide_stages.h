@@ -9,4 +9,9 @@ namespace fascicle::cpu_reference {
 void collide(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void obstruct(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 
+// The kernel for one vertex, however far away the solids are. The stages call it for those that
+// collide_reach.h does not reject.
+void collide_vertex(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i);
+void obstruct_vertex(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i);
+
 }  // namespace fascicle::cpu_reference

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "cpu_reference/solver/collide_reach.h"
 #include "cpu_reference/solver/contact_search.h"
 #include "cpu_reference/solver/lane_stages.h"
 #include "cpu_reference/solver/slices.h"
@@ -251,7 +252,9 @@ class CpuSolver : public model::Solver {
 
   // The substep's input, once positions are relative to the frame's origin and there is room for its skin.
   SubstepInput begun_substep(const Drive& drive, std::uint32_t s) {
-    const SubstepInput in = input_of(drive, s);
+    SubstepInput in = input_of(drive, s);
+    reaches_ = reaches_of(in.colliders);
+    in.reaches = reaches_;
     if (s == 0 && drive.origin_shift != std::array<float, 3>{0, 0, 0})
       pool_->run(model_.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
         rebase(in, fields_, {first, last});
@@ -402,6 +405,7 @@ class CpuSolver : public model::Solver {
   Slices slices_;                          // where lanes_ is
   Sweeps sweeps_;                          // none: stage by stage
   std::optional<ContactSearch> contacts_;  // where the model has contact
+  std::vector<ColliderReach> reaches_;     // of the substep's colliders
   model::ImplicitTables tables_;
   double step_before_ = 0.0;  // s: of the substep that positions_before are the beginning of; 0: none
   std::uint64_t frame_ = 0;

@@ -19,6 +19,15 @@ struct Range {
   std::uint32_t first, last;
 };
 
+// A solid with what collide_reach.h needs to reject vertices: a plane's normal and height, or the middle of
+// another solid; squared, how far beyond that it reaches and what it turns by.
+struct ColliderReach {
+  float x = 0.0f, y = 0.0f, z = 0.0f;
+  float height = 0.0f, reach = 0.0f, turning = 0.0f;
+  std::uint32_t bit = 1;  // of it in Model::spared
+  bool is_plane = false;
+};
+
 // One substep's uniform values and this substep's bones, muscles, forces and colliders.
 struct SubstepInput {
   shader::Substep step{};
@@ -26,6 +35,7 @@ struct SubstepInput {
   std::span<const shader::Muscle> muscles;
   std::span<const shader::Force> forces;
   std::span<const shader::Collider> colliders;
+  std::span<const ColliderReach> reaches;  // of the colliders
   std::span<const float> decay;
   bool mueller = false;
   shader::ImplicitStep implicit{};

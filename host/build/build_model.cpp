@@ -201,7 +201,8 @@ void report_edges(const mesh::TetMesh& mesh, const OneRings& rings, Report& repo
   report.mean_edge = sum / static_cast<double>(edges);
 }
 
-void warn_of_parts(const OneRings& rings, const Body& body, const Model& model, Report& report) {
+void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body& body, const Model& model,
+                   Report& report) {
   const Parts parts = connected_parts(rings);
   std::vector<char> held(parts.count, 0), is_flesh(parts.count, 1);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -223,6 +224,8 @@ void warn_of_parts(const OneRings& rings, const Body& body, const Model& model, 
                       " parts that do not touch; one vertex of each is named",
                   one_each);
   }
+  // What solids may catch does not fall for ever.
+  if (!scene.colliders.empty()) return;
   std::vector<std::uint32_t> falling;
   for (std::uint32_t p = 0; p < parts.count; ++p)
     if (!held[p]) falling.push_back(first[p]);
@@ -296,7 +299,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   check_cancelled(options);
   write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
                model, report);
-  warn_of_parts(rings, body, model, report);
+  warn_of_parts(scene, rings, body, model, report);
   warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
   check_cancelled(options);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())

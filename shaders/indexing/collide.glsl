@@ -31,6 +31,46 @@ struct Collided {
   bool touches;
 };
 
+// The solids that pressed last, the newer one first, and the directions away from them.
+struct Pressing {
+  uint newer, older;
+  Vector away_newer, away_older;
+};
+
+// One solid's part, `pressing` being those before it. Whether it touches.
+bool collided_with(uint k, Vector start, bool rubs, inout Pressing pressing, inout Collided r) {
+  Collider c = collider[push.substep.first_collider + k];
+  CollideShape shape = shape_of(c);
+  Transform map = map_at_end(c);
+  Transform map_before = map_at_beginning(c);
+  Vector p0 = apply(map_before, start);
+  Vector p1 = apply(map, r.place);
+  CollideSide first = collide_side(shape, p0);
+  if (!collide_may_touch(first.distance, subtract(p1, p0))) return false;
+  float friction = rubs ? c.friction : 0.0f;
+  CollideMove m = collide_move(shape, first, p0, p1, friction, c.lifted);
+  if (!(m.touches > 0.0f)) return false;
+  Vector away = collide_turned_back(map.linear, m.away);
+  Vector other = k == pressing.newer ? pressing.away_older : pressing.away_newer;
+  if (rubs) other = zero_vector();
+  r.place = snap_vector(vector_sum(
+      r.place, collide_led(collide_turned_back(map.linear, m.move), away, other)));
+  // Each look lifts by the same again where another solid has undone it: the first one counts.
+  if (rubs) r.raised = vector_sum(r.raised, collide_turned_back(map.linear, m.raised));
+  Vector moved = subtract(r.place, collide_carried_from(map_before, apply(map, r.place)));
+  Vector seen = multiply(map.linear, subtract(r.velocity, scaled_vector(push.substep.inverse_h, moved)));
+  Vector impulse = collide_turned_back(map.linear, collide_impulse(seen, m.away, friction));
+  r.velocity = vector_sum(r.velocity, collide_led(impulse, away, other));
+  r.touches = true;
+  if (k != pressing.newer) {
+    pressing.older = pressing.newer;
+    pressing.away_older = pressing.away_newer;
+    pressing.newer = k;
+  }
+  pressing.away_newer = away;
+  return true;
+}
+
 // Vertex i on its way from `start` to `place`, one solid after the other.
 Collided collided(uint i, Vector start, Vector place, Vector velocity) {
   Collided r;
@@ -38,25 +78,19 @@ Collided collided(uint i, Vector start, Vector place, Vector velocity) {
   r.raised = zero_vector();
   r.velocity = velocity;
   r.touches = false;
-  for (uint k = 0u; k < push.substep.collider_count; ++k) {
-    if ((spared[i] >> k & 1u) != 0u) continue;
-    Collider c = collider[push.substep.first_collider + k];
-    CollideShape shape = shape_of(c);
-    Transform map = map_at_end(c);
-    Transform map_before = map_at_beginning(c);
-    Vector p0 = apply(map_before, start);
-    Vector p1 = apply(map, r.place);
-    CollideSide first = collide_side(shape, p0);
-    if (!collide_may_touch(first.distance, subtract(p1, p0))) continue;
-    CollideMove m = collide_move(shape, first, p0, p1, c.friction, c.lifted);
-    if (!(m.touches > 0.0f)) continue;
-    r.place = snap_vector(vector_sum(r.place, collide_turned_back(map.linear, m.move)));
-    r.raised = vector_sum(r.raised, collide_turned_back(map.linear, m.raised));
-    Vector moved = subtract(r.place, collide_carried_from(map_before, apply(map, r.place)));
-    Vector seen = multiply(map.linear, subtract(r.velocity, scaled_vector(push.substep.inverse_h, moved)));
-    r.velocity =
-        vector_sum(r.velocity, collide_turned_back(map.linear, collide_impulse(seen, m.away, c.friction)));
-    r.touches = true;
+  uint none = push.substep.collider_count;
+  Pressing pressing;
+  pressing.newer = none;
+  pressing.older = none;
+  pressing.away_newer = zero_vector();
+  pressing.away_older = zero_vector();
+  uint unmoved = 0u;  // since that many solids
+  for (uint pass = 0u; pass < collide_passes && unmoved < none; ++pass) {
+    for (uint k = 0u; k < none && unmoved < none; ++k) {
+      bool touches = false;
+      if ((spared[i] >> k & 1u) == 0u) touches = collided_with(k, start, pass == 0u, pressing, r);
+      unmoved = touches ? 1u : unmoved + 1u;
+    }
   }
   return r;
 }

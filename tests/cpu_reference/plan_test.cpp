@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cpu_reference/solver/collide_reach.h"
 #include "cpu_reference/solver/collide_stages.h"
 #include "cpu_reference/solver/contact_stages.h"
 #include "cpu_reference/solver/stages.h"
@@ -160,6 +161,8 @@ struct PlanCase {
     in.muscles = drive.muscles;
     in.forces = drive.forces;
     in.colliders = drive.colliders;
+    reaches = cpu_reference::reaches_of(in.colliders);
+    in.reaches = reaches;
     in.decay = drive.decay;
     if (!implicit) return;
     tables = model::implicit_tables(model, options, drive.h);
@@ -279,6 +282,7 @@ struct PlanCase {
   BarMotion motion;
   model::Drive drive;
   model::ImplicitTables tables;
+  std::vector<cpu_reference::ColliderReach> reaches;
   cpu::SubstepInput in;
 };
 

@@ -3,6 +3,7 @@
 #define FASCICLE_NO_SNAP
 #define kernel kernel_without_snap
 #define cpu_reference cpu_reference_without_snap
+#include "cpu_reference/solver/collide_reach.cpp"
 #include "cpu_reference/solver/collide_stages.cpp"
 #include "cpu_reference/solver/contact_search.cpp"
 #include "cpu_reference/solver/contact_stages.cpp"
