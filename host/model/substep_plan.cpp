@@ -54,15 +54,13 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
   std::vector<Step> begin;
   if (model.has_skeleton()) begin.push_back({Kernel::skin, Stage::skin});
   if (model.has_ties()) begin.push_back({Kernel::tie, Stage::tie});
-  if (model.has_contact()) {
-    if (!begin.empty()) plan.push_back({.steps = std::exchange(begin, {})});
+  if (model.has_contact())
     plan.push_back({.steps = {{Kernel::contact_bound},
                               {Kernel::contact_enclose},
                               {Kernel::contact_find},
                               {Kernel::contact_survey},
                               {Kernel::contact_locate},
                               {Kernel::contact_crowd}}});
-  }
   const Block respond{Block::Repeat::contact_passes,
                       shader::contact_passes,
                       {{Kernel::contact_press}, {Kernel::contact}},
@@ -72,7 +70,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
       integrate{Kernel::integrate, Stage::integrate};
 
   if (!model.is_implicit()) {
-    // Ties and contacts reach anywhere. What follows them is a block of its own, which can be swept.
+    // Ties reach anywhere. What follows them is a block of its own, which can be swept.
     if (model.has_ties() && !begin.empty()) plan.push_back({.steps = std::exchange(begin, {})});
     if (for_probe)
       append(begin, {predict, region, goal, integrate});

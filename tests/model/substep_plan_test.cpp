@@ -46,19 +46,19 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "skin tie predict | 7 (region goal relax) | integrate");
   EXPECT_EQ(plan_of({.skeleton = true, .implicit = true, .limits = true}, false),
             "skin predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
-  const std::string contact =
-      "contact_bound contact_enclose contact_find contact_survey contact_locate contact_crowd contact_press "
-      "contact | ";
-  EXPECT_EQ(plan_of({.contact = true}, true), contact + "predict region goal integrate");
-  EXPECT_EQ(plan_of({.skeleton = true, .contact = true}, false), "skin | " + contact + "region update");
+  const std::string search =
+      "contact_bound contact_enclose contact_find contact_survey contact_locate contact_crowd | ";
+  const std::string respond = " | 2 (contact_press contact)";
+  EXPECT_EQ(plan_of({.contact = true}, true), search + "predict region goal integrate" + respond);
+  EXPECT_EQ(plan_of({.skeleton = true, .contact = true}, false), search + "skin region update" + respond);
   EXPECT_EQ(plan_of({.skeleton = true, .ties = true, .contact = true}, false),
-            "skin tie | " + contact + "region update");
+            search + "skin tie | region update" + respond);
   EXPECT_EQ(plan_of({.ties = true, .implicit = true, .limits = true, .contact = true}, false),
-            "tie | " + contact + "predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
+            search + "tie predict | 7 (region iterate) | 12 (lack crowd limit) | integrate" + respond);
   EXPECT_EQ(plan_of({.colliders = true}, true), "predict region goal integrate | collide");
   EXPECT_EQ(plan_of({.skeleton = true, .colliders = true}, false), "skin region update | collide");
   EXPECT_EQ(plan_of({.ties = true, .contact = true, .colliders = true}, false),
-            "tie | " + contact + "region update | collide");
+            search + "tie | region update" + respond + " | collide");
   EXPECT_EQ(plan_of({.implicit = true, .colliders = true}, true),
             "predict | 7 (region goal relax obstruct) | collide | integrate");
   EXPECT_EQ(plan_of({.implicit = true, .limits = true, .colliders = true}, false),
