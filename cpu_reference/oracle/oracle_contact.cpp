@@ -39,6 +39,7 @@ Contacts::Contacts(const model::Model& model) : model_(model), rest_(points_of(m
 
 std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32_t tetrahedron,
                                                 const Points& places) const {
+  if (model_.is_ignored_contact(point, tetrahedron)) return std::nullopt;
   Pair pair{};
   pair.point = point;
   pair.tetrahedron = tetrahedron;

@@ -112,6 +112,7 @@ inline bool contact_is_near_at_rest(const model::Model& model, std::uint32_t p, 
 template <class PlaceOf>
 bool contact_meets(const model::Model& model, Fields& fields, std::uint32_t p, const Place& x,
                    std::uint32_t t, const PlaceOf& place_of) {
+  if (model.is_ignored_contact(p, t)) return false;
   const auto corner = corners_of(model, t);
   const Place a = place_of(corner[0]), b = place_of(corner[1]), c = place_of(corner[2]),
               d = place_of(corner[3]);

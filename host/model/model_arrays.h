@@ -164,6 +164,12 @@ inline bool has_contact(const Model& m) {
 inline bool has_mobility(const Model& m) {
   return m.has_limits() || m.has_contact();
 }
+inline bool has_ignored_contact(const Model& m) {
+  return m.has_ignored_contact();
+}
+inline std::size_t contact_tetrahedra(const Model& m) {
+  return m.contact_tetrahedron_count();
+}
 inline std::size_t contact_boxes(const Model& m) {
   return m.contact_leaf_count() + m.contact_branch_count();
 }
@@ -338,6 +344,17 @@ inline constexpr auto model_arrays = [] {
              .values = finite,
              .stored = where_there,
              .buffer = {shader::buffer_contact_rest_box}}),
+      array("contact_ignored", &Model::contact_ignored,
+            {.items = {entries<&Model::contact>},
+             .is_there = has_contact,
+             .may_lack = true,
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_ignored}}),
+      array("contact_group", &Model::contact_group,
+            {.items = {contact_tetrahedra},
+             .is_there = has_ignored_contact,
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_group}}),
 
       value("joint_count", &Model::joint_count),
       array("skin_offset", &Model::skin_offset,

@@ -32,11 +32,11 @@ Vector outer(const Vector& a, const Vector& b) {
 // A third of each triangle of the surface, at rest, for each of its corners.
 std::vector<double> areas(const Model& model) {
   std::map<Triangle, int> sides;
-  for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4)
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
     for (std::size_t without = 0; without < 4; ++without) {
       Triangle side{};
       for (std::size_t k = 0, at = 0; k < 4; ++k)
-        if (k != without) side[at++] = model.contact_tetrahedron[t + k];
+        if (k != without) side[at++] = model.tetrahedron[t + k];
       std::sort(side.begin(), side.end());
       ++sides[side];
     }
@@ -109,6 +109,7 @@ Boxes boxes_around(const Boxes& parts, std::uint32_t size) {
 OverlapMeter::OverlapMeter(const Model& model) : model_(model), area_(areas(model)) {}
 
 double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const {
+  if (model_.is_ignored_contact(p, t)) return -1.0;
   const shader::ContactPoint& point = model_.contact[p];
   const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
   const Vector a = place_of(positions, corner[0]);
@@ -138,7 +139,8 @@ double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const 
   return is_free && (is_far || is_across_a_gap) ? deep : -1.0;
 }
 
-double OverlapMeter::depth(std::uint32_t p, std::span<const float> positions, const AllBoxes& boxes) const {
+std::optional<PointOverlap> OverlapMeter::overlap_of(std::uint32_t p, std::span<const float> positions,
+                                                     const AllBoxes& boxes) const {
   const shader::ContactPoint& point = model_.contact[p];
   const float* x = positions.data() + 3 * std::size_t{point.vertex};
   const float* rest = model_.rest.data() + 3 * std::size_t{point.vertex};
@@ -157,25 +159,31 @@ double OverlapMeter::depth(std::uint32_t p, std::span<const float> positions, co
           std::min((leaf + 1) * shader::contact_leaf, model_.contact_tetrahedron_count());
       for (std::uint32_t t = leaf * shader::contact_leaf; t < last; ++t) {
         if (!holds(boxes.tetrahedra.data() + 6 * std::size_t{t}, x)) continue;
-        if (const double deep = depth_in(p, t, positions); deep >= 0.0) return deep;
+        if (const double deep = depth_in(p, t, positions); deep >= 0.0)
+          return PointOverlap{p, t, deep * model_.unit};
       }
     }
   }
-  return -1.0;
+  return std::nullopt;
 }
 
-Overlap OverlapMeter::of(std::span<const float> positions) const {
+std::vector<PointOverlap> OverlapMeter::points(std::span<const float> positions) const {
   AllBoxes boxes;
   boxes.tetrahedra = tetrahedron_boxes(model_, positions);
   boxes.leaves = boxes_around(boxes.tetrahedra, shader::contact_leaf);
   boxes.branches = boxes_around(boxes.leaves, shader::contact_branch);
+  std::vector<PointOverlap> found;
+  for (std::uint32_t p = 0; p < model_.contact.size(); ++p)
+    if (const std::optional<PointOverlap> one = overlap_of(p, positions, boxes)) found.push_back(*one);
+  return found;
+}
+
+Overlap OverlapMeter::of(std::span<const float> positions) const {
   Overlap overlap;
-  for (std::uint32_t p = 0; p < model_.contact.size(); ++p) {
-    const double deep = depth(p, positions, boxes);
-    if (deep < 0.0) continue;
+  for (const PointOverlap& one : points(positions)) {
     ++overlap.vertices;
-    overlap.deepest = std::max(overlap.deepest, deep * model_.unit);
-    overlap.volume += area_[p] * deep / 2.0 * model_.unit * model_.unit * model_.unit;
+    overlap.deepest = std::max(overlap.deepest, one.depth);
+    overlap.volume += area_[one.point] * one.depth / 2.0 * model_.unit * model_.unit;
   }
   return overlap;
 }

@@ -3,6 +3,10 @@
 #define FASCICLE_INDEXING_CONTACT_FIND_GLSL
 #include "shaders/indexing/contact.glsl"
 
+layout(constant_id = constant_ignored_contact) const bool with_ignored_contact = false;
+layout(std430, binding = buffer_contact_ignored) readonly buffer ContactIgnoredBuffer { uint contact_ignored[]; };
+layout(std430, binding = buffer_contact_group) readonly buffer ContactGroupBuffer { uint contact_group[]; };
+
 // Whether nothing in a box can meet the point, as all of it lies near it at rest.
 bool is_near_at_rest(ContactPoint point, uint box) {
   if (point.near_count > 0u) return false;
@@ -19,6 +23,9 @@ bool is_across_a_gap(ContactPoint point, uint vertex) {
 }
 
 bool meets(uint p, ContactPoint point, Vector x, uint t) {
+  if (with_ignored_contact) {
+    if ((contact_ignored[p] & contact_group[t]) != 0u) return false;
+  }
   uvec4 corners = contact_tetrahedron[t];
   Vector a = place_of(corners.x);
   Vector b = place_of(corners.y);

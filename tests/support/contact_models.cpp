@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <random>
 #include <set>
 #include <span>
 #include <vector>
@@ -117,6 +118,19 @@ void add_gap(Model& m, std::uint32_t p, const std::vector<std::uint32_t>& vertic
   for (std::size_t k = p + 1; k < m.contact.size(); ++k) m.contact[k].first_near += point.near_count;
 }
 
+void ignore_some_contact(Model& m, unsigned seed) {
+  std::mt19937 random(seed);
+  m.contact_ignored.clear();
+  m.contact_group.clear();
+  // Every other leaf is of one group as a whole.
+  for (std::uint32_t t = 0; t < m.contact_tetrahedron_count(); ++t)
+    m.contact_group.push_back((random() % 8 & 5U) | (t / shader::contact_leaf % 2 == 0 ? 2U : 0U));
+  m.contact_group[0] |= 7U;
+  for (std::uint32_t p = 0; p < m.contact.size(); ++p)
+    m.contact_ignored.push_back(
+        p < m.contact.size() / 4 ? 2U : static_cast<std::uint32_t>(random() % 8 & random() % 8));
+}
+
 Model without_contact(Model m) {
   m.contact.clear();
   m.contact_near.clear();
@@ -126,6 +140,8 @@ Model without_contact(Model m) {
   m.contact_offset.clear();
   m.contact_entry.clear();
   m.contact_rest_box.clear();
+  m.contact_ignored.clear();
+  m.contact_group.clear();
   if (!m.has_limits()) m.mobility.clear();
   return m;
 }
