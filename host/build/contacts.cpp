@@ -79,9 +79,23 @@ double margin_of(const scene::ContactSettings& settings, const std::vector<Vecto
   return margin;
 }
 
-// Of each vertex the distance to the surface at rest, 0 on it.
-std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest,
-                          const std::vector<char>& is_on_surface) {
+// The boundary of what may be met: the body's surface, and where flesh that meets nothing begins. What comes
+// in from such flesh finds a way out that is as long as it has come.
+std::vector<Triangle> boundary_of_met(const Model& model, const std::vector<Vector3d>& rest,
+                                      const std::string& source) {
+  mesh::TetMesh met{rest, {}};
+  for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4) {
+    const std::uint32_t* corner = model.contact_tetrahedron.data() + t;
+    met.tetrahedra.push_back({corner[0], corner[1], corner[2], corner[3]});
+  }
+  return boundary_triangles(met, source);
+}
+
+// Of each vertex the distance to these triangles at rest, 0 of their corners.
+std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest) {
+  std::vector<char> is_on_surface(rest.size(), 0);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t i : t) is_on_surface[i] = 1;
   mesh::SurfaceMesh surface;
   surface.vertices = rest;
   surface.triangles = triangles;
@@ -377,7 +391,6 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
   for (const Triangle& t : triangles)
     for (const std::uint32_t i : t) is_point[i] = 1;
   const double margin = margin_of(settings, rest, mean_edge(triangles, rest), source, model.unit);
-  model.contact_depth = depths(triangles, rest, is_point);
 
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     if (meets_nothing(groups, i)) is_point[i] = 0;
@@ -389,6 +402,8 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
          "false");
 
   model.contact_tetrahedron = tetrahedra;
+  model.contact_depth = depths(
+      tetrahedra.size() < model.tetrahedron.size() ? boundary_of_met(model, rest, source) : triangles, rest);
   model.contact_number.assign(model.vertex_count, shader::no_contact);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (is_point[i] == 0) continue;

@@ -19,8 +19,8 @@ namespace fascicle::build {
 // which they rest.
 //
 // Points of flesh that meets nothing, and tetrahedra at least two of whose corners are of such flesh, are
-// left out; it is refused where nothing is left. A tetrahedron is of a group where at least two of its
-// corners are.
+// left out, and what is left has depth 0 where it borders on them. It is refused where nothing is left. A
+// tetrahedron is of a group where at least two of its corners are.
 void write_contact(const scene::ContactSettings& settings, const std::string& source, model::Model& model,
                    const ContactGroups& groups = {});
 

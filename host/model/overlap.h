@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,18 +35,13 @@ class OverlapMeter {
   std::vector<PointOverlap> points(std::span<const float> positions) const;
 
  private:
-  // Six floats each: least, most.
-  struct AllBoxes {
-    std::vector<float> tetrahedra, leaves, branches;
-  };
-  // Point p in the first tetrahedron that holds it and that it may meet, if any.
-  std::optional<PointOverlap> overlap_of(std::uint32_t p, std::span<const float> positions,
-                                         const AllBoxes& boxes) const;
-  // How deep, in working units, it lies in tetrahedron t, whose box holds it; below 0: not in it.
+  // How deep, in working units, point p lies in tetrahedron t, whose box holds it; below 0: not in it, or it
+  // may not meet it.
   double depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const;
 
   const Model& model_;
   std::vector<double> area_;  // of each point, square working units
+  float box_size_;            // of a tetrahedron, in the mean
 };
 
 }  // namespace fascicle::model
