@@ -26,6 +26,7 @@
 #include "host/build/message.h"
 #include "host/build/points.h"
 #include "host/build/surface_search.h"
+#include "host/model/contact_depth.h"
 
 namespace fascicle::build {
 
@@ -79,14 +80,15 @@ double margin_of(const scene::ContactSettings& settings, const std::vector<Vecto
   return margin;
 }
 
-// The boundary of what may be met: the body's surface, and where flesh that meets nothing begins. What comes
-// in from such flesh finds a way out that is as long as it has come.
+// The boundary of those of contact_tetrahedron that is_met(t) says: the body's surface, and where flesh that
+// is not met begins. What comes in from such flesh finds a way out that is as long as it has come.
+template <class IsMet>
 std::vector<Triangle> boundary_of_met(const Model& model, const std::vector<Vector3d>& rest,
-                                      const std::string& source) {
+                                      const std::string& source, const IsMet& is_met) {
   mesh::TetMesh met{rest, {}};
-  for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4) {
-    const std::uint32_t* corner = model.contact_tetrahedron.data() + t;
-    met.tetrahedra.push_back({corner[0], corner[1], corner[2], corner[3]});
+  for (std::size_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
+    const std::uint32_t* corner = model.contact_tetrahedron.data() + 4 * t;
+    if (is_met(t)) met.tetrahedra.push_back({corner[0], corner[1], corner[2], corner[3]});
   }
   return boundary_triangles(met, source);
 }
@@ -99,8 +101,9 @@ std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vec
   mesh::SurfaceMesh surface;
   surface.vertices = rest;
   surface.triangles = triangles;
-  const SurfaceSearch search(surface);
   std::vector<float> depth(rest.size(), 0.0f);
+  if (triangles.empty()) return depth;
+  const SurfaceSearch search(surface);
   base::for_each_in_parallel(rest.size(), base::thread_count(), [&](std::size_t i, std::size_t) {
     if (!is_on_surface[i]) depth[i] = model::as_factor(search.nearest(rest[i]).distance);
   });
@@ -177,6 +180,17 @@ void write_groups(const ContactGroups& groups, Model& model) {
   if (of_points != 0) return;
   model.contact_ignored.clear();
   model.contact_group.clear();
+}
+
+void write_group_depths(const std::vector<Vector3d>& rest, const std::string& source, Model& model) {
+  const std::size_t count = model::contact_group_count(model);
+  for (std::size_t group = 0; group < count; ++group) {
+    const std::vector<float> of_group =
+        depths(boundary_of_met(model, rest, source,
+                               [&](std::size_t t) { return (model.contact_group[t] >> group & 1U) == 0; }),
+               rest);
+    model.contact_depth.insert(model.contact_depth.end(), of_group.begin(), of_group.end());
+  }
 }
 
 void write_entries(Model& model) {
@@ -317,7 +331,7 @@ class RestOverlap {
     double depth = 0.0;
     tree_.visit_near(rest_[vertex], 0.0, [&](std::uint32_t t) {
       if ((first && *first < t) || model_.is_ignored_contact(p, t)) return 0.0;
-      if (const std::optional<double> found = depth_in(t, vertex, near)) {
+      if (const std::optional<double> found = depth_in(t, p, near)) {
         first = t;
         depth = *found;
       }
@@ -337,8 +351,9 @@ class RestOverlap {
     return boxes;
   }
 
-  std::optional<double> depth_in(std::uint32_t t, std::uint32_t vertex,
+  std::optional<double> depth_in(std::uint32_t t, std::uint32_t p,
                                  std::span<const std::uint32_t> near) const {
+    const std::uint32_t vertex = model_.contact[p].vertex;
     const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
     Eigen::Matrix3d edges;
     for (int k = 0; k < 3; ++k) edges.col(k) = rest_[corner[k + 1]] - rest_[corner[0]];
@@ -347,7 +362,7 @@ class RestOverlap {
     double depth = 0.0;
     for (std::size_t k = 0; k < 4; ++k) {
       if (weights[k] < 0.0 || !std::binary_search(near.begin(), near.end(), corner[k])) return std::nullopt;
-      depth += weights[k] * double{model_.contact_depth[corner[k]]};
+      depth += weights[k] * double{model::contact_depth_of(model_, p, corner[k])};
     }
     return depth;
   }
@@ -402,8 +417,10 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
          "false");
 
   model.contact_tetrahedron = tetrahedra;
+  const auto is_met = [](std::size_t) { return true; };
   model.contact_depth = depths(
-      tetrahedra.size() < model.tetrahedron.size() ? boundary_of_met(model, rest, source) : triangles, rest);
+      tetrahedra.size() < model.tetrahedron.size() ? boundary_of_met(model, rest, source, is_met) : triangles,
+      rest);
   model.contact_number.assign(model.vertex_count, shader::no_contact);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (is_point[i] == 0) continue;
@@ -416,6 +433,7 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
                              .near_count = 0});
   }
   write_groups(groups, model);
+  write_group_depths(rest, source, model);
   write_entries(model);
   write_rest_boxes(model);
   write_gaps(rest, margin, model);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/base/fields.h"
+#include "host/model/contact_depth.h"
 #include "host/model/model.h"
 #include "shaders/buffers.h"
 
@@ -316,7 +317,7 @@ inline constexpr auto model_arrays = [] {
              .stored = where_there,
              .buffer = {shader::buffer_contact_tetrahedron}}),
       array("contact_depth", &Model::contact_depth,
-            {.items = a_vertex,
+            {.items = {contact_depth_count},
              .is_there = has_contact,
              .values = factor_up_to(4.0f),
              .stored = where_there,

@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 
+#include "host/model/contact_depth.h"
+
 namespace fascicle::model {
 
 namespace {
@@ -221,7 +223,7 @@ double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const 
   for (std::size_t k = 0; k < 4; ++k) {
     const Vector r = place_of(model_.rest, corner[k]);
     for (std::size_t c = 0; c < 3; ++c) apart[c] += weight[k] * r[c];
-    deep += weight[k] * double{model_.contact_depth[corner[k]]};
+    deep += weight[k] * double{contact_depth_of(model_, p, corner[k])};
     is_free = is_free || !model_.is_kinematic(corner[k]);
     is_across_a_gap =
         is_across_a_gap && std::binary_search(first_near, first_near + point.near_count, corner[k]);

@@ -18,6 +18,7 @@
 #include "host/build/bar.h"
 #include "host/build/boundary.h"
 #include "host/build/contacts.h"
+#include "host/model/contact_depth.h"
 #include "tests/build/scenes.h"
 #include "tests/support/sliding_models.h"
 #include "tests/support/test_models.h"
@@ -264,6 +265,15 @@ TEST(WriteContactGroups, PairsAreMasksOfPointsAndTetrahedra) {
       ignored += expected ? 1 : 0;
     }
   EXPECT_GT(ignored, 1000u);
+  // Beyond an end depth begins where it ends; in it the numbers are nobody's.
+  for (std::uint32_t p = 0; p < m.contact.size(); ++p) {
+    std::size_t begins = 0;
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      EXPECT_LE(model::contact_depth_of(m, p, i), m.contact_depth[i]);
+      begins += model::contact_depth_of(m, p, i) == 0.0f && m.contact_depth[i] > 0.0f ? 1 : 0;
+    }
+    EXPECT_EQ(begins > 0, m.contact_ignored[p] != 0);
+  }
   for (const std::uint32_t of : m.contact_group) EXPECT_LT(of, 4u) << "nobody ignores the fourth";
 }
 

@@ -253,6 +253,7 @@ TEST(ContactSearch, FindsNothingThatIsIgnored) {
     // Every leaf as a whole by every block.
     blocks.model.contact_ignored.assign(blocks.model.contact.size(), 4);
     blocks.model.contact_group.assign(blocks.model.contact_tetrahedron_count(), 6);
+    add_group_depths(blocks.model);
     EXPECT_EQ(expect_same_contacts(blocks, steps, seed).contacts, 0u);
   }
 }

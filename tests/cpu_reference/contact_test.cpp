@@ -162,15 +162,42 @@ TEST(Contact, DoesNotMeetWhatItIgnores) {
       return is_pressed;
     };
     EXPECT_TRUE(is_met());
-    c.model.contact_group.assign(c.model.contact_tetrahedron_count(), 0x80000001u);
-    c.model.contact_ignored.assign(c.model.contact.size(), 0x80000000u);
+    c.model.contact_group.assign(c.model.contact_tetrahedron_count(), 5u);
+    c.model.contact_ignored.assign(c.model.contact.size(), 4u);
+    add_group_depths(c.model);
     EXPECT_FALSE(is_met());
     c.model.contact_ignored[4] = 0;
     EXPECT_TRUE(is_met()) << "the others do not matter";
     c.model.contact_ignored[4] = 1;
     EXPECT_FALSE(is_met());
-    c.model.contact_group[0] = 0x80000000u;
+    c.model.contact_group[0] = 4u;
     EXPECT_TRUE(is_met()) << "of another group";
+  }
+}
+
+// A point that ignores groups is as deep as the least of their depths says.
+TEST(Contact, IsAsDeepAsBeyondWhatItIgnores) {
+  for (const bool implicit : {false, true}) {
+    PointInTetrahedron c(implicit);
+    const Points q = points_in(c.meeting(Vector3d::Zero()).positions);
+    const auto push = [&] {
+      check_model(c.model);
+      return cpu_reference::Contacts(c.model).found_at(q).at(0).push.norm();
+    };
+    const double all = push();
+    c.model.contact_group.assign(c.model.contact_tetrahedron_count(), 0);
+    c.model.contact_group[1] = 3;
+    c.model.contact_ignored.assign(c.model.contact.size(), 0);
+    for (const float share : {0.5f, 2.0f})
+      for (std::size_t i = 0; i < 8; ++i) c.model.contact_depth.push_back(share * c.model.contact_depth[i]);
+    EXPECT_EQ(push(), all) << "it ignores nothing";
+    c.model.contact_ignored[4] = 2;
+    EXPECT_EQ(push(), all) << "not deeper";
+    // Depth and its gradient are halved.
+    c.model.contact_ignored[4] = 3;
+    EXPECT_NEAR(push(), all / 4.0, 1e-6 * all);
+    EXPECT_NEAR(model::OverlapMeter(c.model).of(c.meeting(Vector3d::Zero()).positions).deepest,
+                c.model.unit / 32.0, 1e-6);
   }
 }
 

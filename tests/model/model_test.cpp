@@ -211,7 +211,16 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
          ignore_some_contact(touching(m), 1);
          m.contact_group.clear();
        }},
-      {"contact_group", [](Model& m) { touching(m).contact_group.assign(m.contact_tetrahedron_count(), 1); }},
+      {"contact_group",
+       [](Model& m) {
+         touching(m).contact_group.assign(m.contact_tetrahedron_count(), 1);
+         add_group_depths(m);
+       }},
+      {"contact_depth",
+       [](Model& m) {
+         ignore_some_contact(touching(m), 1);
+         m.contact_depth.resize(m.vertex_count);
+       }},
       {"contact_depth", [](Model& m) { touching(m).contact_depth[1] = -0.5f; }},
       {"contact_depth", [](Model& m) { touching(m).contact_depth.pop_back(); }},
       {"contact_number",

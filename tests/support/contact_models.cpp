@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "host/model/contact_depth.h"
+
 namespace fascicle::tests {
 
 using model::Model;
@@ -129,6 +131,16 @@ void ignore_some_contact(Model& m, unsigned seed) {
   for (std::uint32_t p = 0; p < m.contact.size(); ++p)
     m.contact_ignored.push_back(
         p < m.contact.size() / 4 ? 2U : static_cast<std::uint32_t>(random() % 8 & random() % 8));
+  add_group_depths(m);
+}
+
+void add_group_depths(Model& m) {
+  m.contact_depth.resize(m.vertex_count);
+  const std::size_t count = model::contact_group_count(m);
+  // Some deeper, some less deep.
+  for (std::size_t group = 0; group < count; ++group)
+    for (std::size_t i = 0; i < m.vertex_count; ++i)
+      m.contact_depth.push_back((0.5f + 0.25f * static_cast<float>((i + group) % 4)) * m.contact_depth[i]);
 }
 
 Model without_contact(Model m) {
