@@ -33,6 +33,7 @@ StageKernels::StageKernels(const Device::Impl& device, const model::Model& model
   constants[shader::constant_volume] = model.region_volume.empty() ? 0 : 1;
   constants[shader::constant_implicit] = model.is_implicit() ? 1 : 0;
   constants[shader::constant_ties] = model.has_ties() ? 1 : 0;
+  constants[shader::constant_ignored_contact] = model.has_ignored_contact() ? 1 : 0;
   constants[shader::constant_near] = is_near(model) ? 1 : 0;
   constants[shader::constant_ahead] = tuning.ahead;
   constants[shader::constant_group_size] = tuning.group_size;

@@ -107,7 +107,12 @@ BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, a vec4 a point
 BUFFERS_CONSTANT uint buffer_spared = 69u;    // a uint a vertex: the solids that do not hold it, a bit each
 BUFFERS_CONSTANT uint buffer_collider = 70u;  // Collider, a frame's
 
-BUFFERS_CONSTANT uint buffer_count = 71u;
+// Of a model with contact some of which the scene does not want.
+BUFFERS_CONSTANT uint buffer_contact_ignored =
+    71u;                                           // a uint a point: groups that it does not meet, a bit each
+BUFFERS_CONSTANT uint buffer_contact_group = 72u;  // a uint a tetrahedron: the groups that it is of
+
+BUFFERS_CONSTANT uint buffer_count = 73u;
 
 // In buffer_tag.
 BUFFERS_CONSTANT uint degree_shift = 16u;
@@ -126,7 +131,9 @@ BUFFERS_CONSTANT uint constant_ties = 6u;      // the model has ties
 BUFFERS_CONSTANT uint constant_group_size = 7u;  // invocations of a workgroup, a multiple of slice_width
 BUFFERS_CONSTANT uint constant_near = 8u;        // all neighbours and shares fit 16 bits
 BUFFERS_CONSTANT uint constant_ahead = 9u;       // neighbours that are read before the first is used
-BUFFERS_CONSTANT uint constant_count = 10u;
+BUFFERS_CONSTANT uint constant_ignored_contact =
+    10u;  // some flesh does not meet some other, as the scene says
+BUFFERS_CONSTANT uint constant_count = 11u;
 
 // The self-test's results a row: scalar operations, operations of a positive number, two quaternions.
 BUFFERS_CONSTANT uint self_test_scalars = 19u;

@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "host/model/contact_depth.h"
+
 namespace fascicle::cpu_reference {
 
 using Eigen::Matrix3d;
@@ -37,6 +39,7 @@ Contacts::Contacts(const model::Model& model) : model_(model), rest_(points_of(m
 
 std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32_t tetrahedron,
                                                 const Points& places) const {
+  if (model_.is_ignored_contact(point, tetrahedron)) return std::nullopt;
   Pair pair{};
   pair.point = point;
   pair.tetrahedron = tetrahedron;
@@ -58,7 +61,7 @@ std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32
     const std::uint32_t i = pair.corners[std::size_t(k)];
     can_move = can_move || mobility_[i] > 0.0;
     apart += pair.weights[k] * rest_[i];
-    depths[k] = model_.contact_depth[i];
+    depths[k] = double{model::contact_depth_of(model_, point, i)};
     is_across_a_gap = is_across_a_gap && std::binary_search(near, near + of.near_count, i);
   }
   const bool is_far = apart.norm() > double(of.margin);

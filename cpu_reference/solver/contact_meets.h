@@ -9,6 +9,7 @@
 
 #include "cpu_reference/solver/fields.h"
 #include "cpu_reference/solver/stages.h"
+#include "host/model/contact_depth.h"
 #include "host/model/model.h"
 #include "shaders/kernel/contact.inc"
 
@@ -125,6 +126,7 @@ inline void contact_apply(const model::Model& model, const SubstepInput& in, Fie
 template <class PlaceOf>
 bool contact_meets(const model::Model& model, Fields& fields, std::uint32_t p, const Place& x,
                    std::uint32_t t, const PlaceOf& place_of) {
+  if (model.is_ignored_contact(p, t)) return false;
   const auto corner = corners_of(model, t);
   const Place a = place_of(corner[0]), b = place_of(corner[1]), c = place_of(corner[2]),
               d = place_of(corner[3]);
@@ -146,7 +148,7 @@ bool contact_meets(const model::Model& model, Fields& fields, std::uint32_t p, c
     return std::binary_search(first_near, first_near + point.near_count, i);
   };
   if (!is_far && !std::all_of(corner.begin(), corner.end(), is_across_a_gap)) return false;
-  const auto depth_of = [&](std::size_t k) { return model.contact_depth[corner[k]]; };
+  const auto depth_of = [&](std::size_t k) { return model::contact_depth_of(model, p, corner[k]); };
   const float depth =
       kernel::contact_mean<float>(weights, depth_of(0), depth_of(1), depth_of(2), depth_of(3));
   const float pushed =

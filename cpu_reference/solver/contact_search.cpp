@@ -117,7 +117,23 @@ ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lane
       blocks_[b].points |= bit;
       if (model.mobility[order_vertex_[k]] > 0.0f) blocks_[b].mobile |= bit;
     }
+  find_ignored();
   find_near_at_rest();
+}
+
+// What is ignored in part only is left to contact_meets.
+void ContactSearch::find_ignored() {
+  if (!model_.has_ignored_contact()) return;
+  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    blocks_[b].ignored = ~std::uint32_t{0};
+    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k)
+      blocks_[b].ignored &= model_.contact_ignored[order_[k]];
+  }
+  for (std::uint32_t leaf = 0; leaf < model_.contact_leaf_count(); ++leaf) {
+    leaf_group_.push_back(~std::uint32_t{0});
+    for (std::uint32_t t = leaf * leaf_size; t < leaf_end(leaf); ++t)
+      leaf_group_.back() &= model_.contact_group[t];
+  }
 }
 
 std::uint32_t ContactSearch::block_end(std::size_t block) const {
@@ -301,6 +317,11 @@ void ContactSearch::find_in_branch(Branch& branch, Sight& sight, Fields& fields)
 void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& sight, Fields& fields) {
   Block& block = blocks_[sight.block];
   const std::uint32_t leaf = branch.number * shader::contact_branch + number, begin = leaf * leaf_size;
+  if (is_ignored(block, leaf)) {
+    branch.nearest[number] = std::numeric_limits<float>::infinity();
+    branch.gone[number] = 0.0f;
+    return;
+  }
   if (branch.pair[number] == nothing) branch.pair[number] = make_pair(block, leaf);
   const std::uint32_t place = branch.pair[number];
   ContactLook look{.points = sight.points.data(),

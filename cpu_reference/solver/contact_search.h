@@ -57,6 +57,7 @@ class ContactSearch {
   };
   struct Block {
     PointBits points = 0, mobile = 0;
+    std::uint32_t ignored = 0;     // groups that none of the points meets
     std::vector<Near> near;        // by ascending leaf
     std::vector<Branch> branches;  // by ascending number
     std::vector<Pair> pairs;
@@ -89,6 +90,11 @@ class ContactSearch {
   void find_in_leaf(Branch& branch, std::uint32_t leaf, Sight& sight, Fields& fields);
   std::uint32_t make_pair(Block& block, std::uint32_t leaf) const;
   void crowd(Fields& fields);
+  void find_ignored();
+  // Whether no point of the block meets any tetrahedron of the leaf, as the scene says.
+  bool is_ignored(const Block& block, std::uint32_t leaf) const {
+    return !leaf_group_.empty() && (block.ignored & leaf_group_[leaf]) != 0;
+  }
 
   const model::Model& model_;
   const ContactLanes& lanes_;
@@ -96,6 +102,7 @@ class ContactSearch {
   std::vector<std::uint32_t> leaf_offset_, leaf_vertex_;  // the vertices of each leaf
   std::vector<std::uint8_t> leaf_corner_;  // of each corner, which of its leaf's vertices it is
   std::vector<char> leaf_is_held_;         // none of its vertices can move by itself
+  std::vector<std::uint32_t> leaf_group_;  // groups that all its tetrahedra are of; empty without any
   std::vector<PointBits> relevant_;
   std::vector<Block> blocks_;
   LineVector<float> sights_, sights_before_;  // 4 a vertex: where the stage looks for it; a substep before

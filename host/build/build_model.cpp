@@ -313,7 +313,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   std::vector<double> least_volumes;
   for (const scene::Layer& layer : scene.layers) least_volumes.push_back(layer.least_volume);
   write_limits(least_volumes, model);
-  write_contact(scene.contact, scene.source, model);
+  write_contact(scene.contact, scene.source, model, contact_groups(scene, layering.layer, measures, report));
   write_colliders(scene, model, report);
   write_skin(body, model);
   write_muscles(scene, body, test, model, report);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -24,6 +26,7 @@
 #include "host/build/message.h"
 #include "host/build/points.h"
 #include "host/build/surface_search.h"
+#include "host/model/contact_depth.h"
 
 namespace fascicle::build {
 
@@ -77,14 +80,30 @@ double margin_of(const scene::ContactSettings& settings, const std::vector<Vecto
   return margin;
 }
 
-// Of each vertex the distance to the surface at rest, 0 on it.
-std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest,
-                          const std::vector<char>& is_on_surface) {
+// The boundary of those of contact_tetrahedron that is_met(t) says: the body's surface, and where flesh that
+// is not met begins. What comes in from such flesh finds a way out that is as long as it has come.
+template <class IsMet>
+std::vector<Triangle> boundary_of_met(const Model& model, const std::vector<Vector3d>& rest,
+                                      const std::string& source, const IsMet& is_met) {
+  mesh::TetMesh met{rest, {}};
+  for (std::size_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
+    const std::uint32_t* corner = model.contact_tetrahedron.data() + 4 * t;
+    if (is_met(t)) met.tetrahedra.push_back({corner[0], corner[1], corner[2], corner[3]});
+  }
+  return boundary_triangles(met, source);
+}
+
+// Of each vertex the distance to these triangles at rest, 0 of their corners.
+std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest) {
+  std::vector<char> is_on_surface(rest.size(), 0);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t i : t) is_on_surface[i] = 1;
   mesh::SurfaceMesh surface;
   surface.vertices = rest;
   surface.triangles = triangles;
-  const SurfaceSearch search(surface);
   std::vector<float> depth(rest.size(), 0.0f);
+  if (triangles.empty()) return depth;
+  const SurfaceSearch search(surface);
   base::for_each_in_parallel(rest.size(), base::thread_count(), [&](std::size_t i, std::size_t) {
     if (!is_on_surface[i]) depth[i] = model::as_factor(search.nearest(rest[i]).distance);
   });
@@ -98,10 +117,23 @@ std::uint64_t spread(std::uint64_t number) {
   return bits;
 }
 
-// The tetrahedra along Morton's curve, so that leaves and branches are small. Four corners a tetrahedron.
-std::vector<std::uint32_t> ordered_tetrahedra(const Model& model, const std::vector<Vector3d>& rest) {
+// Corners that make a tetrahedron be of the flesh that they are of.
+constexpr int enough_corners = 2;
+
+bool meets_nothing(const ContactGroups& groups, std::uint32_t vertex) {
+  return !groups.meets_nothing.empty() && groups.meets_nothing[vertex] != 0;
+}
+
+// The tetrahedra that may be met along Morton's curve, so that leaves and branches are small. Four corners a
+// tetrahedron.
+std::vector<std::uint32_t> ordered_tetrahedra(const Model& model, const std::vector<Vector3d>& rest,
+                                              const ContactGroups& groups) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
   for (std::uint32_t t = 0; t < model.tetrahedron_count(); ++t) {
+    const auto corner = model.tetrahedron.begin() + std::ptrdiff_t{4} * t;
+    if (std::count_if(corner, corner + 4, [&](std::uint32_t i) { return meets_nothing(groups, i); }) >=
+        enough_corners)
+      continue;
     Vector3d sum = Vector3d::Zero();
     for (std::size_t k = 0; k < 4; ++k) sum += rest[model.tetrahedron[4 * std::size_t{t} + k]];
     std::uint64_t code = 0;
@@ -118,6 +150,47 @@ std::vector<std::uint32_t> ordered_tetrahedra(const Model& model, const std::vec
   for (const auto& [code, t] : order)
     for (std::size_t k = 0; k < 4; ++k) corners.push_back(model.tetrahedron[4 * std::size_t{t} + k]);
   return corners;
+}
+
+// Groups that points ignore, and those of them that tetrahedra are of; nothing where none meet none.
+void write_groups(const ContactGroups& groups, Model& model) {
+  if (groups.groups.empty()) return;
+  const auto for_each_group = [](std::uint32_t bits, const auto& use) {
+    for (; bits != 0; bits &= bits - 1) use(static_cast<std::size_t>(std::countr_zero(bits)));
+  };
+  std::uint32_t of_tetrahedra = 0, of_points = 0;
+  for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4) {
+    std::array<int, scene::most_ignored_names> corners{};
+    for (std::size_t k = 0; k < 4; ++k)
+      for_each_group(groups.groups[model.contact_tetrahedron[t + k]],
+                     [&](std::size_t group) { ++corners[group]; });
+    std::uint32_t of = 0;
+    for (std::size_t group = 0; group < corners.size(); ++group)
+      if (corners[group] >= enough_corners) of |= 1U << group;
+    model.contact_group.push_back(of);
+    of_tetrahedra |= of;
+  }
+  for (const shader::ContactPoint& point : model.contact) {
+    std::uint32_t ignored = 0;
+    for_each_group(groups.groups[point.vertex], [&](std::size_t group) { ignored |= groups.ignored[group]; });
+    model.contact_ignored.push_back(ignored & of_tetrahedra);
+    of_points |= model.contact_ignored.back();
+  }
+  for (std::uint32_t& of : model.contact_group) of &= of_points;
+  if (of_points != 0) return;
+  model.contact_ignored.clear();
+  model.contact_group.clear();
+}
+
+void write_group_depths(const std::vector<Vector3d>& rest, const std::string& source, Model& model) {
+  const std::size_t count = model::contact_group_count(model);
+  for (std::size_t group = 0; group < count; ++group) {
+    const std::vector<float> of_group =
+        depths(boundary_of_met(model, rest, source,
+                               [&](std::size_t t) { return (model.contact_group[t] >> group & 1U) == 0; }),
+               rest);
+    model.contact_depth.insert(model.contact_depth.end(), of_group.begin(), of_group.end());
+  }
 }
 
 void write_entries(Model& model) {
@@ -252,12 +325,13 @@ class RestOverlap {
   RestOverlap(const Model& model, const std::vector<Vector3d>& rest)
       : model_(model), rest_(rest), tree_(boxes_of(model, rest)) {}
 
-  double depth(std::uint32_t vertex, std::span<const std::uint32_t> near) const {
+  double depth(std::uint32_t p, std::span<const std::uint32_t> near) const {
+    const std::uint32_t vertex = model_.contact[p].vertex;
     std::optional<std::uint32_t> first;
     double depth = 0.0;
     tree_.visit_near(rest_[vertex], 0.0, [&](std::uint32_t t) {
-      if (first && *first < t) return 0.0;
-      if (const std::optional<double> found = depth_in(t, vertex, near)) {
+      if ((first && *first < t) || model_.is_ignored_contact(p, t)) return 0.0;
+      if (const std::optional<double> found = depth_in(t, p, near)) {
         first = t;
         depth = *found;
       }
@@ -277,8 +351,9 @@ class RestOverlap {
     return boxes;
   }
 
-  std::optional<double> depth_in(std::uint32_t t, std::uint32_t vertex,
+  std::optional<double> depth_in(std::uint32_t t, std::uint32_t p,
                                  std::span<const std::uint32_t> near) const {
+    const std::uint32_t vertex = model_.contact[p].vertex;
     const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
     Eigen::Matrix3d edges;
     for (int k = 0; k < 3; ++k) edges.col(k) = rest_[corner[k + 1]] - rest_[corner[0]];
@@ -287,7 +362,7 @@ class RestOverlap {
     double depth = 0.0;
     for (std::size_t k = 0; k < 4; ++k) {
       if (weights[k] < 0.0 || !std::binary_search(near.begin(), near.end(), corner[k])) return std::nullopt;
-      depth += weights[k] * double{model_.contact_depth[corner[k]]};
+      depth += weights[k] * double{model::contact_depth_of(model_, p, corner[k])};
     }
     return depth;
   }
@@ -312,13 +387,14 @@ void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) 
     point.near_count = static_cast<std::uint32_t>(near[p].size());
     if (near[p].empty()) continue;
     model.contact_near.insert(model.contact_near.end(), near[p].begin(), near[p].end());
-    point.allowance = model::as_factor(overlap.depth(point.vertex, near[p]));
+    point.allowance = model::as_factor(overlap.depth(static_cast<std::uint32_t>(p), near[p]));
   }
 }
 
 }  // namespace
 
-void write_contact(const scene::ContactSettings& settings, const std::string& source, Model& model) {
+void write_contact(const scene::ContactSettings& settings, const std::string& source, Model& model,
+                   const ContactGroups& groups) {
   if (!settings.self || model.tetrahedron.empty()) return;
   bool can_move = false;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) can_move = can_move || !model.is_kinematic(i);
@@ -326,16 +402,28 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
 
   const std::vector<Vector3d> rest = rest_places(model);
   const std::vector<Triangle> triangles = boundary_triangles(model, source);
-  std::vector<char> is_on_surface(model.vertex_count, 0);
+  std::vector<char> is_point(model.vertex_count, 0);
   for (const Triangle& t : triangles)
-    for (const std::uint32_t i : t) is_on_surface[i] = 1;
+    for (const std::uint32_t i : t) is_point[i] = 1;
   const double margin = margin_of(settings, rest, mean_edge(triangles, rest), source, model.unit);
 
-  model.contact_depth = depths(triangles, rest, is_on_surface);
-  model.contact_tetrahedron = ordered_tetrahedra(model, rest);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (meets_nothing(groups, i)) is_point[i] = 0;
+  const std::vector<std::uint32_t> tetrahedra = ordered_tetrahedra(model, rest, groups);
+  if (tetrahedra.empty() || std::none_of(is_point.begin(), is_point.end(), [](char is) { return is != 0; }))
+    fail(source,
+         "contact: no flesh is left that could meet other flesh; leave some of what keeps it from that "
+         "out (contact.ignore, contact.attribute, contact = false of layers), or set contact.self = "
+         "false");
+
+  model.contact_tetrahedron = tetrahedra;
+  const auto is_met = [](std::size_t) { return true; };
+  model.contact_depth = depths(
+      tetrahedra.size() < model.tetrahedron.size() ? boundary_of_met(model, rest, source, is_met) : triangles,
+      rest);
   model.contact_number.assign(model.vertex_count, shader::no_contact);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    if (!is_on_surface[i]) continue;
+    if (is_point[i] == 0) continue;
     model.contact_number[i] = static_cast<std::uint32_t>(model.contact.size());
     model.contact.push_back({.vertex = i,
                              .margin = static_cast<float>(margin),
@@ -344,6 +432,8 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
                              .first_near = 0,
                              .near_count = 0});
   }
+  write_groups(groups, model);
+  write_group_depths(rest, source, model);
   write_entries(model);
   write_rest_boxes(model);
   write_gaps(rest, margin, model);

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "host/build/contact_groups.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
@@ -16,6 +17,11 @@ namespace fascicle::build {
 // body's diagonal and four such edges. But limbs that are near each other
 // at rest and far apart along the flesh (three times as far as they are near) do meet, from the depth on in
 // which they rest.
-void write_contact(const scene::ContactSettings& settings, const std::string& source, model::Model& model);
+//
+// Points of flesh that meets nothing, and tetrahedra at least two of whose corners are of such flesh, are
+// left out, and what is left has depth 0 where it borders on them. It is refused where nothing is left. A
+// tetrahedron is of a group where at least two of its corners are.
+void write_contact(const scene::ContactSettings& settings, const std::string& source, model::Model& model,
+                   const ContactGroups& groups = {});
 
 }  // namespace fascicle::build

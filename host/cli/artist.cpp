@@ -171,10 +171,12 @@ double round_up(double value) {
   return 10.0 * power;
 }
 
-double natural_lag_scale(DrawnFrames& frames) {
+// Metres that take the last colour: what `values_of` a frame has at most.
+template <class ValuesOf>
+double natural_scale(DrawnFrames& frames, const ValuesOf& values_of) {
   float most = 0.0f;
   for (const std::uint64_t k : survey_frames(frames.count()))
-    for (const float lag : frames.lag(k)) most = std::max(most, lag);
+    for (const float value : values_of(k)) most = std::max(most, value);
   return most > 0.0f ? round_up(double{most}) : 1e-3;
 }
 
@@ -202,8 +204,21 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   options.mode = arguments.mode;
   options.tetrahedra = arguments.tetrahedra;
   if (!arguments.clip.empty()) options.clip = clip_of(arguments.clip, frames.model(), view);
-  if (arguments.mode == render::Mode::lag)
-    options.lag_scale = arguments.lag_scale ? *arguments.lag_scale * 1e-3 : natural_lag_scale(frames);
+  if (arguments.mode == render::Mode::contact) {
+    if (!frames.model().has_contact())
+      throw UsageError("--mode contact: the flesh does not meet itself here; set contact.self = true");
+    overlap_.emplace(frames.model());
+  }
+  if (arguments.lag_scale) {
+    options.lag_scale = *arguments.lag_scale * 1e-3;
+  } else if (arguments.mode == render::Mode::lag) {
+    options.lag_scale = natural_scale(frames, [&](std::uint64_t k) { return frames.lag(k); });
+  } else if (overlap_) {
+    // Beside skinning the scale is skinning's, which lies deeper.
+    options.lag_scale = natural_scale(frames, [&](std::uint64_t k) {
+      return contact_depths(arguments.compare ? frames.skinned_vertices(k) : frames.positions(k));
+    });
+  }
   if (arguments.mode == render::Mode::shaded && !arguments.plain) looks_ = frames.looks(log);
   if (looks_) options.looks = &*looks_;
   try {
@@ -250,12 +265,35 @@ render::Image Artist::draw(std::uint64_t k, std::span<const float> positions, st
   return render::render(shapes, camera, backdrop_, arguments_.threads);
 }
 
+// Both sides of what overlaps: points, and corners of the tetrahedra that they lie in.
+std::vector<float> Artist::contact_depths(std::span<const float> positions) const {
+  const model::Model& model = frames_.model();
+  std::vector<float> working(positions.begin(), positions.end());
+  for (float& x : working) x = static_cast<float>(double{x} / model.unit);
+  std::vector<float> depths(model.vertex_count, -1.0f);
+  for (const model::PointOverlap& one : overlap_->points(working)) {
+    const auto mark = [&](std::uint32_t i) {
+      depths[i] = std::max(depths[i], static_cast<float>(one.depth));
+    };
+    mark(model.contact[one.point].vertex);
+    for (std::size_t k = 0; k < 4; ++k) mark(model.contact_tetrahedron[4 * std::size_t{one.tetrahedron} + k]);
+  }
+  return depths;
+}
+
 render::Image Artist::picture(std::uint64_t k) const {
+  const std::vector<float> positions = frames_.positions(k);
+  if (overlap_) return draw(k, positions, contact_depths(positions), {});
   const bool needs_lag = arguments_.mode == render::Mode::lag;
-  return draw(k, frames_.positions(k), needs_lag ? frames_.lag(k) : std::vector<float>(), {});
+  return draw(k, positions, needs_lag ? frames_.lag(k) : std::vector<float>(), {});
 }
 
 render::Image Artist::skinned_picture(std::uint64_t k) const {
+  if (overlap_) {
+    const std::vector<float> vertices = frames_.skinned_vertices(k), depths = contact_depths(vertices);
+    return drawing_->draws_tetrahedra() ? draw(k, vertices, depths, {})
+                                        : draw(k, vertices, depths, frames_.skinned_surface(k));
+  }
   const std::vector<float> no_lag(frames_.model().vertex_count, 0.0f);
   if (drawing_->draws_tetrahedra()) return draw(k, frames_.skinned_vertices(k), no_lag, {});
   return draw(k, {}, no_lag, frames_.skinned_surface(k));

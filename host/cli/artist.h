@@ -10,6 +10,7 @@
 #include "host/cli/drawn_frames.h"
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
+#include "host/model/overlap.h"
 #include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
 #include "host/render/image.h"
@@ -48,6 +49,10 @@ class Artist {
   DrawnFrames& frames_;
   std::vector<render::Shape> solids_at(std::uint64_t k) const;
 
+  // m, a vertex; below 0 where it does not lie in other flesh.
+  std::vector<float> contact_depths(std::span<const float> positions) const;
+
+  std::optional<model::OverlapMeter> overlap_;  // Mode::contact
   std::optional<render::Looks> looks_;
   std::optional<render::BodyDrawing> drawing_;
   render::Legend legend_;

@@ -291,12 +291,13 @@ void add_render(CLI::App& app, Command& command) {
   const std::map<std::string, render::Mode> modes{{"shaded", render::Mode::shaded},
                                                   {"layers", render::Mode::layers},
                                                   {"fibres", render::Mode::fibres},
-                                                  {"lag", render::Mode::lag}};
+                                                  {"lag", render::Mode::lag},
+                                                  {"contact", render::Mode::contact}};
   subcommand
       ->add_option(
           "--mode", arguments->mode,
           "shaded; layers: a colour each; fibres: lines, red along x, green y, blue z; lag: distance to "
-          "the skinned pose")
+          "the skinned pose; contact: where flesh lies in other flesh, by depth, seen through the body")
       ->transform(CLI::CheckedTransformer(modes).description(""))
       ->option_text("MODE");
   subcommand->add_flag("--tets", arguments->tetrahedra, "Draw the tetrahedra instead of the render mesh");
@@ -305,7 +306,9 @@ void add_render(CLI::App& app, Command& command) {
                    "Take away the tetrahedra on the camera's side of a plane of the rest pose, as in x=0.1 "
                    "(metres) or x=50%; implies --tets")
       ->option_text("PLANE");
-  subcommand->add_option("--lag-scale", arguments->lag_scale, "Lag that takes the last colour, mm")
+  subcommand
+      ->add_option("--lag-scale", arguments->lag_scale,
+                   "Lag, or depth with --mode contact, that takes the last colour, mm")
       ->check(CLI::PositiveNumber.description(""))
       ->option_text("MM");
   subcommand->add_option("--view", arguments->view, "three-quarter, front, side or back")

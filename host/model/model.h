@@ -136,6 +136,10 @@ struct Model {                                 // each member has a row in model
   // 8 a box around shader::contact_leaf tetrahedra at rest, then around shader::contact_branch such boxes:
   // least x y z and 0, most x y z and 0.
   std::vector<float> contact_rest_box;
+  // Flesh that the scene keeps from meeting; both empty where there is none. A tetrahedron is of some groups
+  // of flesh, a bit each; a point does not meet tetrahedra of the groups that it ignores.
+  std::vector<std::uint32_t> contact_ignored;  // a point each, or 0
+  std::vector<std::uint32_t> contact_group;    // a tetrahedron of contact_tetrahedron each, or 0
 
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
@@ -186,6 +190,11 @@ struct Model {                                 // each member has a row in model
     return parts_of(static_cast<std::uint32_t>(contact.size()), shader::contact_block);
   }
   bool has_contact() const { return !contact.empty(); }
+  bool has_ignored_contact() const { return !contact_ignored.empty(); }
+  // Whether the scene keeps point p of `contact` from meeting tetrahedron t of contact_tetrahedron.
+  bool is_ignored_contact(std::uint32_t p, std::uint32_t t) const {
+    return has_ignored_contact() && (contact_ignored[p] & contact_group[t]) != 0;
+  }
   bool has_colliders() const { return collider_count > 0; }
   bool has_limits() const { return !limit.empty(); }
   bool has_carried() const { return !carried.empty(); }

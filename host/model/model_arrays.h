@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/base/fields.h"
+#include "host/model/contact_depth.h"
 #include "host/model/model.h"
 #include "shaders/buffers.h"
 
@@ -164,6 +165,12 @@ inline bool has_contact(const Model& m) {
 inline bool has_mobility(const Model& m) {
   return m.has_limits() || m.has_contact();
 }
+inline bool has_ignored_contact(const Model& m) {
+  return m.has_ignored_contact();
+}
+inline std::size_t contact_tetrahedra(const Model& m) {
+  return m.contact_tetrahedron_count();
+}
 inline std::size_t contact_boxes(const Model& m) {
   return m.contact_leaf_count() + m.contact_branch_count();
 }
@@ -310,7 +317,7 @@ inline constexpr auto model_arrays = [] {
              .stored = where_there,
              .buffer = {shader::buffer_contact_tetrahedron}}),
       array("contact_depth", &Model::contact_depth,
-            {.items = a_vertex,
+            {.items = {contact_depth_count},
              .is_there = has_contact,
              .values = factor_up_to(4.0f),
              .stored = where_there,
@@ -338,6 +345,17 @@ inline constexpr auto model_arrays = [] {
              .values = finite,
              .stored = where_there,
              .buffer = {shader::buffer_contact_rest_box}}),
+      array("contact_ignored", &Model::contact_ignored,
+            {.items = {entries<&Model::contact>},
+             .is_there = has_contact,
+             .may_lack = true,
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_ignored}}),
+      array("contact_group", &Model::contact_group,
+            {.items = {contact_tetrahedra},
+             .is_there = has_ignored_contact,
+             .stored = where_there,
+             .buffer = {shader::buffer_contact_group}}),
 
       value("joint_count", &Model::joint_count),
       array("skin_offset", &Model::skin_offset,

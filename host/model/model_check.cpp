@@ -242,6 +242,15 @@ void check_contact_boxes(const Model& m) {
   }
 }
 
+void check_ignored_contact(const Model& m) {
+  std::uint32_t groups = 0;
+  for (const std::uint32_t of_tetrahedron : m.contact_group) groups |= of_tetrahedron;
+  for (std::size_t p = 0; p < m.contact_ignored.size(); ++p) {
+    if ((m.contact_ignored[p] & ~groups) != 0)
+      broken("contact_ignored", p, "names a group that no tetrahedron is of");
+  }
+}
+
 void check_contact(const Model& m) {
   if (!m.has_contact()) return;
   if (m.contact_tetrahedron_count() >= shader::no_contact / 4)
@@ -255,6 +264,7 @@ void check_contact(const Model& m) {
         broken("contact_entry", e, "is not ascending");
     }
   check_contact_boxes(m);
+  check_ignored_contact(m);
 }
 
 void check_skin(const Model& m) {

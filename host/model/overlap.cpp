@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
+
+#include "host/model/contact_depth.h"
 
 namespace fascicle::model {
 
@@ -32,11 +35,11 @@ Vector outer(const Vector& a, const Vector& b) {
 // A third of each triangle of the surface, at rest, for each of its corners.
 std::vector<double> areas(const Model& model) {
   std::map<Triangle, int> sides;
-  for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4)
+  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
     for (std::size_t without = 0; without < 4; ++without) {
       Triangle side{};
       for (std::size_t k = 0, at = 0; k < 4; ++k)
-        if (k != without) side[at++] = model.contact_tetrahedron[t + k];
+        if (k != without) side[at++] = model.tetrahedron[t + k];
       std::sort(side.begin(), side.end());
       ++sides[side];
     }
@@ -53,62 +56,153 @@ std::vector<double> areas(const Model& model) {
   return area;
 }
 
-bool holds(const float* box, const float* x) {
+struct Box {
+  std::array<float, 3> low, high;
+};
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+// Around tetrahedron t. What is no number grows no box.
+Box box_around(const Model& model, std::size_t t, std::span<const float> positions) {
+  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float* x = positions.data() + 3 * std::size_t{model.contact_tetrahedron[4 * t + k]};
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.low[a] = std::min(box.low[a], x[a]);
+      box.high[a] = std::max(box.high[a], x[a]);
+    }
+  }
+  return box;
+}
+
+bool holds(const Box& box, const float* x) {
   for (std::size_t a = 0; a < 3; ++a)
-    if (!(x[a] >= box[a] && x[a] <= box[3 + a])) return false;
+    if (!(x[a] >= box.low[a] && x[a] <= box.high[a])) return false;
   return true;
 }
 
-// Whether all of a box at rest lies within the margin of a point.
-bool is_near(const float* box, const float* rest, float margin) {
-  float sum = 0.0f;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const float farthest = std::max(rest[a] - box[a], box[4 + a] - rest[a]);
-    sum += farthest * farthest;
-  }
-  return sum < 0.99f * margin * margin;
-}
-
-using Boxes = std::vector<float>;
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr std::array<float, 6> no_box{infinity, infinity, infinity, -infinity, -infinity, -infinity};
-
-void grow(float* box, const float* low, const float* high) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    box[a] = std::min(box[a], low[a]);
-    box[3 + a] = std::max(box[3 + a], high[a]);
-  }
-}
-
-// Around each tetrahedron. They are made once a frame: points ask for the same ones again and again.
-Boxes tetrahedron_boxes(const Model& model, std::span<const float> positions) {
-  Boxes boxes(6 * std::size_t{model.contact_tetrahedron_count()});
-  for (std::size_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
-    float* box = boxes.data() + 6 * t;
-    std::copy(no_box.begin(), no_box.end(), box);
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float* x = positions.data() + 3 * std::size_t{model.contact_tetrahedron[4 * t + k]};
-      grow(box, x, x);
+// Points by the cell of a grid in which they are. The cells reach around nearly all of the points; the others
+// are in the outermost ones.
+class PointGrid {
+ public:
+  // About so large are the boxes that will be asked for, along each axis.
+  PointGrid(const Model& model, std::span<const float> positions, float size) {
+    std::vector<float> along;
+    float cell = size;
+    std::array<float, 3> reach{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      along.clear();
+      for (const shader::ContactPoint& point : model.contact)
+        if (const float x = positions[3 * std::size_t{point.vertex} + a]; std::isfinite(x))
+          along.push_back(x);
+      if (along.empty()) return;
+      const auto at_share = [&](double share) {
+        const auto place =
+            along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
+        std::nth_element(along.begin(), place, along.end());
+        return *place;
+      };
+      low_[a] = at_share(outside);
+      reach[a] = at_share(1.0 - outside) - low_[a];
+      cell = std::max(cell, reach[a] / static_cast<float>(most_cells));
     }
+    if (!(cell > 0.0f) || !std::isfinite(cell)) return;
+    inverse_cell_ = 1.0f / cell;
+    for (std::size_t a = 0; a < 3; ++a)
+      count_[a] = std::min(static_cast<std::size_t>(reach[a] * inverse_cell_) + 1, most_cells + 1);
+    first_.assign(count_[0] * count_[1] * count_[2] + 1, 0);
+    std::vector<std::size_t> cell_of(model.contact.size(), no_cell);
+    for (std::size_t p = 0; p < cell_of.size(); ++p) {
+      const float* x = positions.data() + 3 * std::size_t{model.contact[p].vertex};
+      if (!(std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]))) continue;
+      cell_of[p] = cell_at({place(x[0], 0), place(x[1], 1), place(x[2], 2)});
+      ++first_[cell_of[p] + 1];
+    }
+    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+    points_.resize(first_.back());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t p = 0; p < cell_of.size(); ++p)
+      if (cell_of[p] != no_cell) {
+        const float* x = positions.data() + 3 * std::size_t{model.contact[p].vertex};
+        points_[next[cell_of[p]]++] = {{x[0], x[1], x[2]}, static_cast<std::uint32_t>(p)};
+      }
   }
-  return boxes;
+
+  // Calls use(p) for all points that lie in a box.
+  template <class Use>
+  void for_each_in(const Box& box, const Use& use) const {
+    if (points_.empty()) return;
+    std::array<std::size_t, 3> begin{}, end{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!(box.low[a] <= box.high[a])) return;
+      begin[a] = place(box.low[a], a);
+      end[a] = place(box.high[a], a);
+    }
+    for (std::size_t z = begin[2]; z <= end[2]; ++z)
+      for (std::size_t y = begin[1]; y <= end[1]; ++y) {
+        // Cells along x follow each other.
+        const std::uint32_t last = first_[cell_at({end[0], y, z}) + 1];
+        for (std::uint32_t k = first_[cell_at({begin[0], y, z})]; k < last; ++k)
+          if (holds(box, points_[k].place.data())) use(points_[k].number);
+      }
+  }
+
+ private:
+  struct Point {
+    std::array<float, 3> place;
+    std::uint32_t number;
+  };
+  static constexpr double outside = 0.01;  // share of the points that the cells may leave out on each side
+  static constexpr std::size_t most_cells = 128;  // along an axis
+  static constexpr std::size_t no_cell = std::numeric_limits<std::size_t>::max();
+
+  std::size_t place(float x, std::size_t a) const {
+    const float along = (x - low_[a]) * inverse_cell_;
+    return static_cast<std::size_t>(std::clamp(along, 0.0f, static_cast<float>(count_[a] - 1)));
+  }
+  std::size_t cell_at(const std::array<std::size_t, 3>& at) const {
+    return (at[2] * count_[1] + at[1]) * count_[0] + at[0];
+  }
+
+  std::array<float, 3> low_{};
+  float inverse_cell_ = 1.0f;
+  std::array<std::size_t, 3> count_{};
+  std::vector<std::uint32_t> first_;
+  std::vector<Point> points_;  // cell by cell
+};
+
+// Whether a tetrahedron lies wholly within the margin of a point at rest, so that it cannot be met.
+bool is_near_at_rest(const Model& model, const shader::ContactPoint& point, std::size_t t) {
+  if (point.near_count > 0) return false;
+  const float* s = model.rest.data() + 3 * std::size_t{point.vertex};
+  // The share is kernel/contact.inc's: a little less than 1, as what decides is rounded.
+  const float most = 0.99f * (point.margin * point.margin);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float* x = model.rest.data() + 3 * std::size_t{model.contact_tetrahedron[4 * t + k]};
+    float sum = 0.0f;
+    for (std::size_t a = 0; a < 3; ++a) sum += (x[a] - s[a]) * (x[a] - s[a]);
+    if (!(sum < most)) return false;
+  }
+  return true;
 }
 
-// Around each `size` of the boxes in turn.
-Boxes boxes_around(const Boxes& parts, std::uint32_t size) {
-  Boxes boxes;
-  for (std::size_t k = 0; 6 * k < parts.size(); ++k) {
-    if (k % size == 0) boxes.insert(boxes.end(), no_box.begin(), no_box.end());
-    grow(boxes.data() + boxes.size() - 6, parts.data() + 6 * k, parts.data() + 6 * k + 3);
+// Of the boxes of tetrahedra at rest, along all axes, in the mean.
+float mean_box_size(const Model& model) {
+  double sum = 0.0;
+  for (std::size_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
+    const Box box = box_around(model, t, model.rest);
+    for (std::size_t a = 0; a < 3; ++a) sum += double{box.high[a]} - double{box.low[a]};
   }
-  return boxes;
+  return static_cast<float>(sum / (3.0 * model.contact_tetrahedron_count()));
 }
 
 }  // namespace
 
-OverlapMeter::OverlapMeter(const Model& model) : model_(model), area_(areas(model)) {}
+OverlapMeter::OverlapMeter(const Model& model)
+    : model_(model), area_(areas(model)), box_size_(mean_box_size(model)) {}
 
 double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const {
+  if (model_.is_ignored_contact(p, t)) return -1.0;
   const shader::ContactPoint& point = model_.contact[p];
   const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
   const Vector a = place_of(positions, corner[0]);
@@ -129,7 +223,7 @@ double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const 
   for (std::size_t k = 0; k < 4; ++k) {
     const Vector r = place_of(model_.rest, corner[k]);
     for (std::size_t c = 0; c < 3; ++c) apart[c] += weight[k] * r[c];
-    deep += weight[k] * double{model_.contact_depth[corner[k]]};
+    deep += weight[k] * double{contact_depth_of(model_, p, corner[k])};
     is_free = is_free || !model_.is_kinematic(corner[k]);
     is_across_a_gap =
         is_across_a_gap && std::binary_search(first_near, first_near + point.near_count, corner[k]);
@@ -138,44 +232,29 @@ double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const 
   return is_free && (is_far || is_across_a_gap) ? deep : -1.0;
 }
 
-double OverlapMeter::depth(std::uint32_t p, std::span<const float> positions, const AllBoxes& boxes) const {
-  const shader::ContactPoint& point = model_.contact[p];
-  const float* x = positions.data() + 3 * std::size_t{point.vertex};
-  const float* rest = model_.rest.data() + 3 * std::size_t{point.vertex};
-  const std::uint32_t leaf_count = model_.contact_leaf_count();
-  const auto may_hold = [&](const Boxes& of_level, std::uint32_t box, std::uint32_t rest_box) {
-    return holds(of_level.data() + 6 * std::size_t{box}, x) &&
-           (point.near_count > 0 ||
-            !is_near(model_.contact_rest_box.data() + 8 * std::size_t{rest_box}, rest, point.margin));
-  };
-  for (std::uint32_t branch = 0; branch < model_.contact_branch_count(); ++branch) {
-    if (!may_hold(boxes.branches, branch, leaf_count + branch)) continue;
-    const std::uint32_t last_leaf = std::min((branch + 1) * shader::contact_branch, leaf_count);
-    for (std::uint32_t leaf = branch * shader::contact_branch; leaf < last_leaf; ++leaf) {
-      if (!may_hold(boxes.leaves, leaf, leaf)) continue;
-      const std::uint32_t last =
-          std::min((leaf + 1) * shader::contact_leaf, model_.contact_tetrahedron_count());
-      for (std::uint32_t t = leaf * shader::contact_leaf; t < last; ++t) {
-        if (!holds(boxes.tetrahedra.data() + 6 * std::size_t{t}, x)) continue;
-        if (const double deep = depth_in(p, t, positions); deep >= 0.0) return deep;
-      }
-    }
+// Tetrahedra come in their order, so that a point's first find is that of the lowest number.
+std::vector<PointOverlap> OverlapMeter::points(std::span<const float> positions) const {
+  const PointGrid grid(model_, positions, box_size_);
+  std::vector<std::optional<PointOverlap>> found(model_.contact.size());
+  for (std::uint32_t t = 0; t < model_.contact_tetrahedron_count(); ++t) {
+    grid.for_each_in(box_around(model_, t, positions), [&](std::uint32_t p) {
+      if (found[p] || is_near_at_rest(model_, model_.contact[p], t)) return;
+      if (const double deep = depth_in(p, t, positions); deep >= 0.0)
+        found[p] = PointOverlap{p, t, deep * model_.unit};
+    });
   }
-  return -1.0;
+  std::vector<PointOverlap> overlaps;
+  for (const std::optional<PointOverlap>& one : found)
+    if (one) overlaps.push_back(*one);
+  return overlaps;
 }
 
 Overlap OverlapMeter::of(std::span<const float> positions) const {
-  AllBoxes boxes;
-  boxes.tetrahedra = tetrahedron_boxes(model_, positions);
-  boxes.leaves = boxes_around(boxes.tetrahedra, shader::contact_leaf);
-  boxes.branches = boxes_around(boxes.leaves, shader::contact_branch);
   Overlap overlap;
-  for (std::uint32_t p = 0; p < model_.contact.size(); ++p) {
-    const double deep = depth(p, positions, boxes);
-    if (deep < 0.0) continue;
+  for (const PointOverlap& one : points(positions)) {
     ++overlap.vertices;
-    overlap.deepest = std::max(overlap.deepest, deep * model_.unit);
-    overlap.volume += area_[p] * deep / 2.0 * model_.unit * model_.unit * model_.unit;
+    overlap.deepest = std::max(overlap.deepest, one.depth);
+    overlap.volume += area_[one.point] * one.depth / 2.0 * model_.unit * model_.unit;
   }
   return overlap;
 }

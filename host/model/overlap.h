@@ -16,6 +16,13 @@ struct Overlap {
   double volume = 0.0;         // m^3: half the sum of their areas times their depths, as two sides overlap
 };
 
+// A point of the surface that lies in flesh which it may meet.
+struct PointOverlap {
+  std::uint32_t point;        // of Model::contact
+  std::uint32_t tetrahedron;  // of Model::contact_tetrahedron: the first that holds it
+  double depth;               // m, as above
+};
+
 class OverlapMeter {
  public:
   // The model has contact arrays and must outlive the meter.
@@ -24,19 +31,17 @@ class OverlapMeter {
   // Of a body whose vertices are at these places, 3 numbers each, in working units. Flesh that follows the
   // skeleton on both sides is left out.
   Overlap of(std::span<const float> positions) const;
+  // Of such a body, by ascending point.
+  std::vector<PointOverlap> points(std::span<const float> positions) const;
 
  private:
-  // Six floats each: least, most.
-  struct AllBoxes {
-    std::vector<float> tetrahedra, leaves, branches;
-  };
-  // How deep point p lies in the first tetrahedron that holds it and that it may meet, or in tetrahedron t,
-  // whose box holds it; below 0: in none.
-  double depth(std::uint32_t p, std::span<const float> positions, const AllBoxes& boxes) const;
+  // How deep, in working units, point p lies in tetrahedron t, whose box holds it; below 0: not in it, or it
+  // may not meet it.
   double depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const;
 
   const Model& model_;
   std::vector<double> area_;  // of each point, square working units
+  float box_size_;            // of a tetrahedron, in the mean
 };
 
 }  // namespace fascicle::model

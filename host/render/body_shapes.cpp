@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -54,6 +56,11 @@ std::uint32_t most_frequent(std::array<std::uint32_t, 4> layers) {
 
 Vector3f skin_tone() {
   return colour(0xe3ab8c);
+}
+
+// Of what has no meaning of its own.
+Vector3f paper_tone() {
+  return colour(0xd2d0cc);
 }
 
 std::vector<Vector3f> smooth_normals(const Shape& shape, std::span<const std::uint32_t> normal_of) {
@@ -237,7 +244,8 @@ Legend BodyDrawing::legend() const {
                         {"y", direction_colour(Vector3f::UnitY())},
                         {"z", direction_colour(Vector3f::UnitZ())}};
       break;
-    case Mode::lag: {
+    case Mode::lag:
+    case Mode::contact: {
       constexpr int stops = 17;
       legend.is_scale = true;
       for (int k = 0; k < stops; ++k)
@@ -257,6 +265,7 @@ bool BodyDrawing::shows_fibres() const {
 }
 
 Vector3f BodyDrawing::lag_colour(float lag) const {
+  if (lag < 0.0f) return paper_tone();
   return scale_colour(options_.lag_scale > 0.0 ? lag / static_cast<float>(options_.lag_scale) : 0.0f);
 }
 
@@ -267,9 +276,10 @@ Vector3f BodyDrawing::vertex_colour(std::uint32_t vertex, std::span<const float>
       return layer_colour(model_.layers[layer].name, layer);
     }
     case Mode::lag:
+    case Mode::contact:
       return lag_colour(lag[vertex]);
     case Mode::fibres:
-      return colour(0xd2d0cc);
+      return paper_tone();
     case Mode::shaded:
       break;
   }
@@ -297,18 +307,21 @@ Shape BodyDrawing::surface(std::span<const float> positions, std::span<const flo
   shape.blend_colours = options_.mode != Mode::layers;
   for (const std::uint32_t s : drawn_vertex_) {
     Vector3f place = placed.empty() ? Vector3f(Vector3f::Zero()) : at(placed, s);
-    float distance = 0.0f;
+    float distance = 0.0f, most = lag.empty() ? 0.0f : -1.0f;
     for (std::size_t c = 0; c < 4; ++c) {
       const std::uint32_t vertex = model_.surface_vertex[std::size_t{4} * s + c];
       const float weight = model_.surface_weight[std::size_t{4} * s + c];
       if (placed.empty()) place += weight * at(positions, vertex);
-      if (!lag.empty()) distance += weight * lag[vertex];
+      if (lag.empty()) continue;
+      distance += weight * std::max(lag[vertex], 0.0f);
+      if (weight > 0.0f) most = std::max(most, lag[vertex]);
     }
+    if (most < 0.0f) distance = most;
     shape.positions.push_back(place);
-    shape.colours.push_back(options_.mode == Mode::layers
-                                ? layer_colour(model_.layers[surface_layer_[s]].name, surface_layer_[s])
-                            : options_.mode == Mode::lag ? lag_colour(distance)
-                                                         : skin_tone());
+    shape.colours.push_back(
+        options_.mode == Mode::layers ? layer_colour(model_.layers[surface_layer_[s]].name, surface_layer_[s])
+        : options_.mode == Mode::lag || options_.mode == Mode::contact ? lag_colour(distance)
+                                                                       : skin_tone());
   }
   shape.triangles = drawn_triangles_;
   shape.normals = smooth_normals(shape, normal_of_);
@@ -376,11 +389,44 @@ Shape BodyDrawing::fibre_lines(std::span<const float> positions, const Vector3f&
   return shape;
 }
 
+// Flesh in flesh is hidden in the body. Its vertices are marked as if seen through what lies before them:
+// brought near to the eye, and made smaller by as much.
+Shape BodyDrawing::contact_marks(std::span<const float> positions, std::span<const float> depths,
+                                 const Vector3f& eye) const {
+  constexpr std::uint32_t corners = 8;
+  constexpr float size_of_body = 0.003f;
+  Shape shape;
+  shape.finish = Finish::ink;
+  shape.casts_shadow = false;
+  float nearest = std::numeric_limits<float>::infinity();
+  for (std::uint32_t i = 0; i < model_.vertex_count; ++i)
+    nearest = std::min(nearest, (at(positions, i) - eye).norm());
+  const float radius = size_of_body * static_cast<float>(model::extent(model_));
+  for (std::uint32_t i = 0; i < model_.vertex_count; ++i) {
+    if (depths[i] < 0.0f) continue;
+    const Vector3f to_mark = at(positions, i) - eye;
+    const float share = 0.5f * nearest / to_mark.norm();
+    if (!std::isfinite(share) || share <= 0.0f) continue;
+    const Vector3f middle = eye + share * to_mark;
+    const Vector3f side = to_mark.unitOrthogonal() * (share * radius), up = to_mark.normalized().cross(side);
+    const std::uint32_t first = static_cast<std::uint32_t>(shape.positions.size());
+    for (std::uint32_t k = 0; k < corners; ++k) {
+      const float angle = 2.0f * std::numbers::pi_v<float> * static_cast<float>(k) / corners;
+      shape.positions.push_back(middle + std::cos(angle) * side + std::sin(angle) * up);
+      if (k >= 2) shape.triangles.push_back({first, first + k - 1, first + k});
+    }
+    shape.colours.insert(shape.colours.end(), corners, lag_colour(depths[i]));
+  }
+  shape.normals.assign(shape.positions.size(), Vector3f::UnitY());
+  return shape;
+}
+
 std::vector<Shape> BodyDrawing::shapes(std::span<const float> positions, std::span<const float> lag,
                                        const Vector3f& eye, std::span<const float> placed) const {
   std::vector<Shape> result;
   result.push_back(draws_tetrahedra_ ? faces(positions, lag) : surface(positions, lag, placed));
   if (options_.mode == Mode::fibres) result.push_back(fibre_lines(positions, eye));
+  if (options_.mode == Mode::contact) result.push_back(contact_marks(positions, lag, eye));
   return result;
 }
 

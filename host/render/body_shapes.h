@@ -15,8 +15,8 @@
 namespace fascicle::render {
 
 // shaded: skin; layers: a colour for each layer; fibres: short lines along d_r; lag: distance to the skinned
-// pose.
-enum class Mode { shaded, layers, fibres, lag };
+// pose; contact: how deep flesh lies in other flesh.
+enum class Mode { shaded, layers, fibres, lag, contact };
 
 // Takes away the tetrahedra that lie wholly on one side of a plane in the rest pose, so that it cuts the same
 // tetrahedra in every frame.
@@ -30,7 +30,7 @@ struct DrawingOptions {
   Mode mode = Mode::shaded;
   bool tetrahedra = false;  // instead of the render mesh; fibres and a clip draw them in any case
   std::optional<Clip> clip;
-  double lag_scale = 0.0;  // m that take the scale's last colour
+  double lag_scale = 0.0;  // m, of lag or depth, that take the scale's last colour
   // Of the render mesh, for Mode::shaded without tetrahedra; none: skin. Must outlive the drawing.
   const Looks* looks = nullptr;
 };
@@ -41,8 +41,9 @@ class BodyDrawing {
   // Throws std::invalid_argument, for people to read, where nothing is left to draw.
   BodyDrawing(const model::Model& model, const DrawingOptions& options);
 
-  // `positions`: of the model's vertices, 3 a vertex, m. `lag`: m, one a vertex, for Mode::lag only. `eye`:
-  // the camera's place; fibres are laid out to face it. `placed`: of the render mesh's vertices, 3 a vertex,
+  // `positions`: of the model's vertices, 3 a vertex, m. `lag`: m, one a vertex, for Mode::lag, and
+  // for Mode::contact the depth, below 0 where there is none. `eye`: the camera's place; fibres and marks are
+  // laid out to face it. `placed`: of the render mesh's vertices, 3 a vertex,
   // m, where it is not to stand as the model's vertices carry it.
   std::vector<Shape> shapes(std::span<const float> positions, std::span<const float> lag, const Vector3f& eye,
                             std::span<const float> placed = {}) const;
@@ -63,6 +64,8 @@ class BodyDrawing {
                 std::span<const float> placed) const;
   void paint(Shape& shape) const;
   Shape faces(std::span<const float> positions, std::span<const float> lag) const;
+  Shape contact_marks(std::span<const float> positions, std::span<const float> depths,
+                      const Vector3f& eye) const;
   Shape fibre_lines(std::span<const float> positions, const Vector3f& eye) const;
   void split_at_creases();
   Vector3f vertex_colour(std::uint32_t vertex, std::span<const float> lag) const;

@@ -137,6 +137,7 @@ struct Layer {
   double inertia_scale = 1.0;  // [0, most_inertia]: share of the skeleton's acceleration that the flesh feels
   double volume = 0.0;         // [0, 1]: how strongly volume is drawn back to rest
   double least_volume = 0.0;   // [0, 0.9]: share of its volume below which it is not crushed
+  bool contact = true;         // with self-contact: its flesh meets other flesh
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
@@ -159,12 +160,19 @@ struct FleshSettings {
   double exaggerate = 1.0;  // [0, 4]: all free layers' inertia_scale is multiplied by it
 };
 
+// Lists of one or two names.
+using NameLists = std::vector<std::vector<std::string>>;
+
 // How flesh meets flesh.
 struct ContactSettings {
   bool self = false;               // flesh of the body does not pass through other flesh of it
   std::optional<double> distance;  // m: flesh nearer than that at rest does not meet; absent: by the mesh
   double friction = 0.5;           // Coulomb's coefficient, at least 0
+  NameLists ignore;                // pairs of flesh that do not meet; a name alone meets nothing
+  std::string attribute;           // painted: below a half flesh meets nothing; empty: none
 };
+// At most so many distinct names in pairs of ContactSettings::ignore: the bits of a group.
+inline constexpr std::size_t most_ignored_names = 32;
 
 // Muscle fibres drawn as a polyline from origin to insertion, m.
 struct FibreCurve {

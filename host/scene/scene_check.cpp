@@ -60,6 +60,8 @@ const char* type_wanted(KeyType type) {
       return "an array of numbers";
     case KeyType::texts:
       return "an array of texts in quotes";
+    case KeyType::name_lists:
+      return "an array of arrays of one or two texts in quotes";
     case KeyType::points:
       return "an array of two or more points, each of three numbers";
     case KeyType::curve:
@@ -129,6 +131,27 @@ void check_texts(const toml::node& node, const Key& key, const std::string& path
   if (array->empty()) fail(node.source(), path, "is empty; leave it out, or name something");
   for (std::size_t i = 0; i < array->size(); ++i)
     if (!(*array)[i].is_string()) fail_type((*array)[i], key, path + "[" + std::to_string(i) + "]");
+}
+
+void check_name_lists(const toml::node& node, const Key& key, const std::string& path) {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail_type(node, key, path);
+  if (array->empty()) fail(node.source(), path, "is empty; leave it out, or name something");
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const std::string inner = path + "[" + std::to_string(i) + "]";
+    const toml::array* names = (*array)[i].as_array();
+    if (names == nullptr)
+      fail((*array)[i].source(), inner,
+           std::string("takes an array of one or two names, [\"a\", \"b\"], not ") + type_given((*array)[i]));
+    if (names->empty() || names->size() > 2)
+      fail(names->source(), inner,
+           "has " + std::to_string(names->size()) +
+               " names; give two that do not meet each other, or one that meets nothing");
+    for (std::size_t k = 0; k < names->size(); ++k)
+      if (!(*names)[k].is_string())
+        fail((*names)[k].source(), inner + "[" + std::to_string(k) + "]",
+             std::string("takes text in quotes, not ") + type_given((*names)[k]));
+  }
 }
 
 void check_points(const toml::node& node, const Key& key, const std::string& path) {
@@ -228,6 +251,8 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
       return check_vector(node, key, path);
     case KeyType::texts:
       return check_texts(node, key, path);
+    case KeyType::name_lists:
+      return check_name_lists(node, key, path);
     case KeyType::points:
       return check_points(node, key, path);
     case KeyType::curve:

@@ -129,6 +129,13 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                  });
 }
 
+void read_contact(const toml::table& table, const Surroundings& surroundings, ContactSettings& contact) {
+  read_keys(table, contact);
+  if (!contact.attribute.empty() && !surroundings.has_joints)
+    fail(table.get("attribute")->source(), join_path("contact", "attribute"),
+         "only a [character] has painted values; leave it out");
+}
+
 // After the layers, whose numbers it changes.
 void read_flesh(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "flesh");
@@ -394,7 +401,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read_skeleton_settings(root, scene);
   read_layers(root, surroundings, scene);
   read_flesh(root, scene);
-  read_keys(table_at(root, "contact"), scene.contact);
+  read_contact(table_at(root, "contact"), surroundings, scene.contact);
   read_fibres(root, scene);
   read_muscles(root, surroundings, scene);
   for_each_named(root, "pin",

@@ -76,6 +76,10 @@ const auto& layer_rows() {
                   "integrator; 0: none. Where absent, 0.3 for a character, else 0.",
            .range = between(0.0, 0.9)},
           {.depends = true, .shown = Shown::where_set}),
+      key(&Layer::contact,
+          {.name = "contact",
+           .doc = "With contact.self: its flesh meets other flesh. false: it meets nothing."},
+          {.shown = Shown::where_set}),
       where_key(&Layer::where, false,
                 "What belongs to the layer; where absent, all that no other layer claims.")};
   static_assert(base::has_row_for_each_member<Layer, decltype(all)>, "a member of Layer has no row here");
@@ -115,7 +119,17 @@ const auto& contact_rows() {
            .range = positive(1e3)}),
       key(&ContactSettings::friction, {.name = "friction",
                                        .doc = "Coulomb's coefficient of friction between flesh and flesh.",
-                                       .range = between(0.0, 100.0)})};
+                                       .range = between(0.0, 100.0)}),
+      key(&ContactSettings::ignore,
+          {.name = "ignore",
+           .doc =
+               "Flesh that does not meet: [[\"thigh_L\", \"belly\"], [\"tail\"]]. Two names do not meet each "
+               "other, one alone meets nothing. A name is a joint's, and stands for its flesh and that of "
+               "all joints below it, or a layer's, an object's or a material's."}),
+      key(&ContactSettings::attribute,
+          {.name = "attribute",
+           .doc = "Painted values: flesh where they are below 0.5 meets nothing: _CONTACT, COLOR_0.b; empty: "
+                  "none."})};
   static_assert(base::has_row_for_each_member<ContactSettings, decltype(all)>,
                 "a member of ContactSettings has no row here");
   return all;

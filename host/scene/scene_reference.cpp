@@ -31,6 +31,8 @@ const char* type_words(const Key& key) {
       return "list of numbers";
     case KeyType::texts:
       return "list of texts";
+    case KeyType::name_lists:
+      return "list of lists of one or two texts";
     case KeyType::points:
       return "list of points, three numbers each";
     case KeyType::curve:

@@ -91,6 +91,8 @@ consteval KeyType type_of() {
     return KeyType::numbers;
   else if constexpr (std::is_same_v<T, std::vector<std::string>>)
     return KeyType::texts;
+  else if constexpr (std::is_same_v<T, NameLists>)
+    return KeyType::name_lists;
   else if constexpr (std::is_same_v<T, std::vector<Vector3d>>)
     return KeyType::points;
   else if constexpr (std::is_same_v<T, KeyedCurve>)

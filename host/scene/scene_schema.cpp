@@ -63,6 +63,11 @@ Json schema_of(const Key& key) {
     case KeyType::texts:
       schema = {{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}};
       break;
+    case KeyType::name_lists: {
+      const Json names{{"type", "array"}, {"items", {{"type", "string"}}}, {"minItems", 1}, {"maxItems", 2}};
+      schema = {{"type", "array"}, {"items", names}, {"minItems", 1}};
+      break;
+    }
     case KeyType::points: {
       Json coordinates{{"type", "number"}};
       add_range(coordinates, key);

@@ -21,6 +21,7 @@ enum class KeyType {
   integer_vector,  // three whole numbers
   numbers,         // any count of numbers
   texts,           // an array of at least one text
+  name_lists,      // an array of at least one array of one or two texts
   points,          // an array of at least two vectors
   curve,           // an array of at least one pair [x, value], x ascending
   named_numbers,   // a table of at least one number, under names the user chooses; any text will do

@@ -46,6 +46,15 @@ void read(const toml::table& table, const char* key, std::vector<std::string>& o
   for (const toml::node& text : *node->as_array()) out.push_back(text.as_string()->get());
 }
 
+void read(const toml::table& table, const char* key, NameLists& out) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return;
+  for (const toml::node& list : *node->as_array()) {
+    out.emplace_back();
+    for (const toml::node& text : *list.as_array()) out.back().push_back(text.as_string()->get());
+  }
+}
+
 void read(const toml::table& table, const char* key, std::optional<Vector3d>& out) {
   if (const toml::node* node = table.get(key)) out = vector_of(*node);
 }

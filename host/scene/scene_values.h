@@ -24,6 +24,7 @@ void read(const toml::table& table, const char* key, bool& out);
 void read(const toml::table& table, const char* key, std::string& out);
 void read(const toml::table& table, const char* key, Vector3d& out);
 void read(const toml::table& table, const char* key, std::vector<std::string>& out);
+void read(const toml::table& table, const char* key, NameLists& out);
 void read(const toml::table& table, const char* key, std::optional<Vector3d>& out);
 void read(const toml::table& table, const char* key, std::array<std::uint32_t, 3>& out);
 void read(const toml::table& table, const char* key, std::vector<double>& out);

@@ -53,6 +53,18 @@ TEST_F(Render, EveryModeGivesItsOwnPicture) {
   }
 }
 
+// Two boxes above each other that do not touch yet: a picture with a scale, and no mark.
+TEST_F(Render, ContactIsDrawnOfWhatHasIt) {
+  expect_refused(render({"-o", folder_ / "none.png", "--mode", "contact"}), 2, "set contact.self = true");
+  EXPECT_FALSE(fs::exists(folder_.path() / "none.png"));
+  const std::string path = folder_ / "contact.png";
+  const Outcome outcome = fascicle(
+      {"render", "stack", "-o", path, "--mode", "contact", "--lag-scale", "20", "--size", "160x120"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(is_png(path));
+  EXPECT_NE(outcome.out.find("20 mm"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Render, ThreadsChangeNoByteAndFramesDiffer) {
   const auto bytes = [&](const std::string& name, const std::string& frame, const std::string& threads) {
     const Outcome outcome = render({"-o", folder_ / name, "--frame", frame, "--threads", threads});

@@ -248,6 +248,26 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFind) {
     }
 }
 
+// As many as the scene lets them find: fewer than without, and not none.
+TEST(ContactSearch, FindsNothingThatIsIgnored) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    TwoBlocks blocks =
+        seed < 3 ? make_two_blocks(3, 3, 2, 0.125, seed, seed == 1) : make_two_blocks(6, 5, 5, 0.0625, seed);
+    if (seed == 2) let_neighbours_meet(blocks.model);
+    const int steps = seed < 3 ? 120 : 40;
+    const std::size_t all = expect_same_contacts(blocks, steps, seed).contacts;
+    ignore_some_contact(blocks.model, seed);
+    const std::size_t some = expect_same_contacts(blocks, steps, seed).contacts;
+    EXPECT_GT(some, all / 8);
+    EXPECT_LT(some, 7 * all / 8);
+    // Every leaf as a whole by every block.
+    blocks.model.contact_ignored.assign(blocks.model.contact.size(), 4);
+    blocks.model.contact_group.assign(blocks.model.contact_tetrahedron_count(), 6);
+    add_group_depths(blocks.model);
+    EXPECT_EQ(expect_same_contacts(blocks, steps, seed).contacts, 0u);
+  }
+}
+
 // Planes of such tetrahedra are rounding, and a hundredth of a millimetre is far there.
 TEST(ContactSearch, FindsThemInFlakesAndNeedles) {
   unsigned seed = 0;

@@ -13,6 +13,7 @@
 
 #include "cpu_reference/oracle/oracle.h"
 #include "cpu_reference/oracle/oracle_contact.h"
+#include "host/model/overlap.h"
 #include "host/model/validate.h"
 #include "tests/cpu_reference/oracle_run.h"
 #include "tests/cpu_reference/solver_runs.h"
@@ -157,6 +158,60 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   EXPECT_FALSE(is_pressed());
 }
 
+// A point of a group meets nothing of the groups that it ignores; of others it does, and without groups.
+TEST(Contact, DoesNotMeetWhatItIgnores) {
+  for (const bool implicit : {false, true}) {
+    PointInTetrahedron c(implicit);
+    const State state = c.meeting(Vector3d::Zero());
+    const auto is_met = [&] {
+      check_model(c.model);
+      const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
+      const bool is_pressed = largest_in(points_in(contact_output(*solver, c.model, state, c.h))) > 0.0;
+      EXPECT_EQ(cpu_reference::Contacts(c.model).found_at(points_in(state.positions)).size(),
+                is_pressed ? 1u : 0u);
+      EXPECT_EQ(model::OverlapMeter(c.model).of(state.positions).vertices, is_pressed ? 1u : 0u);
+      return is_pressed;
+    };
+    EXPECT_TRUE(is_met());
+    c.model.contact_group.assign(c.model.contact_tetrahedron_count(), 5u);
+    c.model.contact_ignored.assign(c.model.contact.size(), 4u);
+    add_group_depths(c.model);
+    EXPECT_FALSE(is_met());
+    c.model.contact_ignored[4] = 0;
+    EXPECT_TRUE(is_met()) << "the others do not matter";
+    c.model.contact_ignored[4] = 1;
+    EXPECT_FALSE(is_met());
+    c.model.contact_group[0] = 4u;
+    EXPECT_TRUE(is_met()) << "of another group";
+  }
+}
+
+// A point that ignores groups is as deep as the least of their depths says.
+TEST(Contact, IsAsDeepAsBeyondWhatItIgnores) {
+  for (const bool implicit : {false, true}) {
+    PointInTetrahedron c(implicit);
+    const Points q = points_in(c.meeting(Vector3d::Zero()).positions);
+    const auto push = [&] {
+      check_model(c.model);
+      return cpu_reference::Contacts(c.model).found_at(q).at(0).push.norm();
+    };
+    const double all = push();
+    c.model.contact_group.assign(c.model.contact_tetrahedron_count(), 0);
+    c.model.contact_group[1] = 3;
+    c.model.contact_ignored.assign(c.model.contact.size(), 0);
+    for (const float share : {0.5f, 2.0f})
+      for (std::size_t i = 0; i < 8; ++i) c.model.contact_depth.push_back(share * c.model.contact_depth[i]);
+    EXPECT_EQ(push(), all) << "it ignores nothing";
+    c.model.contact_ignored[4] = 2;
+    EXPECT_EQ(push(), all) << "not deeper";
+    // Depth and its gradient are halved.
+    c.model.contact_ignored[4] = 3;
+    EXPECT_NEAR(push(), all / 4.0, 1e-6 * all);
+    EXPECT_NEAR(model::OverlapMeter(c.model).of(c.meeting(Vector3d::Zero()).positions).deepest,
+                c.model.unit / 32.0, 1e-6);
+  }
+}
+
 TEST(Contact, TheModelsKeepTheirPromises) {
   EXPECT_NO_THROW(check_model(make_two_blocks(3, 3, 2, 0.125, 1).model));
   EXPECT_NO_THROW(check_model(make_two_blocks(3, 3, 2, 0.125, 1, true, true).model));
@@ -194,7 +249,8 @@ TEST(Contact, FollowsTheOracle) {
   for (unsigned seed = 0; seed < 8; ++seed)
     for (const bool implicit : {false, true}) {
       SCOPED_TRACE("seed " + std::to_string(seed) + (implicit ? ", implicit" : ", explicit"));
-      const TwoBlocks blocks = make_two_blocks(3, 2 + seed % 2, 3, 0.125, seed, implicit, seed % 3 == 1);
+      TwoBlocks blocks = make_two_blocks(3, 2 + seed % 2, 3, 0.125, seed, implicit, seed % 3 == 1);
+      if (seed >= 6) ignore_some_contact(blocks.model, seed);
       const auto solver = make_cpu_solver(blocks.model, contact_options(blocks.model), 2);
       cpu_reference::Oracle oracle(blocks.model, contact_options(blocks.model));
       const State state = overlapping(blocks, solver->save(), seed);

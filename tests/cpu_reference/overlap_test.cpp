@@ -2,6 +2,7 @@
 #include "host/model/overlap.h"
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -77,6 +78,22 @@ TEST(OverlapMeter, FindsWhatAllPairsFind) {
     found += depths.size();
   }
   EXPECT_GT(found, 100u);
+}
+
+// Vertices that have flown off make no difference to the others, and tetrahedra that reach out to them hold
+// what they hold.
+TEST(OverlapMeter, FindsTheSameBesideWhatHasFlownOff) {
+  std::uint64_t found = 0;
+  for (const float far : {3.0f, 1e4f, 1e30f, std::numeric_limits<float>::infinity()}) {
+    const TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, 2);
+    std::vector<float> positions = pushed(blocks, 0.06, 2);
+    for (const std::size_t k : {std::size_t{0}, std::size_t{3} * blocks.first_of_second + 1})
+      positions[k] = k == 0 ? -far : far;
+    const std::size_t expected = depths_of_all_pairs(blocks.model, positions).size();
+    EXPECT_EQ(model::OverlapMeter(blocks.model).of(positions).vertices, expected) << far;
+    found += expected;
+  }
+  EXPECT_GT(found, 40u);
 }
 
 // Two cubes of side 1/2, one pushed into the other by 1/8 along x and nothing else. Each has a face of area

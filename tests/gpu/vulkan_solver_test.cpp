@@ -61,6 +61,8 @@ const Case cases[] = {
       .implicit = true,
       .limits = true}},
     {"contact", {.contact = true, .odd_vertices = true}},
+    {"contact_ignored", {.contact = true, .ignored_contact = true}},
+    {"implicit_contact_ignored", {.implicit = true, .contact = true, .ignored_contact = true}},
     {"contact_skeleton", {.skeleton = true, .muscle = true, .contact = true}},
     {"contact_cuts",
      {.skeleton = true, .carried = true, .cuts = true, .forces = true, .ties = true, .contact = true}},

@@ -67,6 +67,8 @@ TEST(CheckModel, AcceptsContact) {
   EXPECT_NO_THROW(check_model(touching(model)));
   add_gap(model, 4, {0, 1, 2}, 0.0f);
   EXPECT_NO_THROW(check_model(model));
+  ignore_some_contact(model, 1);
+  EXPECT_NO_THROW(check_model(model));
   EXPECT_NO_THROW(check_model(without_contact(model)));
 }
 
@@ -193,6 +195,33 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
       {"contact_near", [](Model& m) { m.contact_near.push_back(0); }},
       {"contact_tetrahedron", [](Model& m) { touching(m).contact_tetrahedron.pop_back(); }},
       {"contact_tetrahedron", [](Model& m) { touching(m).contact_tetrahedron[5] = m.vertex_count; }},
+      {"contact_ignored",
+       [](Model& m) {
+         ignore_some_contact(touching(m), 1);
+         m.contact_ignored.pop_back();
+       }},
+      {"contact_ignored",
+       [](Model& m) {
+         ignore_some_contact(touching(m), 1);
+         m.contact_ignored[2] = 8;
+       }},
+      {"contact_ignored", [](Model& m) { m.contact_ignored.push_back(1); }},
+      {"contact_group",
+       [](Model& m) {
+         ignore_some_contact(touching(m), 1);
+         m.contact_group.clear();
+         add_group_depths(m);
+       }},
+      {"contact_group",
+       [](Model& m) {
+         touching(m).contact_group.assign(m.contact_tetrahedron_count(), 1);
+         add_group_depths(m);
+       }},
+      {"contact_depth",
+       [](Model& m) {
+         ignore_some_contact(touching(m), 1);
+         m.contact_depth.resize(m.vertex_count);
+       }},
       {"contact_depth", [](Model& m) { touching(m).contact_depth[1] = -0.5f; }},
       {"contact_depth", [](Model& m) { touching(m).contact_depth.pop_back(); }},
       {"contact_number",

@@ -119,6 +119,56 @@ TEST(BodyShapes, LagTakesTheScalesColours) {
   EXPECT_EQ(drawing.legend().entries.back().colour, render::scale_colour(1.0f));
 }
 
+// Flesh in other flesh takes the scale's colours, all else one that is none of them; and each such vertex has
+// a mark before the whole body, on the line from the eye to it.
+TEST(BodyShapes, ContactShowsDepthThroughTheBody) {
+  const model::Model model = two_layers();
+  std::vector<float> depth(model.vertex_count, -1.0f);
+  std::vector<std::uint32_t> deep;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (model.rest[3 * i] < 0.3f) {
+      depth[i] = 0.01f;
+      deep.push_back(i);
+    }
+  ASSERT_GT(deep.size(), 3u);
+  ASSERT_LT(deep.size(), model.vertex_count / 2);
+  const std::vector<float> positions = metres(model);
+  const Vector3f eye(0.5f, 0.25f, 10.0f), half = render::scale_colour(0.5f);
+  const BodyDrawing drawing(model, {Mode::contact, true, {}, 0.02});
+  EXPECT_EQ(drawing.legend().entries.back().name, "20 mm");
+  const std::vector<render::Shape> shapes = drawing.shapes(positions, depth, eye);
+  ASSERT_EQ(shapes.size(), 2u);
+  std::size_t coloured = 0;
+  for (const Vector3f& colour : shapes[0].colours) {
+    coloured += (colour - half).norm() < 1e-5f ? 1 : 0;
+    EXPECT_TRUE((colour - half).norm() < 1e-5f || (colour - render::colour(0xd2d0cc)).norm() < 1e-5f);
+  }
+  EXPECT_GT(coloured, 0u);
+  EXPECT_LT(coloured, shapes[0].colours.size());
+
+  const render::Shape& marks = shapes[1];
+  EXPECT_FALSE(marks.casts_shadow);
+  ASSERT_EQ(marks.positions.size() % deep.size(), 0u);
+  const std::size_t each = marks.positions.size() / deep.size();
+  float nearest = 1e9f;
+  for (std::size_t i = 0; i < positions.size(); i += 3)
+    nearest = std::min(nearest, (Vector3f(positions[i], positions[i + 1], positions[i + 2]) - eye).norm());
+  for (std::size_t k = 0; k < deep.size(); ++k) {
+    Vector3f middle = Vector3f::Zero();
+    for (std::size_t c = 0; c < each; ++c) {
+      middle += marks.positions[k * each + c] / static_cast<float>(each);
+      EXPECT_LT((marks.positions[k * each + c] - eye).norm(), nearest);
+      EXPECT_LT((marks.colours[k * each + c] - half).norm(), 1e-5f);
+    }
+    const std::size_t i = 3 * std::size_t{deep[k]};
+    const Vector3f to(Vector3f(positions[i], positions[i + 1], positions[i + 2]) - eye);
+    // Places 10 m from the eye are floats: 1e-6 of each.
+    EXPECT_LT((middle - eye).normalized().cross(to.normalized()).norm(), 1e-5f);
+  }
+  for (const render::Shape& shape : drawing.shapes(positions, std::vector<float>(depth.size(), -1.0f), eye))
+    for (const Vector3f& colour : shape.colours) EXPECT_EQ(colour, render::colour(0xd2d0cc));
+}
+
 // Lines lie along the fibre as the flesh carries it: sheared by x += y, upright fibres lean by 45 degrees.
 TEST(BodyShapes, FibresFollowTheDeformation) {
   const model::Model model = two_layers();

@@ -395,6 +395,7 @@ TEST_F(SceneKeys, BonesJointsAndPaintNeedWhatHasThem) {
       {"layers.fat.where={painted={attribute=\"_LAYER\",minimum=0,maximum=1}}", "only a [character]"},
       {"layers.fat.where={depth={maximum=0.5,per_bone={hand=0.3}}}", "only a [character]"},
       {"layers.fat.alpha_attribute=_STIFFNESS", "only a [character]"},
+      {"contact.attribute=_CONTACT", "contact.attribute: only a [character]"},
       {"layers.fat.fibre_field=true", "stands beside fibre_field"},
       {"fibres.biceps.points=[[0,0,0],[0,0,0]]", "the same point twice"},
       {"fibres.biceps.points=[[0,0,0],[0,2e6,0]]", "must be at most"},
@@ -404,6 +405,19 @@ TEST_F(SceneKeys, BonesJointsAndPaintNeedWhatHasThem) {
         << refusal(bar_sample(), {.set = {set}});
   EXPECT_NE(refusal(mesh_sample(), {.set = {"layers.body.where={depth={maximum=0.5}}"}}).find("no bones"),
             std::string::npos);
+}
+
+TEST_F(SceneKeys, IgnoredContactIsListsOfOneOrTwoNames) {
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {"[]", "contact.ignore: is empty; leave it out, or name something"},
+      {"[\"tail\"]", "contact.ignore[0]: takes an array of one or two names, [\"a\", \"b\"], not text"},
+      {"\"tail\"", "contact.ignore: takes an array of arrays of one or two texts in quotes, not text"},
+      {"[[\"fat\"], []]", "contact.ignore[1]: has 0 names; give two that do not meet each other, or one"},
+      {"[[\"a\", \"b\", \"c\"]]", "contact.ignore[0]: has 3 names"},
+      {"[[\"fat\", 2]]", "contact.ignore[0][1]: takes text in quotes, not a whole number"}};
+  for (const auto& [value, reason] : refused)
+    EXPECT_NE(refusal(bar_sample(), {.set = {"contact.ignore=" + value}}).find(reason), std::string::npos)
+        << refusal(bar_sample(), {.set = {"contact.ignore=" + value}});
 }
 
 TEST_F(SceneKeys, MusclesNeedAJointOrABone) {

@@ -56,6 +56,7 @@ TEST(SceneReference, TheManifestHasEveryKey) {
   scene::Layer layer;
   layer.sliding = true;
   layer.volume = layer.least_volume = 0.5;
+  layer.contact = false;
   const std::vector<std::string> none;
   EXPECT_EQ(missing("layers", json_of(layer)), none);
   EXPECT_EQ(missing("muscle", json_of(scene::Muscle{})), none);
@@ -81,7 +82,7 @@ TEST(SceneReference, TheManifestHasEveryKey) {
   }
   // The control: a key that most layers lack is not in the copy of those.
   EXPECT_EQ(missing("layers", json_of(scene::Layer{})),
-            (std::vector<std::string>{"sliding", "volume", "least_volume"}));
+            (std::vector<std::string>{"sliding", "volume", "least_volume", "contact"}));
 }
 
 // Words of keys stand for an enumeration's values in order.

@@ -33,9 +33,12 @@ to = [0.4, 0.1, 0.1]
 self = true
 distance = 0.0625
 friction = 0.75
+ignore = [["skin", "fat"], ["bone"]]
+attribute = ""
 
 [layers.skin]
 alpha = 0.25
+contact = false
 
 [layers.fat]
 alpha = 0.5
@@ -391,7 +394,9 @@ std::string describe(const Scene& scene) {
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,
          scene.skeleton.connect);
   d.line("flesh", scene.flesh.softness, scene.flesh.exaggerate);
-  d.line("contact", scene.contact.self, scene.contact.distance.value_or(-1.0), scene.contact.friction);
+  d.line("contact", scene.contact.self, scene.contact.distance.value_or(-1.0), scene.contact.friction,
+         scene.contact.attribute);
+  for (const std::vector<std::string>& names : scene.contact.ignore) d.line("ignore", names);
   for (const FibreCurve& curve : scene.fibres) {
     d.line("fibres", curve.name, curve.radius);
     for (const Vector3d& point : curve.points) d.line("point", point);
@@ -400,6 +405,7 @@ std::string describe(const Scene& scene) {
     d.line("layer", l.name, l.alpha, l.alpha_outer, l.alpha_attribute, l.beta, l.damping, l.density, l.fibre,
            l.fibre_field, l.kinematic, l.inertia_scale, l.volume, l.sliding, l.least_volume, l.where);
     d.line("stiffness", l.youngs_modulus, l.frequency, l.material, l.damping_ratio);
+    d.line("contact", l.contact);
   }
   for (const Muscle& m : scene.muscles) {
     d.line("muscle", m.name, m.joint, m.parent, m.child, m.bone, m.layer, m.where, m.gain, m.axis,

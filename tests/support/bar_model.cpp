@@ -182,6 +182,7 @@ void add_contacts(const BarOptions& o, Model& m) {
     m.contact_near.insert(m.contact_near.end(), near.begin(), near.end());
   }
   finish_contact(m);
+  if (o.ignored_contact) ignore_some_contact(m, 3);
 }
 
 // Four solids, each of which spares some vertices.

@@ -20,9 +20,10 @@ struct BarOptions {
   bool volume = false;  // a volume term in two of three regions
   bool ties = false;    // of the uppermost vertices to triangles below them, some of which are held
   bool surface = true;
-  bool implicit = false;  // for the implicit integrator, from soft to stiff
-  bool limits = false;    // of an implicit one: no tetrahedron loses a tenth of its volume
-  bool contact = false;   // most vertices are points, in tetrahedra that may be met nearly everywhere
+  bool implicit = false;         // for the implicit integrator, from soft to stiff
+  bool limits = false;           // of an implicit one: no tetrahedron loses a tenth of its volume
+  bool contact = false;          // most vertices are points, in tetrahedra that may be met nearly everywhere
+  bool ignored_contact = false;  // beside contact: some points ignore some of them
   bool colliders =
       false;  // a solid of each shape, all of them moving, in the bar's way; some vertices are spared
   bool odd_vertices = false;  // adds one vertex without neighbours, one of those also without weight

@@ -5,9 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <random>
 #include <set>
 #include <span>
 #include <vector>
+
+#include "host/model/contact_depth.h"
 
 namespace fascicle::tests {
 
@@ -117,6 +120,29 @@ void add_gap(Model& m, std::uint32_t p, const std::vector<std::uint32_t>& vertic
   for (std::size_t k = p + 1; k < m.contact.size(); ++k) m.contact[k].first_near += point.near_count;
 }
 
+void ignore_some_contact(Model& m, unsigned seed) {
+  std::mt19937 random(seed);
+  m.contact_ignored.clear();
+  m.contact_group.clear();
+  // Every other leaf is of one group as a whole.
+  for (std::uint32_t t = 0; t < m.contact_tetrahedron_count(); ++t)
+    m.contact_group.push_back((random() % 8 & 5U) | (t / shader::contact_leaf % 2 == 0 ? 2U : 0U));
+  m.contact_group[0] |= 7U;
+  for (std::uint32_t p = 0; p < m.contact.size(); ++p)
+    m.contact_ignored.push_back(
+        p < m.contact.size() / 4 ? 2U : static_cast<std::uint32_t>(random() % 8 & random() % 8));
+  add_group_depths(m);
+}
+
+void add_group_depths(Model& m) {
+  m.contact_depth.resize(m.vertex_count);
+  const std::size_t count = model::contact_group_count(m);
+  // Some deeper, some less deep.
+  for (std::size_t group = 0; group < count; ++group)
+    for (std::size_t i = 0; i < m.vertex_count; ++i)
+      m.contact_depth.push_back((0.5f + 0.25f * static_cast<float>((i + group) % 4)) * m.contact_depth[i]);
+}
+
 Model without_contact(Model m) {
   m.contact.clear();
   m.contact_near.clear();
@@ -126,6 +152,8 @@ Model without_contact(Model m) {
   m.contact_offset.clear();
   m.contact_entry.clear();
   m.contact_rest_box.clear();
+  m.contact_ignored.clear();
+  m.contact_group.clear();
   if (!m.has_limits()) m.mobility.clear();
   return m;
 }

@@ -22,6 +22,13 @@ std::function<double(std::uint32_t)> depth_below_boundary(const model::Model& mo
 void add_gap(model::Model& model, std::uint32_t p, const std::vector<std::uint32_t>& vertices,
              float allowance);
 
+// Sorts points and tetrahedra into three groups, some into several and some into none, and lets points ignore
+// some of them. After add_contact.
+void ignore_some_contact(model::Model& model, unsigned seed);
+
+// Depths of the groups of contact_group, of a kind: each vertex has others.
+void add_group_depths(model::Model& model);
+
 // What follows from contact, contact_near, contact_depth and contact_tetrahedron: numbers, entries, rest
 // boxes and mobility.
 void finish_contact(model::Model& model);
