@@ -15,7 +15,7 @@ namespace {
 // far rounding may put it below.
 constexpr double joint_share = 0.5, share_slack = 1e-9;
 // Painted below this, flesh meets nothing.
-constexpr double least_painted = 0.5;
+constexpr double least_contact_paint = 0.5;
 
 // Whose flesh a name stands for. One that a joint and a layer share stands for both.
 class NamedFlesh {
@@ -121,7 +121,7 @@ ContactGroups contact_groups(const scene::Scene& scene, const std::vector<std::u
   if (!scene.contact.attribute.empty()) {
     const std::vector<double>& painted =
         measures.painted(scene.contact.attribute, "contact.attribute", scene.source);
-    meets_nothing_where([&](std::size_t i) { return painted[i] < least_painted; });
+    meets_nothing_where([&](std::size_t i) { return painted[i] < least_contact_paint; });
   }
   return result;
 }
