@@ -166,7 +166,7 @@ TEST(Contact, DoesNotMeetWhatItIgnores) {
     const auto is_met = [&] {
       check_model(c.model);
       const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
-      const bool is_pressed = largest_in(points_in(contact_output(*solver, c.model, state, c.h))) > 0.0;
+      const bool is_pressed = largest_in(points_in(contact_gains(*solver, c.model, state, c.h))) > 0.0;
       EXPECT_EQ(cpu_reference::Contacts(c.model).found_at(points_in(state.positions)).size(),
                 is_pressed ? 1u : 0u);
       EXPECT_EQ(model::OverlapMeter(c.model).of(state.positions).vertices, is_pressed ? 1u : 0u);
