@@ -54,9 +54,9 @@ enum class Holding : std::uint8_t { none, covered, carrier };
 
 // One of several characters in a body.
 struct BodyMember {
-  std::uint32_t first_joint = 0;     // those from here to the next member's move its vertices
+  std::uint32_t first_joint = 0;       // those from here to the next member's move its vertices
   Vector3d offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the body
-  bool is_rigid = false;             // all of its vertices follow the skeleton
+  bool is_rigid = false;               // all of its vertices follow the skeleton
 };
 
 struct Body {

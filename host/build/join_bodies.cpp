@@ -14,7 +14,8 @@ void append(std::vector<T>& to, std::vector<T> more) {
   to.insert(to.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-void append_shifted(std::vector<std::uint32_t>& to, const std::vector<std::uint32_t>& more, std::uint32_t by) {
+void append_shifted(std::vector<std::uint32_t>& to, const std::vector<std::uint32_t>& more,
+                    std::uint32_t by) {
   for (const std::uint32_t value : more) to.push_back(value + by);
 }
 
@@ -47,7 +48,8 @@ void append(CageReport& to, const CageReport& more, const std::string& name, std
   to.findings.genus += found.genus;
   append_shifted(to.ends.vertex, more.ends.vertex, first_vertex);
   append(to.ends.edges, more.ends.edges);
-  for (const std::int32_t joint : more.ends.joint) to.ends.joint.push_back(joint < 0 ? -1 : joint + first_joint);
+  for (const std::int32_t joint : more.ends.joint)
+    to.ends.joint.push_back(joint < 0 ? -1 : joint + first_joint);
   append(to.ends.width, more.ends.width);
   append(to.ends.fate, more.ends.fate);
   to.skin_volume += more.skin_volume;
@@ -80,7 +82,8 @@ void append_report(const std::string& name, std::uint32_t first_vertex, std::int
   report.body_from_cache = found.body_from_cache && (is_first || report.body_from_cache);
 }
 
-std::vector<std::string> names_of_character(const std::vector<std::string>& names, const std::string& character) {
+std::vector<std::string> names_of_character(const std::vector<std::string>& names,
+                                            const std::string& character) {
   std::vector<std::string> own;
   for (const std::string& name : names)
     if (name.starts_with(character + "/")) own.push_back(name);
@@ -115,7 +118,8 @@ bool is_rigid(const scene::Scene& scene, std::size_t k) {
   return settings.rigid || (!only.empty() && names_of_character(only, settings.name).empty());
 }
 
-void append_body(const scene::Scene& scene, std::size_t k, Body one, Report found, Body& all, Report& report) {
+void append_body(const scene::Scene& scene, std::size_t k, Body one, Report found, Body& all,
+                 Report& report) {
   const scene::PlacedCharacter& character = scene.characters.at(k);
   const std::string& name = character.settings.name;
   const Vector3d offset = scene.scale * character.bind_offset;

@@ -6,7 +6,8 @@
 
 namespace fascicle::build {
 
-// The scene as its character number k has it alone: what it says of a skeleton holds names of its joints only.
+// The scene as its character number k has it alone: what it says of a skeleton holds names of its joints
+// only.
 scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k);
 
 // Whether all flesh of character number k follows its skeleton: it is rigid, or skeleton.only names others.

@@ -165,8 +165,8 @@ double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
   const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
   const std::vector<double> lengths = model::extents(model, scene::first_joints(scene));
   const double length = *std::max_element(lengths.begin(), lengths.end());
-  const double needed = std::ceil(std::sqrt(0.9 * earth_gravity * length / explicit_stretch) /
-                                  (mean_edge * scene.fps));
+  const double needed =
+      std::ceil(std::sqrt(0.9 * earth_gravity * length / explicit_stretch) / (mean_edge * scene.fps));
   return std::max(needed, least_explicit_substeps);
 }
 

@@ -9,8 +9,8 @@
 namespace fascicle::build {
 
 // Shape tests over one body. Bounds are inclusive up to 1e-9 of the bounding box's diagonal, so that a face
-// at 0.4 m holds the vertices that rounding put at 0.4 - 1e-17. Each of several characters is seen in its own bind
-// pose.
+// at 0.4 m holds the vertices that rounding put at 0.4 - 1e-17. Each of several characters is seen in its own
+// bind pose.
 class WhereTest {
  public:
   // The measures and their body must outlive it.

@@ -79,7 +79,8 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint3
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("colliders", scene.colliders.size(), model.collider_count);
   must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
-  if (character != nullptr) timeline.emplace(scene, *character, model::extents(model, scene::first_joints(scene)), substeps);
+  if (character != nullptr)
+    timeline.emplace(scene, *character, model::extents(model, scene::first_joints(scene)), substeps);
   if (character != nullptr) felt.emplace(scene, *character, model);
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)

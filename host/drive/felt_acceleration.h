@@ -39,7 +39,7 @@ class FeltAcceleration {
 
  private:
   double scale_ = 1.0;
-  std::vector<double> limit_;                           // of a joint: by the size of its character
+  std::vector<double> limit_;                          // of a joint: by the size of its character
   std::vector<std::vector<scene::Vector3d>> corners_;  // of a joint, its own space; none: no free flesh
 };
 

@@ -62,7 +62,8 @@ const Pose& Timeline::pose(std::uint64_t count) {
 
 Pose Timeline::preroll_pose(double share) {
   if (scene_.characters.empty()) return blend_from_bind(character_, roots_.front().joint, pose(0), share);
-  // Each as it does alone, and then where it stands: in the world's frame its joints would swing about the origin.
+  // Each as it does alone, and then where it stands: in the world's frame its joints would swing about the
+  // origin.
   const Pose all = pose(0);
   Pose blended = all;
   for (std::size_t k = 0; k < roots_.size(); ++k) {

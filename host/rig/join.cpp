@@ -100,8 +100,8 @@ void add_painted(const Placed& placed, std::size_t first_vertex, Character& all)
     if (found == all.painted.end())
       found = all.painted.insert(all.painted.end(), PaintedAttribute{one.name, one.width, {}});
     if (found->width != one.width)
-      throw base::SceneError("`" + one.name + "` has " + std::to_string(one.width) + " numbers on character " +
-                             placed.name + " and " + std::to_string(found->width) +
+      throw base::SceneError("`" + one.name + "` has " + std::to_string(one.width) +
+                             " numbers on character " + placed.name + " and " + std::to_string(found->width) +
                              " on another; paint the same count on both, or rename one of them");
     found->values.resize(first_vertex * one.width, 0.0);
     found->values.insert(found->values.end(), one.values.begin(), one.values.end());

@@ -145,16 +145,16 @@ struct CharacterSettings {
   std::string name;
   std::string file = {};  // relative to the scene file's folder; empty: `made`
   std::string made = {};
-  std::string clip = {};             // name or index; empty: the first
-  Vector3d at = Vector3d::Zero();    // m: where its origin stands
-  Vector3d turn = Vector3d::Zero();  // degrees about this direction: how it is turned there
-  double start = 0.0;                // s of the scene's time: when its clip begins
-  bool rigid = false;                // all of its flesh follows its skeleton
+  std::string clip = {};                  // name or index; empty: the first
+  Vector3d at = Vector3d::Zero();         // m: where its origin stands
+  Vector3d turn = Vector3d::Zero();       // degrees about this direction: how it is turned there
+  double start = 0.0;                     // s of the scene's time: when its clip begins
+  bool rigid = false;                     // all of its flesh follows its skeleton
   std::optional<double> resolution = {};  // wanted edge length of its tetrahedra, m
 };
 
-// The same, read. Names of its joints, objects and materials begin with NAME/. What is said by place (`where`,
-// drawn fibres and bones, solids that go with a joint) is seen in its own bind pose.
+// The same, read. Names of its joints, objects and materials begin with NAME/. What is said by place
+// (`where`, drawn fibres and bones, solids that go with a joint) is seen in its own bind pose.
 struct PlacedCharacter {
   CharacterSettings settings;
   std::filesystem::path file = {};          // empty: made in code
@@ -355,8 +355,8 @@ struct Scene {
 
   Geometry geometry = Bar{};
   std::vector<PlacedCharacter> characters;  // of [character.NAME], which `geometry` joins; else empty
-  double scale = 1.0;                // metres per unit of the mesh file
-  std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
+  double scale = 1.0;                       // metres per unit of the mesh file
+  std::optional<double> resolution;         // surfaces: wanted edge length of tetrahedra, metres
   BodySettings body;
   std::vector<BoneSegment> bones;
   SkeletonSettings skeleton;

@@ -1,4 +1,6 @@
 // [character] and [character.NAME]: reading the characters, and joining several into one.
+#include "host/scene/scene_characters.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +12,6 @@
 #include "host/rig/smooth_clip.h"
 #include "host/scene/input_files.h"
 #include "host/scene/overrides.h"
-#include "host/scene/scene_characters.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
 
@@ -56,9 +57,8 @@ void place_bind_poses(double contact_distance, std::vector<PlacedCharacter>& cha
   const Vector3d first = bounds_of(characters.front().own).middle();
   for (std::size_t k = 1; k < characters.size(); ++k) {
     const Vector3d middle = bounds_of(characters[k].own).middle();
-    characters[k].bind_offset = {
-        first[0] - middle[0] + pitch * static_cast<double>(k % columns), 0.0,
-        first[2] - middle[2] + pitch * static_cast<double>(k / columns)};
+    characters[k].bind_offset = {first[0] - middle[0] + pitch * static_cast<double>(k % columns), 0.0,
+                                 first[2] - middle[2] + pitch * static_cast<double>(k / columns)};
   }
 }
 
@@ -139,7 +139,9 @@ void smooth_clips(Scene& scene, bool repeats) {
     const rig::Clip* played = rig::find_clip(character, clip);
     if (played == nullptr) return;
     rig::Clip& own = character.clips[static_cast<std::size_t>(played - character.clips.data())];
+    std::vector<rig::WeightChannel> weights = std::move(own.weights);
     own = rig::smooth_clip(own, repeats, scene.start - start, scene.end - start);
+    own.weights = std::move(weights);
   };
   for (PlacedCharacter& character : scene.characters)
     smooth(character.own, character.settings.clip, character.settings.start);
@@ -202,7 +204,8 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
   if (!has_named_characters(root)) {
     load(*table, "character");
   } else {
-    for (const auto& [name, node] : in_order(*table)) load(*node->as_table(), join_path("character", name->str()));
+    for (const auto& [name, node] : in_order(*table))
+      load(*node->as_table(), join_path("character", name->str()));
   }
   if (all.empty()) all.emplace_back();
   return all;

@@ -82,12 +82,10 @@ const auto& placed_character_rows() {
   using namespace rows;
   static const std::tuple all{
       member("name", &CharacterSettings::name),
-      key(&CharacterSettings::file,
-          {.name = "file", .doc = "The file, relative to the scene file's folder."}, {.depends = true}),
+      key(&CharacterSettings::file, {.name = "file", .doc = "The file, relative to the scene file's folder."},
+          {.depends = true}),
       key(&CharacterSettings::made,
-          {.name = "made",
-           .doc = "A character made in code.",
-           .allowed = made::made_character_names()},
+          {.name = "made", .doc = "A character made in code.", .allowed = made::made_character_names()},
           {.depends = true}),
       key(&CharacterSettings::clip,
           {.name = "clip", .doc = "Its animation, by name or by number from 0; empty: the first."}),
@@ -188,13 +186,13 @@ void read_character_keys(const toml::table& table, Scene& scene) {
 }
 
 const Table& placed_character_table() {
-  static const Table table =
-      with_keys({.name = "placed_character",
-                 .doc = "One of several characters in a scene. Names of its joints, objects and materials begin "
-                        "with NAME/. Where it stands in its own file is what `where`, drawn fibres and bones, and "
-                        "solids that go with one of its joints speak of.",
-                 .choices = {{"file", "made"}}},
-                placed_character_rows());
+  static const Table table = with_keys(
+      {.name = "placed_character",
+       .doc = "One of several characters in a scene. Names of its joints, objects and materials begin "
+              "with NAME/. Where it stands in its own file is what `where`, drawn fibres and bones, and "
+              "solids that go with one of its joints speak of.",
+       .choices = {{"file", "made"}}},
+      placed_character_rows());
   return table;
 }
 void read_keys(const toml::table& table, CharacterSettings& character) {

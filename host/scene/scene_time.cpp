@@ -119,7 +119,8 @@ void read_motion(const toml::table& root, Scene& scene) {
     refuse("hold", "contradicts seamless, whose end is its beginning; leave one of them out");
   if (motion.handles > 0 && (motion.seamless || motion.loop > 1))
     refuse("handles", "contradicts seamless and loop, whose clip goes on by itself; leave one of them out");
-  if (motion.interpolation == KeyInterpolation::smooth) smooth_clips(scene, motion.seamless || motion.loop > 1);
+  if (motion.interpolation == KeyInterpolation::smooth)
+    smooth_clips(scene, motion.seamless || motion.loop > 1);
   add_handles(scene);
   const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
   if (frames > most_frames)
