@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/nearest_name.h"
 #include "host/base/trigonometry.h"
 #include "host/made/made_character.h"
 #include "host/rig/join.h"
@@ -79,6 +80,30 @@ rig::Character load_one(const toml::table& table, const std::string& path,
   return std::move(std::get<rig::Character>(loaded.geometry));
 }
 
+// Names in [skeleton] say which character's they are. What they name there is asked once its body is made.
+void check_skeleton_names(const toml::table& root, const Scene& scene) {
+  const rig::Character& character = std::get<rig::Character>(scene.geometry);
+  std::vector<std::string> known;
+  for (const rig::Joint& joint : character.skeleton) known.push_back(joint.name);
+  for (const rig::SurfacePart& part : character.parts) {
+    known.push_back(part.object);
+    known.push_back(part.material);
+  }
+  for (const auto& [key, node] : in_order(table_at(root, "skeleton"))) {
+    const toml::array* names = node->as_array();
+    for (std::size_t k = 0; names != nullptr && k < names->size(); ++k) {
+      const std::string& name = (*names)[k].as_string()->get();
+      const bool has_owner =
+          std::any_of(scene.characters.begin(), scene.characters.end(),
+                      [&](const PlacedCharacter& one) { return name.starts_with(one.settings.name + "/"); });
+      if (!has_owner)
+        fail((*names)[k].source(), join_path("skeleton", key->str()),
+             "\"" + one_line(name) + "\" does not say whose it is; names begin with a character's, as \"" +
+                 scene.characters.front().settings.name + "/...\"" + base::nearest_name_hint(name, known));
+    }
+  }
+}
+
 void read_named_characters(const toml::table& root, const std::filesystem::path& folder, Scene& scene) {
   for_each_named(
       root, "character", [&](const std::string& name, const toml::table& table, const std::string& path) {
@@ -101,6 +126,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
   } catch (const SceneError& error) {
     fail(root.get("character")->source(), "character", error.what());
   }
+  check_skeleton_names(root, scene);
 }
 
 }  // namespace
