@@ -22,14 +22,14 @@ std::size_t count_of(const json& document, const char* list) {
 
 void shift(json& object, const char* key, std::size_t by) {
   const auto found = object.find(key);
-  if (found != object.end() && found->is_number_unsigned()) *found = found->get<std::size_t>() + by;
+  if (found != object.end() && found->is_number_integer()) *found = found->get<std::size_t>() + by;
 }
 
 void shift_each(json& object, const char* key, std::size_t by) {
   const auto found = object.find(key);
   if (found == object.end()) return;
   for (json& number : *found)
-    if (number.is_number_unsigned()) number = number.get<std::size_t>() + by;
+    if (number.is_number_integer()) number = number.get<std::size_t>() + by;
 }
 
 // Numbers of textures in a material and in its extensions: {"index": n}.
