@@ -15,7 +15,7 @@ BearCurves bump_curves() {
           .arm_swing = Curve({{0.10, 8}, {0.55, 2}, {0.98, -34}, {1.15, -34}, {1.60, 16}, {2.15, 8}}),
           .arm_spread = Curve({{0.10, 44}, {0.55, 40}, {1.00, 62}, {1.20, 62}, {1.70, 42}, {2.15, 44}}),
           .elbow = Curve({{0.10, 14}, {0.55, 34}, {1.00, 24}, {1.20, 24}, {1.70, 18}, {2.15, 14}}),
-          .heel = Curve({{0.70, 0}, {1.00, 12}, {1.12, 12}, {1.40, 0}})};
+          .heel = Curve({{0.58, 0}, {0.90, 20}, {1.14, 20}, {1.46, 0}})};
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ rig::Clip bear_bump(const rig::Character& character, const BearJoints& joints,
                     const std::vector<PartMass>& masses) {
   const Curve forward(
       {{0.10, 0}, {0.55, -0.07}, {0.98, bump_reach}, {1.10, bump_reach}, {1.60, -0.04}, {2.10, 0}});
-  const Curve up({{0.10, 0}, {0.55, -0.075}, {0.98, 0.01}, {1.12, 0.01}, {1.60, -0.03}, {2.10, 0}});
+  const Curve up({{0.10, 0}, {0.55, -0.075}, {0.98, 0.0}, {1.12, 0.0}, {1.60, -0.03}, {2.10, 0}});
   const BearMoves moves{.curves = bump_curves(),
                         .centre = [&](double time) { return Vector3d(0.0, up.at(time), forward.at(time)); },
                         .foot_lift = [](double) { return 0.0; }};

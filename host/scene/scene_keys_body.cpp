@@ -187,7 +187,7 @@ void read_character_keys(const toml::table& table, Scene& scene) {
 
 const Table& placed_character_table() {
   static const Table table = with_keys(
-      {.name = "placed_character",
+      {.name = "characters",
        .doc = "One of several characters in a scene. Names of its joints, objects and materials begin "
               "with NAME/. Where it stands in its own file is what `where`, drawn fibres and bones, and "
               "solids that go with one of its joints speak of.",
