@@ -30,6 +30,10 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::string nearest_name(std::string_view given, const std::vector<std::string>& names) {
   // Longer than any name that could be meant; keeps the cost of a hostile key small.
   given = given.substr(0, 256);
+  // Of several characters names begin with NAME/, which is soon forgotten.
+  const std::string owned = "/" + std::string(given);
+  for (const std::string& name : names)
+    if (!given.empty() && name.ends_with(owned)) return name;
   const auto nearest =
       std::min_element(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
         return edit_distance(given, a) < edit_distance(given, b);

@@ -1,5 +1,8 @@
 #include "host/build/body.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/build/bar.h"
 #include "host/build/bone_choice.h"
 #include "host/build/bones.h"
@@ -7,6 +10,8 @@
 #include "host/build/carriers.h"
 #include "host/build/check_mesh.h"
 #include "host/build/filled_body.h"
+#include "host/build/join_bodies.h"
+#include "host/build/mesher.h"
 #include "host/build/rigid_parts.h"
 #include "host/build/skin_weights.h"
 #include "host/build/weld.h"
@@ -60,8 +65,8 @@ Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report
   return body;
 }
 
-Body body_of(const rig::Character& character, const scene::Scene& scene, Report& report,
-             const BuildOptions& options) {
+Body body_of_one(const rig::Character& character, const scene::Scene& scene, Report& report,
+                 const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;
   BoneChoice choice = choose_bones(character, scene.skeleton, scene.scale, scene.source);
@@ -93,7 +98,52 @@ Body body_of(const rig::Character& character, const scene::Scene& scene, Report&
   return body;
 }
 
+Body body_of(const rig::Character& character, const scene::Scene& scene, Report& report,
+             const BuildOptions& options) {
+  if (scene.characters.empty()) return body_of_one(character, scene, report, options);
+  Body all;
+  for (std::size_t k = 0; k < scene.characters.size(); ++k) {
+    check_cancelled(options);
+    Report found;
+    Body one = body_of_one(scene.characters[k].own, scene_of_character(scene, k), found, options);
+    append_body(scene, k, std::move(one), std::move(found), all, report);
+  }
+  all.joint_count = static_cast<std::uint32_t>(character.skeleton.size());
+  all.painted = character.painted;
+  all.parts = character.parts;
+  all.skin_surface = character.surface;
+  for (Vector3d& p : all.skin_surface.vertices) p *= scene.scale;
+  return all;
+}
+
 }  // namespace
+
+std::size_t member_of(const Body& body, std::size_t vertex) {
+  if (body.members.empty()) return 0;
+  const std::uint32_t joint = body.skin.joint[body.skin.offset[vertex]];
+  std::size_t k = 0;
+  while (k + 1 < body.members.size() && body.members[k + 1].first_joint <= joint) ++k;
+  return k;
+}
+
+Vector3d own_place(const Body& body, std::size_t vertex) {
+  const Vector3d& place = body.mesh.vertices[vertex];
+  return body.members.empty() ? place : Vector3d(place - body.members[member_of(body, vertex)].offset);
+}
+
+double diagonal_of_member(const Body& body) {
+  std::vector<Vector3d> low(std::max<std::size_t>(body.members.size(), 1), Vector3d::Constant(INFINITY));
+  std::vector<Vector3d> high(low.size(), Vector3d::Constant(-INFINITY));
+  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i) {
+    const std::size_t k = member_of(body, i);
+    low[k] = low[k].cwiseMin(body.mesh.vertices[i]);
+    high[k] = high[k].cwiseMax(body.mesh.vertices[i]);
+  }
+  double longest = 0.0;
+  for (std::size_t k = 0; k < low.size(); ++k)
+    if (low[k][0] <= high[k][0]) longest = std::max(longest, (high[k] - low[k]).norm());
+  return longest;
+}
 
 Body make_body(const scene::Scene& scene, Report& report, const BuildOptions& options) {
   return std::visit([&](const auto& geometry) { return body_of(geometry, scene, report, options); },

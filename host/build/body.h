@@ -52,6 +52,13 @@ struct JointUse {
 // to the carrier of one (rigid_parts.h), a tetrahedron apart from the flesh.
 enum class Holding : std::uint8_t { none, covered, carrier };
 
+// One of several characters in a body.
+struct BodyMember {
+  std::uint32_t first_joint = 0;       // those from here to the next member's move its vertices
+  Vector3d offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the body
+  bool is_rigid = false;               // all of its vertices follow the skeleton
+};
+
 struct Body {
   mesh::TetMesh mesh;
   std::vector<Holding> holding;  // a vertex; empty: none of any
@@ -63,7 +70,15 @@ struct Body {
   mesh::SurfaceMesh skin_surface;              // a character's own, m, in its vertex order; else empty
   std::vector<rig::PaintedAttribute> painted;  // on its vertices
   std::vector<rig::SurfacePart> parts;         // of it
+  std::vector<BodyMember> members;             // of several characters, ascending; else empty
 };
+
+// The number of the member that a vertex belongs to; 0 where there are not several.
+std::size_t member_of(const Body& body, std::size_t vertex);
+// Where a vertex lies in the bind pose of its own character, m.
+Vector3d own_place(const Body& body, std::size_t vertex);
+// The longest diagonal of a member's bounding box, or the whole body's, m.
+double diagonal_of_member(const Body& body);
 
 inline Holding holding_of(const Body& body, std::size_t vertex) {
   return body.holding.empty() ? Holding::none : body.holding[vertex];

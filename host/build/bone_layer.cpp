@@ -58,12 +58,6 @@ std::vector<std::uint32_t> islands_apart(const Islands& islands, const Parts& pa
   return apart;
 }
 
-double diagonal(const std::vector<Vector3d>& vertices) {
-  Vector3d low = vertices[0], high = vertices[0];
-  for (const Vector3d& p : vertices) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  return (high - low).norm();
-}
-
 // For each bone the first that lies in its place: several joints may lead from one place to another.
 std::vector<std::uint32_t> first_in_place(const std::vector<Bone>& bones) {
   const auto lie_together = [](const Bone& a, const Bone& b) {
@@ -188,7 +182,7 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
   const Islands islands = find_islands(rings, is_bone);
   if (islands.first.size() < 2) return;
 
-  const double longest = longest_of_diagonal * diagonal(vertices);
+  const double longest = longest_of_diagonal * diagonal_of_member(measures.body());
   const auto cost_of = [&](std::uint32_t a, std::uint32_t b) {
     return (vertices[a] - vertices[b]).norm() * (1.0 + (dearer_at_skin - 1.0) * (depth[a] + depth[b]) / 2.0);
   };

@@ -217,7 +217,7 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
   std::vector<std::uint32_t> one_each;
   for (std::uint32_t p = 0; p < parts.count; ++p)
     if (is_flesh[p]) one_each.push_back(first[p]);
-  if (one_each.size() > 1) {
+  if (one_each.size() > std::max<std::size_t>(body.members.size(), 1)) {
     std::sort(one_each.begin(), one_each.end());
     warn_of_flesh(report,
                   "the mesh has " + std::to_string(one_each.size()) +
@@ -241,12 +241,11 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
 }
 
 // A file in centimetres or in hundredths is a giant or a dwarf, on whom gravity acts as on one.
-void warn_of_size(const Model& model, Report& report) {
+void warn_of_size(double size, const std::string& name, Report& report) {
   constexpr double smallest = 0.05, largest = 20.0;
-  const double size = model::extent(model);
   if (size >= smallest && size <= largest) return;
   std::ostringstream text;
-  text << std::setprecision(3) << "the character is " << size
+  text << std::setprecision(3) << name << " is " << size
        << " m long; where its file is not in metres, scale its root there, or gravity and stiffness will not "
           "be "
           "those of its size";
@@ -288,7 +287,8 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   choose_unit(body.mesh, scene.source, model);
   write_rest(body.mesh, scene.source, model);
 
-  if (std::holds_alternative<rig::Character>(scene.geometry)) warn_of_size(model, report);
+  if (std::holds_alternative<rig::Character>(scene.geometry) && scene.characters.empty())
+    warn_of_size(model::extent(model), "the character", report);
 
   OneRings rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
   report_edges(body.mesh, rings, report);
@@ -316,6 +316,11 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   write_contact(scene.contact, scene.source, model, contact_groups(scene, layering.layer, measures, report));
   write_colliders(scene, model, report);
   write_skin(body, model);
+  if (!scene.characters.empty()) {
+    const std::vector<double> sizes = model::extents(model, scene::first_joints(scene));
+    for (std::size_t k = 0; k < sizes.size(); ++k)
+      warn_of_size(sizes[k], "the character " + scene.characters[k].settings.name, report);
+  }
   write_muscles(scene, body, test, model, report);
   check_cancelled(options);
   write_render_mesh(body.render, model);

@@ -52,7 +52,7 @@ void write_colliders(const scene::Scene& scene, model::Model& model, Report& rep
   if (scene.colliders.empty()) return;
   model.spared.assign(model.vertex_count, 0);
   for (std::size_t k = 0; k < scene.colliders.size(); ++k) {
-    const scene::Solid solid = scene::solid_of(scene.colliders[k]);
+    const scene::Solid solid = scene::bound_solid_of(scene, scene.colliders[k]);
     if (scene.colliders[k].joint.empty()) {
       warn_of_enclosed(scene.colliders[k], solid, model, report);
       continue;

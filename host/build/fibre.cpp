@@ -167,7 +167,7 @@ std::vector<FibreConstraint> fibre_constraints(const scene::Scene& scene,
     Vector3d direction = Vector3d::Zero();
     if (scene.layers[layer_of[i]].kinematic) direction = bone;
     if (direction == Vector3d::Zero())
-      direction = drawn_direction(scene.fibres, body.mesh.vertices[i], mean_edge);
+      direction = drawn_direction(scene.fibres, own_place(body, i), mean_edge);
     if (direction == Vector3d::Zero()) direction = painted[i];
     if (direction == Vector3d::Zero()) direction = in_tangent_plane(bone, skin.normal[i]);
     if (direction != Vector3d::Zero()) constraints.push_back({i, direction});

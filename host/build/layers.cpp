@@ -78,6 +78,10 @@ std::string name_of(const Body& body, const Bone& bone) {
   return bone.owners[0] < 0 ? "a drawn bone" : name(bone.owners[0]) + " to " + name(bone.owners[2]);
 }
 
+bool is_of_rigid_member(const Body& body, std::size_t vertex) {
+  return !body.members.empty() && body.members[member_of(body, vertex)].is_rigid;
+}
+
 void complete_bones(const scene::Scene& scene, Measures& measures, const OneRings& rings,
                     const std::vector<std::uint32_t>& source_vertex, const std::vector<char>& closed,
                     std::vector<std::uint32_t>& layer_of, Report& report) {
@@ -92,7 +96,8 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
   std::vector<char> is_bone(layer_of.size(), 0), is_closed(layer_of.size(), 0);
   for (std::size_t i = 0; i < is_bone.size(); ++i) {
     is_bone[i] = scene.layers[layer_of[i]].kinematic && holding_of(body, i) == Holding::none;
-    is_closed[i] = closed[i] || !scene.skeleton.connect || holding_of(body, i) == Holding::carrier;
+    is_closed[i] = closed[i] || !scene.skeleton.connect || holding_of(body, i) == Holding::carrier ||
+                   is_of_rigid_member(body, i);
   }
   const std::vector<char> before = is_bone;
   const BoneLayerReport found = complete_bone_layer(measures, rings, is_closed, is_bone);
@@ -202,7 +207,8 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& mea
   for (std::size_t i = 0; i < result.layer.size(); ++i)
     result.kinematic[i] = scene.layers[result.layer[i]].kinematic;
   for (std::size_t i = 0; i < result.kinematic.size(); ++i)
-    if (holding_of(measures.body(), i) == Holding::carrier) result.kinematic[i] = 1;
+    if (holding_of(measures.body(), i) == Holding::carrier || is_of_rigid_member(measures.body(), i))
+      result.kinematic[i] = 1;
   for (const scene::Pin& pin : scene.pins) {
     const std::vector<char> inside = test.contains(pin.where, "pins." + pin.name, scene.source);
     if (std::none_of(inside.begin(), inside.end(), [](char c) { return c != 0; }))

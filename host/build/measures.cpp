@@ -206,20 +206,21 @@ const std::vector<double>& Measures::inner_shares(bool by_distance) {
   const std::vector<char>& follows = follows_joints();
   const std::vector<double> volume = lumped_volumes(body_.mesh);
   std::vector<std::uint32_t> order;
-  double whole = 0.0;
+  const std::size_t members = std::max<std::size_t>(body_.members.size(), 1);
+  std::vector<double> whole(members, 0.0), inside(members, 0.0);
   for (std::uint32_t i = 0; i < volume.size(); ++i) {
     if (follows[i]) continue;
     order.push_back(i);
-    whole += volume[i];
+    whole[member_of(body_, i)] += volume[i];
   }
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::tuple(first[a], second[a], a) < std::tuple(first[b], second[b], b);
   });
   shares.assign(volume.size(), 0.0);
-  double inside = 0.0;
   for (const std::uint32_t i : order) {
-    shares[i] = (inside + volume[i] / 2.0) / whole;
-    inside += volume[i];
+    const std::size_t k = member_of(body_, i);
+    shares[i] = (inside[k] + volume[i] / 2.0) / whole[k];
+    inside[k] += volume[i];
   }
   return shares;
 }

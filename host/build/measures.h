@@ -50,7 +50,8 @@ class Measures {
   const std::vector<double>& depths();
 
   // The share of the volume that lies nearer to the bones than the vertex, half of its own included: ordered
-  // by depth, or by distance, then by the other of the two. What follows joints is not counted, and 0.
+  // by depth, or by distance, then by the other of the two. What follows joints is not counted, and 0. Of
+  // several characters each has its own.
   const std::vector<double>& inner_shares(bool by_distance);
 
   // A painted value at each vertex, interpolated on the skin at the vertex's nearest place there. `name` is

@@ -163,8 +163,10 @@ double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
       edges += std::sqrt(squared);
     }
   const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
-  const double needed = std::ceil(std::sqrt(0.9 * earth_gravity * model::extent(model) / explicit_stretch) /
-                                  (mean_edge * scene.fps));
+  const std::vector<double> lengths = model::extents(model, scene::first_joints(scene));
+  const double length = *std::max_element(lengths.begin(), lengths.end());
+  const double needed =
+      std::ceil(std::sqrt(0.9 * earth_gravity * length / explicit_stretch) / (mean_edge * scene.fps));
   return std::max(needed, least_explicit_substeps);
 }
 

@@ -1,6 +1,7 @@
 #include "host/build/where.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/base/nearest_name.h"
 #include "host/build/message.h"
@@ -15,8 +16,8 @@ constexpr double slack_of_diagonal = 1e-9;
 // One flag a vertex for one shape.
 struct ShapeTest {
   Measures& measures;
-  const Vector3d& low;
-  const Vector3d& high;
+  const std::vector<Vector3d>& low;  // of each member
+  const std::vector<Vector3d>& high;
   double slack;
   const std::string& key;
   const std::string& source;
@@ -27,7 +28,8 @@ struct ShapeTest {
   std::vector<char> each_point(Holds holds) const {
     std::vector<char> inside;
     inside.reserve(vertices().size());
-    for (const Vector3d& p : vertices()) inside.push_back(holds(p) ? 1 : 0);
+    for (std::size_t i = 0; i < vertices().size(); ++i)
+      inside.push_back(holds(own_place(measures.body(), i)) ? 1 : 0);
     return inside;
   }
 
@@ -82,9 +84,16 @@ struct ShapeTest {
   }
   std::vector<char> operator()(const scene::HalfSpace& half) const {
     const int axis = static_cast<int>(half.axis);
-    const double bound = half.is_fraction ? low[axis] + half.value * (high[axis] - low[axis]) : half.value;
-    return each_point(
-        [&](const Vector3d& p) { return half.below ? p[axis] <= bound + slack : p[axis] >= bound - slack; });
+    std::vector<double> bound(low.size(), half.value);
+    for (std::size_t k = 0; k < low.size(); ++k)
+      if (half.is_fraction) bound[k] = low[k][axis] + half.value * (high[k][axis] - low[k][axis]);
+    std::vector<char> inside;
+    inside.reserve(vertices().size());
+    for (std::size_t i = 0; i < vertices().size(); ++i) {
+      const double place = own_place(measures.body(), i)[axis], limit = bound[member_of(measures.body(), i)];
+      inside.push_back((half.below ? place <= limit + slack : place >= limit - slack) ? 1 : 0);
+    }
+    return inside;
   }
   std::vector<char> operator()(const scene::BoneDistance& range) const {
     need_bones();
@@ -137,13 +146,17 @@ struct ShapeTest {
 
 }  // namespace
 
-WhereTest::WhereTest(Measures& measures)
-    : measures_(measures), low_(measures.body().mesh.vertices[0]), high_(low_) {
-  for (const Vector3d& p : measures.body().mesh.vertices) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
+WhereTest::WhereTest(Measures& measures) : measures_(measures) {
+  const Body& body = measures.body();
+  low_.assign(std::max<std::size_t>(body.members.size(), 1), Vector3d::Constant(INFINITY));
+  high_.assign(low_.size(), Vector3d::Constant(-INFINITY));
+  for (std::size_t i = 0; i < body.mesh.vertices.size(); ++i) {
+    const std::size_t k = member_of(body, i);
+    const Vector3d p = own_place(body, i);
+    low_[k] = low_[k].cwiseMin(p);
+    high_[k] = high_[k].cwiseMax(p);
   }
-  slack_ = slack_of_diagonal * (high_ - low_).norm();
+  slack_ = slack_of_diagonal * diagonal_of_member(body);
 }
 
 std::vector<char> WhereTest::contains(const scene::Where& where, const std::string& key,

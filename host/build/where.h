@@ -9,7 +9,8 @@
 namespace fascicle::build {
 
 // Shape tests over one body. Bounds are inclusive up to 1e-9 of the bounding box's diagonal, so that a face
-// at 0.4 m holds the vertices that rounding put at 0.4 - 1e-17.
+// at 0.4 m holds the vertices that rounding put at 0.4 - 1e-17. Each of several characters is seen in its own
+// bind pose.
 class WhereTest {
  public:
   // The measures and their body must outlive it.
@@ -23,7 +24,7 @@ class WhereTest {
 
  private:
   Measures& measures_;
-  Vector3d low_, high_;
+  std::vector<Vector3d> low_, high_;  // of each of the body's members
   double slack_;
 };
 

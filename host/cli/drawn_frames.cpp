@@ -41,7 +41,8 @@ DrawnFrames::DrawnFrames(const RenderArguments& arguments, Log& log) {
   log_warnings(built.report, log);
   built_ = std::move(built.model);
   character_ = scene::character_file(scene);
-  for (const scene::Collider& collider : scene.colliders) built_solids_.push_back(scene::solid_of(collider));
+  for (const scene::Collider& collider : scene.colliders)
+    built_solids_.push_back(scene::bound_solid_of(scene, collider));
 }
 
 std::vector<float> DrawnFrames::positions(std::uint64_t k) const {

@@ -12,6 +12,7 @@
 #include "host/pipeline/bake_scene.h"
 #include "host/rig/pose.h"
 #include "host/scene/muscle_bones.h"
+#include "host/scene/scene_json.h"
 
 namespace fascicle::cli {
 namespace {
@@ -154,6 +155,21 @@ Json json_of(const scene::Scene& scene, const Built& built) {
   Json clips = Json::array();
   for (const rig::Clip& clip : clips_of(scene))
     clips.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
+  Json characters = Json::array();
+  for (const scene::PlacedCharacter& one : scene.characters) {
+    Json own = Json::array();
+    for (const rig::Clip& clip : one.own.clips)
+      own.push_back({{"name", clip.name}, {"duration_s", clip.duration}});
+    characters.push_back({{"name", one.settings.name},
+                          {"file", one.file.string()},
+                          {"made", one.settings.made},
+                          {"at", scene::json_of(one.settings.at)},
+                          {"turn", scene::json_of(one.settings.turn)},
+                          {"rigid", one.settings.rigid},
+                          {"vertices", one.own.surface.vertices.size()},
+                          {"joints", one.own.skeleton.size()},
+                          {"clips", std::move(own)}});
+  }
   Json muscles = Json::array();
   for (const MuscleCount& muscle : count_muscles(scene, model))
     muscles.push_back({{"name", muscle.name},
@@ -193,6 +209,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"frames", scene::frame_count(scene)},
           {"fps", scene.fps},
           {"clips", clips},
+          {"characters", characters},
           {"clip", scene::clip_name(scene)},
           {"substeps", built.steps.substeps},
           {"solver_bytes", model::solver_bytes(model)},
@@ -212,6 +229,36 @@ Json json_of(const scene::Scene& scene, const Built& built) {
 
 std::string millimetres(double metres) {
   return number_text(metres * 1e3) + " mm";
+}
+
+void print_clips(const scene::Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  const auto add = [&](const rig::Clip& clip, const std::string& owner, const std::string& played) {
+    rows.emplace_back(owner + clip.name, number_text(clip.duration, 3) + " s" +
+                                             (clip.name == played ? ", the one to bake" : ""));
+  };
+  if (scene.characters.empty())
+    for (const rig::Clip& clip : clips_of(scene)) add(clip, "", scene::clip_name(scene));
+  for (const scene::PlacedCharacter& one : scene.characters)
+    for (const rig::Clip& clip : one.own.clips)
+      add(clip, one.settings.name + "/", rig::find_clip(one.own, one.settings.clip)->name);
+  if (!rows.empty()) std::cout << "clips\n" << columns_text(rows);
+}
+
+std::string place_text(const scene::Vector3d& v) {
+  return "(" + number_text(v[0], 3) + ", " + number_text(v[1], 3) + ", " + number_text(v[2], 3) + ")";
+}
+
+void print_characters(const scene::Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  for (const scene::PlacedCharacter& one : scene.characters)
+    rows.emplace_back(one.settings.name,
+                      (one.file.empty() ? "made " + one.settings.made : one.settings.file) + " at " +
+                          place_text(one.settings.at) + " m, turned by " + place_text(one.settings.turn) +
+                          " degrees, " + count_text(one.own.surface.vertices.size()) + " vertices, " +
+                          count_text(one.own.skeleton.size()) + " joints" +
+                          (one.settings.rigid ? "; all of its flesh follows its skeleton" : ""));
+  if (!rows.empty()) std::cout << "characters\n" << columns_text(rows);
 }
 
 // The bones, and what else moves a tenth of a percent of the skin.
@@ -328,13 +375,10 @@ void print_text(const scene::Scene& scene, const Built& built) {
                     {"weights", model::name_of(model.weight_form)},
                     {"solver memory", bytes_text(model::solver_bytes(model))}});
   print_skin(report);
+  print_characters(scene);
+  print_clips(scene);
   std::vector<std::pair<std::string, std::string>> rows;
-  for (const rig::Clip& clip : clips_of(scene))
-    rows.emplace_back(clip.name, number_text(clip.duration, 3) + " s" +
-                                     (clip.name == scene::clip_name(scene) ? ", the one to bake" : ""));
-  if (!rows.empty()) std::cout << "clips\n" << columns_text(rows);
   std::cout << "layers\n";
-  rows.clear();
   for (const build::LayerShare& layer : report.layers)
     rows.emplace_back(layer.name, count_text(layer.vertices) + " vertices, " +
                                       number_text(100.0 * share_of(layer.volume, report.volume), 3) +

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/build/bone_choice.h"
+#include "host/build/join_bodies.h"
 #include "host/cli/command.h"
 #include "host/cli/text.h"
 
@@ -58,8 +59,16 @@ void print_character(const scene::Scene& scene, const rig::Character& character)
     std::cout << "# Clip: " << (clip.name.empty() ? "number " + std::to_string(k) : in_comment(clip.name))
               << ", " << number_text(clip.duration, 4) << " s\n";
   }
-  const build::BoneChoice choice = build::choose_bones(character, scene.skeleton, scene.scale, scene.source);
-  for (const build::JointReport& joint : choice.report)
+  std::vector<build::JointReport> joints;
+  if (scene.characters.empty())
+    joints = build::choose_bones(character, scene.skeleton, scene.scale, scene.source).report;
+  for (std::size_t k = 0; k < scene.characters.size(); ++k) {
+    const scene::Scene own = build::scene_of_character(scene, k);
+    const build::BoneChoice choice =
+        build::choose_bones(scene.characters[k].own, own.skeleton, own.scale, own.source);
+    joints.insert(joints.end(), choice.report.begin(), choice.report.end());
+  }
+  for (const build::JointReport& joint : joints)
     if (joint.share > 0.0)
       std::cout << "# Joint: " << in_comment(joint.name) << ", with those below "
                 << number_text(100.0 * joint.share, 3) << " % of the skin; " << use_text(joint) << "\n";

@@ -49,7 +49,7 @@ ColliderDrive::ColliderDrive(const scene::Scene& scene, const model::Model& mode
       lifted_(static_cast<float>(1.0 - base::exact_exp(-lifting_rate * h))) {
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
   for (const scene::Collider& collider : scene.colliders) {
-    Moved moved{&collider, scene::solid_of(collider), none};
+    Moved moved{&collider, scene::bound_solid_of(scene, collider), none};
     if (character != nullptr && !collider.joint.empty()) {
       moved.joint = 0;
       while (character->skeleton[moved.joint].name != collider.joint) ++moved.joint;

@@ -79,7 +79,8 @@ DriveSource::Impl::Impl(const scene::Scene& s, const model::Model& m, std::uint3
   must_fit("forces", scene.forces.size(), model.force_count);
   must_fit("colliders", scene.colliders.size(), model.collider_count);
   must_fit("muscles", character == nullptr ? 0 : scene.muscles.size(), model.muscle_count);
-  if (character != nullptr) timeline.emplace(scene, *character, model::extent(model), substeps);
+  if (character != nullptr)
+    timeline.emplace(scene, *character, model::extents(model, scene::first_joints(scene)), substeps);
   if (character != nullptr) felt.emplace(scene, *character, model);
   if (model.muscle_count > 0) muscle_drive.emplace(scene, *character);
   for (const model::Layer& layer : model.layers)
@@ -191,7 +192,7 @@ bool DriveSource::Impl::is_bounded(std::uint64_t count) {
   const Pose &before = timeline->pose(count - 2), &at = timeline->pose(count - 1),
              &to = timeline->pose(count);
   for (std::size_t j = 0; j < to.size(); ++j)
-    if (felt->of_joint(j, before, at, to, h()) > felt->limit()) return true;
+    if (felt->of_joint(j, before, at, to, h()) > felt->limit(j)) return true;
   return false;
 }
 
@@ -203,7 +204,7 @@ void DriveSource::Impl::append_bound(std::uint32_t substep, std::uint64_t count,
   Pose given(at.size());
   for (std::size_t j = 0; j < at.size(); ++j) {
     const double acceleration = felt->of_joint(j, old, at, to, h());
-    const double share = acceleration > felt->limit() ? 1.0 - felt->limit() / acceleration : 0.0;
+    const double share = acceleration > felt->limit(j) ? 1.0 - felt->limit(j) / acceleration : 0.0;
     given[j] = (1.0 - share) * (2.0 * at[j] - old[j]) + share * to[j];
   }
   const std::size_t first = cut_poses.size();
@@ -328,7 +329,7 @@ std::vector<DriveSource::Thrown> DriveSource::thrown() {
                &to = impl.timeline->pose(count);
     for (std::size_t j = 0; j < to.size(); ++j) {
       const double a = impl.felt->of_joint(j, before, at, to, impl.h());
-      if (a > std::max(impl.felt->limit(), of_joint[j].acceleration))
+      if (a > std::max(impl.felt->limit(j), of_joint[j].acceleration))
         of_joint[j] = {j, a, impl.timeline->clip_time(count - 1), (count + substeps - 1) / substeps};
     }
   }
@@ -339,8 +340,8 @@ std::vector<DriveSource::Thrown> DriveSource::thrown() {
   return worst;
 }
 
-double DriveSource::acceleration_limit() const {
-  return impl_->felt ? impl_->felt->limit() : 0.0;
+double DriveSource::acceleration_limit(std::size_t joint) const {
+  return impl_->felt ? impl_->felt->limit(joint) : 0.0;
 }
 
 void DriveSource::for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit) {
@@ -361,7 +362,7 @@ void DriveSource::for_each_throw(const std::function<void(const std::vector<Thro
       if (!accelerates) continue;
       const Pose &before = impl.timeline->pose(count - 2), &at = impl.timeline->pose(count - 1);
       const double most = impl.felt->of_joint(j, before, at, to, impl.h());
-      const double felt = most > impl.felt->limit() ? impl.felt->limit() / most : 1.0;
+      const double felt = most > impl.felt->limit(j) ? impl.felt->limit(j) / most : 1.0;
       thrown[j].inertia = -felt * impl.felt->in_middle(j, before, at, to, impl.h());
     }
     visit(thrown);

@@ -44,7 +44,7 @@ class DriveSource {
     std::uint64_t frame = 0;    // at whose end, or before it, that was
   };
   std::vector<Thrown> thrown();
-  double acceleration_limit() const;  // m/s^2; 0 without a skeleton
+  double acceleration_limit(std::size_t joint) const;  // m/s^2; 0 without a skeleton
 
   // What throws the flesh in the middle of each joint's, in one cycle of the clip, m/s^2: gravity as the rest
   // shape feels it, and the skeleton's acceleration there turned round, within the bound on what flesh feels.

@@ -29,13 +29,15 @@ std::uint32_t main_joint(const model::Model& model, std::uint32_t i) {
 
 FeltAcceleration::FeltAcceleration(const scene::Scene& scene, const rig::Character& character,
                                    const model::Model& model)
-    : scale_(scene.scale),
-      // At the corners of straight lines the acceleration is whatever the step makes it.
-      limit_(scene.motion.acceleration_limit.value_or(scene.motion.interpolation ==
-                                                              scene::KeyInterpolation::smooth
-                                                          ? default_acceleration_limit * model::extent(model)
-                                                          : INFINITY)),
-      corners_(character.skeleton.size()) {
+    : scale_(scene.scale), corners_(character.skeleton.size()) {
+  const std::vector<double> extents = model::extents(model, scene::first_joints(scene));
+  for (std::size_t j = 0; j < corners_.size(); ++j) {
+    // At the corners of straight lines the acceleration is whatever the step makes it.
+    const double by_size = scene.motion.interpolation == scene::KeyInterpolation::smooth
+                               ? default_acceleration_limit * extents[scene::character_of_joint(scene, j)]
+                               : INFINITY;
+    limit_.push_back(scene.motion.acceleration_limit.value_or(by_size));
+  }
   std::vector<Bounds> bounds(character.skeleton.size());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     if (model.is_kinematic(i) || model.skin_offset[i] == model.skin_offset[i + 1]) continue;

@@ -28,8 +28,8 @@ class FeltAcceleration {
  public:
   FeltAcceleration(const scene::Scene& scene, const rig::Character& character, const model::Model& model);
 
-  // m/s^2.
-  double limit() const { return limit_; }
+  // Of joint j's flesh, m/s^2.
+  double limit(std::size_t j) const { return limit_[j]; }
   // Of joint j, m/s^2; the poses are h seconds apart. 0 where the joint has no free flesh.
   double of_joint(std::size_t j, const Pose& before, const Pose& at, const Pose& after, double h) const;
   // In the middle of the joint's free flesh, beyond the bound too.
@@ -38,7 +38,8 @@ class FeltAcceleration {
   bool has_flesh(std::size_t j) const { return !corners_[j].empty(); }
 
  private:
-  double scale_ = 1.0, limit_ = 0.0;
+  double scale_ = 1.0;
+  std::vector<double> limit_;                          // of a joint: by the size of its character
   std::vector<std::vector<scene::Vector3d>> corners_;  // of a joint, its own space; none: no free flesh
 };
 

@@ -22,6 +22,12 @@ double speed(const model::Model& model, const std::vector<float>& velocities) {
   return count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(count)) * model.unit;
 }
 
+// m; of several characters the least.
+double smallest_extent(const scene::Scene& scene, const model::Model& model) {
+  const std::vector<double> extents = model::extents(model, scene::first_joints(scene));
+  return *std::min_element(extents.begin(), extents.end());
+}
+
 }  // namespace
 
 double largest_distance(const model::Model& model, const std::vector<float>& positions,
@@ -64,7 +70,7 @@ LeadIn lead_in(const scene::Scene& scene, const model::Model& model, DriveSource
   result.state = drives.started(solver.save());
   solver.load(result.state);
   if (!motion.seamless) return result;
-  const double tolerance = motion.seamless_tolerance * model::extent(model);
+  const double tolerance = motion.seamless_tolerance * smallest_extent(scene, model);
   const std::uint64_t frames = scene::cycle_frames(scene);
   for (std::uint64_t cycle = 1; cycle <= motion.seamless_cycles; ++cycle) {
     for (std::uint64_t k = 1; k <= frames; ++k) {

@@ -19,7 +19,7 @@ PoseDrive::PoseDrive(const scene::Scene& scene, const model::Model& model, std::
   const double h = 1.0 / (static_cast<double>(substeps) * scene.fps);
   if (model.has_skeleton()) {
     const auto& character = std::get<rig::Character>(scene.geometry);
-    timeline_.emplace(scene, character, model::extent(model), substeps);
+    timeline_.emplace(scene, character, model::extents(model, scene::first_joints(scene)), substeps);
     if (model.muscle_count > 0) muscles_.emplace(scene, character);
   }
   for (const model::Layer& layer : model.layers)

@@ -10,20 +10,28 @@ namespace fascicle::drive {
 
 using scene::Vector3d;
 
-Timeline::Timeline(const scene::Scene& scene, const rig::Character& character, double extent,
-                   std::uint64_t substeps)
+Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
+                   std::span<const double> extents, std::uint64_t substeps)
     : scene_(scene),
       character_(character),
       clip_(rig::find_clip(character, scene.clip)),
       substeps_(substeps),
       cycle_(std::max<std::uint64_t>(scene::cycle_frames(scene), 1) * substeps_),
-      cut_distance_(scene.motion.cut_distance.value_or(extent > 0.0 ? extent : INFINITY)),
       kept_(substeps_ + 4) {
-  while (root_ + 1 < character.skeleton.size() && !character.skeleton[root_].skins) ++root_;
+  for (std::size_t k = 0; k < extents.size(); ++k) {
+    Root root;
+    const bool is_last = k + 1 >= scene.characters.size();
+    const std::size_t end = is_last ? character.skeleton.size() : scene.characters[k + 1].first_joint;
+    if (!scene.characters.empty()) root.joint = scene.characters[k].first_joint;
+    while (root.joint + 1 < end && !character.skeleton[root.joint].skins) ++root.joint;
+    root.cut_distance = scene.motion.cut_distance.value_or(extents[k] > 0.0 ? extents[k] : INFINITY);
+    roots_.push_back(root);
+  }
   const Pose first = rig::joint_transforms_at(character, clip_, scene.start);
   const Pose last = rig::joint_transforms_at(character, clip_, scene.end);
   for (std::size_t j = 0; j < first.size(); ++j) {
     const Vector3d way = (last[j] - first[j]).topRightCorner<3, 1>() * scene.scale;
+    const double extent = extents[scene::character_of_joint(scene, j)];
     if (character.skeleton[j].skins && way.norm() > 1e-3 * extent) returns_ = false;
   }
 }
@@ -53,16 +61,36 @@ const Pose& Timeline::pose(std::uint64_t count) {
 }
 
 Pose Timeline::preroll_pose(double share) {
-  return blend_from_bind(character_, root_, pose(0), share);
+  if (scene_.characters.empty()) return blend_from_bind(character_, roots_.front().joint, pose(0), share);
+  // Each as it does alone, and then where it stands: in the world's frame its joints would swing about the
+  // origin.
+  const Pose all = pose(0);
+  Pose blended = all;
+  for (std::size_t k = 0; k < roots_.size(); ++k) {
+    const scene::PlacedCharacter& one = scene_.characters[k];
+    const std::size_t first = one.first_joint + std::size_t{1}, count = one.own.skeleton.size();
+    const Eigen::Matrix4d place = scene::place_of(one.settings), back = scene::back_from(one.settings);
+    Pose own;
+    for (std::size_t j = 0; j < count; ++j) own.push_back(back * all[first + j]);
+    own = blend_from_bind(one.own, roots_[k].joint - first, own, share);
+    for (std::size_t j = 0; j < count; ++j) blended[first + j] = place * own[j];
+  }
+  return blended;
+}
+
+Vector3d Timeline::place_of(const Root& root, const Pose& pose) const {
+  return pose[root.joint].topRightCorner<3, 1>() * scene_.scale;
 }
 
 Vector3d Timeline::root(const Pose& pose) const {
-  return pose[root_].topRightCorner<3, 1>() * scene_.scale;
+  Vector3d sum = place_of(roots_.front(), pose);
+  for (std::size_t k = 1; k < roots_.size(); ++k) sum += place_of(roots_[k], pose);
+  return sum / static_cast<double>(roots_.size());
 }
 
-double Timeline::root_step(std::uint64_t from, std::uint64_t to) {
-  const Vector3d start = root(pose(from));
-  return (root(pose(to)) - start).norm();
+double Timeline::root_step(const Root& root, std::uint64_t from, std::uint64_t to) {
+  const Vector3d start = place_of(root, pose(from));
+  return (place_of(root, pose(to)) - start).norm();
 }
 
 bool Timeline::begins_cycle(std::uint64_t count) const {
@@ -77,20 +105,26 @@ bool Timeline::is_marked(std::uint64_t count) const {
 }
 
 // The root's speed is that of a jump, both over the substep and over its frame: a quick start is none.
-bool Timeline::is_jump(std::uint64_t count) {
+bool Timeline::is_jump(const Root& root, std::uint64_t count) {
   if (count == 0 || begins_cycle(count)) return false;
-  if (!(root_step(count - 1, count) > cut_distance_ / static_cast<double>(substeps_))) return false;
+  if (!(root_step(root, count - 1, count) > root.cut_distance / static_cast<double>(substeps_))) return false;
   const std::uint64_t frame = (count - 1) / substeps_;
-  return root_step(frame * substeps_, (frame + 1) * substeps_) > cut_distance_;
+  return root_step(root, frame * substeps_, (frame + 1) * substeps_) > root.cut_distance;
+}
+
+bool Timeline::jumps_about(const Root& root, std::uint64_t count) {
+  if (is_jump(root, count)) return true;
+  // A jump between two keys of a linear channel takes as long as they lie apart, and a part of it may fall
+  // into the substeps at its ends.
+  const double noticeable = 0.125 * root.cut_distance / static_cast<double>(substeps_);
+  return root_step(root, count - 1, count) > noticeable &&
+         (is_jump(root, count - 1) || is_jump(root, count + 1));
 }
 
 bool Timeline::is_cut(std::uint64_t count) {
   if (begins_cycle(count)) return !returns_;
-  if (is_marked(count) || is_jump(count)) return true;
-  // A jump between two keys of a linear channel takes as long as they lie apart, and a part of it may fall
-  // into the substeps at its ends.
-  const double noticeable = 0.125 * cut_distance_ / static_cast<double>(substeps_);
-  return root_step(count - 1, count) > noticeable && (is_jump(count - 1) || is_jump(count + 1));
+  return is_marked(count) || std::any_of(roots_.begin(), roots_.end(),
+                                         [&](const Root& root) { return jumps_about(root, count); });
 }
 
 }  // namespace fascicle::drive

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "host/scene/scene.h"
@@ -18,38 +19,46 @@ using Pose = std::vector<Eigen::Matrix4d>;  // a joint: from its own space to th
 
 class Timeline {
  public:
-  // `extent`: the body's, metres. The scene and its character must outlive it.
-  Timeline(const scene::Scene& scene, const rig::Character& character, double extent, std::uint64_t substeps);
+  // `extents`: of each of the scene's characters, or of the one there is, metres. The scene and its character
+  // must outlive it.
+  Timeline(const scene::Scene& scene, const rig::Character& character, std::span<const double> extents,
+           std::uint64_t substeps);
 
   const Pose& pose(std::uint64_t count);
   // The pose halfway from the bind pose, standing where the first pose stands and as its root is turned, to
-  // the first pose; `share` from 0 to 1.
+  // the first pose; `share` from 0 to 1. Each of several characters stands by its own root.
   Pose preroll_pose(double share);
 
   // The clip's time at the end of substep `count`, s.
   double clip_time(std::uint64_t count) const;
 
-  // Where the joint stands that the body goes with, metres of the scene.
+  // Where the joint stands that the body goes with, metres of the scene; of several characters the middle.
   scene::Vector3d root(const Pose& pose) const;
 
   // Whether the motion breaks between the ends of substeps count - 1 and count, count >= 1: at a marked cut;
-  // where the root goes too far; and where a cycle begins anew, if the clip does not end as it begins.
+  // where a root goes too far; and where a cycle begins anew, if the clip does not end as it begins.
   bool is_cut(std::uint64_t count);
-  // Whether the clip's last pose is its first, to a thousandth of the body's extent at every joint.
+  // Whether the clip's last pose is its first, to a thousandth of its body's extent at every joint.
   bool returns() const { return returns_; }
 
  private:
   bool is_marked(std::uint64_t count) const;
   bool begins_cycle(std::uint64_t count) const;
-  double root_step(std::uint64_t from, std::uint64_t to);
-  bool is_jump(std::uint64_t count);
+  // The joint that a character goes with.
+  struct Root {
+    std::size_t joint = 0;
+    double cut_distance = 0.0;  // m: what goes further in a frame has jumped
+  };
+  scene::Vector3d place_of(const Root& root, const Pose& pose) const;
+  double root_step(const Root& root, std::uint64_t from, std::uint64_t to);
+  bool is_jump(const Root& root, std::uint64_t count);
+  bool jumps_about(const Root& root, std::uint64_t count);
 
   const scene::Scene& scene_;
   const rig::Character& character_;
   const rig::Clip* clip_;
-  std::size_t root_ = 0;
+  std::vector<Root> roots_;                 // one a character
   std::uint64_t substeps_ = 1, cycle_ = 1;  // of a frame, of a cycle
-  double cut_distance_ = 0.0;
   bool returns_ = true;
   struct Kept {
     std::uint64_t count = ~std::uint64_t{0};

@@ -6,6 +6,7 @@
 #include "host/base/errors.h"
 #include "host/base/version.h"
 #include "host/formats/gltf_writer.h"
+#include "host/formats/joined_document.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_normals.h"
 #include "host/rig/blend_shapes.h"
@@ -49,10 +50,27 @@ std::vector<double> numbers(const Eigen::Matrix4d& m) {
   return {m.data(), m.data() + 16};  // column by column, in both
 }
 
-// A character that no file holds, in metres.
-gltf::GltfDocument made_document(const rig::Character& character, const model::Model& model) {
+// One of several characters' skin as a primitive: the vertices of the model's surface from `first` on.
+json primitive_of(const rig::Character& character, const model::Model& model, std::size_t first,
+                  gltf::GltfDocument& document) {
+  std::vector<float> points;
+  for (const scene::Vector3d& p : character.surface.vertices)
+    for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(p[axis]));
+  const std::vector<float> normals = SurfaceNormals(model).of(embed(model, model.rest));
+  std::vector<std::uint32_t> triangles;
+  for (const auto& t : character.surface.triangles) triangles.insert(triangles.end(), t.begin(), t.end());
+  const std::size_t position = add_accessor(document, std::span<const float>(points), 3, true);
+  const std::size_t normal =
+      add_accessor(document, std::span<const float>(normals).subspan(3 * first, points.size()), 3);
+  const std::size_t indices = add_accessor(document, std::span<const std::uint32_t>(triangles));
+  return {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}};
+}
+
+// A character that no file holds, in metres; `make_primitive` adds its skin without weights.
+template <class MakePrimitive>
+gltf::GltfDocument made_document(const rig::Character& character, const MakePrimitive& make_primitive) {
   gltf::GltfDocument document = empty_document();
-  json primitive = primitive_of(model, document);
+  json primitive = make_primitive(document);
   const std::size_t vertices = character.weights.size();
   for (std::size_t set = 0; set < 2; ++set) {
     std::vector<std::uint16_t> joints;
@@ -140,9 +158,8 @@ const char* name_of(rig::ChannelPath path) {
 
 // The skeleton's motion at the bake's frames, as the first animation.
 void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, const rig::Character& character,
-                    const std::vector<std::uint32_t>& joint_node, const PoseOfFrame& pose,
-                    const TimeOfFrame& time) {
-  const rig::Clip* clip = rig::find_clip(character, scene.clip);
+                    const rig::Clip* clip, const std::vector<std::uint32_t>& joint_node,
+                    const PoseOfFrame& pose, const TimeOfFrame& time) {
   if (clip == nullptr || (clip->channels.empty() && clip->weights.empty())) return;
   std::vector<Track> tracks;
   for (const rig::Channel& channel : clip->channels)
@@ -189,6 +206,39 @@ void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, con
                           {"channels", channels}}));
 }
 
+// The scene's characters below a node each. Returns the node of each joint of the scene's skeleton, and gives
+// the clip's weights their nodes in the document.
+std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const scene::Scene& scene,
+                                          const model::Model& model, rig::Clip& clip,
+                                          std::vector<std::string>& missing) {
+  std::vector<std::uint32_t> joint_node;
+  std::size_t first_vertex = 0, weight = 0;
+  for (std::size_t k = 0; k < scene.characters.size(); ++k) {
+    const scene::PlacedCharacter& one = scene.characters[k];
+    std::vector<std::uint32_t> own_node;
+    gltf::GltfDocument part;
+    if (one.file.empty()) {
+      part = made_document(
+          one.own, [&](gltf::GltfDocument& to) { return primitive_of(one.own, model, first_vertex, to); });
+      for (std::uint32_t j = 0; j < one.own.skeleton.size(); ++j) own_node.push_back(j + 1);
+    } else {
+      part = gltf::pack_gltf(one.file, missing, scene.converter);
+      own_node = gltf::read_rig(one.file, scene.converter).joint_node;
+    }
+    const rig::Joint& above = std::get<rig::Character>(scene.geometry).skeleton[one.first_joint];
+    const auto node = static_cast<std::uint32_t>(add_document(document, std::move(part), one.settings.name,
+                                                              above.rest_translation, above.rest_rotation));
+    joint_node.push_back(node);
+    for (const std::uint32_t own : own_node) joint_node.push_back(node + 1 + own);
+    const std::uint32_t next_node =
+        k + 1 < scene.characters.size() ? scene.characters[k + 1].first_node : ~0u;
+    for (; weight < clip.weights.size() && clip.weights[weight].node < next_node; ++weight)
+      clip.weights[weight].node += node + 1 - one.first_node;
+    first_vertex += one.own.surface.vertices.size();
+  }
+  return joint_node;
+}
+
 void add_scale(json& document, double scale) {
   json& nodes = document["nodes"];
   json& shown = document["scenes"][document.value("scene", std::size_t{0})];
@@ -212,15 +262,23 @@ std::string character_glb(const scene::Scene& scene, const model::Model& model, 
   const auto& character = std::get<rig::Character>(scene.geometry);
   const std::filesystem::path file = scene::character_file(scene);
   gltf::GltfDocument document;
-  if (file.empty()) {
-    document = made_document(character, model);
+  if (!scene.characters.empty()) {
+    document = {.json = {{"asset", asset()}, {"scene", 0}, {"scenes", json::array({json::object()})}},
+                .binary = {}};
+    rig::Clip clip;
+    if (const rig::Clip* played = rig::find_clip(character, scene.clip)) clip = *played;
+    const std::vector<std::uint32_t> joint_node = add_characters(document, scene, model, clip, missing);
+    add_baked_clip(document, scene, character, &clip, joint_node, pose, time);
+  } else if (file.empty()) {
+    document = made_document(character, [&](gltf::GltfDocument& to) { return primitive_of(model, to); });
     std::vector<std::uint32_t> joint_node;
     for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) joint_node.push_back(j + 1);
-    add_baked_clip(document, scene, character, joint_node, pose, time);
+    add_baked_clip(document, scene, character, rig::find_clip(character, scene.clip), joint_node, pose, time);
   } else {
     document = gltf::pack_gltf(file, missing, scene.converter);
     const gltf::Rig rig = gltf::read_rig(file, scene.converter);
-    add_baked_clip(document, scene, rig.character, rig.joint_node, pose, time);
+    add_baked_clip(document, scene, rig.character, rig::find_clip(rig.character, scene.clip), rig.joint_node,
+                   pose, time);
     if (scene.scale != 1.0 && document.json.contains("scenes")) add_scale(document.json, scene.scale);
   }
   json& extras = document.json["extras"];

@@ -92,7 +92,9 @@ rig::Character make_bear() {
   const Sculpture sculpture = bear_sculpture(joints, bear);
   bear.surface = polygonise(sculpture, bear_spacing);
   bind_skin(sculpture, bear);
-  bear.clips.push_back(bear_jump(bear, joints, masses_of_joints(sculpture, bear.skeleton.size(), 0.04)));
+  const std::vector<PartMass> masses = masses_of_joints(sculpture, bear.skeleton.size(), 0.04);
+  bear.clips.push_back(bear_jump(bear, joints, masses));
+  bear.clips.push_back(bear_bump(bear, joints, masses));
   return bear;
 }
 

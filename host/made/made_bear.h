@@ -30,6 +30,11 @@ inline constexpr double jump_take_off = 1.10, jump_flight = 0.56;  // s
 rig::Clip bear_jump(const rig::Character& character, const BearJoints& joints,
                     const std::vector<PartMass>& masses);
 
+// How far the belly bump carries the centre of mass forward, m.
+inline constexpr double bump_reach = 0.15;
+rig::Clip bear_bump(const rig::Character& character, const BearJoints& joints,
+                    const std::vector<PartMass>& masses);
+
 rig::Character make_bear();
 
 }  // namespace fascicle::made

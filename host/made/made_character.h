@@ -9,7 +9,7 @@
 namespace fascicle::made {
 
 // "bear": a portly bear of 1.6 m that stands on its hind legs, in an A pose, facing +z; clip "jump", with
-// anticipation and landing.
+// anticipation and landing, and clip "bump", with the belly.
 // "arm": an arm along +x from the shoulder on, palm up, straight; clip "curl", the elbow from straight to 160
 // degrees and back. "arm-bent" is the same, bound with its elbow at 46 degrees.
 std::vector<std::string> made_character_names();

@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -210,6 +211,9 @@ void check_model(const Model& model);
 
 // m, the longest side of the rest shape's box along the axes; 0 without vertices.
 double extent(const Model& model);
+// The same of each of several characters. Joints from first_joint[k] up to the next one move the vertices of
+// number k; ascending. With one or none of them the whole body's.
+std::vector<double> extents(const Model& model, std::span<const std::uint32_t> first_joint);
 
 // Bytes of the arrays a solver keeps for this model and its state.
 std::uint64_t solver_bytes(const Model& model);

@@ -37,7 +37,8 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
   std::string text = "the clip throws flesh harder than motion.acceleration_limit, " +
-                     number_text(drives.acceleration_limit(), 3) + " m/s^2; flesh feels no more than that: ";
+                     number_text(drives.acceleration_limit(thrown.front().joint), 3) +
+                     " m/s^2; flesh feels no more than that: ";
   for (std::size_t k = 0; k < std::min(thrown.size(), most_named); ++k)
     text += (k == 0 ? "joint " : ", ") + skeleton[thrown[k].joint].name + " by " +
             number_text(thrown[k].acceleration, 3) + " at " + number_text(thrown[k].time, 3) + " s (frame " +

@@ -101,6 +101,20 @@ Stiffness stiffness_for(const rig::Character& character, const std::optional<std
   return is_painted(character, "_STIFFNESS") ? Stiffness::alpha : Stiffness::modulus;
 }
 
+rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) {
+  rig::Character all;
+  double largest = -1.0;
+  for (const rig::Character& one : characters) {
+    for (const rig::PaintedAttribute& painted : one.painted)
+      all.painted.push_back({painted.name, painted.width, {}});
+    const double extent = largest_extent(one.surface.vertices);
+    if (!(extent > largest)) continue;
+    largest = extent;
+    all.surface.vertices = one.surface.vertices;
+  }
+  return all;
+}
+
 // At least 240 a second, and 100 a frame at most. A rate that is no number or out of range is refused when
 // the scene is read.
 int implicit_substeps(double fps) {

@@ -21,6 +21,9 @@ enum class Stiffness { alpha, modulus };
 Stiffness stiffness_for(const rig::Character& character, const std::optional<std::string>& integrator,
                         const std::optional<std::string>& weights);
 
+// Of several characters what the next function asks for: the size of the largest, and what is painted on any.
+rig::Character what_layers_go_by(const std::vector<rig::Character>& characters);
+
 // What a character gets whose scene says nothing of layers: [layers.NAME] and [solver].
 // Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3
 // fat) by that. Fibres from the field. Moduli by the character's size. Implicit substeps are as many as make

@@ -125,7 +125,7 @@ void load_character(const std::filesystem::path& path, Scene& scene) {
 }
 
 std::filesystem::path character_file(const Scene& scene) {
-  if (std::holds_alternative<rig::Character>(scene.geometry))
+  if (std::holds_alternative<rig::Character>(scene.geometry) && scene.characters.empty())
     for (const auto& [file, hash] : scene.input_hashes)
       if (reads_as_character(file, scene.converter)) return file;
   return {};

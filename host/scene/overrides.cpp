@@ -92,8 +92,8 @@ void assign(toml::table& root, const Assignment& assignment) {
     if (!table->contains(part)) table->insert_or_assign(toml::key(part, assignment.source()), toml::table{});
     table = table->get(part)->as_table();
     if (table == nullptr) fail(assignment.source(), path, "is not one table; set it whole");
-    naming = !naming && key->type == KeyType::named_tables;
-    keys = key->table;
+    if (!naming) keys = key->named != nullptr && holds_named_tables(*key, *table) ? key->named : key->table;
+    naming = !naming && holds_named_tables(*key, *table);
   }
 }
 
@@ -127,6 +127,11 @@ std::string preroll_seconds(const std::string& text, const toml::table& root) {
 }
 
 }  // namespace
+
+bool has_named_characters(const toml::table& root) {
+  const toml::table* table = root["character"].as_table();
+  return table != nullptr && holds_named_tables(*find_key(scene_table(), "character"), *table);
+}
 
 bool has_overrides(const SceneOverrides& o) {
   return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.interpolation || o.preroll ||
@@ -207,6 +212,11 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     const std::string option = "--clip " + *overrides.clip;
     if (!root.contains("character"))
       throw SceneError(one_line(option + ": the scene has no character, so there is no clip to choose"));
+    if (has_named_characters(root))
+      throw SceneError(one_line(option +
+                                ": the scene has characters by name; say whose clip it is: --set character." +
+                                std::string(in_order(*root["character"].as_table()).front().first->str()) +
+                                ".clip=" + *overrides.clip));
     set(option, "character.clip", *overrides.clip);
   }
   const auto assign_text = [&](const char* option, const char* path,
@@ -231,7 +241,11 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   assign_text("--resolution", "body.resolution", overrides.resolution);
   if (overrides.resolution) {
     for (const char* source : {"mesh", "character"})
-      if (toml::table* table = root.get_as<toml::table>(source)) table->erase("resolution");
+      if (toml::table* table = root.get_as<toml::table>(source)) {
+        table->erase("resolution");
+        for (auto&& [name, one] : *table)
+          if (toml::table* inner = one.as_table()) inner->erase("resolution");
+      }
   }
 }
 

@@ -15,6 +15,9 @@ namespace fascicle::scene {
 // Setting one key of a choice drops the others. Throws SceneError that names the option.
 void apply_overrides(toml::table& root, const SceneOverrides& overrides);
 
+// Whether the scene has [character.NAME], not [character].
+bool has_named_characters(const toml::table& root);
+
 // What a --set puts there, without its quotes; nothing if none does. For what has to be known before the
 // overrides can be applied.
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path);

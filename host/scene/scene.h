@@ -141,6 +141,30 @@ struct Layer {
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
+// One of several characters of a scene, [character.NAME], and where it stands.
+struct CharacterSettings {
+  std::string name;
+  std::string file = {};  // relative to the scene file's folder; empty: `made`
+  std::string made = {};
+  std::string clip = {};                  // name or index; empty: the first
+  Vector3d at = Vector3d::Zero();         // m: where its origin stands
+  Vector3d turn = Vector3d::Zero();       // degrees about this direction: how it is turned there
+  double start = 0.0;                     // s of the scene's time: when its clip begins
+  bool rigid = false;                     // all of its flesh follows its skeleton
+  std::optional<double> resolution = {};  // wanted edge length of its tetrahedra, m
+};
+
+// The same, read. Names of its joints, objects and materials begin with NAME/. What is said by place
+// (`where`, drawn fibres and bones, solids that go with a joint) is seen in its own bind pose.
+struct PlacedCharacter {
+  CharacterSettings settings;
+  std::filesystem::path file = {};          // empty: made in code
+  rig::Character own = {};                  // as it is alone but for the names
+  Vector3d bind_offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the scene's
+  std::uint32_t first_joint = 0;            // of the scene's skeleton: the joint NAME; its own joints follow
+  std::uint32_t first_node = 0;             // of the nodes in the scene's SurfacePart
+};
+
 // What the user says of the joints, by name; where nothing is said, the skin decides which are bones.
 struct SkeletonSettings {
   std::vector<std::string> bones;      // are bones
@@ -338,8 +362,9 @@ struct Scene {
   std::filesystem::path converter;
 
   Geometry geometry = Bar{};
-  double scale = 1.0;                // metres per unit of the mesh file
-  std::optional<double> resolution;  // surfaces: wanted edge length of tetrahedra, metres
+  std::vector<PlacedCharacter> characters;  // of [character.NAME], which `geometry` joins; else empty
+  double scale = 1.0;                       // metres per unit of the mesh file
+  std::optional<double> resolution;         // surfaces: wanted edge length of tetrahedra, metres
   BodySettings body;
   std::vector<BoneSegment> bones;
   SkeletonSettings skeleton;
@@ -365,6 +390,15 @@ struct Scene {
 std::uint64_t cycle_frames(const Scene& scene);
 // Frames after frame 0: all cycles and the hold.
 std::uint64_t frame_count(const Scene& scene);
+// The number of the character that the scene's joint belongs to; 0 where there are not several.
+std::size_t character_of_joint(const Scene& scene, std::size_t joint);
+// From where a character stands alone to where it stands in the scene, and back.
+Eigen::Matrix4d place_of(const CharacterSettings& character);
+Eigen::Matrix4d back_from(const CharacterSettings& character);
+// PlacedCharacter::first_joint of each of the scene's characters.
+std::vector<std::uint32_t> first_joints(const Scene& scene);
+// Joins the scene's characters into its geometry, beside each other in the bind pose. Throws SceneError.
+void join_characters(Scene& scene);
 // The name of the clip that the scene plays; empty where it plays none.
 std::string clip_name(const Scene& scene);
 // Substeps of a frame. Throws std::invalid_argument where the scene leaves them to build::choose_steps.

@@ -234,6 +234,24 @@ void check_named_tables(const toml::node& node, const Key& key, const std::strin
     fail(node.source(), path, "is empty; give at least one [" + path + ".NAME]");
 }
 
+// Keys of one table, or tables by name; not both.
+void check_table_or_named(const toml::table& table, const Key& key, const std::string& path) {
+  if (holds_named_tables(key, table)) {
+    Key by_name = key;
+    by_name.table = key.named;
+    return check_named_tables(table, by_name, path);
+  }
+  const toml::node* first = nullptr;
+  for (const auto& [name, value] : in_order(table))
+    if (value->is_table() && find_key(*key.table, name->str()) == nullptr) first = value;
+  for (const auto& [name, value] : in_order(table))
+    if (first != nullptr && !value->is_table())
+      fail(name->source(), join_path(path, name->str()),
+           "stands beside tables of single characters, [" + path +
+               ".NAME]; move it into each of them, or take their names away");
+  check_table(table, *key.table, path);
+}
+
 void check_node(const toml::node& node, const Key& key, const std::string& path) {
   switch (key.type) {
     case KeyType::number:
@@ -261,6 +279,7 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
       return check_named_numbers(node, key, path);
     case KeyType::table:
       if (!node.is_table()) fail_type(node, key, path);
+      if (key.named != nullptr) return check_table_or_named(*node.as_table(), key, path);
       return check_table(*node.as_table(), *key.table, path);
     case KeyType::tables:
       return check_tables(node, key, path);
@@ -344,6 +363,12 @@ void fail_unknown(const toml::source_region& source, std::string_view path, std:
                                : hint.empty() ? "; known here: " + list(names)
                                               : hint + " Known here: " + list(names);
   fail(source, join_path(path, name.substr(0, longest_name)), "unknown" + there_is);
+}
+
+bool holds_named_tables(const Key& key, const toml::table& table) {
+  if (key.type == KeyType::named_tables) return true;
+  if (key.named == nullptr || table.empty()) return false;
+  return std::all_of(table.begin(), table.end(), [](const auto& entry) { return entry.second.is_table(); });
 }
 
 std::vector<Entry> in_order(const toml::table& table) {

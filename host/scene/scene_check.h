@@ -36,6 +36,9 @@ std::string one_line(std::string text);
 using Entry = std::pair<const toml::key*, const toml::node*>;
 std::vector<Entry> in_order(const toml::table& table);
 
+// Whether a table of this key is a table of tables whose names the user chose.
+bool holds_named_tables(const Key& key, const toml::table& table);
+
 // Throws SceneError at the first key that the table of keys does not allow. After it every value has its type
 // and range, required keys are there, and of each choice exactly one.
 void check_scene(const toml::table& root);

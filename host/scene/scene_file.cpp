@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "host/made/made_bunny.h"
-#include "host/made/made_character.h"
 #include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
 #include "host/scene/material.h"
 #include "host/scene/overrides.h"
+#include "host/scene/scene_characters.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
@@ -285,23 +285,6 @@ void read_mesh(const toml::table& table, const std::filesystem::path& folder, Sc
   }
 }
 
-void read_character(const toml::table& table, const std::filesystem::path& folder, Scene& scene) {
-  read_character_keys(table, scene);
-  if (table.contains("made")) {
-    std::string name;
-    read(table, "made", name);
-    scene.geometry = made::make_character(name);
-    return;
-  }
-  std::string file;
-  read(table, "file", file);
-  try {
-    load_character(folder / file, scene);
-  } catch (const InputFileError& error) {
-    fail(table.get("file")->source(), "character.file", error.what());
-  }
-}
-
 void read_steps(const toml::table& table, SolverSettings& solver) {
   const bool implicit = solver.integrator == Integrator::implicit_step;
   const toml::node* substeps = table.get("substeps");
@@ -328,37 +311,17 @@ toml::table parse_toml(const SceneText& input) {
   }
 }
 
-// The file that will be read, which --set may change; none where the character is made.
-std::optional<std::string> character_file(const toml::table& table, const SceneOverrides& overrides) {
-  if (const auto file = overridden(overrides, "character.file")) return file;
-  if (overridden(overrides, "character.made")) return std::nullopt;
-  return table["file"].value<std::string>();
-}
-
 // A character whose scene says nothing of layers gets those that it has without a scene file; whether there
 // was need. Comes before overrides, which may change them.
 bool add_layers(toml::table& root, const std::filesystem::path& folder, const SceneOverrides& overrides) {
-  const toml::table* table = root["character"].as_table();
-  if (table == nullptr || root.contains("layers")) return false;
-  Scene loaded;
-  loaded.converter = overrides.converter;
-  loaded.geometry = rig::Character{};
-  try {
-    if (const auto file = character_file(*table, overrides))
-      load_character(folder / *file, loaded);
-    else if (const auto made = overridden(overrides, "character.made"))
-      loaded.geometry = made::make_character(*made);
-    else if (const auto name = (*table)["made"].value<std::string>())
-      loaded.geometry = made::make_character(*name);
-  } catch (const std::runtime_error&) {
-    // Is found again, and told with its place, when the character is read.
-    loaded.geometry = rig::Character{};
-  }
+  if (root.contains("layers")) return false;
+  const std::vector<rig::Character> characters = characters_to_be(root, folder, overrides);
+  if (characters.empty()) return false;
   const auto of_solver = [&](const char* key) {
     const auto set = overridden(overrides, std::string("solver.") + key);
     return set ? set : root["solver"][key].value<std::string>();
   };
-  const auto& character = std::get<rig::Character>(loaded.geometry);
+  const rig::Character character = what_layers_go_by(characters);
   const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
   toml::table defaults = toml::parse(
       layers_for_character(character, stiffness, fps_of(overrides, root["scene"]["fps"].value<double>())),
@@ -421,7 +384,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   } else if (root.contains("mesh")) {
     read_mesh(table_at(root, "mesh"), input.folder, scene);
   } else {
-    read_character(table_at(root, "character"), input.folder, scene);
+    read_character(root, input.folder, scene);
   }
   check_muscle_bones(root, scene);
   check_collider_joints(root, scene);

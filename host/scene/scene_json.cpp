@@ -33,6 +33,19 @@ Json painted_names(const rig::Character& character) {
   return names;
 }
 
+// Of [character.NAME], and where each stands in the bind pose of the scene; none of a scene's single one.
+Json json_of_characters(const Scene& scene) {
+  Json list = Json::array();
+  for (const PlacedCharacter& character : scene.characters) {
+    Json one = json_of(character.settings);
+    one["bind_offset"] = json_of(character.bind_offset);
+    one["vertices"] = character.own.surface.vertices.size();
+    one["joints"] = character.own.skeleton.size();
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
 struct GeometryJson {
   Json operator()(const Bar& bar) const { return {{"bar", json_of(bar)}}; }
   Json operator()(const mesh::TetMesh& mesh) const {
@@ -94,6 +107,7 @@ Json json_of(const Scene& scene) {
               {"forces", json_of(scene.forces)},
               {"colliders", json_of(scene.colliders)},
               {"text", scene.text}};
+  if (!scene.characters.empty()) object["characters"] = json_of_characters(scene);
   // Keys that set members of the scene itself, and are not named above.
   const Json of_keys = json_of_scene_keys(scene);
   for (const auto& [key, value] : of_keys.items())

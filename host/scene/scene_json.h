@@ -34,6 +34,7 @@ Json json_of(const Force& force);
 Json json_of(const Collider& collider);
 Json json_of(const BoneSegment& bone);
 Json json_of(const Bar& bar);
+Json json_of(const CharacterSettings& character);
 Json json_of(const BodySettings& body);
 Json json_of(const SolverSettings& solver);
 Json json_of(const Motion& motion);

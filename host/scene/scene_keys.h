@@ -17,11 +17,13 @@ const Table& general_table();
 const Table& bar_table();
 const Table& mesh_table();
 const Table& character_table();
+const Table& placed_character_table();
 const Table& body_table();
 void read_general_keys(const toml::table& table, Scene& scene);
 void read_mesh_keys(const toml::table& table, Scene& scene);
 void read_character_keys(const toml::table& table, Scene& scene);
 void read_keys(const toml::table& table, Bar& bar);
+void read_keys(const toml::table& table, CharacterSettings& character);
 void read_keys(const toml::table& table, BodySettings& body);
 
 // scene_keys_layer.cpp

@@ -78,6 +78,42 @@ const auto& character_rows() {
   return all;
 }
 
+const auto& placed_character_rows() {
+  using namespace rows;
+  static const std::tuple all{
+      member("name", &CharacterSettings::name),
+      key(&CharacterSettings::file, {.name = "file", .doc = "The file, relative to the scene file's folder."},
+          {.depends = true}),
+      key(&CharacterSettings::made,
+          {.name = "made", .doc = "A character made in code.", .allowed = made::made_character_names()},
+          {.depends = true}),
+      key(&CharacterSettings::clip,
+          {.name = "clip", .doc = "Its animation, by name or by number from 0; empty: the first."}),
+      key(&CharacterSettings::at,
+          {.name = "at", .doc = "Where the origin of its file stands, m.", .range = coordinate}),
+      key(&CharacterSettings::turn,
+          {.name = "turn",
+           .doc = "How it is turned there: an axis times degrees, [0, 180, 0] is half a turn about Y.",
+           .range = between(-1e5, 1e5)}),
+      key(&CharacterSettings::start,
+          {.name = "start",
+           .doc = "When its clip begins, s of the scene's time; before that its first pose stands. Below 0 "
+                  "it has begun before.",
+           .range = between(-1e5, 1e5)}),
+      key(&CharacterSettings::rigid,
+          {.name = "rigid",
+           .doc = "All of its flesh follows its skeleton. It pushes the flesh of others and is not pushed: a "
+                  "prop, a helper."}),
+      key(&CharacterSettings::resolution,
+          {.name = "resolution",
+           .doc = "Wanted edge length of its tetrahedra, m; where absent, body.resolution, or its surface's "
+                  "mean edge.",
+           .range = positive(1e4)})};
+  static_assert(base::has_row_for_each_member<CharacterSettings, decltype(all)>,
+                "a member of CharacterSettings has no row here");
+  return all;
+}
+
 const auto& body_rows() {
   using namespace rows;
   static const std::tuple all{
@@ -147,6 +183,23 @@ const Table& character_table() {
 }
 void read_character_keys(const toml::table& table, Scene& scene) {
   read_rows(table, character_rows(), scene);
+}
+
+const Table& placed_character_table() {
+  static const Table table = with_keys(
+      {.name = "characters",
+       .doc = "One of several characters in a scene. Names of its joints, objects and materials begin "
+              "with NAME/. Where it stands in its own file is what `where`, drawn fibres and bones, and "
+              "solids that go with one of its joints speak of.",
+       .choices = {{"file", "made"}}},
+      placed_character_rows());
+  return table;
+}
+void read_keys(const toml::table& table, CharacterSettings& character) {
+  read_rows(table, placed_character_rows(), character);
+}
+Json json_of(const CharacterSettings& character) {
+  return json_of_rows(placed_character_rows(), character);
 }
 
 const Table& body_table() {

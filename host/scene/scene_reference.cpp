@@ -125,7 +125,8 @@ void write_table(std::ostream& out, const Table& table, std::set<const Table*>& 
   for (const Key& key : table.keys) write_key(out, key);
   out << '\n';
   for (const Key& key : table.keys)
-    if (key.table != nullptr) write_table(out, *key.table, done);
+    for (const Table* inner : {key.table, key.named})
+      if (inner != nullptr) write_table(out, *inner, done);
 }
 
 }  // namespace
@@ -145,6 +146,9 @@ std::string scene_reference() {
     const std::string header = key.type == KeyType::named_tables ? key.name + ".NAME" : key.name;
     write_item(out, "`[" + header + "]`: " + key.doc + " Keys: [" + key.table->name + "](#" +
                         key.table->name + ").");
+    if (key.named != nullptr)
+      write_item(out, "`[" + key.name + ".NAME]`: " + key.named->doc + " Keys: [" + key.named->name + "](#" +
+                          key.named->name + ").");
   }
   out << '\n';
   std::set<const Table*> done;

@@ -25,6 +25,15 @@ void add_range(Json& schema, const Key& key) {
   if (std::isfinite(key.range.maximum)) schema["maximum"] = number(key.range.maximum);
 }
 
+// Tables under names that the user chooses, at least one.
+Json by_name(const Table& table) {
+  return {{"type", "object"},
+          {"propertyNames", {{"pattern", name_pattern}, {"maxLength", longest_name}}},
+          {"additionalProperties", reference(table)},
+          {"minProperties", 1},
+          {"maxProperties", most_named}};
+}
+
 Json schema_of(const Key& key) {
   Json schema;
   switch (key.type) {
@@ -92,17 +101,15 @@ Json schema_of(const Key& key) {
     }
     case KeyType::table:
       schema = reference(*key.table);
+      if (key.named != nullptr) schema = {{"oneOf", {reference(*key.table), by_name(*key.named)}}};
       break;
     case KeyType::tables:
       schema["oneOf"] = {reference(*key.table),
                          {{"type", "array"}, {"items", reference(*key.table)}, {"minItems", 1}}};
       break;
     case KeyType::named_tables:
-      schema["type"] = "object";
-      schema["propertyNames"] = {{"pattern", name_pattern}, {"maxLength", longest_name}};
-      schema["additionalProperties"] = reference(*key.table);
-      if (key.required) schema["minProperties"] = 1;
-      schema["maxProperties"] = most_named;
+      schema = by_name(*key.table);
+      if (!key.required) schema.erase("minProperties");
       break;
   }
   schema["description"] = key.doc;
@@ -135,11 +142,12 @@ Json schema_of(const Table& table) {
 }
 
 void add_definitions(Json& definitions, const Table& table) {
-  for (const Key& key : table.keys) {
-    if (key.table == nullptr || definitions.contains(key.table->name)) continue;
-    definitions[key.table->name] = schema_of(*key.table);
-    add_definitions(definitions, *key.table);
-  }
+  for (const Key& key : table.keys)
+    for (const Table* inner : {key.table, key.named}) {
+      if (inner == nullptr || definitions.contains(inner->name)) continue;
+      definitions[inner->name] = schema_of(*inner);
+      add_definitions(definitions, *inner);
+    }
 }
 
 }  // namespace

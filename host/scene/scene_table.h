@@ -50,6 +50,9 @@ struct Key {
       {};  // text: all values there are; empty: any. integer: words beside numbers
   bool required = false;
   const Table* table = nullptr;  // of the types that are tables
+  // table: where it holds nothing but tables, it is a table of tables like this, whose names the user
+  // chooses.
+  const Table* named = nullptr;
 };
 
 struct Table {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "host/rig/pose.h"
-#include "host/rig/smooth_clip.h"
+#include "host/scene/scene_characters.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_file.h"
 #include "host/scene/scene_keys.h"
@@ -30,15 +30,6 @@ bool is_rest_bake(const toml::table& root, const Scene& scene) {
   read(table_at(root, "motion"), "rest", rest);
   return character != nullptr && character->clips.empty() && scene.forces.empty() &&
          scene.colliders.empty() && rest == name_of(Rest::sculpted);
-}
-
-void smooth_played_clip(Scene& scene) {
-  auto& character = std::get<rig::Character>(scene.geometry);
-  const rig::Clip* played = rig::find_clip(character, scene.clip);
-  if (played == nullptr) return;
-  const bool repeats = scene.motion.seamless || scene.motion.loop > 1;
-  rig::Clip& clip = character.clips[static_cast<std::size_t>(played - character.clips.data())];
-  clip = rig::smooth_clip(clip, repeats, scene.start, scene.end);
 }
 
 }  // namespace
@@ -100,7 +91,10 @@ void read_motion(const toml::table& root, Scene& scene) {
     motion.preroll = default_preroll;
   }
   // The keys of characters made in code lie dense enough.
-  const bool from_file = is_character && table_at(root, "character").contains("file");
+  const bool from_file =
+      is_character && (table_at(root, "character").contains("file") ||
+                       std::any_of(scene.characters.begin(), scene.characters.end(),
+                                   [](const PlacedCharacter& one) { return !one.file.empty(); }));
   motion.interpolation = from_file ? KeyInterpolation::smooth : KeyInterpolation::as_authored;
   read_keys(table, motion);
   std::sort(motion.cuts.begin(), motion.cuts.end());
@@ -125,7 +119,8 @@ void read_motion(const toml::table& root, Scene& scene) {
     refuse("hold", "contradicts seamless, whose end is its beginning; leave one of them out");
   if (motion.handles > 0 && (motion.seamless || motion.loop > 1))
     refuse("handles", "contradicts seamless and loop, whose clip goes on by itself; leave one of them out");
-  if (motion.interpolation == KeyInterpolation::smooth) smooth_played_clip(scene);
+  if (motion.interpolation == KeyInterpolation::smooth)
+    smooth_clips(scene, motion.seamless || motion.loop > 1);
   add_handles(scene);
   const double frames = (scene.end - scene.start) * scene.fps * motion.loop + motion.hold * scene.fps;
   if (frames > most_frames)

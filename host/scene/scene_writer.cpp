@@ -63,7 +63,7 @@ void write_table(std::ostream& out, const toml::table& table, const Table& keys,
     const Key& key = *find_key(keys, name->str());
     if (!is_header(key)) continue;
     const std::string inner = join_path(path, name->str());
-    if (key.type == KeyType::table) {
+    if (!holds_named_tables(key, *node->as_table())) {
       out << "\n[" << inner << "]\n";
       write_table(out, *node->as_table(), *key.table, inner);
       continue;
@@ -71,7 +71,7 @@ void write_table(std::ostream& out, const toml::table& table, const Table& keys,
     for (const auto& [chosen, chosen_node] : in_order(*node->as_table())) {
       const std::string innermost = join_path(inner, chosen->str());
       out << "\n[" << innermost << "]\n";
-      write_table(out, *chosen_node->as_table(), *key.table, innermost);
+      write_table(out, *chosen_node->as_table(), key.named != nullptr ? *key.named : *key.table, innermost);
     }
   }
 }
@@ -140,11 +140,12 @@ void write_documented_key(std::ostream& out, const toml::table& root, const Tabl
   if (std::find(left_out.begin(), left_out.end(), key.name) != left_out.end()) return;
   if (node == nullptr && taken_by(keys, root, key) != nullptr) return;
   out << '\n';
-  if (key.type == KeyType::named_tables && node != nullptr) {
-    write_comment(out, key.table->doc);
+  if (node != nullptr && holds_named_tables(key, *node->as_table())) {
+    const Table& one = key.named != nullptr ? *key.named : *key.table;
+    write_comment(out, one.doc);
     for (const auto& [name, inner] : in_order(*node->as_table())) {
       out << "[" << join_path(key.name, name->str()) << "]\n";
-      write_documented_values(out, *inner->as_table(), *key.table, left_out);
+      write_documented_values(out, *inner->as_table(), one, left_out);
       out << '\n';
     }
   } else if (key.type == KeyType::named_tables) {

@@ -60,6 +60,16 @@ Solid solid_of(const Collider& collider) {
   return solid;
 }
 
+Solid bound_solid_of(const Scene& scene, const Collider& collider) {
+  Solid solid = solid_of(collider);
+  if (scene.characters.empty() || collider.joint.empty()) return solid;
+  const std::vector<rig::Joint>& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
+  for (std::size_t j = 0; j < skeleton.size(); ++j)
+    if (skeleton[j].name == collider.joint)
+      solid.center += scene.scale * scene.characters[character_of_joint(scene, j)].bind_offset;
+  return solid;
+}
+
 double distance_to(const Solid& solid, const Vector3d& point) {
   const Vector3d p = solid.axes.transpose() * (point - solid.center);
   if (solid.is_plane) return p.y() - solid.radius;

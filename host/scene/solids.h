@@ -20,6 +20,10 @@ struct Solid {
 // As the scene says, before joints and keys move it.
 Solid solid_of(const Collider& collider);
 
+// The same, in the bind pose of the scene: what goes with a joint of one of several characters is said for
+// that character's own.
+Solid bound_solid_of(const Scene& scene, const Collider& collider);
+
 // How far a point of the scene is from the solid, metres; below 0 inside.
 double distance_to(const Solid& solid, const Vector3d& point);
 

@@ -25,7 +25,8 @@ scene::Scene arm_scene(const std::string& motion, const scene::SceneOverrides& o
 }
 
 drive::Timeline timeline_of(const scene::Scene& scene) {
-  return drive::Timeline(scene, std::get<rig::Character>(scene.geometry), 1.0, scene.solver.substeps);
+  const double extents[] = {1.0};
+  return drive::Timeline(scene, std::get<rig::Character>(scene.geometry), extents, scene.solver.substeps);
 }
 
 TEST(Handles, PosesOfTheRangeAreThoseWithout) {

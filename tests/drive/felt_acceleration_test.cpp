@@ -35,7 +35,8 @@ BendingBar thrown_bar(scene::KeyInterpolation interpolation, double fps) {
 }
 
 double largest_acceleration(BendingBar bar) {
-  drive::Timeline timeline(bar.scene, bar.character(), bar_height, bar.scene.solver.substeps);
+  const double extents[] = {bar_height};
+  drive::Timeline timeline(bar.scene, bar.character(), extents, bar.scene.solver.substeps);
   const double h = 1.0 / (bar.scene.fps * bar.scene.solver.substeps);
   double largest = 0.0;
   for (std::uint64_t count = 2; count <= scene::cycle_frames(bar.scene) * bar.scene.solver.substeps;
@@ -142,7 +143,7 @@ TEST(AccelerationLimit, IsSaidWhereItBites) {
   {
     drive::DriveSource drives(bar.scene, bar.model);
     // The rest positions are floats.
-    EXPECT_NEAR(drives.acceleration_limit(), drive::default_acceleration_limit * bar_height, 1e-4);
+    EXPECT_NEAR(drives.acceleration_limit(0), drive::default_acceleration_limit * bar_height, 1e-4);
     const auto thrown = drives.thrown();
     ASSERT_EQ(thrown.size(), 1u);
     EXPECT_EQ(thrown[0].joint, 1u);

@@ -331,6 +331,27 @@ TEST(MadeMotion, MotionHasItsKeysVelocityAndAcceleration) {
   }
 }
 
+TEST(BearBump, ThrowsTheBellyForwardAndComesBackOnItsFeet) {
+  const rig::Character bear = made::make_character("bear");
+  const rig::Clip& clip = bear.clips.at(1);
+  EXPECT_EQ(clip.name, "bump");
+  const auto place = [&](const std::string& name, double time) {
+    for (std::size_t j = 0; j < bear.skeleton.size(); ++j)
+      if (bear.skeleton[j].name == name)
+        return Vector3d(rig::joint_transforms_at(bear, &clip, time)[j].topRightCorner<3, 1>());
+    throw std::out_of_range(name);
+  };
+  EXPECT_LT(place("spine", 0.55).z(), place("spine", 0.0).z() - 0.03) << "it draws back";
+  EXPECT_GT(place("spine", 1.05).z(), place("spine", 0.0).z() + made::bump_reach) << "hips and belly first";
+  EXPECT_LT((place("hips", clip.duration) - place("hips", 0.0)).norm(), 1e-3) << "and it recovers";
+  // At the keys, 120 a second, the legs reach the feet's places up to rounding; halfway between them, where
+  // joints turn at a constant rate, they are off by a millimetre where the heels lift.
+  for (const std::string toe : {"toe_L", "toe_R"})
+    for (int k = 0; k <= 2 * 264; ++k)
+      ASSERT_LT((place(toe, k / 240.0) - place(toe, 0.0)).norm(), k % 2 == 0 ? 1e-9 : 1e-3)
+          << toe << " at " << k;
+}
+
 TEST(MadeMotion, LimbsReachTheirTargets) {
   const made::Limb leg{{0.1, 0.7, 0.0}, {0.15, 0.4, 0.03}, {0.2, 0.1, 0.0}};
   const Vector3d side(0.2, 0.0, 1.0), root(0.05, 0.6, -0.1), target(0.3, 0.12, 0.1);

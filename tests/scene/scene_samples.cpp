@@ -275,6 +275,25 @@ contraction_channel = "hand.scale.x"
 )";
 }
 
+std::string characters_sample() {
+  return R"(# What one of several characters has.
+[character.left]
+made = "arm"
+clip = "curl"
+at = [-0.5, 0.25, 0.125]
+turn = [0.0, 45.0, 0.0]
+start = 0.25
+rigid = true
+resolution = 0.0625
+
+[character.right]
+file = "CesiumMan.glb"
+
+[layers.body]
+alpha = 0.5
+)";
+}
+
 std::string implicit_sample() {
   return R"(# What the implicit integrator has instead of alpha and damping.
 [bar]
@@ -389,6 +408,10 @@ std::string describe(const Scene& scene) {
   } else if (const auto* character = std::get_if<rig::Character>(&scene.geometry)) {
     for (const Vector3d& p : character->surface.vertices) d.line("vertex", p);
   }
+  for (const PlacedCharacter& c : scene.characters)
+    d.line("character", c.settings.name, c.settings.file, c.settings.made, c.settings.clip, c.settings.at,
+           c.settings.turn, c.settings.start, c.settings.rigid, c.settings.resolution, c.bind_offset,
+           c.first_joint);
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,

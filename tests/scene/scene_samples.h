@@ -15,6 +15,7 @@ std::string mesh_sample();       // of a file tetrahedron.off beside it
 std::string character_sample();  // of a file CesiumMan.glb beside it
 std::string made_sample();
 std::string made_surface_sample();
+std::string characters_sample();  // of a file CesiumMan.glb beside it
 std::string implicit_sample();
 
 // A closed surface of four triangles.

@@ -1,0 +1,240 @@
+// [character] and [character.NAME]: reading the characters, and joining several into one.
+#include "host/scene/scene_characters.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/base/nearest_name.h"
+#include "host/base/trigonometry.h"
+#include "host/made/made_character.h"
+#include "host/rig/join.h"
+#include "host/rig/pose.h"
+#include "host/rig/pose_interpolation.h"
+#include "host/rig/smooth_clip.h"
+#include "host/scene/input_files.h"
+#include "host/scene/overrides.h"
+#include "host/scene/scene_keys.h"
+#include "host/scene/scene_values.h"
+
+namespace fascicle::scene {
+namespace {
+
+// The rotation of turned_by as a quaternion, x y z w.
+Eigen::Vector4d quaternion_about(const Vector3d& degrees) {
+  const double angle = degrees.norm() * (3.14159265358979323846 / 180.0);
+  if (!(angle > 0.0)) return {0.0, 0.0, 0.0, 1.0};
+  const Vector3d axis = degrees.normalized() * base::exact_sin(angle / 2.0);
+  return {axis[0], axis[1], axis[2], base::exact_cos(angle / 2.0)};
+}
+
+struct Bounds {
+  Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();
+  Vector3d middle() const { return (low + high) / 2.0; }
+};
+
+Bounds bounds_of(const rig::Character& character) {
+  const std::vector<Vector3d>& points = character.surface.vertices;
+  if (points.empty()) return {};
+  Bounds bounds{points.front(), points.front()};
+  for (const Vector3d& p : points) {
+    bounds.low = bounds.low.cwiseMin(p);
+    bounds.high = bounds.high.cwiseMax(p);
+  }
+  return bounds;
+}
+
+// The bind poses stand on a square grid on the ground, each a whole body's extent and more from the next: no
+// mesher joins them, and contact sees them as far from each other.
+void place_bind_poses(double contact_distance, std::vector<PlacedCharacter>& characters) {
+  constexpr double gap_in_distances = 4.0;
+  double largest = 0.0;
+  for (const PlacedCharacter& character : characters) {
+    const Bounds bounds = bounds_of(character.own);
+    largest = std::max(largest, (bounds.high - bounds.low).maxCoeff());
+  }
+  const double pitch = 2.0 * largest + gap_in_distances * contact_distance;
+  std::size_t columns = 1;
+  while (columns * columns < characters.size()) ++columns;
+  const Vector3d first = bounds_of(characters.front().own).middle();
+  for (std::size_t k = 1; k < characters.size(); ++k) {
+    const Vector3d middle = bounds_of(characters[k].own).middle();
+    characters[k].bind_offset = {first[0] - middle[0] + pitch * static_cast<double>(k % columns), 0.0,
+                                 first[2] - middle[2] + pitch * static_cast<double>(k / columns)};
+  }
+}
+
+// A character as its table says, with what the scene is to know of its files.
+rig::Character load_one(const toml::table& table, const std::string& path,
+                        const std::filesystem::path& folder, Scene& scene) {
+  if (table.contains("made")) return made::make_character(*table["made"].value<std::string>());
+  Scene loaded;
+  loaded.converter = scene.converter;
+  try {
+    load_character(folder / *table["file"].value<std::string>(), loaded);
+  } catch (const InputFileError& error) {
+    fail(table.get("file")->source(), join_path(path, "file"), error.what());
+  }
+  for (const auto& input : loaded.input_hashes)
+    if (std::find(scene.input_hashes.begin(), scene.input_hashes.end(), input) == scene.input_hashes.end())
+      scene.input_hashes.push_back(input);
+  return std::move(std::get<rig::Character>(loaded.geometry));
+}
+
+// Names in [skeleton] say which character's they are. What they name there is asked once its body is made.
+void check_skeleton_names(const toml::table& root, const Scene& scene) {
+  const rig::Character& character = std::get<rig::Character>(scene.geometry);
+  std::vector<std::string> known;
+  for (const rig::Joint& joint : character.skeleton) known.push_back(joint.name);
+  for (const rig::SurfacePart& part : character.parts) {
+    known.push_back(part.object);
+    known.push_back(part.material);
+  }
+  for (const auto& [key, node] : in_order(table_at(root, "skeleton"))) {
+    const toml::array* names = node->as_array();
+    for (std::size_t k = 0; names != nullptr && k < names->size(); ++k) {
+      const std::string& name = (*names)[k].as_string()->get();
+      const bool has_owner =
+          std::any_of(scene.characters.begin(), scene.characters.end(),
+                      [&](const PlacedCharacter& one) { return name.starts_with(one.settings.name + "/"); });
+      if (!has_owner)
+        fail((*names)[k].source(), join_path("skeleton", key->str()),
+             "\"" + one_line(name) + "\" does not say whose it is; names begin with a character's, as \"" +
+                 scene.characters.front().settings.name + "/...\"" + base::nearest_name_hint(name, known));
+    }
+  }
+}
+
+void read_named_characters(const toml::table& root, const std::filesystem::path& folder, Scene& scene) {
+  for_each_named(
+      root, "character", [&](const std::string& name, const toml::table& table, const std::string& path) {
+        PlacedCharacter character;
+        character.settings.name = name;
+        read_keys(table, character.settings);
+        if (!character.settings.file.empty()) character.file = folder / character.settings.file;
+        character.own = load_one(table, path, folder, scene);
+        rig::name_apart(character.own, name);
+        const toml::node* clip = table.get("clip");
+        try {
+          rig::find_clip(character.own, character.settings.clip);
+        } catch (const SceneError& error) {
+          fail(clip != nullptr ? clip->source() : table.source(), join_path(path, "clip"), error.what());
+        }
+        scene.characters.push_back(std::move(character));
+      });
+  try {
+    join_characters(scene);
+  } catch (const SceneError& error) {
+    fail(root.get("character")->source(), "character", error.what());
+  }
+  check_skeleton_names(root, scene);
+}
+
+}  // namespace
+
+void read_character(const toml::table& root, const std::filesystem::path& folder, Scene& scene) {
+  if (has_named_characters(root)) return read_named_characters(root, folder, scene);
+  const toml::table& table = table_at(root, "character");
+  read_character_keys(table, scene);
+  scene.geometry = load_one(table, "character", folder, scene);
+}
+
+void join_characters(Scene& scene) {
+  place_bind_poses(scene.contact.distance.value_or(0.0), scene.characters);
+  std::vector<rig::Placed> placed;
+  std::uint32_t joints = 0, nodes = 0;
+  for (PlacedCharacter& character : scene.characters) {
+    character.first_joint = joints;
+    character.first_node = nodes;
+    joints += 1 + static_cast<std::uint32_t>(character.own.skeleton.size());
+    nodes += rig::node_count(character.own);
+    const CharacterSettings& settings = character.settings;
+    placed.push_back({.name = settings.name,
+                      .character = &character.own,
+                      .clip = rig::find_clip(character.own, settings.clip),
+                      .start = settings.start,
+                      .at = settings.at,
+                      .turn = quaternion_about(settings.turn),
+                      .bind_offset = character.bind_offset,
+                      .first_node = character.first_node});
+  }
+  scene.geometry = rig::joined(placed);
+}
+
+void smooth_clips(Scene& scene, bool repeats) {
+  const auto smooth = [&](rig::Character& character, const std::string& clip, double start) {
+    const rig::Clip* played = rig::find_clip(character, clip);
+    if (played == nullptr) return;
+    rig::Clip& own = character.clips[static_cast<std::size_t>(played - character.clips.data())];
+    std::vector<rig::WeightChannel> weights = std::move(own.weights);
+    own = rig::smooth_clip(own, repeats, scene.start - start, scene.end - start);
+    own.weights = std::move(weights);
+  };
+  for (PlacedCharacter& character : scene.characters)
+    smooth(character.own, character.settings.clip, character.settings.start);
+  if (scene.characters.empty())
+    smooth(std::get<rig::Character>(scene.geometry), scene.clip, 0.0);
+  else
+    join_characters(scene);
+}
+
+Eigen::Matrix4d place_of(const CharacterSettings& character) {
+  return rig::local_transform(character.at, quaternion_about(character.turn), Vector3d::Ones());
+}
+
+Eigen::Matrix4d back_from(const CharacterSettings& character) {
+  const Eigen::Matrix4d place = place_of(character);
+  const Eigen::Matrix3d turn = place.topLeftCorner<3, 3>().transpose();
+  Eigen::Matrix4d back = Eigen::Matrix4d::Identity();
+  back.topLeftCorner<3, 3>() = turn;
+  back.topRightCorner<3, 1>() = -(turn * character.at);
+  return back;
+}
+
+std::vector<std::uint32_t> first_joints(const Scene& scene) {
+  std::vector<std::uint32_t> joints;
+  for (const PlacedCharacter& character : scene.characters) joints.push_back(character.first_joint);
+  return joints;
+}
+
+std::size_t character_of_joint(const Scene& scene, std::size_t joint) {
+  std::size_t k = 0;
+  while (k + 1 < scene.characters.size() && scene.characters[k + 1].first_joint <= joint) ++k;
+  return k;
+}
+
+std::vector<rig::Character> characters_to_be(const toml::table& root, const std::filesystem::path& folder,
+                                             const SceneOverrides& overrides) {
+  std::vector<rig::Character> all;
+  const auto load = [&](const toml::table& table, const std::string& path) {
+    const auto stated = [&](const char* key) { return overridden(overrides, join_path(path, key)); };
+    Scene loaded;
+    loaded.converter = overrides.converter;
+    try {
+      if (const auto file = stated("file")) {
+        load_character(folder / *file, loaded);
+        all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
+      } else if (const auto made = stated("made")) {
+        all.push_back(made::make_character(*made));
+      } else if (const auto in_table = table["file"].value<std::string>()) {
+        load_character(folder / *in_table, loaded);
+        all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
+      } else if (const auto name = table["made"].value<std::string>()) {
+        all.push_back(made::make_character(*name));
+      }
+    } catch (const std::runtime_error&) {
+      // Is found again, and told with its place, when the character is read.
+    }
+  };
+  const toml::table* table = root["character"].as_table();
+  if (table == nullptr) return all;
+  if (!has_named_characters(root)) {
+    load(*table, "character");
+  } else {
+    for (const auto& [name, node] : in_order(*table))
+      load(*node->as_table(), join_path("character", name->str()));
+  }
+  if (all.empty()) all.emplace_back();
+  return all;
+}
+
+}  // namespace fascicle::scene

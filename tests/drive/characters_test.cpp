@@ -1,0 +1,300 @@
+// Several characters in one scene: each moves as it does alone, where it was put, and they push each other.
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "cpu_reference/solver/cpu_solver.h"
+#include "host/build/build.h"
+#include "host/drive/drive_source.h"
+#include "host/drive/lead_in.h"
+#include "host/formats/character_file.h"
+#include "host/formats/surface.h"
+#include "host/formats/surface_objects.h"
+#include "host/gltf/gltf.h"
+#include "host/model/overlap.h"
+#include "host/rig/pose.h"
+#include "host/scene/scene_file.h"
+#include "host/scene/solids.h"
+#include "tests/support/assets.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+using Eigen::Vector3d;
+
+const std::string flesh_on_bones =
+    "[layers.flesh]\nalpha = 0.5\ndamping = 6.0\n"
+    "[layers.bone]\nkinematic = true\nwhere = { bone_distance = { maximum = 0.03 } }\n"
+    "[solver]\nsubsteps = 8\n";
+
+std::string arm(const std::string& table, const std::string& more = "") {
+  return "[" + table + "]\nmade = \"arm\"\nresolution = 0.03\n" + more;
+}
+
+struct Walk {
+  scene::Scene scene;
+  model::Model model;
+  build::Report report;
+  std::vector<std::vector<Vector3d>> surface;  // m, of each frame
+  model::State last;
+};
+
+std::vector<Vector3d> world(const model::Model& model, const std::vector<float>& positions,
+                            const std::array<double, 3>& origin) {
+  const std::vector<float> surface = formats::embed(model, positions);
+  std::vector<Vector3d> places;
+  for (std::size_t i = 0; i < surface.size(); i += 3)
+    places.emplace_back(double{surface[i]} * model.unit + origin[0],
+                        double{surface[i + 1]} * model.unit + origin[1],
+                        double{surface[i + 2]} * model.unit + origin[2]);
+  return places;
+}
+
+Walk walk(const std::string& text, std::uint64_t frames) {
+  Walk result;
+  result.scene = scene::parse_scene({"test", "test.toml", text, {}}, {});
+  build::BuildOptions options;
+  options.mesher = FASCICLE_MESHER;
+  result.model = build::build_model(result.scene, result.report, options);
+  drive::DriveSource drives(result.scene, result.model);
+  const auto solver =
+      cpu_reference::make_cpu_solver(result.model, {.integrator = result.scene.solver.integrator}, 2);
+  solver->load(drive::lead_in(result.scene, result.model, drives, *solver).state);
+  const model::State start = solver->save();
+  result.surface.push_back(world(result.model, start.positions, start.origin));
+  for (std::uint64_t k = 1; k <= frames; ++k) {
+    solver->submit(drives.drive(k), {.positions = true});
+    const model::Frame frame = solver->collect();
+    result.surface.push_back(world(result.model, frame.positions, frame.origin));
+  }
+  result.last = solver->save();
+  return result;
+}
+
+double furthest(const std::vector<Vector3d>& a, std::size_t first, const std::vector<Vector3d>& b,
+                const Eigen::Matrix3d& turn, const Vector3d& at) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    largest = std::max(largest, (a[first + i] - (turn * b[i] + at)).norm());
+  return largest;
+}
+
+TEST(Characters, FarApartMoveAsTheyDoAlone) {
+  constexpr std::uint64_t frames = 60;
+  const Walk alone = walk(arm("character") + flesh_on_bones, frames);
+  const Walk both =
+      walk(arm("character.a") + arm("character.b", "at = [3, 0.5, 0]\nturn = [0, 90, 0]\n") + flesh_on_bones,
+           frames);
+  ASSERT_EQ(both.model.vertex_count, 2 * alone.model.vertex_count);
+  ASSERT_EQ(both.model.tetrahedron_count(), 2 * alone.model.tetrahedron_count());
+  // The same tetrahedra; what differs is rounding. Places lie up to 2 m from the frame's origin, between the
+  // two, so that a float has 1.2e-7 m (alone: 6e-8 m); springs of 1 Hz and more turn what a substep's
+  // rounding does to a velocity into some hundred times that.
+  constexpr double rounding = 100.0 * 2.4e-7;
+  const Eigen::Matrix3d turn = scene::turned_by({0, 90, 0});
+  double moved = 0.0;
+  for (std::uint64_t k = 0; k <= frames; ++k) {
+    EXPECT_LT(furthest(both.surface[k], 0, alone.surface[k], Eigen::Matrix3d::Identity(), Vector3d::Zero()),
+              rounding)
+        << k;
+    EXPECT_LT(furthest(both.surface[k], alone.surface[k].size(), alone.surface[k], turn, {3, 0.5, 0}),
+              rounding)
+        << k;
+    moved = std::max(moved, furthest(alone.surface[k], 0, alone.surface[0], Eigen::Matrix3d::Identity(),
+                                     Vector3d::Zero()));
+  }
+  EXPECT_GT(moved, 0.1) << "and they move at all";
+}
+
+TEST(Characters, EachHasItsOwnStart) {
+  const Walk both = walk(arm("character.a") + arm("character.b", "at = [0, 0, 3]\nstart = 0.25\n") +
+                             "[motion]\npreroll = 0.0\n" + flesh_on_bones,
+                         1);
+  drive::DriveSource drives(both.scene, both.model);
+  const std::size_t joints = both.scene.characters[1].first_joint;
+  // 0.25 s are 15 frames; the poses are sums of the same doubles up to their last bits.
+  for (const std::uint64_t k : {0u, 10u, 40u})
+    for (std::size_t j = 1; j < joints; ++j) {
+      const Eigen::Matrix4d early = drives.joints(k)[j], late = drives.joints(k + 15)[joints + j];
+      Eigen::Matrix4d moved = early;
+      moved(2, 3) += 3.0;
+      EXPECT_LT((late - moved).norm(), 1e-12);
+    }
+}
+
+// Arms side by side whose flesh overlaps by a third of their thickness.
+std::string side_by_side(const std::string& contact, const std::string& of_b = "") {
+  return arm("character.a") + arm("character.b", "at = [0, 0, 0.1]\n" + of_b) +
+         "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones;
+}
+
+Vector3d mean_move(const Walk& walk, const Walk& without, std::size_t character) {
+  const rig::SurfacePart& part = std::get<rig::Character>(walk.scene.geometry).parts[character];
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = part.first_vertex; i < part.first_vertex + part.vertex_count; ++i)
+    sum += walk.surface.back()[i] - without.surface.back()[i];
+  return sum / part.vertex_count;
+}
+
+TEST(Characters, PushEachOther) {
+  constexpr std::uint64_t frames = 12;
+  const Walk with = walk(side_by_side("true"), frames), without = walk(side_by_side("false"), frames);
+  const model::OverlapMeter meter(with.model);
+  const double left = meter.of(with.last.positions).volume, before = meter.of(without.last.positions).volume;
+  EXPECT_GT(before, 1e-5) << "m^3: without contact they lie in each other";
+  EXPECT_LT(left, 0.25 * before);
+  // What pushes one pushes the other as hard the other way. They are the same body; that one is the first in
+  // the search, and its vertices the points, makes a difference of a tenth.
+  const Vector3d a = mean_move(with, without, 0), b = mean_move(with, without, 1);
+  EXPECT_LT(a.z(), -5e-4);
+  EXPECT_GT(b.z(), 5e-4);
+  EXPECT_NEAR(a.z(), -b.z(), 0.1 * b.z());
+}
+
+TEST(Characters, ARigidOnePushesAndIsNotPushed) {
+  constexpr std::uint64_t frames = 12;
+  const std::string rigid = "rigid = true\n";
+  const Walk with = walk(side_by_side("true", rigid), frames),
+             without = walk(side_by_side("false", rigid), frames);
+  EXPECT_LT(mean_move(with, without, 0).z(), -1e-3);
+  EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
+  // It is where skinning has it.
+  const std::uint32_t first = with.scene.characters[1].first_joint;
+  std::size_t vertices = 0;
+  for (std::uint32_t i = 0; i < with.model.vertex_count; ++i) {
+    if (with.model.skin_joint[with.model.skin_offset[i]] < first) continue;
+    ++vertices;
+    EXPECT_TRUE(with.model.is_kinematic(i));
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_EQ(with.last.positions[3 * i + c], with.last.skinned[3 * i + c]);
+  }
+  EXPECT_EQ(2 * vertices, with.model.vertex_count);
+}
+
+// skeleton.only of one character leaves no free flesh on the other.
+TEST(Characters, OnlyTheJointsThatAreNamedAreSimulated) {
+  const Walk some = walk(arm("character.a") + arm("character.b", "at = [0, 0, 3]\n") +
+                             "[skeleton]\nonly = [\"a/forearm\"]\n" + flesh_on_bones,
+                         1);
+  std::size_t free = 0;
+  for (std::uint32_t i = 0; i < some.model.vertex_count; ++i) {
+    if (some.model.is_kinematic(i)) continue;
+    ++free;
+    EXPECT_LT(some.model.skin_joint[some.model.skin_offset[i]], some.scene.characters[1].first_joint);
+  }
+  EXPECT_GT(free, 0u);
+}
+
+// Shapes are seen in the bind pose of each character.
+TEST(Characters, ShapesHoldForEachInItsOwnBindPose) {
+  const std::string probe =
+      "[probe.hand]\nwhere = { above = { axis = \"x\", fraction = 0.9 } }\n"
+      "[probe.ball]\nwhere = { sphere = { center = [0.3, 0, 0], radius = 0.1 } }\n";
+  const Walk alone = walk(arm("character") + probe + flesh_on_bones, 1);
+  const Walk both =
+      walk(arm("character.a") + arm("character.b", "at = [0, 0, 3]\n") + probe + flesh_on_bones, 1);
+  for (std::size_t k = 0; k < 2; ++k) {
+    ASSERT_GT(alone.model.probes[k].vertices.size(), 0u);
+    EXPECT_EQ(both.model.probes[k].vertices.size(), 2 * alone.model.probes[k].vertices.size());
+  }
+}
+
+// A character that jumps is carried over the cut with its flesh; the one that does not moves on as before.
+TEST(Characters, AJumpOfOneIsACut) {
+  scene::Scene scene = scene::parse_scene({"test",
+                                           "test.toml",
+                                           arm("character.a") + arm("character.b", "at = [0, 0, 3]\n") +
+                                               "[motion]\npreroll = 0.0\n" + flesh_on_bones,
+                                           {}},
+                                          {});
+  auto& clip = std::get<rig::Character>(scene.geometry).clips.at(0);
+  const std::uint32_t top = scene.characters[1].first_joint;
+  clip.channels.push_back({.joint = top,
+                           .path = rig::ChannelPath::translation,
+                           .interpolation = rig::Interpolation::step,
+                           .times = {0.0, 0.5},
+                           .values = {0, 0, 3, 0, 5, 3}});
+  build::BuildOptions options;
+  options.mesher = FASCICLE_MESHER;
+  build::Report report;
+  const model::Model model = build::build_model(scene, report, options);
+  drive::DriveSource drives(scene, model);
+  std::size_t cuts = 0;
+  for (std::uint64_t k = 1; k <= 60; ++k) cuts += drives.drive(k).cuts.size();
+  EXPECT_EQ(cuts, 1u);
+}
+
+// character.glb, from which formats have looks, objects and skeletons: its own reader finds every character
+// where the scene's skeleton has it.
+void expect_in_one_document(const std::string& text, std::size_t least_objects) {
+  scene::Scene scene = scene::parse_scene({"test", "test.toml", text, asset("").parent_path()}, {});
+  build::BuildOptions options;
+  options.mesher = FASCICLE_MESHER;
+  build::Report report;
+  const model::Model model = build::build_model(scene, report, options);
+  drive::DriveSource drives(scene, model);
+  std::vector<std::string> missing;
+  const std::string bytes = formats::character_glb(
+      scene, model, [&](std::uint64_t frame) { return drives.joints(frame); },
+      [&](std::uint64_t frame) { return drives.clip_time(frame); }, missing);
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "fascicle_characters.glb";
+  std::ofstream(file, std::ios::binary) << bytes;
+
+  const auto& character = std::get<rig::Character>(scene.geometry);
+  const rig::Character read = gltf::read_gltf(file);
+  ASSERT_EQ(read.parts.size(), character.parts.size());
+  std::set<std::string> objects;
+  for (const rig::SurfacePart& part : character.parts) objects.insert(part.object);
+  EXPECT_GE(objects.size(), least_objects);
+  EXPECT_GE(formats::read_surface_objects(model, file).objects.size(), least_objects);
+  const gltf::Rig rig = gltf::read_rig(file);
+  ASSERT_FALSE(read.clips.empty());
+  EXPECT_EQ(read.clips[0].name, character.clips[0].name + " (baked)");
+  for (const std::uint64_t frame : {0u, 7u}) {
+    const std::vector<Eigen::Matrix4d> pose =
+        rig::pose_at(character, &character.clips[0], drives.clip_time(frame));
+    const std::vector<Eigen::Matrix4d> joints = formats::baked_joints(rig, true, frame, scene.fps);
+    std::size_t i = 0;
+    double furthest = 0.0;
+    for (const gltf::RigPart& part : rig.parts)
+      for (std::size_t v = 0; v < part.positions.size(); ++v, ++i) {
+        Vector3d shown = Vector3d::Zero(), expected = Vector3d::Zero();
+        for (std::size_t k = part.influence_offset[v]; k < part.influence_offset[v + 1]; ++k)
+          shown += part.weight[k] * (joints[part.skin_joint[part.slot[k]]] * part.inverse_bind[part.slot[k]] *
+                                     part.positions[v].homogeneous())
+                                        .head<3>();
+        for (std::size_t k = 0; k < 8; ++k)
+          expected += character.weights[i][k] *
+                      (pose[character.joints[i][k]] * character.surface.vertices[i].homogeneous()).head<3>();
+        furthest = std::max(furthest, (shown - expected).norm());
+      }
+    EXPECT_EQ(i, character.surface.vertices.size());
+    // Places up to 4 m, through some ten joints whose numbers are floats.
+    EXPECT_LT(furthest, 10.0 * 4.8e-7) << frame;
+  }
+}
+
+TEST(Characters, MadeOnesAreInOneGltf) {
+  expect_in_one_document(arm("character.a", "start = 0.1\n") +
+                             arm("character.b", "at = [1, 0.5, 0]\nturn = [0, 90, 0]\n") + flesh_on_bones,
+                         2);
+}
+
+TEST(Characters, OnesFromFilesAreInOneGltf) {
+  FASCICLE_NEEDS_ASSET(asset("CesiumMan.glb"));
+  FASCICLE_NEEDS_ASSET(asset("animals_pack_Fox.glb"));
+  expect_in_one_document("[character.man]\nfile = \"CesiumMan.glb\"\nat = [1, 0.5, 0]\nturn = [0, 90, 0]\n" +
+                             arm("character.arm") +
+                             "[character.fox]\nfile = \"animals_pack_Fox.glb\"\nat = [-2, 0, 0]\n" +
+                             "[body]\nresolution = \"3000\"\n" + flesh_on_bones,
+                         3);
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
