@@ -152,7 +152,9 @@ std::string scene_reference() {
   }
   out << '\n';
   std::set<const Table*> done;
-  for (const Key& key : root.keys) write_table(out, *key.table, done);
+  for (const Key& key : root.keys)
+    for (const Table* inner : {key.table, key.named})
+      if (inner != nullptr) write_table(out, *inner, done);
   std::string text = out.str();
   while (text.ends_with("\n\n")) text.pop_back();
   return text;

@@ -36,7 +36,8 @@ TEST(SceneReference, NamesEveryKeyInShortLines) {
       const bool is_root = table == &scene::scene_table();
       EXPECT_NE(page.find(is_root ? "`[" + key.name : "- `" + key.name + "`: "), std::string::npos)
           << key.name;
-      if (key.table != nullptr) left.push_back(key.table);
+      for (const scene::Table* inner : {key.table, key.named})
+        if (inner != nullptr) left.push_back(inner);
     }
   }
   EXPECT_GT(seen.size(), 20u);
