@@ -58,8 +58,9 @@ void place_bind_poses(double contact_distance, std::vector<PlacedCharacter>& cha
   const Vector3d first = bounds_of(characters.front().own).middle();
   for (std::size_t k = 1; k < characters.size(); ++k) {
     const Vector3d middle = bounds_of(characters[k].own).middle();
+    const std::size_t row = k / columns;
     characters[k].bind_offset = {first[0] - middle[0] + pitch * static_cast<double>(k % columns), 0.0,
-                                 first[2] - middle[2] + pitch * static_cast<double>(k / columns)};
+                                 first[2] - middle[2] + pitch * static_cast<double>(row)};
   }
 }
 
