@@ -12,7 +12,7 @@
 namespace fascicle::gpu {
 
 // Buffers that the largest kernel (update) binds. A test compares it with the shaders.
-inline constexpr std::uint32_t most_buffers_of_a_kernel = 21;
+inline constexpr std::uint32_t most_buffers_of_a_kernel = 20;
 
 struct PhysicalDevice {
   VkPhysicalDevice handle = VK_NULL_HANDLE;

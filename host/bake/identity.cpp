@@ -100,8 +100,14 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"motion", scene::dump(json_of(scene.motion))},
                     {"forces", scene::dump(json_of(scene.forces))},
                     {"colliders", scene::dump(json_of(scene.colliders))}};
-  for (const auto& [file, file_hash] : scene.input_hashes)
-    identity.emplace_back("the content of " + std::filesystem::path(file).filename().string(), file_hash);
+  // Files of several folders may have one name.
+  std::map<std::string, std::uint32_t> named;
+  for (const auto& [file, file_hash] : scene.input_hashes) {
+    const std::string name = std::filesystem::path(file).filename().string();
+    const std::uint32_t number = ++named[name];
+    identity.emplace_back(
+        "the content of " + name + (number > 1 ? " (" + base::number_text(number) + ")" : ""), file_hash);
+  }
   identity.emplace_back("the scene's text (hash)", text_hash(scene.text));
   std::vector<std::string> formats = options.formats;
   std::sort(formats.begin(), formats.end());

@@ -242,7 +242,7 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
   if (overrides.resolution) {
     for (const char* source : {"mesh", "character"})
       if (toml::table* table = root.get_as<toml::table>(source)) {
-        table->erase("resolution");
+        if (!has_named_characters(root)) table->erase("resolution");
         for (auto&& [name, one] : *table)
           if (toml::table* inner = one.as_table()) inner->erase("resolution");
       }

@@ -105,6 +105,24 @@ void check_skeleton_names(const toml::table& root, const Scene& scene) {
   }
 }
 
+// Unpainted flesh counts as 0, which is hardly what is meant of a whole character.
+void check_paint(const toml::table& root, const Scene& scene, const std::string& channel, bool of_rigid) {
+  if (channel.empty()) return;
+  const std::string attribute = channel.substr(0, channel.find('.'));
+  const PlacedCharacter *with = nullptr, *without = nullptr;
+  for (const PlacedCharacter& one : scene.characters) {
+    if (one.settings.rigid && !of_rigid) continue;
+    const bool has = std::any_of(one.own.painted.begin(), one.own.painted.end(),
+                                 [&](const rig::PaintedAttribute& a) { return a.name == attribute; });
+    (has ? with : without) = &one;
+  }
+  if (with == nullptr || without == nullptr) return;
+  const std::string& name = without->settings.name;
+  fail(root["character"][name].node()->source(), join_path("character", name),
+       "has no `" + attribute + "`, which is painted on " + with->settings.name +
+           " and which the scene goes by; paint both, or take it out of the scene");
+}
+
 void read_named_characters(const toml::table& root, const std::filesystem::path& folder, Scene& scene) {
   for_each_named(
       root, "character", [&](const std::string& name, const toml::table& table, const std::string& path) {
@@ -128,6 +146,8 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
     fail(root.get("character")->source(), "character", error.what());
   }
   check_skeleton_names(root, scene);
+  for (const Layer& layer : scene.layers) check_paint(root, scene, layer.alpha_attribute, false);
+  check_paint(root, scene, scene.contact.attribute, true);
 }
 
 }  // namespace

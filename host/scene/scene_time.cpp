@@ -92,7 +92,7 @@ void read_motion(const toml::table& root, Scene& scene) {
   }
   // The keys of characters made in code lie dense enough.
   const bool from_file =
-      is_character && (table_at(root, "character").contains("file") ||
+      is_character && ((scene.characters.empty() && table_at(root, "character").contains("file")) ||
                        std::any_of(scene.characters.begin(), scene.characters.end(),
                                    [](const PlacedCharacter& one) { return !one.file.empty(); }));
   motion.interpolation = from_file ? KeyInterpolation::smooth : KeyInterpolation::as_authored;

@@ -213,6 +213,10 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   scene = short_scene(6);
   scene.input_hashes[0].second = "ffffffffffffffff";
   EXPECT_TRUE(contains(refusal(scene, options), "the content of body.mesh was 0123456789abcdef"));
+  scene = short_scene(6);
+  scene.input_hashes.emplace_back("other/body.mesh", "ffffffffffffffff");
+  EXPECT_TRUE(contains(refusal(scene, options), "the content of body.mesh (2) was absent"))
+      << "of another folder";
   BakeOptions changed = options;
   changed.formats = {"pc2"};
   EXPECT_TRUE(

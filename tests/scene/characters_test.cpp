@@ -154,6 +154,15 @@ TEST(Characters, AreInTheManifest) {
   EXPECT_FALSE(json_of(parse("[character]\nmade = \"arm\"\n" + layers)).contains("characters"));
 }
 
+// Names that keys also have.
+TEST(Characters, MayBeNamedAsKeysAre) {
+  const std::string text =
+      "[character.resolution]\nmade = \"arm\"\n[character.file]\nmade = \"arm\"\n" + layers;
+  const Scene scene = parse(text, {.resolution = "20mm"});
+  EXPECT_EQ(scene.characters.size(), 2u) << "--resolution takes keys away, and no character";
+  EXPECT_EQ(scene.motion.interpolation, KeyInterpolation::as_authored) << "made in code";
+}
+
 TEST(Characters, AreReadFromTheirFiles) {
   const std::filesystem::path man = asset("CesiumMan.glb");
   FASCICLE_NEEDS_ASSET(man);
