@@ -14,6 +14,7 @@
 #include "host/gltf/gltf_shapes.h"
 #include "host/gltf/gltf_skeleton.h"
 #include "host/rig/pose.h"
+#include "host/rig/rig_math.h"
 
 namespace fascicle::gltf {
 namespace {
@@ -145,9 +146,9 @@ class Reader {
     const Eigen::Matrix4d raw_to_bind = bind_[skin.joints[top]] * inverse_binds[top];
     for (std::size_t k = 0; k < skin.joints.size(); ++k) {
       const std::uint32_t joint = skin.joints[k];
-      if (!is_bound_[joint]) bind_[joint] = raw_to_bind * affine_inverse(inverse_binds[k]);
+      if (!is_bound_[joint]) bind_[joint] = raw_to_bind * rig::affine_inverse(inverse_binds[k]);
       is_bound_[joint] = true;
-      character_.skeleton[joint].inverse_bind = affine_inverse(bind_[joint]);
+      character_.skeleton[joint].inverse_bind = rig::affine_inverse(bind_[joint]);
       // The same for all joints, but where two skins bind the same joints in different poses.
       skin.raw_to_bind.push_back(bind_[joint] * inverse_binds[k]);
     }
@@ -166,7 +167,7 @@ class Reader {
       if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-5)
         refuse(k, "its last row must be 0 0 0 1");
       m.row(3) = Eigen::RowVector4d(0, 0, 0, 1);
-      if (!affine_inverse(m).allFinite()) refuse(k, "it has no inverse");
+      if (!rig::affine_inverse(m).allFinite()) refuse(k, "it has no inverse");
       inverse_binds.push_back(m);
     }
     return inverse_binds;
@@ -185,7 +186,7 @@ class Reader {
       if (is_bound_[j] || joint.parent < 0 || !is_rebound[parent]) continue;
       bind_[j] = bind_[parent] * joint.rest_local;
       is_rebound[j] = true;
-      if (is_carrier[j]) joint.inverse_bind = affine_inverse(bind_[j]);
+      if (is_carrier[j]) joint.inverse_bind = rig::affine_inverse(bind_[j]);
     }
   }
 

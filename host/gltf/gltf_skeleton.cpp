@@ -9,6 +9,7 @@
 #include "host/gltf/gltf_library.h"
 #include "host/rig/pose.h"
 #include "host/rig/pose_interpolation.h"
+#include "host/rig/rig_math.h"
 
 namespace fascicle::gltf {
 
@@ -127,14 +128,6 @@ rig::Channel read_channel(const std::filesystem::path& path, const tinygltf::Mod
 
 }  // namespace
 
-Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
-  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-  const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>().inverse();
-  result.topLeftCorner<3, 3>() = linear;
-  result.topRightCorner<3, 1>() = -(linear * m.topRightCorner<3, 1>());
-  return result;
-}
-
 std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const tinygltf::Model& model,
                                         const GltfParts& parts, rig::Character& character) {
   const std::vector<int> parents = node_parents(model);
@@ -166,7 +159,7 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
       gltf_error(path, "/nodes/" + std::to_string(nodes[j]),
                  "the joint is scaled to nothing in its rest pose; give it a scale that is not zero");
     }
-    character.skeleton[j].inverse_bind = affine_inverse(rest[j]);
+    character.skeleton[j].inverse_bind = rig::affine_inverse(rest[j]);
   }
 
   std::vector<bool> is_shown(model.nodes.size(), false);

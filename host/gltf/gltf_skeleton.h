@@ -15,9 +15,6 @@ class Model;
 
 namespace fascicle::gltf {
 
-// Inverse of a matrix whose last row is 0 0 0 1; not finite where there is none.
-Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m);
-
 // Fills the character's skeleton, root and clips: the joints of the parts' skins, the nodes that carry hung
 // parts and all nodes between and above them, less the chain at the top that neither carries nor moves, which
 // becomes Character::root. Returns each node's number in the skeleton, or -1. Inverse bind matrices are those

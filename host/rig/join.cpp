@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 
-#include <Eigen/LU>
-
 #include "host/base/errors.h"
 #include "host/rig/pose_interpolation.h"
+#include "host/rig/rig_math.h"
 
 namespace fascicle::rig {
 namespace {
@@ -15,14 +14,6 @@ Eigen::Matrix4d moved_by(const Vector3d& offset) {
   Eigen::Matrix4d map = Eigen::Matrix4d::Identity();
   map.topRightCorner<3, 1>() = offset;
   return map;
-}
-
-Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
-  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-  const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>().inverse();
-  result.topLeftCorner<3, 3>() = linear;
-  result.topRightCorner<3, 1>() = -(linear * m.topRightCorner<3, 1>());
-  return result;
 }
 
 void add_skeleton(const Placed& placed, Character& all) {

@@ -37,6 +37,14 @@ Vector3d solve(const Eigen::Matrix3d& linear, const Vector3d& y) {
   return linear.transpose() * (damped.inverse() * y);
 }
 
+Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m) {
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>().inverse();
+  result.topLeftCorner<3, 3>() = linear;
+  result.topRightCorner<3, 1>() = -(linear * m.topRightCorner<3, 1>());
+  return result;
+}
+
 Vector3d turn(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
   const Vector3d axis = a.cross(b);
   const double cosine = a.dot(b);

@@ -18,6 +18,9 @@ struct JointParts {
 JointParts joint_parts(const Eigen::Matrix4d& above, const Eigen::Matrix4d& joint,
                        const Vector3d& rest_scale);
 
+// Inverse of a matrix whose last row is 0 0 0 1; not finite where there is none.
+Eigen::Matrix4d affine_inverse(const Eigen::Matrix4d& m);
+
 // Solves linear x = y; where `linear` is all but flat, for the smallest x that nearly does.
 Vector3d solve(const Eigen::Matrix3d& linear, const Vector3d& y);
 
