@@ -96,13 +96,6 @@ std::vector<Contacts::Pair> Contacts::found_at(const Points& places) const {
   return pairs;
 }
 
-std::vector<Contacts::Pair> Contacts::found_in_substep(const Points& q, const Points& v, double h) const {
-  Points places = q;
-  if (model_.is_implicit())
-    for (std::size_t i = 0; i < q.size(); ++i) places[i] += h * v[i];
-  return found_at(places);
-}
-
 Points Contacts::velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const {
   std::vector<double> crowd(v.size(), 0.0);
   for (const Pair& pair : pairs) {

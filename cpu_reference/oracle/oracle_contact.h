@@ -30,9 +30,6 @@ class Contacts {
   };
   // By ascending point.
   std::vector<Pair> found_at(const Points& places) const;
-  // Those of a substep of h seconds that begins at `q` with `v`. The implicit integrator's contacts are
-  // looked for where the vertices would come to by themselves.
-  std::vector<Pair> found_in_substep(const Points& q, const Points& v, double h) const;
   // What a pass of the response adds to the velocities `v` of all vertices.
   Points velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const;
 

@@ -299,7 +299,7 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
     case Kernel::contact:
       return respond_to_contacts(now.h);
     case Kernel::contact_find:
-      contacts_found = contacts.found_in_substep(q, v, now.h);
+      contacts_found = contacts.found_at(q);
       return;
     case Kernel::contact_bound:
     case Kernel::contact_enclose:

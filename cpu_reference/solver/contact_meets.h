@@ -33,11 +33,8 @@ inline Place velocity_of(const Fields& fields, std::uint32_t i) {
   return place_at(fields.velocities.data() + vector_stride * std::size_t{i});
 }
 
-// Where the stage looks for vertex i.
-inline Place contact_sight(const model::Model& model, const SubstepInput& in, const Fields& fields,
-                           std::uint32_t i) {
-  const Place x = place_at(fields.vertices.data() + vertex_stride * std::size_t{i});
-  return model.is_implicit() ? kernel::place_ahead<float>(x, velocity_of(fields, i), in.step.h) : x;
+inline Place position_of(const Fields& fields, std::uint32_t i) {
+  return place_at(fields.vertices.data() + vertex_stride * std::size_t{i});
 }
 
 inline Place rest_sight(const model::Model& model, std::uint32_t i) {

@@ -211,8 +211,8 @@ std::array<ContactSearch::PointBits, ContactSearch::leaf_size> ContactSearch::re
   return relevant;
 }
 
-void ContactSearch::find(const SubstepInput& in, Fields& fields, ThreadPool& pool) {
-  look(in, fields, pool);
+void ContactSearch::find(Fields& fields, ThreadPool& pool) {
+  look(fields, pool);
   pool.run(static_cast<std::uint32_t>(blocks_.size()), [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t block = first; block < last; ++block) find_in_block(block, fields);
   });
@@ -220,11 +220,11 @@ void ContactSearch::find(const SubstepInput& in, Fields& fields, ThreadPool& poo
 }
 
 // Where everything is, and how the leaves have moved.
-void ContactSearch::look(const SubstepInput& in, const Fields& fields, ThreadPool& pool) {
+void ContactSearch::look(const Fields& fields, ThreadPool& pool) {
   std::swap(sights_, sights_before_);
   pool.run(model_.vertex_count, [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t i = first; i < last; ++i)
-      put_place(sights_.data() + sight_stride * i, contact_sight(model_, in, fields, i));
+      put_place(sights_.data() + sight_stride * i, position_of(fields, i));
   });
   pool.run(model_.contact_branch_count(), [&](std::uint32_t first, std::uint32_t last) {
     for (std::uint32_t branch = first; branch < last; ++branch) bound_branch(branch);

@@ -28,7 +28,7 @@ class ContactSearch {
   ContactSearch(const model::Model& model, const ContactLanes& lanes);
 
   // The contacts: contact_found, and of what takes part in one contact_place and contact_crowd.
-  void find(const SubstepInput& in, Fields& fields, ThreadPool& pool);
+  void find(Fields& fields, ThreadPool& pool);
   // One pass of the response, to the contacts that were found last.
   void respond(const SubstepInput& in, Fields& fields);
 
@@ -81,7 +81,7 @@ class ContactSearch {
   void find_near_at_rest();
   std::array<PointBits, leaf_size> relevant_at_rest(std::uint32_t block, std::uint32_t leaf) const;
 
-  void look(const SubstepInput& in, const Fields& fields, ThreadPool& pool);
+  void look(const Fields& fields, ThreadPool& pool);
   ContactBounds bounds_of(const std::uint32_t* vertices, std::uint32_t count) const;
   void bound_branch(std::uint32_t branch);
   void find_in_block(std::uint32_t block, Fields& fields);
@@ -105,7 +105,8 @@ class ContactSearch {
   std::vector<std::uint32_t> leaf_group_;  // groups that all its tetrahedra are of; empty without any
   std::vector<PointBits> relevant_;
   std::vector<Block> blocks_;
-  LineVector<float> sights_, sights_before_;  // 4 a vertex: where the stage looks for it; a substep before
+  LineVector<float> sights_,
+      sights_before_;  // 4 a vertex: where it is as a substep begins; as the one before began
   // Boxes as ContactLanes takes them: of leaves where they are and how they moved, a branch after the other;
   // of branches.
   LineVector<float> leaf_box_, leaf_motion_, branch_box_;

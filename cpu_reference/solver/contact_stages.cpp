@@ -51,8 +51,8 @@ void for_each_contact_at(const Model& model, const Fields& fields, std::uint32_t
 
 }  // namespace
 
-void contact_bound(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const auto place_of = [&](std::uint32_t i) { return contact_sight(model, in, fields, i); };
+void contact_bound(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+  const auto place_of = [&](std::uint32_t i) { return position_of(fields, i); };
   for (std::uint32_t leaf = range.first; leaf < range.last; ++leaf)
     put_contact_box(fields.contact_box, leaf, contact_leaf_box(model, leaf, place_of));
 }
@@ -64,18 +64,18 @@ void contact_enclose(const Model& model, const SubstepInput&, Fields& fields, Ra
 
 namespace {
 
-std::uint32_t found_in_leaf(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t p,
-                            const Place& x, std::uint32_t leaf) {
+std::uint32_t found_in_leaf(const Model& model, Fields& fields, std::uint32_t p, const Place& x,
+                            std::uint32_t leaf) {
   const std::uint32_t first = leaf * shader::contact_leaf,
                       end = std::min(first + shader::contact_leaf, model.contact_tetrahedron_count());
-  const auto place_of = [&](std::uint32_t i) { return contact_sight(model, in, fields, i); };
+  const auto place_of = [&](std::uint32_t i) { return position_of(fields, i); };
   for (std::uint32_t t = first; t < end; ++t)
     if (contact_meets(model, fields, p, x, t, place_of)) return t;
   return shader::no_contact;
 }
 
-std::uint32_t found_by(const Model& model, const SubstepInput& in, Fields& fields, std::uint32_t p) {
-  const Place x = contact_sight(model, in, fields, model.contact[p].vertex);
+std::uint32_t found_by(const Model& model, Fields& fields, std::uint32_t p) {
+  const Place x = position_of(fields, model.contact[p].vertex);
   const std::uint32_t leaves = model.contact_leaf_count();
   for (std::uint32_t branch = 0; branch < model.contact_branch_count(); ++branch) {
     if (!box_holds(contact_box_at(fields.contact_branch_box, branch), x) ||
@@ -85,7 +85,7 @@ std::uint32_t found_by(const Model& model, const SubstepInput& in, Fields& field
     for (std::uint32_t leaf = branch * shader::contact_branch; leaf < end; ++leaf) {
       if (!box_holds(contact_box_at(fields.contact_box, leaf), x) || contact_is_near_at_rest(model, p, leaf))
         continue;
-      const std::uint32_t found = found_in_leaf(model, in, fields, p, x, leaf);
+      const std::uint32_t found = found_in_leaf(model, fields, p, x, leaf);
       if (found != shader::no_contact) return found;
     }
   }
@@ -94,9 +94,9 @@ std::uint32_t found_by(const Model& model, const SubstepInput& in, Fields& field
 
 }  // namespace
 
-void contact_find(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+void contact_find(const Model& model, const SubstepInput&, Fields& fields, Range range) {
   for (std::uint32_t p = range.first; p < range.last; ++p)
-    fields.contact_found[p] = found_by(model, in, fields, p);
+    fields.contact_found[p] = found_by(model, fields, p);
 }
 
 void contact_survey(const Model& model, const SubstepInput&, Fields& fields, Range range) {

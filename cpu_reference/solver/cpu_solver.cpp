@@ -276,7 +276,7 @@ class CpuSolver : public model::Solver {
     };
     for (const Block& block : probe ? probed_plan_ : plan_) {
       if (block.steps.front().kernel == Kernel::contact_bound) {
-        contacts_->find(in, fields_, *pool_);
+        contacts_->find(fields_, *pool_);
       } else if (block.repeat == Block::Repeat::contact_passes) {
         for (std::uint32_t pass = 0; pass < block.times; ++pass) contacts_->respond(in, fields_);
       } else if (block.repeat == Block::Repeat::limit_passes) {

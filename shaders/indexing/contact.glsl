@@ -28,12 +28,7 @@ uint leaf_count() { return (push.substep.contact_tetrahedron_count + (contact_le
 uint branch_count() { return (leaf_count() + (contact_branch - 1u)) / contact_branch; }
 uint block_count() { return (push.substep.contact_count + (contact_block - 1u)) / contact_block; }
 
-// Places at which the stage looks for contacts.
-Vector place_of(uint i) {
-  Vector x = vector_of(position[i]);
-  if (with_implicit) x = place_ahead(x, vector_of(velocity[i]), push.substep.h);
-  return x;
-}
+Vector place_of(uint i) { return vector_of(position[i]); }
 
 Vector rest_of(uint i) { return vector_of(rest[i]); }
 

@@ -55,9 +55,9 @@ void respond_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
 }
 
 // The first of all tetrahedra that each point meets.
-std::vector<std::uint32_t> found_among_all(const Model& m, const SubstepInput& in, Fields fields) {
+std::vector<std::uint32_t> found_among_all(const Model& m, Fields fields) {
   std::vector<std::uint32_t> found(m.contact.size(), shader::no_contact);
-  const auto place_of = [&](std::uint32_t i) { return cpu::contact_sight(m, in, fields, i); };
+  const auto place_of = [&](std::uint32_t i) { return cpu::position_of(fields, i); };
   for (std::uint32_t p = 0; p < found.size(); ++p)
     for (std::uint32_t t = 0; t < m.contact_tetrahedron_count() && found[p] == shader::no_contact; ++t)
       if (cpu::contact_meets(m, fields, p, place_of(m.contact[p].vertex), t, place_of)) found[p] = t;
@@ -217,11 +217,11 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, con
     const std::vector<std::uint32_t> before = plain.contact_found;
     put(m, motions.positions, motions.velocities, plain);
     find_plainly(m, in, plain);
-    EXPECT_EQ(plain.contact_found, found_among_all(m, in, plain));
+    EXPECT_EQ(plain.contact_found, found_among_all(m, plain));
     for (int pass = 0; pass < 2; ++pass) respond_plainly(m, in, plain);
     for (const auto& s : searches) {
       put(m, motions.positions, motions.velocities, s->fields);
-      s->search.find(in, s->fields, s->pool);
+      s->search.find(s->fields, s->pool);
       for (int pass = 0; pass < 2; ++pass) s->search.respond(in, s->fields);
       EXPECT_EQ(contact_difference(m, plain, s->fields), "") << s->pool.size() << " threads";
     }
