@@ -104,6 +104,8 @@ scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k) {
     own.resolution = settings.resolution;
     own.body.vertices.reset();
   }
+  // Contact asks how deep flesh lies in a prop. Tetrahedra between the few corners of a box do not know.
+  if (scene.characters[k].is_mesh) own.body.cage = scene::Cage::wrap;
   own.bones = scene.bones;
   own.skeleton = scene.skeleton;
   for (auto* names : {&own.skeleton.bones, &own.skeleton.not_bones, &own.skeleton.kinematic,

@@ -159,6 +159,7 @@ struct CharacterSettings {
 struct PlacedCharacter {
   CharacterSettings settings;
   std::filesystem::path file = {};          // empty: made in code
+  bool is_mesh = false;                     // `file` is a mesh: one joint carries it, and it has no looks
   rig::Character own = {};                  // as it is alone but for the names
   Vector3d bind_offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the scene's
   std::uint32_t first_joint = 0;            // of the scene's skeleton: the joint NAME; its own joints follow

@@ -7,6 +7,7 @@
 #include "host/base/nearest_name.h"
 #include "host/base/trigonometry.h"
 #include "host/made/made_character.h"
+#include "host/mesh/mesh_file.h"
 #include "host/rig/join.h"
 #include "host/rig/pose.h"
 #include "host/rig/pose_interpolation.h"
@@ -64,6 +65,35 @@ void place_bind_poses(double contact_distance, std::vector<PlacedCharacter>& cha
   }
 }
 
+// A still mesh as a character: one joint carries all of it, and no clip moves that.
+rig::Character character_of_mesh(mesh::SurfaceMesh mesh) {
+  rig::Character character;
+  rig::Joint joint;
+  joint.name = "mesh";
+  joint.skins = true;
+  character.skeleton.push_back(joint);
+  character.joints.resize(mesh.vertices.size());
+  character.weights.resize(mesh.vertices.size(), {1.0});
+  character.surface = std::move(mesh);
+  return character;
+}
+
+// What the file holds, in `loaded`. A mesh without a skeleton is a character where that is `rigid`: it has
+// nothing to move flesh by.
+void load_file(const std::filesystem::path& file, bool rigid, Scene& loaded) {
+  if (!mesh::is_surface_mesh_file(file)) return load_character(file, loaded);
+  if (!rigid)
+    throw InputFileError(file.string() +
+                         " is a mesh without a skeleton; a prop that flesh does not enter is a "
+                         "[character.NAME] with rigid = true, a body of flesh stands under [mesh]");
+  load_mesh(file, loaded);
+  loaded.geometry = character_of_mesh(std::move(std::get<mesh::SurfaceMesh>(loaded.geometry)));
+}
+
+bool is_rigid(const toml::table& table) {
+  return table["rigid"].value_or(false);
+}
+
 // A character as its table says, with what the scene is to know of its files.
 rig::Character load_one(const toml::table& table, const std::string& path,
                         const std::filesystem::path& folder, Scene& scene) {
@@ -71,7 +101,7 @@ rig::Character load_one(const toml::table& table, const std::string& path,
   Scene loaded;
   loaded.converter = scene.converter;
   try {
-    load_character(folder / *table["file"].value<std::string>(), loaded);
+    load_file(folder / *table["file"].value<std::string>(), is_rigid(table), loaded);
   } catch (const InputFileError& error) {
     fail(table.get("file")->source(), join_path(path, "file"), error.what());
   }
@@ -130,6 +160,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         character.settings.name = name;
         read_keys(table, character.settings);
         if (!character.settings.file.empty()) character.file = folder / character.settings.file;
+        character.is_mesh = mesh::is_surface_mesh_file(character.file);
         character.own = load_one(table, path, folder, scene);
         rig::name_apart(character.own, name);
         const toml::node* clip = table.get("clip");
@@ -232,12 +263,12 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
     loaded.converter = overrides.converter;
     try {
       if (const auto file = stated("file")) {
-        load_character(folder / *file, loaded);
+        load_file(folder / *file, is_rigid(table), loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto made = stated("made")) {
         all.push_back(made::make_character(*made));
       } else if (const auto in_table = table["file"].value<std::string>()) {
-        load_character(folder / *in_table, loaded);
+        load_file(folder / *in_table, is_rigid(table), loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto name = table["made"].value<std::string>()) {
         all.push_back(made::make_character(*name));

@@ -92,9 +92,10 @@ void read_motion(const toml::table& root, Scene& scene) {
   }
   // The keys of characters made in code lie dense enough.
   const bool from_file =
-      is_character && ((scene.characters.empty() && table_at(root, "character").contains("file")) ||
-                       std::any_of(scene.characters.begin(), scene.characters.end(),
-                                   [](const PlacedCharacter& one) { return !one.file.empty(); }));
+      is_character &&
+      ((scene.characters.empty() && table_at(root, "character").contains("file")) ||
+       std::any_of(scene.characters.begin(), scene.characters.end(),
+                   [](const PlacedCharacter& one) { return !one.file.empty() && !one.is_mesh; }));
   motion.interpolation = from_file ? KeyInterpolation::smooth : KeyInterpolation::as_authored;
   read_keys(table, motion);
   std::sort(motion.cuts.begin(), motion.cuts.end());

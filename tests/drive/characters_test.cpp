@@ -55,9 +55,9 @@ std::vector<Vector3d> world(const model::Model& model, const std::vector<float>&
   return places;
 }
 
-Walk walk(const std::string& text, std::uint64_t frames) {
+Walk walk(const std::string& text, std::uint64_t frames, const std::filesystem::path& folder = {}) {
   Walk result;
-  result.scene = scene::parse_scene({"test", "test.toml", text, {}}, {});
+  result.scene = scene::parse_scene({"test", "test.toml", text, folder}, {});
   build::BuildOptions options;
   options.mesher = FASCICLE_MESHER;
   result.model = build::build_model(result.scene, result.report, options);
@@ -174,6 +174,53 @@ TEST(Characters, ARigidOnePushesAndIsNotPushed) {
       EXPECT_EQ(with.last.positions[3 * i + c], with.last.skinned[3 * i + c]);
   }
   EXPECT_EQ(2 * vertices, with.model.vertex_count);
+}
+
+// A box of 12 triangles, as an .obj.
+void write_box(const std::filesystem::path& file, const Vector3d& low, const Vector3d& high) {
+  std::ofstream out(file);
+  for (unsigned k = 0; k < 8; ++k)
+    out << "v " << (k & 1 ? high : low).x() << " " << (k & 2 ? high : low).y() << " "
+        << (k & 4 ? high : low).z() << "\n";
+  for (const char* face : {"1 3 4", "1 4 2", "5 6 8", "5 8 7", "1 2 6", "1 6 5", "3 7 8", "3 8 4", "1 5 7",
+                           "1 7 3", "2 4 8", "2 8 6"})
+    out << "f " << face << "\n";
+}
+
+// A still mesh pushes flesh out and stays where the scene puts it. The control: without contact the flesh
+// lies in it. `at` is where the file's origin stands: the same box, given elsewhere in its file, does the
+// same.
+TEST(Characters, AStillMeshIsAProp) {
+  constexpr std::uint64_t frames = 12;
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "fascicle_characters_props";
+  std::filesystem::create_directories(folder);
+  write_box(folder / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
+  write_box(folder / "moved.obj", {1.05, -0.15, -0.96}, {1.45, 0.15, -0.66});
+  const auto beside = [&](const std::string& prop, const std::string& contact) {
+    return walk(arm("character.a") + "[character.b]\nresolution = 0.05\nrigid = true\n" + prop +
+                    "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones,
+                frames, folder);
+  };
+  const Walk with = beside("file = \"box.obj\"\n", "true"), without = beside("file = \"box.obj\"\n", "false"),
+             moved = beside("file = \"moved.obj\"\nat = [-1, 0, 1]\n", "true");
+  const model::OverlapMeter meter(with.model);
+  EXPECT_GT(meter.of(without.last.positions).volume, 1e-5) << "m^3";
+  EXPECT_LT(meter.of(with.last.positions).volume, 0.25 * meter.of(without.last.positions).volume);
+  EXPECT_LT(mean_move(with, without, 0).z(), -5e-4) << "m: away from the box, in the mean of the arm";
+  EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
+  const rig::SurfacePart& prop = std::get<rig::Character>(with.scene.geometry).parts.at(1);
+  ASSERT_EQ(prop.vertex_count, 8u);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vector3d corner(k & 1 ? 0.45 : 0.05, k & 2 ? 0.15 : -0.15, k & 4 ? 0.34 : 0.04);
+    // Floats of places up to 2 m.
+    EXPECT_LT((with.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
+    EXPECT_LT((moved.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
+  }
+  std::filesystem::remove_all(folder);
+  // Rounding of the corners gives the box another cage, and so another depth below its surface.
+  EXPECT_NEAR(mean_move(moved, without, 0).z(), mean_move(with, without, 0).z(),
+              0.25 * std::abs(mean_move(with, without, 0).z()));
 }
 
 // skeleton.only of one character leaves no free flesh on the other.

@@ -203,6 +203,12 @@ TEST(Characters, RefuseWhatCannotBe) {
             "sample.toml:13: collider.ball.joint: there is no joint \"left/hnd\"; did you mean left/hand?");
   EXPECT_EQ(refusal("[character.left]\nfile = \"none.glb\"\n" + layers),
             "sample.toml:2: character.left.file: none.glb does not exist");
+  EXPECT_EQ(
+      refusal("[character.left]\nfile = \"chair.obj\"\n" + layers),
+      "sample.toml:2: character.left.file: chair.obj is a mesh without a skeleton; a prop that flesh does "
+      "not enter is a [character.NAME] with rigid = true, a body of flesh stands under [mesh]");
+  EXPECT_EQ(refusal("[character.left]\nfile = \"chair.obj\"\nrigid = true\n" + layers),
+            "sample.toml:2: character.left.file: chair.obj does not exist");
 }
 
 // What goes with a joint is said for the bind pose of that joint's character.

@@ -251,7 +251,7 @@ TEST(SceneText, RefusesWhatDoesNotFitTogether) {
       {"[mesh]\nfile = 'a.glb'\n[layers.body]\n", "sample.toml:2: mesh.file: a.glb is a character"},
       {"[mesh]\nfile = 'a.txt'\n[layers.body]\n", "sample.toml:2: mesh.file: a.txt is not a mesh file"},
       {"[character]\nfile = 'a.off'\n[layers.body]\n",
-       "sample.toml:2: character.file: a.off is not a character"},
+       "sample.toml:2: character.file: a.off is a mesh without a skeleton"},
       {"[character]\n[layers.body]\n", "sample.toml:1: character: lacks one of file, made"},
       {"[character]\nfile = 'a.glb'\nmade = 'arm'\n[layers.body]\n",
        "sample.toml:3: character.made: stands beside file"},
