@@ -42,7 +42,8 @@ std::string all_of(const std::vector<std::string>& lines) {
 
 // Shaders that compute nothing in floats: there is no operation for the pass to decorate.
 bool only_compares(const std::string& shader) {
-  return shader == "contact_enclose" || shader == "contact_locate" || shader == "contact_survey";
+  return shader == "contact_bound" || shader == "contact_enclose" || shader == "contact_locate" ||
+         shader == "contact_survey";
 }
 
 class OurShader : public testing::TestWithParam<std::string> {};
