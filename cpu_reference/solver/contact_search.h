@@ -105,8 +105,7 @@ class ContactSearch {
   std::vector<std::uint32_t> leaf_group_;  // groups that all its tetrahedra are of; empty without any
   std::vector<PointBits> relevant_;
   std::vector<Block> blocks_;
-  LineVector<float> sights_,
-      sights_before_;  // 4 a vertex: where it is as a substep begins; as the one before began
+  LineVector<float> sights_, sights_before_;  // 4 a vertex: where this substep and the one before find it
   // Boxes as ContactLanes takes them: of leaves where they are and how they moved, a branch after the other;
   // of branches.
   LineVector<float> leaf_box_, leaf_motion_, branch_box_;

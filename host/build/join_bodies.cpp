@@ -105,7 +105,7 @@ scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k) {
     own.body.vertices.reset();
   }
   // Contact asks how deep flesh lies in a prop. Tetrahedra between the few corners of a box do not know.
-  if (scene.characters[k].is_mesh) own.body.cage = scene::Cage::wrap;
+  if (scene::is_still_mesh(scene.characters[k])) own.body.cage = scene::Cage::wrap;
   own.bones = scene.bones;
   own.skeleton = scene.skeleton;
   for (auto* names : {&own.skeleton.bones, &own.skeleton.not_bones, &own.skeleton.kinematic,

@@ -217,7 +217,7 @@ std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const sc
     const scene::PlacedCharacter& one = scene.characters[k];
     std::vector<std::uint32_t> own_node;
     gltf::GltfDocument part;
-    if (one.file.empty() || one.is_mesh) {
+    if (one.file.empty() || scene::is_still_mesh(one)) {
       part = made_document(
           one.own, [&](gltf::GltfDocument& to) { return primitive_of(one.own, model, first_vertex, to); });
       for (std::uint32_t j = 0; j < one.own.skeleton.size(); ++j) own_node.push_back(j + 1);

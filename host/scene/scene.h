@@ -159,7 +159,6 @@ struct CharacterSettings {
 struct PlacedCharacter {
   CharacterSettings settings;
   std::filesystem::path file = {};          // empty: made in code
-  bool is_mesh = false;                     // `file` is a mesh: one joint carries it, and it has no looks
   rig::Character own = {};                  // as it is alone but for the names
   Vector3d bind_offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the scene's
   std::uint32_t first_joint = 0;            // of the scene's skeleton: the joint NAME; its own joints follow
@@ -393,6 +392,8 @@ std::uint64_t cycle_frames(const Scene& scene);
 std::uint64_t frame_count(const Scene& scene);
 // The number of the character that the scene's joint belongs to; 0 where there are not several.
 std::size_t character_of_joint(const Scene& scene, std::size_t joint);
+// Whether a character's file is a still mesh: one joint carries it, and it has no looks.
+bool is_still_mesh(const PlacedCharacter& character);
 // From where a character stands alone to where it stands in the scene, and back.
 Eigen::Matrix4d place_of(const CharacterSettings& character);
 Eigen::Matrix4d back_from(const CharacterSettings& character);

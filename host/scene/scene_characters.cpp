@@ -90,10 +90,6 @@ void load_file(const std::filesystem::path& file, bool rigid, Scene& loaded) {
   loaded.geometry = character_of_mesh(std::move(std::get<mesh::SurfaceMesh>(loaded.geometry)));
 }
 
-bool is_rigid(const toml::table& table) {
-  return table["rigid"].value_or(false);
-}
-
 // A character as its table says, with what the scene is to know of its files.
 rig::Character load_one(const toml::table& table, const std::string& path,
                         const std::filesystem::path& folder, Scene& scene) {
@@ -101,7 +97,7 @@ rig::Character load_one(const toml::table& table, const std::string& path,
   Scene loaded;
   loaded.converter = scene.converter;
   try {
-    load_file(folder / *table["file"].value<std::string>(), is_rigid(table), loaded);
+    load_file(folder / *table["file"].value<std::string>(), table["rigid"].value_or(false), loaded);
   } catch (const InputFileError& error) {
     fail(table.get("file")->source(), join_path(path, "file"), error.what());
   }
@@ -160,7 +156,6 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         character.settings.name = name;
         read_keys(table, character.settings);
         if (!character.settings.file.empty()) character.file = folder / character.settings.file;
-        character.is_mesh = mesh::is_surface_mesh_file(character.file);
         character.own = load_one(table, path, folder, scene);
         rig::name_apart(character.own, name);
         const toml::node* clip = table.get("clip");
@@ -229,6 +224,10 @@ void smooth_clips(Scene& scene, bool repeats) {
     join_characters(scene);
 }
 
+bool is_still_mesh(const PlacedCharacter& character) {
+  return mesh::is_surface_mesh_file(character.file);
+}
+
 Eigen::Matrix4d place_of(const CharacterSettings& character) {
   return rig::local_transform(character.at, quaternion_about(character.turn), Vector3d::Ones());
 }
@@ -257,18 +256,19 @@ std::size_t character_of_joint(const Scene& scene, std::size_t joint) {
 std::vector<rig::Character> characters_to_be(const toml::table& root, const std::filesystem::path& folder,
                                              const SceneOverrides& overrides) {
   std::vector<rig::Character> all;
+  // Whether a still mesh may stand there is asked when the character is read.
   const auto load = [&](const toml::table& table, const std::string& path) {
     const auto stated = [&](const char* key) { return overridden(overrides, join_path(path, key)); };
     Scene loaded;
     loaded.converter = overrides.converter;
     try {
       if (const auto file = stated("file")) {
-        load_file(folder / *file, is_rigid(table), loaded);
+        load_file(folder / *file, true, loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto made = stated("made")) {
         all.push_back(made::make_character(*made));
       } else if (const auto in_table = table["file"].value<std::string>()) {
-        load_file(folder / *in_table, is_rigid(table), loaded);
+        load_file(folder / *in_table, true, loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto name = table["made"].value<std::string>()) {
         all.push_back(made::make_character(*name));

@@ -85,8 +85,7 @@ const auto& placed_character_rows() {
       key(&CharacterSettings::file,
           {.name = "file",
            .doc = "The file, relative to the scene file's folder. With `rigid` also a closed mesh in metres, "
-                  "Y up: "
-                  ".off, .obj, .ply or .stl."},
+                  "Y up: .off, .obj, .ply or .stl."},
           {.depends = true}),
       key(&CharacterSettings::made,
           {.name = "made", .doc = "A character made in code.", .allowed = made::made_character_names()},
