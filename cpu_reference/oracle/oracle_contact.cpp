@@ -18,8 +18,11 @@ namespace {
 
 // The least gradient of depth that shows a way out.
 constexpr double least_gradient = 0.1;
-// A vertex shares its mass between as many contacts as its coefficients add up to, at least two.
+// A vertex shares its mass between as many contacts as its coefficients add up to, in an explicit pass
+// between at least two.
 constexpr double least_crowd = 2.0;
+// What an iteration of the implicit integrator takes out of the depth.
+constexpr double depth_share = 0.5;
 // What friction takes of the sliding velocity at most.
 constexpr double most_friction = 0.5;
 
@@ -96,35 +99,88 @@ std::vector<Contacts::Pair> Contacts::found_at(const Points& places) const {
   return pairs;
 }
 
-Points Contacts::velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const {
-  std::vector<double> crowd(v.size(), 0.0);
+std::vector<double> Contacts::loads(const std::vector<Pair>& pairs, const std::vector<double>& mobility,
+                                    double least_crowd) const {
+  std::vector<double> crowd(mobility.size(), 0.0);
   for (const Pair& pair : pairs) {
     crowd[model_.contact[pair.point].vertex] += 1.0;
     for (int k = 0; k < 4; ++k) crowd[pair.corners[std::size_t(k)]] += pair.weights[k];
   }
-  const auto load = [&](std::uint32_t i) { return mobility_[i] * std::max(least_crowd, crowd[i]); };
+  for (std::size_t i = 0; i < crowd.size(); ++i) crowd[i] = mobility[i] * std::max(least_crowd, crowd[i]);
+  return crowd;
+}
+
+// What the point has more than its place in the tetrahedron.
+Vector3d Contacts::difference(const Pair& pair, const Points& of) const {
+  Vector3d there = Vector3d::Zero();
+  for (int k = 0; k < 4; ++k) there += pair.weights[k] * of[pair.corners[std::size_t(k)]];
+  return of[model_.contact[pair.point].vertex] - there;
+}
+
+double Contacts::load_of(const Pair& pair, const std::vector<double>& loads) const {
+  double load = loads[model_.contact[pair.point].vertex];
+  for (int k = 0; k < 4; ++k) load += pair.weights[k] * loads[pair.corners[std::size_t(k)]];
+  return load;
+}
+
+// The impulse, up to the load, that takes the point `wanted` along n where it would go by `moved`.
+Vector3d Contacts::push_of(const Pair& pair, const Vector3d& moved, double wanted) const {
+  const double along = moved.dot(pair.normal);
+  const double pushed = std::max(0.0, wanted - along);
+  const Vector3d sliding = moved - along * pair.normal;
+  Vector3d impulse = pushed * pair.normal;
+  if (sliding.norm() > 0.0)
+    impulse -=
+        std::min(most_friction, double(model_.contact[pair.point].friction) * pushed / sliding.norm()) *
+        sliding;
+  return impulse;
+}
+
+void Contacts::give(const Pair& pair, const Vector3d& impulse, const std::vector<double>& mobility,
+                    Points& gains) const {
+  const std::uint32_t s = model_.contact[pair.point].vertex;
+  gains[s] += mobility[s] * impulse;
+  for (int k = 0; k < 4; ++k) {
+    const std::uint32_t i = pair.corners[std::size_t(k)];
+    gains[i] -= pair.weights[k] * mobility[i] * impulse;
+  }
+}
+
+Points Contacts::velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const {
+  const std::vector<double> all = loads(pairs, mobility_, least_crowd);
+  Points gains(v.size(), Vector3d::Zero());
+  for (const Pair& pair : pairs)
+    if (const double load = load_of(pair, all); load > 0.0)
+      give(pair, push_of(pair, difference(pair, v), pair.push.dot(pair.normal) / h) / load, mobility_, gains);
+  return gains;
+}
+
+Points Contacts::held_moves(std::vector<Pair>& pairs, const Points& moved,
+                            const std::vector<double>& yielding) const {
+  const std::vector<double> all = loads(pairs, yielding, 1.0);
+  Points moves(moved.size(), Vector3d::Zero());
+  for (Pair& pair : pairs) {
+    pair.presses = false;
+    const double load = load_of(pair, all);
+    if (!(load > 0.0)) continue;
+    const Vector3d impulse =
+        push_of(pair, difference(pair, moved), depth_share * pair.push.dot(pair.normal)) / load;
+    pair.presses = impulse.dot(pair.normal) > 0.0;
+    give(pair, impulse, yielding, moves);
+  }
+  return moves;
+}
+
+Points Contacts::settling_gains(const std::vector<Pair>& pairs, const Points& v, const Points& v_before,
+                                double history) const {
+  const std::vector<double> all = loads(pairs, mobility_, 1.0);
   Points gains(v.size(), Vector3d::Zero());
   for (const Pair& pair : pairs) {
-    const shader::ContactPoint& of = model_.contact[pair.point];
-    Vector3d velocity = v[of.vertex];
-    double loads = load(of.vertex);
-    for (int k = 0; k < 4; ++k) {
-      velocity -= pair.weights[k] * v[pair.corners[std::size_t(k)]];
-      loads += pair.weights[k] * load(pair.corners[std::size_t(k)]);
-    }
-    if (!(loads > 0.0)) continue;
-    const double along = velocity.dot(pair.normal);
-    const double pushed = std::max(0.0, pair.push.dot(pair.normal) / h - along);
-    const Vector3d sliding = velocity - along * pair.normal;
-    Vector3d impulse = pushed * pair.normal;
-    if (sliding.norm() > 0.0)
-      impulse -= std::min(most_friction, double(of.friction) * pushed / sliding.norm()) * sliding;
-    impulse /= loads;
-    gains[of.vertex] += mobility_[of.vertex] * impulse;
-    for (int k = 0; k < 4; ++k) {
-      const std::uint32_t i = pair.corners[std::size_t(k)];
-      gains[i] -= pair.weights[k] * mobility_[i] * impulse;
-    }
+    const double load = load_of(pair, all);
+    if (!pair.presses || !(load > 0.0)) continue;
+    // The next substep goes on with v + history (v - v_before).
+    const double rest = history / (1.0 + history) * difference(pair, v_before).dot(pair.normal);
+    give(pair, (rest - difference(pair, v).dot(pair.normal)) / load * pair.normal, mobility_, gains);
   }
   return gains;
 }

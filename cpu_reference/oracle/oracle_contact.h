@@ -27,14 +27,29 @@ class Contacts {
     std::array<std::uint32_t, 4> corners;  // vertices
     Eigen::Vector4d weights;               // of the point's place between them
     Eigen::Vector3d push, normal;          // d and n; 0 where nothing is pushed
+    bool presses = false;                  // in the last iteration
   };
   // By ascending point.
   std::vector<Pair> found_at(const Points& places) const;
-  // What a pass of the response adds to the velocities `v` of all vertices.
+  // What a pass of the explicit response adds to the velocities `v` of all vertices.
   Points velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const;
+  // What an iteration of the implicit integrator moves all vertices by, which have moved by `moved` since the
+  // substep began; `yielding` is w'.
+  Points held_moves(std::vector<Pair>& pairs, const Points& moved, const std::vector<double>& yielding) const;
+  // What brings the contacts that press to rest, in velocities.
+  Points settling_gains(const std::vector<Pair>& pairs, const Points& v, const Points& v_before,
+                        double history) const;
 
  private:
   std::optional<Pair> pair_of(std::uint32_t point, std::uint32_t tetrahedron, const Points& places) const;
+  // w times how many share the vertex.
+  std::vector<double> loads(const std::vector<Pair>& pairs, const std::vector<double>& mobility,
+                            double least_crowd) const;
+  double load_of(const Pair& pair, const std::vector<double>& loads) const;
+  Eigen::Vector3d difference(const Pair& pair, const Points& of) const;
+  Eigen::Vector3d push_of(const Pair& pair, const Eigen::Vector3d& moved, double wanted) const;
+  void give(const Pair& pair, const Eigen::Vector3d& impulse, const std::vector<double>& mobility,
+            Points& gains) const;
 
   const model::Model& model_;
   Points rest_;

@@ -100,6 +100,8 @@ struct Oracle::Impl {
   void collide_implicit(std::uint32_t i, const Substep& now);
   void finish_implicit(const Stepping& step);
   void respond_to_contacts(double h);
+  void hold_contacts(const Stepping& step);
+  void settle_contacts(const Stepping& step);
   double stiffest(const Stepping& step) const;
   void embed();
 

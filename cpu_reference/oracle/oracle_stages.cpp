@@ -271,14 +271,36 @@ void Oracle::Impl::finish_implicit(const Stepping& step) {
   }
 }
 
-// A vertex of the implicit integrator that gains velocity has had it before the substep as well.
 void Oracle::Impl::respond_to_contacts(double h) {
   const Points gains = contacts.velocity_gains(contacts_found, v, h);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     q[i] += h * gains[i];
     v[i] += gains[i];
-    if (model.is_implicit()) v_before[i] += gains[i];
   }
+}
+
+// The solids of the same iteration see where the vertex would be without them: its goal comes along.
+void Oracle::Impl::hold_contacts(const Stepping& step) {
+  Points moved(model.vertex_count);
+  std::vector<double> yielding(model.vertex_count), to_goal(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const double d = model.layers[model.layer_of(i)].damping;
+    to_goal[i] =
+        pulled_position(Vector3d::Zero(), Vector3d::UnitX(), model.mass[i], stiffness[i], d, step).x();
+    yielding[i] = model.is_kinematic(i) ? 0.0 : (1.0 - to_goal[i]) / model.mass[i];
+    moved[i] = q[i] - history[i].q;
+  }
+  const Points moves = contacts.held_moves(contacts_found, moved, yielding);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    q[i] += moves[i];
+    if (to_goal[i] > 0.0) goals[i] += moves[i] / to_goal[i];
+  }
+}
+
+void Oracle::Impl::settle_contacts(const Stepping& step) {
+  const Points gains =
+      contacts.settling_gains(contacts_found, v, v_before, step.has_history ? 1.0 / 3.0 : 0.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) v[i] += gains[i];
 }
 
 // A render vertex rides on its four vertices by barycentric coordinates.
@@ -298,6 +320,10 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
       return;
     case Kernel::contact:
       return respond_to_contacts(now.h);
+    case Kernel::contact_yield:
+      return hold_contacts(*now.stepping);
+    case Kernel::contact_rest:
+      return settle_contacts(*now.stepping);
     case Kernel::contact_find:
       contacts_found = contacts.found_at(q);
       return;
@@ -306,8 +332,10 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
     case Kernel::contact_survey:
     case Kernel::contact_locate:
     case Kernel::contact_crowd:
+    case Kernel::contact_hold:
+    case Kernel::contact_settle:
     case Kernel::contact_press:
-      return;  // contact_find and contact do all that the stage does
+      return;  // contact_find and those that move vertices do all that the stage does
     case Kernel::predict:
       if (model.is_implicit())
         return begin_implicit(now.gravity, now.forces, *now.stepping, now.chebyshev->extrapolated());

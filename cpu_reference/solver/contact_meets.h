@@ -105,7 +105,7 @@ inline bool contact_is_near_at_rest(const model::Model& model, std::uint32_t p, 
                                         point.margin);
 }
 
-// What the sum of its impulses does to vertex i.
+// What the sum of its impulses does to vertex i: in an explicit pass, in an iteration, to velocities.
 inline void contact_apply(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i,
                           const Place& sum) {
   const Place gain = kernel::contact_gain<float>(sum, model.mobility[i]);
@@ -113,9 +113,26 @@ inline void contact_apply(const model::Model& model, const SubstepInput& in, Fie
   put_place(position, kernel::contact_moved<float>(place_at(position), gain, in.step.h));
   float* velocity = fields.velocities.data() + vector_stride * std::size_t{i};
   put_place(velocity, kernel::contact_changed<float>(place_at(velocity), gain));
-  if (!model.is_implicit()) return;
-  float* before = fields.velocities_before.data() + vector_stride * std::size_t{i};
-  put_place(before, kernel::contact_changed<float>(place_at(before), gain));
+}
+
+inline void contact_apply_yield(const model::Model& model, const SubstepInput& in, Fields& fields,
+                                std::uint32_t i, const Place& sum) {
+  if (model.is_kinematic(i)) return;
+  const shader::Response& answer = in.responses[i];
+  const Place move =
+      kernel::contact_gain<float>(sum, kernel::contact_yielding<float>(model.mobility[i], answer.to_inertia));
+  float* position = fields.vertices.data() + vertex_stride * std::size_t{i};
+  put_place(position, kernel::contact_changed<float>(place_at(position), move));
+  float* goal = fields.goals.data() + vector_stride * std::size_t{i};
+  put_place(goal, kernel::contact_goal<float>(place_at(goal), move, answer.to_goal));
+}
+
+inline void contact_apply_rest(const model::Model& model, const SubstepInput&, Fields& fields,
+                               std::uint32_t i, const Place& sum) {
+  if (model.is_kinematic(i)) return;
+  float* velocity = fields.velocities.data() + vector_stride * std::size_t{i};
+  put_place(velocity, kernel::contact_changed<float>(place_at(velocity),
+                                                     kernel::contact_gain<float>(sum, model.mobility[i])));
 }
 
 // Whether point p, seen at `x`, lies in tetrahedron t and may meet it; place_of(i) is where vertex i is seen.

@@ -387,8 +387,32 @@ void ContactSearch::crowd(Fields& fields) {
     }
 }
 
-void ContactSearch::respond(const SubstepInput& in, Fields& fields) {
-  for (const auto& [t, p] : found_) contact_press(model_, in, fields, {p, p + 1});
+bool ContactSearch::runs(model::Kernel kernel) {
+  return kernel >= model::Kernel::contact_hold && kernel <= model::Kernel::contact;
+}
+
+void ContactSearch::run(model::Kernel kernel, const SubstepInput& in, Fields& fields) {
+  using model::Kernel;
+  const auto for_each_found = [&](ModelStage stage) {
+    for (const auto& [t, p] : found_) stage(model_, in, fields, {p, p + 1});
+  };
+  switch (kernel) {
+    case Kernel::contact_hold:
+      return for_each_found(&contact_hold);
+    case Kernel::contact_settle:
+      return for_each_found(&contact_settle);
+    case Kernel::contact_press:
+      return for_each_found(&contact_press);
+    case Kernel::contact_yield:
+      return apply_sums(in, fields, &contact_apply_yield);
+    case Kernel::contact_rest:
+      return apply_sums(in, fields, &contact_apply_rest);
+    default:
+      return apply_sums(in, fields, &contact_apply);
+  }
+}
+
+void ContactSearch::apply_sums(const SubstepInput& in, Fields& fields, Apply apply) {
   const auto add = [&](std::uint32_t i, const Place& term) {
     Sum& sum = sums_[i];
     sum.of = sum.is_begun ? kernel::vector_sum<float>(sum.of, term) : term;
@@ -404,7 +428,7 @@ void ContactSearch::respond(const SubstepInput& in, Fields& fields) {
       add(corners_of(model_, t)[k],
           kernel::scaled_vector<float>(-fields.contact_place[contact_place_stride * p + k], impulse_of(p)));
   for (const std::uint32_t i : touched_) {
-    contact_apply(model_, in, fields, i, sums_[i].of);
+    apply(model_, in, fields, i, sums_[i].of);
     sums_[i].is_begun = false;
   }
   touched_.clear();

@@ -29,8 +29,9 @@ class ContactSearch {
 
   // The contacts: contact_found, and of what takes part in one contact_place and contact_crowd.
   void find(Fields& fields, ThreadPool& pool);
-  // One pass of the response, to the contacts that were found last.
-  void respond(const SubstepInput& in, Fields& fields);
+  // A kernel of the response, to the contacts that were found last: for each of them, or for what takes part.
+  void run(model::Kernel kernel, const SubstepInput& in, Fields& fields);
+  static bool runs(model::Kernel kernel);
 
  private:
   static constexpr std::uint32_t block_size = contact_points_together, leaf_size = shader::contact_leaf;
@@ -90,6 +91,9 @@ class ContactSearch {
   void find_in_leaf(Branch& branch, std::uint32_t leaf, Sight& sight, Fields& fields);
   std::uint32_t make_pair(Block& block, std::uint32_t leaf) const;
   void crowd(Fields& fields);
+  using Apply = void (*)(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i,
+                         const Place& sum);
+  void apply_sums(const SubstepInput& in, Fields& fields, Apply apply);
   void find_ignored();
   // Whether no point of the block meets any tetrahedron of the leaf, as the scene says.
   bool is_ignored(const Block& block, std::uint32_t leaf) const {

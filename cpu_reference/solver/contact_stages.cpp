@@ -1,6 +1,7 @@
 #include "cpu_reference/solver/contact_stages.h"
 
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "cpu_reference/solver/contact_meets.h"
@@ -144,6 +145,49 @@ void contact_crowd(const Model& model, const SubstepInput&, Fields& fields, Rang
   }
 }
 
+namespace {
+
+// A found contact.
+struct Pair {
+  std::uint32_t point_vertex;
+  std::span<const std::uint32_t, 4> corner;
+  kernel::ContactWeights<float> weights;
+  Place push, normal;
+};
+Pair pair_of(const Model& model, const Fields& fields, std::uint32_t p) {
+  const float* place = fields.contact_place.data() + contact_place_stride * p;
+  return {model.contact[p].vertex,
+          corners_of(model, fields.contact_found[p]),
+          {place[0], place[1], place[2], place[3]},
+          place_at(place + 4),
+          place_at(place + 7)};
+}
+
+// Of the point against its place in the tetrahedron; vector_of(i) is vertex i's.
+template <class VectorOf>
+Place between(const Pair& pair, const VectorOf& vector_of) {
+  return kernel::contact_velocity<float>(pair.weights, vector_of(pair.point_vertex),
+                                         vector_of(pair.corner[0]), vector_of(pair.corner[1]),
+                                         vector_of(pair.corner[2]), vector_of(pair.corner[3]));
+}
+
+template <class LoadOf>
+float load_of_all(const Pair& pair, const LoadOf& load) {
+  return load(pair.point_vertex) + kernel::contact_mean<float>(pair.weights, load(pair.corner[0]),
+                                                               load(pair.corner[1]), load(pair.corner[2]),
+                                                               load(pair.corner[3]));
+}
+
+void put_impulse(Fields& fields, std::uint32_t p, const Place& impulse) {
+  put_place(fields.contact_impulse.data() + 3 * std::size_t{p}, impulse);
+}
+
+Place impulse_of(const Fields& fields, std::uint32_t p) {
+  return place_at(fields.contact_impulse.data() + 3 * std::size_t{p});
+}
+
+}  // namespace
+
 void contact_press(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   const auto load = [&](std::uint32_t i) {
     return kernel::contact_load<float>(model.mobility[i], fields.contact_crowd[i]);
@@ -151,42 +195,88 @@ void contact_press(const Model& model, const SubstepInput& in, Fields& fields, R
   for (std::uint32_t p = range.first; p < range.last; ++p) {
     Place impulse{0.0f, 0.0f, 0.0f};
     if (is_found(model, fields, p)) {
-      const shader::ContactPoint& point = model.contact[p];
-      const auto corner = corners_of(model, fields.contact_found[p]);
-      const float* place = fields.contact_place.data() + contact_place_stride * p;
-      const kernel::ContactWeights<float> weights{place[0], place[1], place[2], place[3]};
-      const Place velocity = kernel::contact_velocity<float>(
-          weights, velocity_of(fields, point.vertex), velocity_of(fields, corner[0]),
-          velocity_of(fields, corner[1]), velocity_of(fields, corner[2]), velocity_of(fields, corner[3]));
-      const float all =
-          load(point.vertex) + kernel::contact_mean<float>(weights, load(corner[0]), load(corner[1]),
-                                                           load(corner[2]), load(corner[3]));
-      impulse = kernel::contact_impulse<float>({place_at(place + 4), place_at(place + 7)}, velocity,
-                                               in.step.inverse_h, point.friction, all);
+      const Pair pair = pair_of(model, fields, p);
+      const Place velocity = between(pair, [&](std::uint32_t i) { return velocity_of(fields, i); });
+      impulse = kernel::contact_impulse<float>({pair.push, pair.normal}, velocity, in.step.inverse_h,
+                                               model.contact[p].friction, load_of_all(pair, load));
     }
-    put_place(fields.contact_impulse.data() + 3 * std::size_t{p}, impulse);
+    put_impulse(fields, p, impulse);
   }
 }
 
-void contact(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+void contact_hold(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  const auto part = [&](std::uint32_t i) {
+    return kernel::contact_part<float>(
+        kernel::contact_yielding<float>(model.mobility[i], in.responses[i].to_inertia),
+        fields.contact_crowd[i]);
+  };
+  const auto way = [&](std::uint32_t i) {
+    return kernel::subtract<float>(position_of(fields, i),
+                                   place_at(fields.positions_before.data() + vector_stride * std::size_t{i}));
+  };
+  for (std::uint32_t p = range.first; p < range.last; ++p) {
+    Place impulse{0.0f, 0.0f, 0.0f};
+    if (is_found(model, fields, p)) {
+      const Pair pair = pair_of(model, fields, p);
+      impulse = kernel::contact_hold_impulse<float>({pair.push, pair.normal}, between(pair, way),
+                                                    model.contact[p].friction, load_of_all(pair, part));
+    }
+    put_impulse(fields, p, impulse);
+  }
+}
+
+void contact_settle(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  const auto part = [&](std::uint32_t i) {
+    return kernel::contact_part<float>(model.mobility[i], fields.contact_crowd[i]);
+  };
+  const auto velocity_before = [&](std::uint32_t i) {
+    return place_at(fields.velocities_before.data() + vector_stride * std::size_t{i});
+  };
+  for (std::uint32_t p = range.first; p < range.last; ++p) {
+    if (!is_found(model, fields, p)) continue;
+    const Pair pair = pair_of(model, fields, p);
+    const Place velocity = between(pair, [&](std::uint32_t i) { return velocity_of(fields, i); });
+    put_impulse(fields, p,
+                kernel::contact_settling<float>(impulse_of(fields, p), pair.normal, velocity,
+                                                between(pair, velocity_before), in.implicit.history,
+                                                load_of_all(pair, part)));
+  }
+}
+
+namespace {
+
+// Calls apply(model, in, fields, i, sum) for each vertex of the range that takes part in a contact.
+template <class Apply>
+void apply_sums(const Model& model, const SubstepInput& in, Fields& fields, Range range, const Apply& apply) {
   for (std::uint32_t i = range.first; i < range.last; ++i) {
     Place sum{0.0f, 0.0f, 0.0f};
     bool is_first = true;
-    const auto impulse_of = [&](std::uint32_t p) {
-      return place_at(fields.contact_impulse.data() + 3 * std::size_t{p});
-    };
     const std::uint32_t own = model.contact_number[i];
     if (own != shader::no_contact && is_found(model, fields, own)) {
-      sum = impulse_of(own);
+      sum = impulse_of(fields, own);
       is_first = false;
     }
     for_each_contact_at(model, fields, i, [&](std::uint32_t p, float weight) {
-      const Place term = kernel::scaled_vector<float>(-weight, impulse_of(p));
+      const Place term = kernel::scaled_vector<float>(-weight, impulse_of(fields, p));
       sum = is_first ? term : kernel::vector_sum<float>(sum, term);
       is_first = false;
     });
-    if (!is_first) contact_apply(model, in, fields, i, sum);
+    if (!is_first) apply(model, in, fields, i, sum);
   }
+}
+
+}  // namespace
+
+void contact(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  apply_sums(model, in, fields, range, contact_apply);
+}
+
+void contact_yield(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  apply_sums(model, in, fields, range, contact_apply_yield);
+}
+
+void contact_rest(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
+  apply_sums(model, in, fields, range, contact_apply_rest);
 }
 
 }  // namespace fascicle::cpu_reference

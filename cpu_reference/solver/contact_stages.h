@@ -11,14 +11,18 @@
 
 namespace fascicle::cpu_reference {
 
-// Over the leaves, the branches, the points, the blocks of points, the leaves, the vertices, the points, the
-// vertices.
+// Over the leaves, the branches, the points, the blocks of points, the leaves, the vertices; then over the
+// points and over the vertices in turn.
 void contact_bound(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_enclose(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_find(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_survey(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_locate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_crowd(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_hold(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_yield(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_settle(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_rest(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_press(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 

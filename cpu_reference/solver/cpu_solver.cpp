@@ -277,8 +277,6 @@ class CpuSolver : public model::Solver {
     for (const Block& block : probe ? probed_plan_ : plan_) {
       if (block.steps.front().kernel == Kernel::contact_bound) {
         contacts_->find(fields_, *pool_);
-      } else if (block.repeat == Block::Repeat::contact_passes) {
-        for (std::uint32_t pass = 0; pass < block.times; ++pass) contacts_->respond(in, fields_);
       } else if (block.repeat == Block::Repeat::limit_passes) {
         limit_volumes(in);
       } else if (!probe && is_swept(block)) {
@@ -290,7 +288,10 @@ class CpuSolver : public model::Solver {
             relax_by(in, relaxations[k]);
           }
           for (const model::Step& step : block.steps) {
-            run(step.kernel, in);
+            if (ContactSearch::runs(step.kernel))
+              contacts_->run(step.kernel, in, fields_);
+            else
+              run(step.kernel, in);
             show(step.shown);
           }
         }

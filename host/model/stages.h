@@ -19,15 +19,16 @@ namespace fascicle::model {
 // The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
 // shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
 // only one with ties has tie, only one with limits has limit, only one with colliders has collide, which an
-// explicit substep ends with, only one with contact has contact: contacts are looked for before predict, and
-// flesh answers to them after integrate. An implicit substep goes through region, goal and relax once an
-// iteration; an explicit one has no relax.
+// explicit substep ends with, only one with contact has contact: contacts are looked for before predict. An
+// implicit substep goes through region, goal, relax and contact once an iteration; an explicit one has no
+// relax. In both, flesh that is in contact answers once more after integrate.
 enum class Stage { skin, tie, predict, region, goal, relax, limit, collide, integrate, contact, embed };
 
-// Kernels in the order of an implicit substep, but for contact_press and contact, which come last in it. The
-// same word names the shader. lack, crowd and limit are the stage limit, obstruct and collide the stage
-// collide, and those with contact in their names are the stage contact. update and iterate are fused from
-// others, with the same bits.
+// Kernels in the order of an implicit substep, but for those from contact_hold to contact. The same word
+// names the shader. lack, crowd and limit are the stage limit, obstruct and collide the stage collide, and
+// those with contact in their names are the stage contact: contact_press and contact of an explicit substep,
+// contact_hold and contact_yield of an iteration, contact_settle and contact_rest of what comes after them.
+// update and iterate are fused from others, with the same bits.
 enum class Kernel : std::uint8_t {
   rebase,
   skin,
@@ -38,6 +39,10 @@ enum class Kernel : std::uint8_t {
   contact_survey,
   contact_locate,
   contact_crowd,
+  contact_hold,
+  contact_yield,
+  contact_settle,
+  contact_rest,
   contact_press,
   contact,
   predict,
@@ -205,6 +210,9 @@ inline constexpr FieldSet integrate_writes{Field::position, Field::velocity, Fie
 inline constexpr FieldSet relax_reads{Field::position, Field::iterate_before, Field::predicted};
 inline constexpr FieldSet relax_writes{Field::position, Field::iterate_before};
 
+inline constexpr FieldSet contacts_of_vertex{Field::contact_found, Field::contact_place, Field::contact_range,
+                                             Field::contact_blocks, Field::contact_impulse};
+
 inline constexpr KernelAccess kernel_rows[] = {
     {Kernel::rebase,
      "rebase",
@@ -257,6 +265,34 @@ inline constexpr KernelAccess kernel_rows[] = {
      {},
      {Field::contact_found, Field::contact_place, Field::contact_range, Field::contact_blocks},
      {Field::contact_crowd}},
+    {Kernel::contact_hold,
+     "contact_hold",
+     KernelItems::contact_points,
+     {Field::contact_found, Field::contact_place},
+     {},
+     {Field::position, Field::position_before, Field::contact_crowd},
+     {Field::contact_impulse}},
+    {Kernel::contact_yield,
+     "contact_yield",
+     KernelItems::vertices,
+     {Field::position, Field::goal},
+     {},
+     contacts_of_vertex,
+     {Field::position, Field::goal}},
+    {Kernel::contact_settle,
+     "contact_settle",
+     KernelItems::contact_points,
+     {Field::contact_found, Field::contact_place, Field::contact_impulse},
+     {},
+     {Field::velocity, Field::velocity_before, Field::contact_crowd},
+     {Field::contact_impulse}},
+    {Kernel::contact_rest,
+     "contact_rest",
+     KernelItems::vertices,
+     {Field::velocity},
+     {},
+     contacts_of_vertex,
+     {Field::velocity}},
     {Kernel::contact_press,
      "contact_press",
      KernelItems::contact_points,
@@ -267,11 +303,10 @@ inline constexpr KernelAccess kernel_rows[] = {
     {Kernel::contact,
      "contact",
      KernelItems::vertices,
-     {Field::position, Field::velocity, Field::velocity_before},
+     {Field::position, Field::velocity},
      {},
-     {Field::contact_found, Field::contact_place, Field::contact_range, Field::contact_blocks,
-      Field::contact_impulse},
-     {Field::position, Field::velocity, Field::velocity_before}},
+     contacts_of_vertex,
+     {Field::position, Field::velocity}},
     {Kernel::predict,
      "predict",
      KernelItems::vertices,

@@ -89,6 +89,8 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
     append(iterations.steps, {goal, {Kernel::relax, Stage::relax}});
   else
     iterations.steps.push_back({Kernel::iterate, Stage::relax});
+  if (model.has_contact())
+    append(iterations.steps, {{Kernel::contact_hold}, {Kernel::contact_yield, Stage::contact}});
   if (model.has_colliders()) iterations.steps.push_back({Kernel::obstruct});
   plan.push_back(std::move(iterations));
   if (model.has_limits())
@@ -98,7 +100,8 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
                     Stage::limit});
   if (model.has_colliders()) plan.push_back({.steps = {collide}});
   plan.push_back({.steps = {integrate}});
-  if (model.has_contact()) plan.push_back(respond);
+  if (model.has_contact())
+    plan.push_back({.steps = {{Kernel::contact_settle}, {Kernel::contact_rest, Stage::contact}}});
   return plan;
 }
 

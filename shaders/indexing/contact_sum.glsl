@@ -1,0 +1,32 @@
+// The sum of a vertex's impulses: of its own contact, then of those in its tetrahedra.
+#ifndef FASCICLE_INDEXING_CONTACT_SUM_GLSL
+#define FASCICLE_INDEXING_CONTACT_SUM_GLSL
+#include "shaders/indexing/contact_gather.glsl"
+
+// Whether vertex i takes part in a contact.
+bool is_in_contact(uint i, out Vector sum) {
+  sum = zero_vector();
+  bool first = true;
+  uint own = contact_number[i];
+  if (own != no_contact && is_found(own)) {
+    sum = vector_of(contact_impulse_of[own]);
+    first = false;
+  }
+  for (uint e = contact_offset[i]; e < contact_offset[i + 1u]; ++e) {
+    uint t = contact_entry[e] >> 2u;
+    uvec2 blocks = blocks_of(t);
+    for (uint block = blocks.x; block < blocks.y; ++block) {
+      uvec2 points = points_of(block, t);
+      for (uint p = points.x; p < points.y; ++p) {
+        if (contact_found[p] != t) continue;
+        Vector term = scaled_vector(-weight_of(p, contact_entry[e] & 3u), vector_of(contact_impulse_of[p]));
+        if (first) sum = term;
+        else sum = vector_sum(sum, term);
+        first = false;
+      }
+    }
+  }
+  return !first;
+}
+
+#endif
