@@ -209,12 +209,17 @@ double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const 
   const Vector ab = minus(place_of(positions, corner[1]), a), ac = minus(place_of(positions, corner[2]), a),
                ad = minus(place_of(positions, corner[3]), a),
                ax = minus(place_of(positions, point.vertex), a);
-  const double whole = inner(ab, outer(ac, ad));
+  // Most points lie beside the tetrahedron: the first face that they lie behind ends the look.
+  const Vector by_b = outer(ac, ad);
+  const double whole = inner(ab, by_b);
   if (!(whole > 0.0)) return -1.0;
-  std::array<double, 4> weight{0.0, inner(ax, outer(ac, ad)) / whole, inner(ax, outer(ad, ab)) / whole,
-                               inner(ax, outer(ab, ac)) / whole};
+  std::array<double, 4> weight{0.0, inner(ax, by_b) / whole, 0.0, 0.0};
+  if (!(weight[1] >= 0.0)) return -1.0;
+  weight[2] = inner(ax, outer(ad, ab)) / whole;
+  if (!(weight[2] >= 0.0)) return -1.0;
+  weight[3] = inner(ax, outer(ab, ac)) / whole;
   weight[0] = 1.0 - weight[1] - weight[2] - weight[3];
-  if (*std::min_element(weight.begin(), weight.end()) < 0.0) return -1.0;
+  if (!(weight[3] >= 0.0) || !(weight[0] >= 0.0)) return -1.0;
   const Vector rest = place_of(model_.rest, point.vertex);
   const auto first_near = model_.contact_near.begin() + point.first_near;
   Vector apart{-rest[0], -rest[1], -rest[2]};

@@ -173,7 +173,9 @@ std::string scene_for_character(const std::filesystem::path& path, const rig::Ch
          "\n"
          "[character]\n"
          "file = " +
-         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, fps);
+         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, fps) +
+         // Explicit flesh that is pressed into a fold trembles (docs/design, contact.md).
+         (stiffness == Stiffness::modulus ? "\n[contact]\nself = true\n" : "");
 }
 
 }  // namespace fascicle::scene
