@@ -62,10 +62,12 @@ readers() { # PRESET
     { rm -rf "$folder/node_modules"; echo "do: npm could not install the readers; their tests are skipped" >&2; }
 }
 
+# FASCICLE_CMAKE in the environment holds more arguments for CMake.
 build() { # PRESET [CMAKE CACHE ARGUMENTS...]
   preset=$1
   shift
-  cmake --preset "$preset" "$@" >&2
+  # shellcheck disable=SC2086
+  cmake --preset "$preset" "$@" ${FASCICLE_CMAKE:-} >&2
   cmake --build --preset "$preset" >&2
 }
 

@@ -57,23 +57,59 @@ std::uint32_t little_endian(const std::vector<unsigned char>& bytes, std::size_t
 
 constexpr std::uint32_t magic_glb = 0x46546C67, chunk_json = 0x4E4F534A, chunk_binary = 0x004E4942;
 
-nlohmann::json parse(const std::filesystem::path& path, const unsigned char* text, std::size_t size) {
-  std::size_t values = 0;
-  using Json = nlohmann::json;
-  const auto bound = [&](int depth, Json::parse_event_t event, Json&) {
-    if (static_cast<std::size_t>(depth) > deepest_nesting) {
-      gltf_error(path, "/", "the JSON is nested deeper than " + std::to_string(deepest_nesting) + " levels");
+// Counts what a text holds, before it is kept: nesting that is too deep for the stack, and values for the
+// memory. A pass of its own: the library's callback while it parses takes time by the square of an array's
+// length.
+class Bounds final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  explicit Bounds(const std::filesystem::path& path) : path_(path) {}
+
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const string_t&) override { return value(); }
+  bool string(string_t&) override { return value(); }
+  bool binary(binary_t&) override { return value(); }
+  bool key(string_t&) override { return true; }
+  bool start_object(std::size_t) override { return start(); }
+  bool start_array(std::size_t) override { return start(); }
+  bool end_object() override { return end(); }
+  bool end_array() override { return end(); }
+  // What is no JSON is told by the parser that follows.
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;
+  }
+
+ private:
+  bool value() {
+    if (depth_ > deepest_nesting) {
+      gltf_error(path_, "/", "the JSON is nested deeper than " + std::to_string(deepest_nesting) + " levels");
     }
-    const bool is_start =
-        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    if ((is_start || event == Json::parse_event_t::value) && ++values > most_values) {
-      gltf_error(path, "/", "the JSON has more than " + std::to_string(most_values) + " values");
-    }
+    if (++values_ > most_values)
+      gltf_error(path_, "/", "the JSON has more than " + std::to_string(most_values) + " values");
     return true;
-  };
+  }
+  bool start() {
+    value();
+    ++depth_;
+    return true;
+  }
+  bool end() {
+    --depth_;
+    return true;
+  }
+
+  const std::filesystem::path& path_;
+  std::size_t depth_ = 0, values_ = 0;
+};
+
+nlohmann::json parse(const std::filesystem::path& path, const unsigned char* text, std::size_t size) {
+  Bounds bounds(path);
+  nlohmann::json::sax_parse(text, text + size, &bounds);
   try {
-    return Json::parse(text, text + size, bound);
-  } catch (const Json::exception& error) {
+    return nlohmann::json::parse(text, text + size);
+  } catch (const nlohmann::json::exception& error) {
     gltf_error(path, "/", std::string("not valid JSON: ") + error.what());
   }
 }

@@ -40,41 +40,41 @@ int frames_or(int usual) {
 // One input and the runs to compare.
 class Runs {
  public:
+  using Devices = std::vector<std::string>;
+
   Runs(std::string scene, int frames) : scene_(std::move(scene)), frames_(frames) {
-    reference_ = hashes("", "frame_hashes", "cpu:1:scalar", frames_);
+    reference_ = hashes("", "frame_hashes", {"cpu:1:scalar"}, frames_).at(0);
     // The motion moves: a scene whose frames are all alike would compare nothing.
     EXPECT_EQ(std::count(reference_.begin(), reference_.end(), '\n'), frames_) << scene_;
     EXPECT_NE(positions_in_line(0), positions_in_line(frames_ - 1)) << scene_;
   }
 
+  // The devices of one run share the model that it builds: building takes longer than stepping.
   void expect_same(const std::string& what, const std::string& environment, const std::string& program,
-                   const std::string& device) const {
-    expect_same(what, environment, program, device, frames_);
-  }
-  void expect_same(const std::string& what, const std::string& environment, const std::string& program,
-                   const std::string& device, int frames) const {
-    EXPECT_EQ(first_difference(reference_, hashes(environment, program, device, frames), frames), "")
-        << scene_ << ": " << what;
+                   const Devices& devices) const {
+    const std::vector<std::string> found = hashes(environment, program, devices, frames_);
+    for (std::size_t i = 0; i < devices.size(); ++i)
+      EXPECT_EQ(first_difference(reference_, found.at(i), frames_), "")
+          << scene_ << ": " << what << ", " << devices[i];
   }
 
   void all_cpu() const {
+    Devices levels;
     for (const cpu_reference::Simd level : cpu_reference::available_simd())
-      expect_same(std::string("2 threads, ") + name_of(level), "", "frame_hashes",
-                  std::string("cpu:2:") + name_of(level));
-    expect_same("8 threads", "", "frame_hashes", "cpu:8");
+      levels.push_back(std::string("cpu:2:") + name_of(level));
+    Devices threads = levels;
+    threads.push_back("cpu:8");
+    expect_same("levels and threads", "", "frame_hashes", threads);
     // The release build, the reference here, is -O2. Lanes are one source for all levels, so that -O0, which
     // takes its time, has the widest ones and none.
-    expect_same("-O0", "", "frame_hashes_O0", "cpu:2");
-    expect_same("-O0, scalar", "", "frame_hashes_O0", "cpu:2:scalar");
-    for (const cpu_reference::Simd level : cpu_reference::available_simd())
-      expect_same(std::string("-O3 -march=native, ") + name_of(level), "", "frame_hashes_O3_native",
-                  std::string("cpu:2:") + name_of(level));
+    expect_same("-O0", "", "frame_hashes_O0", {"cpu:2", "cpu:2:scalar"});
+    expect_same("-O3 -march=native", "", "frame_hashes_O3_native", levels);
     expect_same("C library without FMA and AVX2", "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA",
-                "frame_hashes", "cpu:2");
+                "frame_hashes", {"cpu:2"});
   }
   void all_vulkan() const {
-    expect_same("Vulkan, 128-bit lavapipe", "LP_NATIVE_VECTOR_WIDTH=128", "frame_hashes", "vulkan:0");
-    expect_same("Vulkan, 256-bit lavapipe", "LP_NATIVE_VECTOR_WIDTH=256", "frame_hashes", "vulkan:0");
+    expect_same("Vulkan, 128-bit lavapipe", "LP_NATIVE_VECTOR_WIDTH=128", "frame_hashes", {"vulkan:0"});
+    expect_same("Vulkan, 256-bit lavapipe", "LP_NATIVE_VECTOR_WIDTH=256", "frame_hashes", {"vulkan:0"});
   }
 
   // The first of `frames` lines where two outputs differ, or nothing.
@@ -89,12 +89,27 @@ class Runs {
     return "";
   }
 
-  std::string hashes(const std::string& environment, const std::string& program, const std::string& device,
-                     int frames) const {
-    const Output output = run(environment + " " + FASCICLE_BINARY_DIR + "/" + program + " '" + scene_ + "' " +
-                              std::to_string(frames) + " " + device);
-    EXPECT_EQ(output.status, 0) << program << " " << scene_ << " " << device << ": " << output.text;
-    return output.text;
+  // What a run prints, device by device.
+  std::vector<std::string> hashes(const std::string& environment, const std::string& program,
+                                  const Devices& devices, int frames) const {
+    std::string command = environment + " " + FASCICLE_BINARY_DIR + "/" + program + " '" + scene_ + "' " +
+                          std::to_string(frames);
+    for (const std::string& device : devices) command += " " + device;
+    const Output output = run(command);
+    EXPECT_EQ(output.status, 0) << command << ": " << output.text;
+    std::vector<std::string> by_device;
+    std::istringstream lines(output.text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind("on ", 0) == 0) {
+        EXPECT_EQ(line, by_device.size() < devices.size() ? "on " + devices[by_device.size()] : "no more");
+        by_device.emplace_back();
+      } else if (!by_device.empty()) {
+        by_device.back() += line + "\n";
+      }
+    }
+    // A run that ended early has printed nothing of the others.
+    by_device.resize(devices.size());
+    return by_device;
   }
 
   const std::string& reference() const { return reference_; }
@@ -221,7 +236,7 @@ TEST(ExactnessControl, ContractionIsSeen) {
   if (run("grep -qw fma /proc/cpuinfo").status != 0)
     GTEST_SKIP() << "SKIPPED: this CPU has no fused multiply-add, contraction cannot be planted";
   const Runs runs("bar-hang-along", 60);
-  const std::string contracted = runs.hashes("", "frame_hashes_contracted", "cpu:1", 60);
+  const std::string contracted = runs.hashes("", "frame_hashes_contracted", {"cpu:1"}, 60).at(0);
   EXPECT_NE(Runs::first_difference(runs.reference(), contracted, 60), "");
 }
 

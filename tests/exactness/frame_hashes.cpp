@@ -1,6 +1,6 @@
-// frame_hashes SCENE FRAMES cpu:THREADS[:LEVEL]|vulkan:N
-// Steps a scene as bake does and prints each frame's number and the hashes of its positions, velocities and
-// surface. The exactness tests run this program
+// frame_hashes SCENE FRAMES cpu:THREADS[:LEVEL]|vulkan:N...
+// Builds a scene once, steps it on each device as bake does, and prints "on DEVICE" and then each frame's
+// number and the hashes of its positions, velocities and surface. The exactness tests run this program
 // compiled at several optimisation levels, on several devices and under several C library settings, and
 // compare what it prints.
 #include <cstdio>
@@ -34,16 +34,8 @@ unsigned long long hash_of(const std::vector<float>& values) {
   return model::position_hash(frame);
 }
 
-int run(const std::string& name, std::uint64_t frames, const std::string& device) {
-  const scene::Scene scene = scene::load_scene(name);
-  build::Report report;
-  build::BuildOptions options;
-#ifdef FASCICLE_MESHER
-  options.mesher = FASCICLE_MESHER;
-#endif
-  const model::Model model = build::build_model(scene, report, options);
-  model::check_model(model);
-  const build::Steps steps = build::choose_steps(scene, model, report);
+void step_on(const std::string& device, std::uint64_t frames, const scene::Scene& scene,
+             const model::Model& model, std::uint32_t substeps) {
   const model::SolverOptions solver_options{
       .integrator = model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step,
       .rotation = scene.solver.rotation,
@@ -66,7 +58,8 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
     if (!simd) throw std::runtime_error(device + ": no such level");
     solver = cpu_reference::make_cpu_solver(model, solver_options, number, *simd);
   }
-  drive::DriveSource drives(scene, model, steps.substeps);
+  std::printf("on %s\n", device.c_str());
+  drive::DriveSource drives(scene, model, substeps);
   solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= frames; ++k) {
     solver->submit(drives.drive(k), {.positions = true, .velocities = true, .surface = true});
@@ -74,18 +67,31 @@ int run(const std::string& name, std::uint64_t frames, const std::string& device
     std::printf("%llu %016llx %016llx %016llx\n", static_cast<unsigned long long>(k),
                 hash_of(frame.positions), hash_of(frame.velocities), hash_of(frame.surface));
   }
-  return 0;
+}
+
+void run(const std::string& name, std::uint64_t frames, const std::vector<std::string>& devices) {
+  const scene::Scene scene = scene::load_scene(name);
+  build::Report report;
+  build::BuildOptions options;
+#ifdef FASCICLE_MESHER
+  options.mesher = FASCICLE_MESHER;
+#endif
+  const model::Model model = build::build_model(scene, report, options);
+  model::check_model(model);
+  const build::Steps steps = build::choose_steps(scene, model, report);
+  for (const std::string& device : devices) step_on(device, frames, scene, model, steps.substeps);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: frame_hashes SCENE FRAMES cpu:THREADS[:LEVEL]|vulkan:N\n");
+  if (argc < 4) {
+    std::fprintf(stderr, "usage: frame_hashes SCENE FRAMES cpu:THREADS[:LEVEL]|vulkan:N...\n");
     return 2;
   }
   try {
-    return run(argv[1], std::stoull(argv[2]), argv[3]);
+    run(argv[1], std::stoull(argv[2]), {argv + 3, argv + argc});
+    return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "frame_hashes: %s\n", error.what());
     return 1;

@@ -1,5 +1,7 @@
 // Files that lie. Each must be refused with a message that names the place, before memory is taken or a file
 // is opened that the user did not name.
+#include <algorithm>
+#include <ctime>
 #include <functional>
 #include <limits>
 #include <map>
@@ -309,6 +311,27 @@ TEST_P(LyingGltf, is_refused_as_text_and_as_binary) {
 
 INSTANTIATE_TEST_SUITE_P(All, LyingGltf, testing::ValuesIn(lies()),
                          [](const auto& lie) { return std::string(lie.param.name); });
+
+// A parser that looked back over an array at each of its objects took a minute for a small file.
+TEST(LongArrays, are_read_in_time_by_their_length) {
+  const TemporaryFolder folder;
+  const auto seconds = [&](std::size_t length) {
+    GltfBuilder b = column();
+    b.document["extras"] = json::array();
+    for (std::size_t i = 0; i < length; ++i) b.document["extras"].push_back(json::object());
+    const std::filesystem::path file = folder.write("long.gltf", b.with_data_uri().dump());
+    // The least of three, as others use the machine too; the processor's time, not the clock's.
+    std::clock_t least = std::numeric_limits<std::clock_t>::max();
+    for (int k = 0; k < 3; ++k) {
+      const std::clock_t start = std::clock();
+      gltf::read_gltf(file);
+      least = std::min(least, std::clock() - start);
+    }
+    return static_cast<double>(least) / CLOCKS_PER_SEC;
+  };
+  // Ten times as long: ten times the time; by the square it would be 100, and was.
+  EXPECT_LT(seconds(100'000), 30.0 * seconds(10'000));
+}
 
 // One small accessor named by very many primitives must not fill the memory.
 TEST(LyingCounts, many_uses_of_one_accessor) {

@@ -12,7 +12,7 @@ namespace fascicle::tests {
 
 void run_character(
     const char* file, const scene::SceneOverrides& overrides,
-    const std::function<void(const model::Model&, const rig::Character&, const model::Frame&)>& see) {
+    const std::function<bool(const model::Model&, const rig::Character&, const model::Frame&)>& see) {
   const scene::Scene scene = scene::load_scene(asset(file).string(), overrides);
   const auto [model, substeps] = built(scene);
   drive::DriveSource drives(scene, model, substeps);
@@ -25,7 +25,7 @@ void run_character(
   solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= scene::frame_count(scene); ++k) {
     solver->submit(drives.drive(k), {.positions = true, .skinned = true});
-    see(model, std::get<rig::Character>(scene.geometry), solver->collect());
+    if (!see(model, std::get<rig::Character>(scene.geometry), solver->collect())) return;
   }
 }
 

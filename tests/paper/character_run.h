@@ -9,9 +9,10 @@
 
 namespace fascicle::tests {
 
-// `file` is an asset's. Calls `see` with each frame after the first; it has positions and skinned.
+// `file` is an asset's. Calls `see` with each frame after the first, until it returns false; the frame has
+// positions and skinned.
 void run_character(
     const char* file, const scene::SceneOverrides& overrides,
-    const std::function<void(const model::Model&, const rig::Character&, const model::Frame&)>& see);
+    const std::function<bool(const model::Model&, const rig::Character&, const model::Frame&)>& see);
 
 }  // namespace fascicle::tests

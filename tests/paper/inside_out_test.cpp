@@ -1,6 +1,7 @@
 // A character without a scene file: hardly more tetrahedra turn inside out than by skinning alone, and none
 // stay so. Needs ../shared/assets.
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -35,7 +36,9 @@ struct Count {
   std::uint64_t at_the_end = 0;
 };
 
-Count count(const char* file, const char* clip, const std::vector<std::string>& set) {
+// Ends before the clip does where more than `enough` frames are as bad.
+Count count(const char* file, const char* clip, const std::vector<std::string>& set,
+            std::uint64_t enough = std::numeric_limits<std::uint64_t>::max()) {
   Count result;
   run_character(file, {.set = set, .clip = clip},
                 [&](const model::Model& model, const rig::Character&, const model::Frame& frame) {
@@ -43,6 +46,7 @@ Count count(const char* file, const char* clip, const std::vector<std::string>& 
                   const std::uint64_t skinned = inside_out(model, frame.skinned);
                   result.frames += 5 * result.at_the_end > 6 * skinned ? 1 : 0;
                   result.by_skinning += skinned;
+                  return result.frames <= enough;
                 });
   return result;
 }
@@ -67,7 +71,7 @@ TEST(InsideOut, TissuesBearAHeavyMansJump) {
   std::vector<std::string> tissues{"layers.fat.material=fat", "layers.muscle.material=relaxed-muscle"};
   EXPECT_EQ(count("mh_fat.glb", "jump", tissues).frames, 0u);
   tissues.insert(tissues.end(), {"layers.fat.least_volume=0", "layers.muscle.least_volume=0"});
-  EXPECT_GT(count("mh_fat.glb", "jump", tissues).frames, 20u);
+  EXPECT_GT(count("mh_fat.glb", "jump", tissues, 20).frames, 20u);
 }
 
 // The same for the explicit integrator.
@@ -77,7 +81,8 @@ TEST(InsideOut, AnExplicitHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
   // The control: flesh that may lose its volume and swings for longer does.
   EXPECT_GT(count("mh_fat.glb", "jump",
                   {"solver.integrator=explicit", "layers.fat.volume=0", "layers.muscle.volume=0",
-                   "layers.fat.damping=6", "layers.muscle.damping=6", "solver.substeps=8"})
+                   "layers.fat.damping=6", "layers.muscle.damping=6", "solver.substeps=8"},
+                  5)
                 .frames,
             5u);
 }
