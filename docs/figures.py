@@ -214,6 +214,26 @@ def figure_9(program, folder=None):
             {"jump": jump.timing()})
 
 
+# A frame in which the bear is held in its deepest crouch.
+CROUCH = 120
+# Where it is in a picture of 1000 by 1000.
+CROUCHED = (250, 380, 730, 960)
+
+
+def crouch(program, folder=None):
+    """The bear in its crouch without contact, and with it."""
+    bakes = {"without": program.bake("crouch", "crouch-without", ["--set=contact.self=false"]), "with": program.bake("crouch")}
+    if folder:
+        options = ("--frame", str(CROUCH), "--view", "front", "--turn", "40", "--size", "1000x1000")
+        save(folder, "crouch.png", drawing.png(drawing.beside(
+            [drawing.crop(program.still(bake.folder, f"crouch-{name}", *options), CROUCHED) for name, bake in bakes.items()])))
+    flesh = bakes["with"]
+    inside = lambda column, by: by(flesh.column(column))
+    return ({"overlap, largest, m3": inside("contact_volume", max), "by skinning alone, m3": inside("contact_volume_skinned", max),
+             "deepest, m": inside("contact_deepest", max), "deepest by skinning alone, m": inside("contact_deepest_skinned", max)},
+            {"crouch": flesh.timing()})
+
+
 def volumes(bake):
     return list(zip(bake.column("time"), bake.column("volume_ratio")))
 

@@ -126,6 +126,16 @@ def figure_9(n, lag):
                    picture("The fat's lag peaks at take-off and at landing and settles", "lag.svg"))
 
 
+def crouch(n):
+    litres = lambda volume: f"{1e3 * volume:.3g} l"
+    return section("Beyond the paper: flesh that meets flesh", "nothing: flesh passes through flesh.",
+                   "the bear is held in its deepest crouch. Skinning alone puts "
+                   f"{litres(n['by skinning alone, m3'])} of its flesh into other flesh, {millimetres(n['deepest by skinning alone, m'], 0)} deep. With contact "
+                   f"{litres(n['overlap, largest, m3'])} are left in the worst frame, {millimetres(n['deepest, m'], 0)} deep. "
+                   + verdict(n["overlap, largest, m3"] < 0.2 * n["by skinning alone, m3"]),
+                   picture("A bear in its crouch: its belly stands in its thighs without contact, and lies on them with it", "crouch.png"))
+
+
 PAPERS_VOLUME = 0.00291
 
 
@@ -168,5 +178,5 @@ def text(record):
              'Kaneda et al., "Fiber-dependent Approach for Fast Dynamic Character Animation", CASA 2017. `./do paper` bakes, measures and draws all that is here, and writes this page; do not edit it. '
              "Scenes are our own, so what is compared is what the paper claims, not its pixels.\n",
              figure_2(n["2"], assets), figure_3(n["3"]), figure_6(n["6"]), figure_7(n["7"]), figure_8(n["8"]), table_1(n["8"]), figure_9(n["9"], n["lag"]),
-             figure_10(n["10"], assets), table_2(timings)]
+             figure_10(n["10"], assets), crouch(n["crouch"]), table_2(timings)]
     return wrapped("\n".join(parts))

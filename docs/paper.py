@@ -19,7 +19,7 @@ import figures
 import page
 
 FIGURES = {"2": figures.figure_2, "3": figures.figure_3, "6": figures.figure_6, "7": figures.figure_7, "8": figures.figure_8,
-           "9": figures.figure_9, "10": figures.figure_10, "lag": lambda program, folder=None: figures.lag(program, "jump", folder)}
+           "9": figures.figure_9, "crouch": figures.crouch, "10": figures.figure_10, "lag": lambda program, folder=None: figures.lag(program, "jump", folder)}
 # Those that take seconds.
 CHEAP = ("2", "3", "6", "7")
 
