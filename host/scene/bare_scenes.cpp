@@ -49,7 +49,8 @@ constexpr double seconds_across = 0.12, fat_of_muscle = 0.3;
 std::string rounded(double value) {
   std::ostringstream out;
   out << std::setprecision(3) << std::showpoint << value;
-  return out.str();
+  // "213." is no number in TOML.
+  return out.str() + (out.str().back() == '.' ? "0" : "");
 }
 
 bool is_painted(const rig::Character& character, const std::string& name) {
