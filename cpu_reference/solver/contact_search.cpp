@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "cpu_reference/solver/contact_stages.h"
@@ -70,6 +71,19 @@ LineVector<float> empty_boxes(std::uint32_t groups) {
   return boxes;
 }
 
+// Calls use(k) for all of `count`. Threads are not worth their start for a few.
+template <class Use>
+void run_over(std::size_t count, ThreadPool& pool, const Use& use) {
+  constexpr std::size_t few = 128;
+  const auto run = [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t k = first; k < last; ++k) use(k);
+  };
+  if (count < few)
+    run(0, static_cast<std::uint32_t>(count));
+  else
+    pool.run(static_cast<std::uint32_t>(count), run);
+}
+
 // Calls use(number of the bit) for each, ascending.
 template <class Use>
 void for_each_bit(std::uint32_t bits, const Use& use) {
@@ -90,7 +104,7 @@ ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lane
     : model_(model), lanes_(lanes), order_(ordered_points(model)) {
   for (const std::uint32_t p : order_) order_vertex_.push_back(model.contact[p].vertex);
   sights_.resize(sight_stride * model.vertex_count);
-  sums_.resize(model.vertex_count);
+  place_.assign(model.vertex_count, nothing);
   // From nowhere, everything may have moved anywhere.
   sights_before_.assign(sights_.size(), std::numeric_limits<float>::quiet_NaN());
   leaf_offset_.push_back(0);
@@ -366,35 +380,66 @@ std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
   return place;
 }
 
-// There are few contacts: one thread takes them tetrahedron by tetrahedron, which for every vertex is the
-// order in which contact_crowd and contact add.
+// One thread takes the contacts tetrahedron by tetrahedron, which for every vertex is the order in which
+// contact_crowd and the kernels that add up impulses go.
 void ContactSearch::crowd(Fields& fields) {
   found_.clear();
   for (std::uint32_t p = 0; p < model_.contact.size(); ++p)
     if (fields.contact_found[p] != shader::no_contact) found_.push_back({fields.contact_found[p], p});
   std::sort(found_.begin(), found_.end());
+  list_shares(fields);
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    float sum = std::abs(shares_[first_share_[k]].weight);
+    for (std::uint32_t e = first_share_[k] + 1; e < first_share_[k + 1]; ++e)
+      sum += std::abs(shares_[e].weight);
+    fields.contact_crowd[touched_[k]] = sum;
+  }
+}
 
-  std::vector<float>& crowd = fields.contact_crowd;
-  // Negative as long as there is no sum.
-  for (const auto& [t, p] : found_)
-    for (const std::uint32_t i : corners_of(model_, t)) crowd[i] = -1.0f;
-  for (const auto& [t, p] : found_) crowd[model_.contact[p].vertex] = 1.0f;
-  for (const auto& [t, p] : found_)
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float weight = fields.contact_place[contact_place_stride * p + k];
-      float& sum = crowd[corners_of(model_, t)[k]];
-      sum = sum < 0.0f ? weight : sum + weight;
+// The own contact first, then those of the vertex's tetrahedra.
+void ContactSearch::list_shares(const Fields& fields) {
+  for (const std::uint32_t i : touched_) place_[i] = nothing;
+  touched_.clear();
+  first_share_.assign(1, 0);
+  const auto count = [&](std::uint32_t i) {
+    if (place_[i] == nothing) {
+      place_[i] = static_cast<std::uint32_t>(touched_.size());
+      touched_.push_back(i);
+      first_share_.push_back(0);
     }
+    ++first_share_[place_[i] + 1];
+  };
+  for (const auto& [t, p] : found_) {
+    count(model_.contact[p].vertex);
+    for (const std::uint32_t i : corners_of(model_, t)) count(i);
+  }
+  std::partial_sum(first_share_.begin(), first_share_.end(), first_share_.begin());
+  shares_.resize(first_share_.back());
+  std::vector<std::uint32_t> next(first_share_.begin(), first_share_.end() - 1);
+  for (const auto& [t, p] : found_) shares_[next[place_[model_.contact[p].vertex]]++] = {p, 1.0f};
+  for (const auto& [t, p] : found_)
+    for (std::size_t k = 0; k < 4; ++k)
+      shares_[next[place_[corners_of(model_, t)[k]]]++] = {
+          p, -fields.contact_place[contact_place_stride * p + k]};
 }
 
 bool ContactSearch::runs(model::Kernel kernel) {
   return kernel >= model::Kernel::contact_hold && kernel <= model::Kernel::contact;
 }
 
-void ContactSearch::run(model::Kernel kernel, const SubstepInput& in, Fields& fields) {
+void ContactSearch::run(model::Kernel kernel, const SubstepInput& in, Fields& fields, ThreadPool& pool) {
   using model::Kernel;
   const auto for_each_found = [&](ModelStage stage) {
-    for (const auto& [t, p] : found_) stage(model_, in, fields, {p, p + 1});
+    run_over(found_.size(), pool, [&](std::size_t k) {
+      const std::uint32_t p = found_[k].point;
+      stage(model_, in, fields, {p, p + 1});
+    });
+  };
+  using Apply = void (*)(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i,
+                         const Place& sum);
+  const auto for_each_touched = [&](Apply apply) {
+    run_over(touched_.size(), pool,
+             [&](std::size_t k) { apply(model_, in, fields, touched_[k], sum_of_impulses(fields, k)); });
   };
   switch (kernel) {
     case Kernel::contact_hold:
@@ -404,34 +449,24 @@ void ContactSearch::run(model::Kernel kernel, const SubstepInput& in, Fields& fi
     case Kernel::contact_press:
       return for_each_found(&contact_press);
     case Kernel::contact_yield:
-      return apply_sums(in, fields, &contact_apply_yield);
+      return for_each_touched(&contact_apply_yield);
     case Kernel::contact_rest:
-      return apply_sums(in, fields, &contact_apply_rest);
+      return for_each_touched(&contact_apply_rest);
     default:
-      return apply_sums(in, fields, &contact_apply);
+      return for_each_touched(&contact_apply);
   }
 }
 
-void ContactSearch::apply_sums(const SubstepInput& in, Fields& fields, Apply apply) {
-  const auto add = [&](std::uint32_t i, const Place& term) {
-    Sum& sum = sums_[i];
-    sum.of = sum.is_begun ? kernel::vector_sum<float>(sum.of, term) : term;
-    if (!sum.is_begun) touched_.push_back(i);
-    sum.is_begun = true;
+Place ContactSearch::sum_of_impulses(const Fields& fields, std::size_t touched) const {
+  const auto term = [&](std::uint32_t e) {
+    const Share& share = shares_[e];
+    return kernel::scaled_vector<float>(
+        share.weight, place_at(fields.contact_impulse.data() + 3 * std::size_t{share.point}));
   };
-  const auto impulse_of = [&](std::uint32_t p) {
-    return place_at(fields.contact_impulse.data() + 3 * std::size_t{p});
-  };
-  for (const auto& [t, p] : found_) add(model_.contact[p].vertex, impulse_of(p));
-  for (const auto& [t, p] : found_)
-    for (std::size_t k = 0; k < 4; ++k)
-      add(corners_of(model_, t)[k],
-          kernel::scaled_vector<float>(-fields.contact_place[contact_place_stride * p + k], impulse_of(p)));
-  for (const std::uint32_t i : touched_) {
-    apply(model_, in, fields, i, sums_[i].of);
-    sums_[i].is_begun = false;
-  }
-  touched_.clear();
+  Place sum = term(first_share_[touched]);
+  for (std::uint32_t e = first_share_[touched] + 1; e < first_share_[touched + 1]; ++e)
+    sum = kernel::vector_sum<float>(sum, term(e));
+  return sum;
 }
 
 }  // namespace fascicle::cpu_reference

@@ -30,7 +30,7 @@ class ContactSearch {
   // The contacts: contact_found, and of what takes part in one contact_place and contact_crowd.
   void find(Fields& fields, ThreadPool& pool);
   // A kernel of the response, to the contacts that were found last: for each of them, or for what takes part.
-  void run(model::Kernel kernel, const SubstepInput& in, Fields& fields);
+  void run(model::Kernel kernel, const SubstepInput& in, Fields& fields, ThreadPool& pool);
   static bool runs(model::Kernel kernel);
 
  private:
@@ -91,9 +91,8 @@ class ContactSearch {
   void find_in_leaf(Branch& branch, std::uint32_t leaf, Sight& sight, Fields& fields);
   std::uint32_t make_pair(Block& block, std::uint32_t leaf) const;
   void crowd(Fields& fields);
-  using Apply = void (*)(const model::Model& model, const SubstepInput& in, Fields& fields, std::uint32_t i,
-                         const Place& sum);
-  void apply_sums(const SubstepInput& in, Fields& fields, Apply apply);
+  void list_shares(const Fields& fields);
+  Place sum_of_impulses(const Fields& fields, std::size_t touched) const;
   void find_ignored();
   // Whether no point of the block meets any tetrahedron of the leaf, as the scene says.
   bool is_ignored(const Block& block, std::uint32_t leaf) const {
@@ -114,12 +113,15 @@ class ContactSearch {
   // of branches.
   LineVector<float> leaf_box_, leaf_motion_, branch_box_;
   std::vector<Found> found_;
-  struct Sum {
-    Place of;
-    bool is_begun = false;
+  // What a vertex has of a contact: 1 of its own, of one in its tetrahedra its weight, negative.
+  struct Share {
+    std::uint32_t point;
+    float weight;
   };
-  std::vector<Sum> sums_;               // of a vertex's impulses
-  std::vector<std::uint32_t> touched_;  // vertices whose sums are begun
+  std::vector<std::uint32_t> touched_;      // vertices that take part in contacts
+  std::vector<std::uint32_t> place_;        // of each vertex in touched_, or `nothing`
+  std::vector<std::uint32_t> first_share_;  // of each in touched_, and the count
+  std::vector<Share> shares_;               // in the order of the kernels' sums
 };
 
 }  // namespace fascicle::cpu_reference

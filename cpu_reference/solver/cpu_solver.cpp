@@ -289,7 +289,7 @@ class CpuSolver : public model::Solver {
           }
           for (const model::Step& step : block.steps) {
             if (ContactSearch::runs(step.kernel))
-              contacts_->run(step.kernel, in, fields_);
+              contacts_->run(step.kernel, in, fields_, *pool_);
             else
               run(step.kernel, in);
             show(step.shown);
