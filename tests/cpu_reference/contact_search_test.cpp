@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -32,11 +33,23 @@ using model::Model;
 
 constexpr double step_length = 1.0 / 480.0;
 
-SubstepInput input_for(const Model& m) {
-  TestDrive quiet = quiet_drive(m, step_length);
+// A substep with history, and the tables that it points into.
+struct Input {
+  explicit Input(const Model& m);
+  Input(const Input&) = delete;
+
+  model::ImplicitTables tables;
   SubstepInput in;
+};
+
+Input::Input(const Model& m) {
+  TestDrive quiet = quiet_drive(m, step_length);
   in.step = model::first_substep(m, quiet.get());
-  return in;
+  if (!m.is_implicit()) return;
+  tables = model::implicit_tables(m, contact_options(m), step_length);
+  in.implicit = model::implicit_step(m, tables, true);
+  in.responses =
+      std::span<const shader::Response>(tables.responses).subspan(in.implicit.first_response, m.vertex_count);
 }
 
 void find_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
@@ -49,9 +62,31 @@ void find_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
   contact_crowd(m, in, fields, {0, m.vertex_count});
 }
 
+// What a substep has of the response, two passes or three iterations of it: calls over_points and
+// over_vertices in turn.
+template <class OverPoints, class OverVertices>
+void respond(const Model& m, const OverPoints& over_points, const OverVertices& over_vertices) {
+  using model::Kernel;
+  for (int pass = 0; !m.is_implicit() && pass < 2; ++pass) {
+    over_points(Kernel::contact_press, &contact_press);
+    over_vertices(Kernel::contact, &contact);
+  }
+  if (!m.is_implicit()) return;
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    over_points(Kernel::contact_hold, &contact_hold);
+    over_vertices(Kernel::contact_yield, &contact_yield);
+  }
+  over_points(Kernel::contact_settle, &contact_settle);
+  over_vertices(Kernel::contact_rest, &contact_rest);
+}
+
 void respond_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
-  contact_press(m, in, fields, {0, static_cast<std::uint32_t>(m.contact.size())});
-  contact(m, in, fields, {0, m.vertex_count});
+  const auto over = [&](std::uint32_t count) {
+    return [&m, &in, &fields, count](model::Kernel, cpu::ModelStage stage) {
+      stage(m, in, fields, {0, count});
+    };
+  };
+  respond(m, over(static_cast<std::uint32_t>(m.contact.size())), over(m.vertex_count));
 }
 
 // The first of all tetrahedra that each point meets.
@@ -83,10 +118,9 @@ std::string contact_difference(const Model& m, const Fields& a, const Fields& b)
       return "the impulse of point " + std::to_string(p);
   }
   for (std::size_t i = 0; i < m.vertex_count; ++i)
-    for (const auto& [of_a, of_b, stride] :
-         {std::tuple{&a.vertices, &b.vertices, cpu::vertex_stride},
-          {&a.velocities, &b.velocities, cpu::vector_stride},
-          {&a.velocities_before, &b.velocities_before, cpu::vector_stride}})
+    for (const auto& [of_a, of_b, stride] : {std::tuple{&a.vertices, &b.vertices, cpu::vertex_stride},
+                                             {&a.velocities, &b.velocities, cpu::vector_stride},
+                                             {&a.goals, &b.goals, cpu::vector_stride}})
       if (!of_a->empty() && !same_bits(&(*of_a)[stride * i], &(*of_b)[stride * i], 3))
         return "the motion of vertex " + std::to_string(i);
   return "";
@@ -98,6 +132,11 @@ void put(const Model& m, const std::vector<float>& positions, const std::vector<
     for (std::size_t a = 0; a < 3; ++a) {
       fields.vertices[cpu::vertex_stride * i + a] = positions[3 * i + a];
       fields.velocities[cpu::vector_stride * i + a] = velocities[3 * i + a];
+      if (!m.is_implicit()) continue;
+      const std::size_t at = cpu::vector_stride * i + a;
+      fields.positions_before[at] = positions[3 * i + a] - 0.002f * velocities[3 * i + a];
+      fields.velocities_before[at] = -0.5f * velocities[3 * i + a];
+      fields.goals[at] = positions[3 * i + a];
     }
 }
 
@@ -192,7 +231,8 @@ struct Seen {
 
 Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, const Fate& fate = {}) {
   const Model& m = blocks.model;
-  const SubstepInput in = input_for(m);
+  const Input input(m);
+  const SubstepInput& in = input.in;
   struct Searching {
     Searching(const Model& m, cpu::Simd simd, unsigned threads)
         : search(m, cpu::lane_stages(simd)->contact), pool(threads) {
@@ -218,11 +258,15 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, con
     put(m, motions.positions, motions.velocities, plain);
     find_plainly(m, in, plain);
     EXPECT_EQ(plain.contact_found, found_among_all(m, plain));
-    for (int pass = 0; pass < 2; ++pass) respond_plainly(m, in, plain);
+    respond_plainly(m, in, plain);
     for (const auto& s : searches) {
       put(m, motions.positions, motions.velocities, s->fields);
       s->search.find(s->fields, s->pool);
-      for (int pass = 0; pass < 2; ++pass) s->search.respond(in, s->fields);
+      const auto run = [&](model::Kernel kernel, cpu::ModelStage) {
+        ASSERT_TRUE(cpu::ContactSearch::runs(kernel));
+        s->search.run(kernel, in, s->fields, s->pool);
+      };
+      respond(m, run, run);
       EXPECT_EQ(contact_difference(m, plain, s->fields), "") << s->pool.size() << " threads";
     }
     if (testing::Test::HasFailure()) return seen;
@@ -438,7 +482,7 @@ TEST(ContactSearch, DistancesAreNeverTakenForMoreThanTheyAre) {
 }
 
 struct Touching {
-  Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), in(input_for(blocks.model)) {
+  Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), input(blocks.model), in(input.in) {
     size_fields(blocks.model, fields);
     size_plain_contact_fields(blocks.model, fields);
     const auto solver = cpu::make_cpu_solver(blocks.model, {}, 1);
@@ -449,8 +493,9 @@ struct Touching {
     respond_plainly(blocks.model, in, fields);
   }
   TwoBlocks blocks;
-  SubstepInput in;
-  Fields found, fields;  // before the response and after a pass of it
+  Input input;
+  const SubstepInput& in;
+  Fields found, fields;  // before the response and after it
 };
 
 // The controls: one contact less, and one bit, are seen.
@@ -475,26 +520,28 @@ TEST(ContactSearch, ADroppedContactWouldBeSeen) {
 Fields added_up(const Touching& t, bool backwards) {
   const Model& m = t.blocks.model;
   Fields fields = t.found;
-  contact_press(m, t.in, fields, {0, static_cast<std::uint32_t>(m.contact.size())});
-  for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
-    std::vector<Place> terms;
-    const auto impulse_of = [&](std::uint32_t p) {
-      return cpu::place_at(&fields.contact_impulse[3 * std::size_t{p}]);
-    };
-    for (std::uint32_t p = 0; p < m.contact.size(); ++p)
-      if (m.contact[p].vertex == i && fields.contact_found[p] != shader::no_contact)
-        terms.push_back(impulse_of(p));
-    for (std::uint32_t tetrahedron = 0; tetrahedron < m.contact_tetrahedron_count(); ++tetrahedron)
+  for (int pass = 0; pass < 2; ++pass) {
+    contact_press(m, t.in, fields, {0, static_cast<std::uint32_t>(m.contact.size())});
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      std::vector<Place> terms;
+      const auto impulse_of = [&](std::uint32_t p) {
+        return cpu::place_at(&fields.contact_impulse[3 * std::size_t{p}]);
+      };
       for (std::uint32_t p = 0; p < m.contact.size(); ++p)
-        for (std::size_t k = 0; k < 4; ++k)
-          if (fields.contact_found[p] == tetrahedron && cpu::corners_of(m, tetrahedron)[k] == i)
-            terms.push_back(
-                kernel::scaled_vector<float>(-fields.contact_place[10 * std::size_t{p} + k], impulse_of(p)));
-    if (backwards) std::reverse(terms.begin(), terms.end());
-    Place sum{0.0f, 0.0f, 0.0f};
-    for (std::size_t k = 0; k < terms.size(); ++k)
-      sum = k == 0 ? terms[k] : kernel::vector_sum<float>(sum, terms[k]);
-    if (!terms.empty()) cpu::contact_apply(m, t.in, fields, i, sum);
+        if (m.contact[p].vertex == i && fields.contact_found[p] != shader::no_contact)
+          terms.push_back(impulse_of(p));
+      for (std::uint32_t tetrahedron = 0; tetrahedron < m.contact_tetrahedron_count(); ++tetrahedron)
+        for (std::uint32_t p = 0; p < m.contact.size(); ++p)
+          for (std::size_t k = 0; k < 4; ++k)
+            if (fields.contact_found[p] == tetrahedron && cpu::corners_of(m, tetrahedron)[k] == i)
+              terms.push_back(kernel::scaled_vector<float>(-fields.contact_place[10 * std::size_t{p} + k],
+                                                           impulse_of(p)));
+      if (backwards) std::reverse(terms.begin(), terms.end());
+      Place sum{0.0f, 0.0f, 0.0f};
+      for (std::size_t k = 0; k < terms.size(); ++k)
+        sum = k == 0 ? terms[k] : kernel::vector_sum<float>(sum, terms[k]);
+      if (!terms.empty()) cpu::contact_apply(m, t.in, fields, i, sum);
+    }
   }
   return fields;
 }

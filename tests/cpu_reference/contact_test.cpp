@@ -3,6 +3,7 @@
 // numbered; blocks that meet do not pass through each other.
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <numeric>
 #include <random>
 #include <string>
@@ -106,6 +107,7 @@ TEST(Contact, IsWhatAHandComputes) {
         for (std::size_t k = 0; k < 4; ++k) expected[k] = -0.25 * impulse;
         EXPECT_LT(largest_distance(contacts.velocity_gains(pairs, v, c.h), expected), 1e-6);
 
+        if (implicit) continue;
         // The solver's passes answer to the velocities that the other stages left.
         const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
         const ContactResponse response = contact_response(*solver, c.model, state, c.h);
@@ -121,6 +123,70 @@ TEST(Contact, IsWhatAHandComputes) {
         EXPECT_LT(largest_distance(points_in(response.after.positions), x), 1e-6);
       }
     EXPECT_GE(at_the_limit, 3u);
+  }
+}
+
+// By hand, as above. Vertex 4 gives way half as easily as the others: the load is 1/2 + 4 (1/4) = 3/2, and
+// half of the depth sqrt(3)/64 is asked for, beside what the point has gone the other way.
+TEST(Contact, HoldsAndSettlesAsAHandComputes) {
+  const Vector3d n = -Vector3d(1, 1, 1).normalized(), aside = Vector3d(1, -1, 0).normalized();
+  const PointInTetrahedron c(true);
+  const cpu_reference::Contacts contacts(c.model);
+  auto pairs = contacts.found_at(points_in(c.meeting(Vector3d::Zero()).positions));
+  ASSERT_EQ(pairs.size(), 1u);
+  std::vector<double> yielding(8, 1.0);
+  yielding[4] = 0.5;
+  const auto expected = [&](const Vector3d& impulse, double of_point) {
+    Points all(8, Vector3d::Zero());
+    all[4] = of_point * impulse;
+    for (std::size_t k = 0; k < 4; ++k) all[k] = -0.25 * impulse;
+    return all;
+  };
+  Points moved(8, Vector3d::Zero());
+  for (const double in : {0.0, 0.01, -0.01, -0.02})
+    for (const double along : {0.0, 0.002}) {
+      moved[4] = -in * n + along * aside;
+      const double pushed = std::max(0.0, std::sqrt(3.0) / 128.0 + in),
+                   rubbed = std::min(0.5 * pushed, 0.5 * along);
+      const Points moves = contacts.held_moves(pairs, moved, yielding);
+      EXPECT_LT(largest_distance(moves, expected((pushed * n - rubbed * aside) / 1.5, 0.5)), 1e-6);
+      EXPECT_EQ(pairs[0].presses, pushed > 0.0);
+    }
+
+  // 1/4 of the velocity before, with a history of 1/3; the sliding stays. Vertex 4 has twice the mass.
+  Points v(8, Vector3d::Zero()), before(8, Vector3d::Zero());
+  v[4] = 0.5 * n + aside;
+  before[4] = -2.0 * n;
+  EXPECT_EQ(largest_in(contacts.settling_gains(pairs, v, before, 1.0 / 3.0)), 0.0) << "it does not press";
+  moved[4].setZero();
+  contacts.held_moves(pairs, moved, yielding);
+  EXPECT_LT(
+      largest_distance(contacts.settling_gains(pairs, v, before, 1.0 / 3.0), expected(-1.0 * n / 1.5, 0.5)),
+      1e-6);
+  EXPECT_LT(largest_distance(contacts.settling_gains(pairs, v, before, 0.0), expected(-0.5 * n / 1.5, 0.5)),
+            1e-6);
+}
+
+// The restitution of a lone contact is 0: it is left at rest, or as the history needs it to be so. The
+// control: without the last stage the integrator throws it back.
+TEST(Contact, WhatPressesIsLeftAtRest) {
+  const PointInTetrahedron c(true);
+  const Vector3d n = -Vector3d(1, 1, 1).normalized();
+  const double h = 1.0 / 480.0;
+  const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
+  const auto approach = [&](const std::vector<float>& velocities) {
+    const Points v = points_in(velocities);
+    return (v[4] - (v[0] + v[1] + v[2] + v[3]) / 4.0).dot(n);
+  };
+  State state = c.meeting(-0.5 * n);
+  for (const double history : {0.0, 1.0 / 3.0}) {
+    const ContactResponse response = contact_response(*solver, c.model, state, h);
+    EXPECT_GT(std::abs(approach(response.before.velocities)), 0.1) << history;
+    // Velocities are rounded by 2^-24 of their size, and a fixed point of 20 iterations is none of a contact.
+    EXPECT_NEAR(approach(response.after.velocities), history / (1.0 + history) * approach(state.velocities),
+                1e-5);
+    EXPECT_EQ(response.after.positions, response.before.positions) << "velocities alone";
+    state = solver->save();
   }
 }
 
@@ -256,6 +322,12 @@ TEST(Contact, FollowsTheOracle) {
                    theirs = points_in(contact_gains(oracle, blocks.model, state, 1.0 / 480.0));
       EXPECT_LT(largest_distance(ours, theirs), rounding * largest_in(theirs));
       for (const Vector3d& a : theirs) pressed += a.norm() > 0.0 ? 1 : 0;
+      // What the iterations hold is in the places: they part by rounding, and by 0.01 and more without
+      // contact.
+      const auto places_of = [&](model::Solver& of) {
+        return points_in(contact_response(of, blocks.model, state, 1.0 / 480.0).after.positions);
+      };
+      EXPECT_LT(largest_distance(places_of(*solver), places_of(oracle)), 2e-5);
     }
   EXPECT_GT(pressed, 200u);
 }
@@ -273,12 +345,11 @@ Momentum momentum_of(const Model& m, const Points& places, const Points& velocit
   return sum;
 }
 
-// Both impulses of a contact act at one place, where the substep began. A pass leaves x - h v where it is, so
-// it changes the angular momentum by the impulses' moment there. After an explicit substep that is where it
-// began. After an implicit one it is beside it by half of the second difference of the last three places:
-// 2e-5 of the impulses here, of a bar of 1e-4. Weights are rounded by 2^-24 of a coordinate over an edge,
-// gains by 2^-24 of the velocities, and of these there are as many errors as contacts. The control: a corner
-// that is not pushed back.
+// Both impulses of a contact act at one place, where the substep began. An explicit pass leaves x - h v where
+// it is, so it changes the angular momentum by the impulses' moment there. What settles implicit velocities
+// acts where the two have come to, beside each other by what they slid in the substep. Weights are rounded by
+// 2^-24 of a coordinate over an edge, gains by 2^-24 of the velocities, and of these there are as many errors
+// as contacts. The control: a corner that is not pushed back.
 TEST(Contact, PushesAndTurnsABodyByNothing) {
   for (const bool implicit : {false, true}) {
     SCOPED_TRACE(implicit ? "implicit" : "explicit");
@@ -302,13 +373,47 @@ TEST(Contact, PushesAndTurnsABodyByNothing) {
       return Momentum{after.linear - before.linear, after.angular - before.angular};
     };
     EXPECT_LT(gained().linear.norm(), 2e-6 * size);
-    EXPECT_LT(gained().angular.norm(), (implicit ? 1e-4 : 2e-6) * size);
+    EXPECT_LT(gained().angular.norm(), (implicit ? 2e-3 : 2e-6) * size);
     std::size_t most = 0;
     for (std::size_t i = 0; i < v.size(); ++i)
       if ((changed[i] - v[i]).norm() > (changed[most] - v[most]).norm()) most = i;
     changed[most] = v[most];
     EXPECT_GT(gained().linear.norm(), 1e-3 * size);
     EXPECT_GT(gained().angular.norm(), 1e-3 * size);
+  }
+}
+
+// The two sides of a contact give way by 1/(1 - a) times their masses: where the iterations come to rest the
+// forces add up to nothing. They do not come to rest entirely: after 20 of them a free body gains this share
+// of the momentum that its contacts exchange in a substep. The control: without contact it gains nothing but
+// rounding.
+TEST(Contact, IterationsKeepTheMomentumOfAFreeBodyNearly) {
+  const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 5, true);
+  const Model alone = without_contact(blocks.model);
+  const auto with = make_cpu_solver(blocks.model, contact_options(blocks.model), 1),
+             without = make_cpu_solver(alone, contact_options(alone), 1);
+  State state = overlapping(blocks, with->save(), 2);
+  TestDrive quiet = quiet_drive(blocks.model, 1.0 / 480.0);
+  for (int k = 0; k < 4; ++k) {
+    for (model::Solver* solver : {with.get(), without.get()}) {
+      solver->load(state);
+      solver->submit(quiet.get(), {});
+      solver->collect();
+    }
+    const Points v = points_in(state.velocities), held = points_in(with->save().velocities),
+                 free = points_in(without->save().velocities), x = points_in(state.positions);
+    double exchanged = 0.0;
+    for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i)
+      exchanged += blocks.model.mass[i] * (held[i] - free[i]).norm();
+    const Vector3d gained =
+        momentum_of(blocks.model, x, held).linear - momentum_of(blocks.model, x, v).linear;
+    const Vector3d of_free =
+        momentum_of(blocks.model, x, free).linear - momentum_of(blocks.model, x, v).linear;
+    std::cout << "MOMENTUM " << gained.norm() / exchanged << " free " << of_free.norm() / exchanged << "\n";
+    ASSERT_GT(exchanged, 0.0);
+    EXPECT_LT(gained.norm(), 0.02 * exchanged);
+    EXPECT_LT(of_free.norm(), 1e-4 * exchanged);
+    state = with->save();
   }
 }
 

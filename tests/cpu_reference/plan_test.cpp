@@ -238,6 +238,14 @@ struct PlanCase {
         return contact_locate(model, in, fields, {0, model.contact_leaf_count()});
       case Kernel::contact_crowd:
         return contact_crowd(model, in, fields, vertices);
+      case Kernel::contact_hold:
+        return contact_hold(model, in, fields, points());
+      case Kernel::contact_yield:
+        return contact_yield(model, in, fields, vertices);
+      case Kernel::contact_settle:
+        return contact_settle(model, in, fields, points());
+      case Kernel::contact_rest:
+        return contact_rest(model, in, fields, vertices);
       case Kernel::contact_press:
         return contact_press(model, in, fields, points());
       case Kernel::contact:

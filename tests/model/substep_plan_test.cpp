@@ -48,13 +48,20 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "skin predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
   const std::string search =
       "contact_bound contact_enclose contact_find contact_survey contact_locate contact_crowd | ";
-  const std::string respond = " | 2 (contact_press contact)";
+  const std::string respond = " | 2 (contact_press contact)", settle = " | contact_settle contact_rest";
   EXPECT_EQ(plan_of({.contact = true}, true), search + "predict region goal integrate" + respond);
   EXPECT_EQ(plan_of({.skeleton = true, .contact = true}, false), search + "skin region update" + respond);
   EXPECT_EQ(plan_of({.skeleton = true, .ties = true, .contact = true}, false),
             search + "skin tie | region update" + respond);
-  EXPECT_EQ(plan_of({.ties = true, .implicit = true, .limits = true, .contact = true}, false),
-            search + "tie predict | 7 (region iterate) | 12 (lack crowd limit) | integrate" + respond);
+  EXPECT_EQ(
+      plan_of({.ties = true, .implicit = true, .limits = true, .contact = true}, false),
+      search +
+          "tie predict | 7 (region iterate contact_hold contact_yield) | 12 (lack crowd limit) | integrate" +
+          settle);
+  EXPECT_EQ(plan_of({.implicit = true, .contact = true, .colliders = true}, true),
+            search +
+                "predict | 7 (region goal relax contact_hold contact_yield obstruct) | collide | integrate" +
+                settle);
   EXPECT_EQ(plan_of({.colliders = true}, true), "predict region goal integrate | collide");
   EXPECT_EQ(plan_of({.skeleton = true, .colliders = true}, false), "skin region update | collide");
   EXPECT_EQ(plan_of({.ties = true, .contact = true, .colliders = true}, false),
@@ -65,7 +72,7 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "predict | 7 (region iterate obstruct) | 12 (lack crowd limit) | collide | integrate");
 }
 
-// Every stage but embed is shown once an iteration, and none twice.
+// Every stage but embed is shown once an iteration; contact is shown in each and again at the substep's end.
 TEST(SubstepPlan, ShowsAProbeEveryStage) {
   const Model m = make_bar(
       {.skeleton = true, .ties = true, .implicit = true, .limits = true, .contact = true, .colliders = true});
@@ -75,7 +82,11 @@ TEST(SubstepPlan, ShowsAProbeEveryStage) {
       if (step.shown) shown.push_back(*step.shown);
     if (block.shown) shown.push_back(*block.shown);
   }
-  EXPECT_EQ(shown, std::vector<model::Stage>(model::all_stages.begin(), model::all_stages.end() - 1));
+  std::vector<model::Stage> expected(model::all_stages.begin(), model::all_stages.end() - 1);
+  const auto relax = std::find(expected.begin(), expected.end(), model::Stage::relax);
+  ASSERT_NE(relax, expected.end());
+  expected.insert(relax + 1, model::Stage::contact);
+  EXPECT_EQ(shown, expected);
 }
 
 bool wait_for_each_other(Kernel a, Kernel b) {
@@ -97,6 +108,16 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
                             Kernel::contact_press,  Kernel::contact,         Kernel::contact_press};
   for (std::size_t k = 1; k < std::size(contact); ++k)
     EXPECT_TRUE(wait_for_each_other(contact[k - 1], contact[k])) << name_of(contact[k]);
+  const Kernel held[] = {Kernel::contact_crowd, Kernel::contact_hold, Kernel::contact_yield,
+                         Kernel::contact_hold};
+  for (std::size_t k = 1; k < std::size(held); ++k)
+    EXPECT_TRUE(wait_for_each_other(held[k - 1], held[k])) << name_of(held[k]);
+  EXPECT_TRUE(wait_for_each_other(Kernel::iterate, Kernel::contact_hold)) << "sees where it went";
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_yield, Kernel::region)) << "the next iteration's";
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_yield, Kernel::obstruct));
+  EXPECT_TRUE(wait_for_each_other(Kernel::integrate, Kernel::contact_settle));
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_settle, Kernel::contact_rest));
+  EXPECT_TRUE(wait_for_each_other(Kernel::contact_rest, Kernel::predict)) << "the next substep's";
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_find, Kernel::contact_press));
   EXPECT_TRUE(wait_for_each_other(Kernel::contact_bound, Kernel::update)) << "moves what boxes hold";
   EXPECT_TRUE(wait_for_each_other(Kernel::update, Kernel::contact_press)) << "answers to what it did";
