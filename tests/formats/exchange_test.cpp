@@ -309,8 +309,8 @@ TEST(SurfaceFormats, RefuseABodyWithoutSurface) {
 
 // Writes so many frames of a large surface; calls after each.
 template <class AfterFrame>
-void write_frames(const formats::Format& format, const model::Model& model, std::uint64_t frames,
-                  const TemporaryFolder& folder, const AfterFrame& after_frame) {
+void write_in_turn(const formats::Format& format, const model::Model& model, std::uint64_t frames,
+                   const TemporaryFolder& folder, const AfterFrame& after_frame) {
   const model::Frame frame = stretched(model, 1);
   const auto sink = format.make();
   sink->begin({.model = &model,
@@ -337,8 +337,8 @@ void write_frames(const formats::Format& format, const model::Model& model, std:
 std::uint64_t peak_memory(const formats::Format& format, const model::Model& model, std::uint64_t frames) {
   const TemporaryFolder folder;
   std::size_t most = 0;
-  write_frames(format, model, frames, folder,
-               [&] { most = std::max(most, __sanitizer_get_current_allocated_bytes()); });
+  write_in_turn(format, model, frames, folder,
+                [&] { most = std::max(most, __sanitizer_get_current_allocated_bytes()); });
   return most;
 }
 
@@ -349,7 +349,7 @@ std::uint64_t peak_memory(const formats::Format& format, const model::Model& mod
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   if (child == 0) {
-    write_frames(format, model, frames, folder, [] {});
+    write_in_turn(format, model, frames, folder, [] {});
     ::_exit(0);
   }
   int status = -1;
