@@ -133,7 +133,7 @@ def crouch(n):
                    f"{litres(n['by skinning alone, m3'])} of its flesh into other flesh, {millimetres(n['deepest by skinning alone, m'], 0)} deep. With contact "
                    f"{litres(n['overlap, largest, m3'])} are left in the worst frame, {millimetres(n['deepest, m'], 0)} deep. "
                    + verdict(n["overlap, largest, m3"] < 0.2 * n["by skinning alone, m3"]),
-                   picture("A bear in its crouch: its belly stands in its thighs without contact, and lies on them with it", "crouch.png"))
+                   picture("A bear's belly stands in its thighs without contact, and lies on them with it", "crouch.png"))
 
 
 PAPERS_VOLUME = 0.00291
