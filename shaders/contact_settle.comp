@@ -5,7 +5,7 @@
 #include "shaders/indexing/contact_pair.glsl"
 
 float part_of(uint i) {
-  return contact_part(mobility[i], contact_crowd[i]);
+  return mobility[i] * contact_crowd[i];
 }
 
 void main() {

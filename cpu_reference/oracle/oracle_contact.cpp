@@ -173,7 +173,7 @@ Points Contacts::held_moves(std::vector<Pair>& pairs, const Points& moved,
 
 Points Contacts::settling_gains(const std::vector<Pair>& pairs, const Points& v, const Points& v_before,
                                 double history) const {
-  const std::vector<double> all = loads(pairs, mobility_, 1.0);
+  const std::vector<double> all = loads(pairs, mobility_, 0.0);
   Points gains(v.size(), Vector3d::Zero());
   for (const Pair& pair : pairs) {
     const double load = load_of(pair, all);

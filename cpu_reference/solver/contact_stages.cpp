@@ -226,9 +226,7 @@ void contact_hold(const Model& model, const SubstepInput& in, Fields& fields, Ra
 }
 
 void contact_settle(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
-  const auto part = [&](std::uint32_t i) {
-    return kernel::contact_part<float>(model.mobility[i], fields.contact_crowd[i]);
-  };
+  const auto part = [&](std::uint32_t i) { return model.mobility[i] * fields.contact_crowd[i]; };
   const auto velocity_before = [&](std::uint32_t i) {
     return place_at(fields.velocities_before.data() + vector_stride * std::size_t{i});
   };

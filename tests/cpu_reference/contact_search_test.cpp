@@ -20,6 +20,7 @@
 
 #include "cpu_reference/solver/contact_stages.h"
 #include "cpu_reference/solver/lane_stages.h"
+#include "host/model/implicit.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {
@@ -68,16 +69,16 @@ template <class OverPoints, class OverVertices>
 void respond(const Model& m, const OverPoints& over_points, const OverVertices& over_vertices) {
   using model::Kernel;
   for (int pass = 0; !m.is_implicit() && pass < 2; ++pass) {
-    over_points(Kernel::contact_press, &contact_press);
-    over_vertices(Kernel::contact, &contact);
+    over_points(Kernel::contact_press, &cpu::contact_press);
+    over_vertices(Kernel::contact, &cpu::contact);
   }
   if (!m.is_implicit()) return;
   for (int iteration = 0; iteration < 3; ++iteration) {
-    over_points(Kernel::contact_hold, &contact_hold);
-    over_vertices(Kernel::contact_yield, &contact_yield);
+    over_points(Kernel::contact_hold, &cpu::contact_hold);
+    over_vertices(Kernel::contact_yield, &cpu::contact_yield);
   }
-  over_points(Kernel::contact_settle, &contact_settle);
-  over_vertices(Kernel::contact_rest, &contact_rest);
+  over_points(Kernel::contact_settle, &cpu::contact_settle);
+  over_vertices(Kernel::contact_rest, &cpu::contact_rest);
 }
 
 void respond_plainly(const Model& m, const SubstepInput& in, Fields& fields) {

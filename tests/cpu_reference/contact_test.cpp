@@ -3,7 +3,6 @@
 // numbered; blocks that meet do not pass through each other.
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <numeric>
 #include <random>
 #include <string>
@@ -61,13 +60,16 @@ struct PointInTetrahedron {
     add_contact(model, 0.125, [](std::uint32_t i) { return i == 0 ? 0.25 : 0.0; });
   }
 
-  // Vertex 4 comes to the middle of the tetrahedron, with velocity v against it.
+  // Vertex 4 comes to the middle of the tetrahedron, with velocity v against it. Implicit: with the other
+  // three, whose flesh would draw it back out within the substep.
   State meeting(const Vector3d& v) const {
     State state = make_cpu_solver(model, contact_options(model), 1)->save();
-    for (int a = 0; a < 3; ++a) {
-      state.positions[12 + std::size_t(a)] = a == 0 ? -0.5f : 0.0f;
-      state.velocities[12 + std::size_t(a)] = float(v[a]);
-    }
+    const Vector3d shift = Vector3d(-0.5, 0, 0) - triple_at(state.positions, 4);
+    for (std::uint32_t i = 4; i < (model.is_implicit() ? 8u : 5u); ++i)
+      for (std::size_t a = 0; a < 3; ++a) {
+        state.positions[3 * i + a] += float(shift[int(a)]);
+        state.velocities[3 * i + a] = float(v[int(a)]);
+      }
     return state;
   }
 
@@ -153,7 +155,8 @@ TEST(Contact, HoldsAndSettlesAsAHandComputes) {
       EXPECT_EQ(pairs[0].presses, pushed > 0.0);
     }
 
-  // 1/4 of the velocity before, with a history of 1/3; the sliding stays. Vertex 4 has twice the mass.
+  // 1/4 of the velocity before, with a history of 1/3; the sliding stays. Vertex 4 has twice the
+  // mass, and no other contact shares the five: 1/2 + 4 (1/4) (1/4) = 3/4.
   Points v(8, Vector3d::Zero()), before(8, Vector3d::Zero());
   v[4] = 0.5 * n + aside;
   before[4] = -2.0 * n;
@@ -161,9 +164,9 @@ TEST(Contact, HoldsAndSettlesAsAHandComputes) {
   moved[4].setZero();
   contacts.held_moves(pairs, moved, yielding);
   EXPECT_LT(
-      largest_distance(contacts.settling_gains(pairs, v, before, 1.0 / 3.0), expected(-1.0 * n / 1.5, 0.5)),
+      largest_distance(contacts.settling_gains(pairs, v, before, 1.0 / 3.0), expected(-1.0 * n / 0.75, 0.5)),
       1e-6);
-  EXPECT_LT(largest_distance(contacts.settling_gains(pairs, v, before, 0.0), expected(-0.5 * n / 1.5, 0.5)),
+  EXPECT_LT(largest_distance(contacts.settling_gains(pairs, v, before, 0.0), expected(-0.5 * n / 0.75, 0.5)),
             1e-6);
 }
 
@@ -182,9 +185,9 @@ TEST(Contact, WhatPressesIsLeftAtRest) {
   for (const double history : {0.0, 1.0 / 3.0}) {
     const ContactResponse response = contact_response(*solver, c.model, state, h);
     EXPECT_GT(std::abs(approach(response.before.velocities)), 0.1) << history;
-    // Velocities are rounded by 2^-24 of their size, and a fixed point of 20 iterations is none of a contact.
+    // Weights are rounded as `rounding` says, and a metre a second is left of some.
     EXPECT_NEAR(approach(response.after.velocities), history / (1.0 + history) * approach(state.velocities),
-                1e-5);
+                1e-4);
     EXPECT_EQ(response.after.positions, response.before.positions) << "velocities alone";
     state = solver->save();
   }
@@ -226,11 +229,12 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
 TEST(Contact, DoesNotMeetWhatItIgnores) {
   for (const bool implicit : {false, true}) {
     PointInTetrahedron c(implicit);
-    const State state = c.meeting(Vector3d::Zero());
+    const State state = c.meeting(Vector3d(0.25, 0.25, 0.25));
+    const double h = implicit ? 1.0 / 480.0 : c.h;
     const auto is_met = [&] {
       check_model(c.model);
       const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
-      const bool is_pressed = largest_in(points_in(contact_gains(*solver, c.model, state, c.h))) > 0.0;
+      const bool is_pressed = largest_in(points_in(contact_gains(*solver, c.model, state, h))) > 0.0;
       EXPECT_EQ(cpu_reference::Contacts(c.model).found_at(points_in(state.positions)).size(),
                 is_pressed ? 1u : 0u);
       EXPECT_EQ(model::OverlapMeter(c.model).of(state.positions).vertices, is_pressed ? 1u : 0u);
@@ -384,9 +388,9 @@ TEST(Contact, PushesAndTurnsABodyByNothing) {
 }
 
 // The two sides of a contact give way by 1/(1 - a) times their masses: where the iterations come to rest the
-// forces add up to nothing. They do not come to rest entirely: after 20 of them a free body gains this share
-// of the momentum that its contacts exchange in a substep. The control: without contact it gains nothing but
-// rounding.
+// forces add up to nothing. After 20 of them a free body gains 2e-6 of the momentum that its contacts
+// exchange in a substep, as much as rounding gives one without contact. The control: a side that is not
+// pushed back.
 TEST(Contact, IterationsKeepTheMomentumOfAFreeBodyNearly) {
   const TwoBlocks blocks = make_two_blocks(3, 3, 3, 0.125, 5, true);
   const Model alone = without_contact(blocks.model);
@@ -409,10 +413,13 @@ TEST(Contact, IterationsKeepTheMomentumOfAFreeBodyNearly) {
         momentum_of(blocks.model, x, held).linear - momentum_of(blocks.model, x, v).linear;
     const Vector3d of_free =
         momentum_of(blocks.model, x, free).linear - momentum_of(blocks.model, x, v).linear;
-    std::cout << "MOMENTUM " << gained.norm() / exchanged << " free " << of_free.norm() / exchanged << "\n";
     ASSERT_GT(exchanged, 0.0);
-    EXPECT_LT(gained.norm(), 0.02 * exchanged);
-    EXPECT_LT(of_free.norm(), 1e-4 * exchanged);
+    EXPECT_LT(gained.norm(), 1e-5 * exchanged);
+    EXPECT_LT(of_free.norm(), 1e-5 * exchanged);
+    Points bent = held;
+    for (std::uint32_t i = blocks.first_of_second; i < blocks.model.vertex_count; ++i) bent[i] = free[i];
+    EXPECT_GT((momentum_of(blocks.model, x, bent).linear - momentum_of(blocks.model, x, v).linear).norm(),
+              0.01 * exchanged);
     state = with->save();
   }
 }
