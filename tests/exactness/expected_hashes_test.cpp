@@ -4,7 +4,7 @@
 // expected_hashes.txt has a line a scene: its name, frames, and the hashes of positions, velocities and
 // surface that frame_hashes prints for the last of them. A change that means to change results writes it
 // anew:
-//   FASCICLE_WRITE_HASHES=1 build/release/test_exactness --gtest_filter='ExpectedHashes.*'
+//   FASCICLE_WRITE_HASHES=1 build/release/test_exactness --gtest_filter='All/ExpectedHashes.*'
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
