@@ -26,7 +26,9 @@
 #include "tests/support/readers.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
+// Both sanitizers' runtimes have it; the header that declares it is clang's, which a build with g++ need not
+// have.
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();
 #endif
 
 namespace fascicle::tests {
@@ -309,8 +311,8 @@ TEST(SurfaceFormats, RefuseABodyWithoutSurface) {
 
 // Writes so many frames of a large surface; calls after each.
 template <class AfterFrame>
-void write_in_turn(const formats::Format& format, const model::Model& model, std::uint64_t frames,
-                   const TemporaryFolder& folder, const AfterFrame& after_frame) {
+void write_large_frames(const formats::Format& format, const model::Model& model, std::uint64_t frames,
+                        const TemporaryFolder& folder, const AfterFrame& after_frame) {
   const model::Frame frame = stretched(model, 1);
   const auto sink = format.make();
   sink->begin({.model = &model,
@@ -337,8 +339,8 @@ void write_in_turn(const formats::Format& format, const model::Model& model, std
 std::uint64_t peak_memory(const formats::Format& format, const model::Model& model, std::uint64_t frames) {
   const TemporaryFolder folder;
   std::size_t most = 0;
-  write_in_turn(format, model, frames, folder,
-                [&] { most = std::max(most, __sanitizer_get_current_allocated_bytes()); });
+  write_large_frames(format, model, frames, folder,
+                     [&] { most = std::max(most, __sanitizer_get_current_allocated_bytes()); });
   return most;
 }
 
@@ -349,7 +351,7 @@ std::uint64_t peak_memory(const formats::Format& format, const model::Model& mod
   const TemporaryFolder folder;
   const pid_t child = ::fork();
   if (child == 0) {
-    write_in_turn(format, model, frames, folder, [] {});
+    write_large_frames(format, model, frames, folder, [] {});
     ::_exit(0);
   }
   int status = -1;
