@@ -151,7 +151,8 @@ struct Response {
 // Passes of stage limit in a substep.
 SHARED_CONSTANT uint limit_passes = 12u;
 
-// Passes of stage contact in an explicit substep. More leave less overlap and turn more tetrahedra inside out.
+// Passes of stage contact in an explicit substep. More leave less overlap and turn more tetrahedra inside
+// out.
 SHARED_CONSTANT uint contact_passes = 2u;
 
 // The search for contacts: tetrahedra whose boxes have one box around them, such boxes that have one, and
