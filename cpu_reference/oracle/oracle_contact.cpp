@@ -100,13 +100,13 @@ std::vector<Contacts::Pair> Contacts::found_at(const Points& places) const {
 }
 
 std::vector<double> Contacts::loads(const std::vector<Pair>& pairs, const std::vector<double>& mobility,
-                                    double least_crowd) const {
+                                    double least) const {
   std::vector<double> crowd(mobility.size(), 0.0);
   for (const Pair& pair : pairs) {
     crowd[model_.contact[pair.point].vertex] += 1.0;
     for (int k = 0; k < 4; ++k) crowd[pair.corners[std::size_t(k)]] += pair.weights[k];
   }
-  for (std::size_t i = 0; i < crowd.size(); ++i) crowd[i] = mobility[i] * std::max(least_crowd, crowd[i]);
+  for (std::size_t i = 0; i < crowd.size(); ++i) crowd[i] = mobility[i] * std::max(least, crowd[i]);
   return crowd;
 }
 

@@ -44,7 +44,7 @@ class Contacts {
   std::optional<Pair> pair_of(std::uint32_t point, std::uint32_t tetrahedron, const Points& places) const;
   // w times how many share the vertex.
   std::vector<double> loads(const std::vector<Pair>& pairs, const std::vector<double>& mobility,
-                            double least_crowd) const;
+                            double least) const;
   double load_of(const Pair& pair, const std::vector<double>& loads) const;
   Eigen::Vector3d difference(const Pair& pair, const Points& of) const;
   Eigen::Vector3d push_of(const Pair& pair, const Eigen::Vector3d& moved, double wanted) const;
