@@ -165,6 +165,8 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
   const Vector q = load_position(fields, i);
   const Vector q_before = load_vector(fields.positions_before, i);
   store_vector(fields.positions_before, i, q);
+  const Vector v = load_vector(fields.velocities, i), v_before = load_vector(fields.velocities_before, i);
+  store_vector(fields.velocities_before, i, v);
   const auto start_at = [&](const Vector& start) {
     store_position(fields, i, start);
     store_vector(fields.iterate_before, i, start);
@@ -184,13 +186,11 @@ void begin_implicit(const Model& model, const SubstepInput& in, Fields& fields, 
     u = kernel::with_history<float>(u, before, in.implicit.skin_history);
   }
   const shader::Response& answer = in.responses[i];
-  const Vector v = load_vector(fields.velocities, i), v_before = load_vector(fields.velocities_before, i);
   const Vector v_y =
       kernel::predict_damped<float>(kernel::with_history<float>(v, v_before, in.implicit.history),
                                     acceleration, u, in.implicit.step, answer.kept, answer.dragged);
   store_vector(fields.predicted, i,
                kernel::predict_position<float>(q, q_before, in.implicit.history, v_y, in.implicit.step));
-  store_vector(fields.velocities_before, i, v);
   store_vector(fields.velocities, i, v_y);
   start_at(kernel::start_position<float>(q, v, v_before, acceleration, u, in.step.h, in.step.inverse_h,
                                          in.implicit.extrapolated, answer.kept, answer.dragged));

@@ -41,6 +41,9 @@ void begin_implicit(uint i) {
   vec4 q = position[i];
   Vector q_before = vector_of(position_before[i]);
   position_before[i] = q;
+  Vector v = vector_of(velocity[i]);
+  Vector v_before = vector_of(velocity_before[i]);
+  velocity_before[i] = velocity[i];
   if (is_kinematic(i)) {
     if (has_skeleton()) position[i] = skinned[i];
     predicted[i] = position[i];
@@ -55,13 +58,10 @@ void begin_implicit(uint i) {
     u = with_history(u, before, push.implicit.skin_history);
   }
   Response answer = response[push.implicit.first_response + i];
-  Vector v = vector_of(velocity[i]);
-  Vector v_before = vector_of(velocity_before[i]);
   Vector v_y = predict_damped(with_history(v, v_before, push.implicit.history), a, u, push.implicit.step, answer.kept,
                               answer.dragged);
   predicted[i] =
       record_of(predict_position(vector_of(q), q_before, push.implicit.history, v_y, push.implicit.step));
-  velocity_before[i] = velocity[i];
   velocity[i] = record_of(v_y);
   Vector start = start_position(vector_of(q), v, v_before, a, u, push.substep.h, push.substep.inverse_h,
                                 push.implicit.extrapolated, answer.kept, answer.dragged);
