@@ -439,9 +439,16 @@ TEST(SubstepPlanOnTheCpu, ReadsReachNoFurtherThanTheScheduleSays) {
 
 // The control: ties and contacts reach further, which the same look at them shows.
 TEST(SubstepPlanOnTheCpu, TheReachOfTiesAndContactsIsSeen) {
-  const PlanCase c(false);
-  for (const auto& [kernel, field] :
-       {std::pair{Kernel::tie, Field::position}, {Kernel::contact, Field::contact_impulse}}) {
+  struct Far {
+    Kernel kernel;
+    Field field;
+    bool implicit;
+  };
+  for (const auto& [kernel, field, implicit] : {Far{Kernel::tie, Field::position, false},
+                                                {Kernel::contact, Field::contact_impulse, false},
+                                                {Kernel::contact_yield, Field::contact_impulse, true},
+                                                {Kernel::contact_rest, Field::contact_impulse, true}}) {
+    const PlanCase c(implicit);
     bool is_beyond = false;
     for (std::uint32_t vertex = 0; vertex < c.points().last; ++vertex)
       for (const std::uint32_t i : reached_from(kernel, field, vertex, c)) {
