@@ -11,5 +11,5 @@ clang-format --dry-run -Werror $files
 echo "clang-tidy"
 git log --format= --name-only -- '*.cpp' | grep -v '^tests/' | awk '!seen[$0]++' |
   while read -r file; do [ ! -f "$file" ] || echo "$file"; done | head -n "$most" |
-  xargs -P "$(nproc)" -n 4 clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option 2>/dev/null
+  xargs -P "$(nproc)" -n 1 clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option 2>/dev/null
 echo "lint: clean"
