@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cpu_reference/solver/contact_stages.h"
+#include "host/model/contact_order.h"
 
 namespace fascicle::cpu_reference {
 
@@ -17,30 +18,6 @@ static_assert(shader::contact_leaf == contact_boxes_together &&
               shader::contact_branch == contact_boxes_together);
 
 constexpr std::size_t sight_stride = 4;
-
-// The bits of a number below 2^10 at every third place.
-std::uint32_t spread(std::uint32_t number) {
-  std::uint32_t bits = 0;
-  for (unsigned b = 0; b < 10; ++b) bits |= (number >> b & 1U) << (3 * b);
-  return bits;
-}
-
-// Points along Morton's curve through the rest shape.
-std::vector<std::uint32_t> ordered_points(const model::Model& model) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> keyed;
-  for (std::uint32_t p = 0; p < model.contact.size(); ++p) {
-    std::uint32_t code = 0;
-    for (unsigned a = 0; a < 3; ++a) {
-      const float along = (model.rest[3 * std::size_t{model.contact[p].vertex} + a] + 1.0f) * 512.0f;
-      code |= spread(static_cast<std::uint32_t>(std::clamp(along, 0.0f, 1023.0f))) << a;
-    }
-    keyed.emplace_back(code, p);
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<std::uint32_t> order;
-  for (const auto& [code, p] : keyed) order.push_back(p);
-  return order;
-}
 
 float squared(const Place& v) {
   return kernel::inner_product<float>(v, v);
@@ -101,7 +78,7 @@ struct ContactSearch::Sight {
 };
 
 ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lanes)
-    : model_(model), lanes_(lanes), order_(ordered_points(model)) {
+    : model_(model), lanes_(lanes), order_(model::contact_points_along_curve(model)) {
   for (const std::uint32_t p : order_) order_vertex_.push_back(model.contact[p].vertex);
   sights_.resize(sight_stride * model.vertex_count);
   place_.assign(model.vertex_count, nothing);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <optional>
+#include <numeric>
+#include <utility>
 
 #include "host/model/contact_depth.h"
+#include "host/model/contact_order.h"
 
 namespace fascicle::model {
 
@@ -32,20 +34,32 @@ Vector outer(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+const std::uint32_t* corners(const Model& model, std::uint32_t t) {
+  return model.contact_tetrahedron.data() + 4 * std::size_t{t};
+}
+
 // A third of each triangle of the surface, at rest, for each of its corners.
 std::vector<double> areas(const Model& model) {
-  std::map<Triangle, int> sides;
+  std::vector<Triangle> sides;
+  sides.reserve(model.tetrahedron.size());
   for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
     for (std::size_t without = 0; without < 4; ++without) {
       Triangle side{};
       for (std::size_t k = 0, at = 0; k < 4; ++k)
         if (k != without) side[at++] = model.tetrahedron[t + k];
+      const bool has_point = std::any_of(side.begin(), side.end(), [&](std::uint32_t i) {
+        return model.contact_number[i] != shader::no_contact;
+      });
+      if (!has_point) continue;
       std::sort(side.begin(), side.end());
-      ++sides[side];
+      sides.push_back(side);
     }
+  std::sort(sides.begin(), sides.end());
   std::vector<double> area(model.contact.size(), 0.0);
-  for (const auto& [side, tetrahedra] : sides) {
-    if (tetrahedra != 1) continue;
+  for (std::size_t first = 0, end = 0; first < sides.size(); first = end) {
+    const Triangle& side = sides[first];
+    while (end < sides.size() && sides[end] == side) ++end;
+    if (end - first != 1) continue;
     const Vector a = place_of(model.rest, side[0]);
     const Vector normal =
         outer(minus(place_of(model.rest, side[1]), a), minus(place_of(model.rest, side[2]), a));
@@ -56,202 +70,326 @@ std::vector<double> areas(const Model& model) {
   return area;
 }
 
+// Four floats, of which the last is 0; and what a comparison of two gives.
+using Quad = float __attribute__((vector_size(16)));
+using Flags = std::int32_t __attribute__((vector_size(16)));
+using Halves = std::int64_t __attribute__((vector_size(16)));
+
+bool all(Flags flags) {
+  const auto halves = std::bit_cast<Halves>(flags);
+  return (halves[0] & halves[1]) == -1;
+}
+
 struct Box {
-  std::array<float, 3> low, high;
+  Quad low, high;
 };
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr Box nothing{{infinity, infinity, infinity, infinity}, {-infinity, -infinity, -infinity, -infinity}};
 
-// Around tetrahedron t. What is no number grows no box.
-Box box_around(const Model& model, std::size_t t, std::span<const float> positions) {
-  Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (std::size_t k = 0; k < 4; ++k) {
-    const float* x = positions.data() + 3 * std::size_t{model.contact_tetrahedron[4 * t + k]};
-    for (std::size_t a = 0; a < 3; ++a) {
-      box.low[a] = std::min(box.low[a], x[a]);
-      box.high[a] = std::max(box.high[a], x[a]);
-    }
-  }
-  return box;
+// What is no number grows no box.
+void grow(Box& box, Quad low, Quad high) {
+  box.low = low < box.low ? low : box.low;
+  box.high = high > box.high ? high : box.high;
 }
 
-bool holds(const Box& box, const float* x) {
-  for (std::size_t a = 0; a < 3; ++a)
-    if (!(x[a] >= box.low[a] && x[a] <= box.high[a])) return false;
-  return true;
+bool overlap(const Box& a, const Box& b) {
+  return all((a.low <= b.high) & (b.low <= a.high));
 }
 
-// Points by the cell of a grid in which they are. The cells reach around nearly all of the points; the others
-// are in the outermost ones.
-class PointGrid {
+struct Place {
+  Quad at;
+};
+
+Quad quad_of(std::span<const float> positions, std::size_t i) {
+  return Quad{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2], 0.0f};
+}
+
+bool holds(const Box& box, Quad x) {
+  return all((x >= box.low) & (x <= box.high));
+}
+
+struct Point {
+  Quad at;
+  std::uint32_t number;  // of Model::contact
+};
+
+// Many points, looked at in fours.
+class Points {
  public:
-  // About so large are the boxes that will be asked for, along each axis.
-  PointGrid(const Model& model, std::span<const float> positions, float size) {
-    std::vector<float> along;
-    float cell = size;
-    std::array<float, 3> reach{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      along.clear();
-      for (const shader::ContactPoint& point : model.contact)
-        if (const float x = positions[3 * std::size_t{point.vertex} + a]; std::isfinite(x))
-          along.push_back(x);
-      if (along.empty()) return;
-      const auto at_share = [&](double share) {
-        const auto place =
-            along.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(along.size() - 1));
-        std::nth_element(along.begin(), place, along.end());
-        return *place;
-      };
-      low_[a] = at_share(outside);
-      reach[a] = at_share(1.0 - outside) - low_[a];
-      cell = std::max(cell, reach[a] / static_cast<float>(most_cells));
-    }
-    if (!(cell > 0.0f) || !std::isfinite(cell)) return;
-    inverse_cell_ = 1.0f / cell;
-    for (std::size_t a = 0; a < 3; ++a)
-      count_[a] = std::min(static_cast<std::size_t>(reach[a] * inverse_cell_) + 1, most_cells + 1);
-    first_.assign(count_[0] * count_[1] * count_[2] + 1, 0);
-    std::vector<std::size_t> cell_of(model.contact.size(), no_cell);
-    for (std::size_t p = 0; p < cell_of.size(); ++p) {
-      const float* x = positions.data() + 3 * std::size_t{model.contact[p].vertex};
-      if (!(std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]))) continue;
-      cell_of[p] = cell_at({place(x[0], 0), place(x[1], 1), place(x[2], 2)});
-      ++first_[cell_of[p] + 1];
-    }
-    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-    points_.resize(first_.back());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t p = 0; p < cell_of.size(); ++p)
-      if (cell_of[p] != no_cell) {
-        const float* x = positions.data() + 3 * std::size_t{model.contact[p].vertex};
-        points_[next[cell_of[p]]++] = {{x[0], x[1], x[2]}, static_cast<std::uint32_t>(p)};
-      }
+  void add(const Point& point) {
+    const std::size_t k = numbers_.size() % 4;
+    if (k == 0) fours_.push_back({{nowhere, nowhere, nowhere}});
+    for (int a = 0; a < 3; ++a) fours_.back().along[static_cast<std::size_t>(a)][k] = point.at[a];
+    numbers_.push_back(point.number);
   }
-
-  // Calls use(p) for all points that lie in a box.
+  // Calls use(point) for those from `first` on, a multiple of 4, to `end` that the box holds.
   template <class Use>
-  void for_each_in(const Box& box, const Use& use) const {
-    if (points_.empty()) return;
-    std::array<std::size_t, 3> begin{}, end{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (!(box.low[a] <= box.high[a])) return;
-      begin[a] = place(box.low[a], a);
-      end[a] = place(box.high[a], a);
-    }
-    for (std::size_t z = begin[2]; z <= end[2]; ++z)
-      for (std::size_t y = begin[1]; y <= end[1]; ++y) {
-        // Cells along x follow each other.
-        const std::uint32_t last = first_[cell_at({end[0], y, z}) + 1];
-        for (std::uint32_t k = first_[cell_at({begin[0], y, z})]; k < last; ++k)
-          if (holds(box, points_[k].place.data())) use(points_[k].number);
+  void for_each_in(const Box& box, std::size_t first, std::size_t end, const Use& use) const {
+    for (std::size_t four = first / 4; 4 * four < end; ++four)
+      for (std::uint32_t bits = held(box, fours_[four]); bits != 0; bits &= bits - 1) {
+        const auto k = static_cast<std::size_t>(std::countr_zero(bits));
+        if (4 * four + k >= end) break;
+        const std::array<Quad, 3>& along = fours_[four].along;
+        use(Point{{along[0][k], along[1][k], along[2][k], 0.0f}, numbers_[4 * four + k]});
       }
   }
 
  private:
-  struct Point {
-    std::array<float, 3> place;
-    std::uint32_t number;
+  // All x, all y, all z.
+  struct Four {
+    std::array<Quad, 3> along;
   };
-  static constexpr double outside = 0.01;  // share of the points that the cells may leave out on each side
-  static constexpr std::size_t most_cells = 128;  // along an axis
-  static constexpr std::size_t no_cell = std::numeric_limits<std::size_t>::max();
+  static constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+  static constexpr Quad nowhere = {no_number, no_number, no_number, no_number};
 
-  std::size_t place(float x, std::size_t a) const {
-    const float along = (x - low_[a]) * inverse_cell_;
-    return static_cast<std::size_t>(std::clamp(along, 0.0f, static_cast<float>(count_[a] - 1)));
-  }
-  std::size_t cell_at(const std::array<std::size_t, 3>& at) const {
-    return (at[2] * count_[1] + at[1]) * count_[0] + at[0];
+  // A bit for each that the box holds.
+  static std::uint32_t held(const Box& box, const Four& four) {
+    Flags flags = {1, 2, 4, 8};
+    for (int a = 0; a < 3; ++a) {
+      const Quad x = four.along[static_cast<std::size_t>(a)];
+      flags &= (x >= box.low[a]) & (x <= box.high[a]);
+    }
+    const auto halves = std::bit_cast<Halves>(flags);
+    const auto bits = static_cast<std::uint64_t>(halves[0] | halves[1]);
+    return static_cast<std::uint32_t>(bits | bits >> 32);
   }
 
-  std::array<float, 3> low_{};
-  float inverse_cell_ = 1.0f;
-  std::array<std::size_t, 3> count_{};
-  std::vector<std::uint32_t> first_;
-  std::vector<Point> points_;  // cell by cell
+  std::vector<Four> fours_;
+  std::vector<std::uint32_t> numbers_;
 };
 
-// Whether a tetrahedron lies wholly within the margin of a point at rest, so that it cannot be met.
-bool is_near_at_rest(const Model& model, const shader::ContactPoint& point, std::size_t t) {
-  if (point.near_count > 0) return false;
-  const float* s = model.rest.data() + 3 * std::size_t{point.vertex};
-  // The share is kernel/contact.inc's: a little less than 1, as what decides is rounded.
-  const float most = 0.99f * (point.margin * point.margin);
-  for (std::size_t k = 0; k < 4; ++k) {
-    const float* x = model.rest.data() + 3 * std::size_t{model.contact_tetrahedron[4 * t + k]};
-    float sum = 0.0f;
-    for (std::size_t a = 0; a < 3; ++a) sum += (x[a] - s[a]) * (x[a] - s[a]);
-    if (!(sum < most)) return false;
-  }
-  return true;
+// A tetrahedron as depths are asked in it: the edges from its first corner, the gradients of the volumes that
+// a point makes with its faces, and six times its volume.
+struct Solid {
+  Vector a, by_b, by_c, by_d;
+  double whole;
+};
+
+Solid solid_of(const std::uint32_t* corner, std::span<const float> positions) {
+  const Vector a = place_of(positions, corner[0]);
+  const Vector ab = minus(place_of(positions, corner[1]), a), ac = minus(place_of(positions, corner[2]), a),
+               ad = minus(place_of(positions, corner[3]), a);
+  const Vector by_b = outer(ac, ad);
+  return {a, by_b, outer(ad, ab), outer(ab, ac), inner(ab, by_b)};
 }
 
-// Of the boxes of tetrahedra at rest, along all axes, in the mean.
-float mean_box_size(const Model& model) {
-  double sum = 0.0;
-  for (std::size_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
-    const Box box = box_around(model, t, model.rest);
-    for (std::size_t a = 0; a < 3; ++a) sum += double{box.high[a]} - double{box.low[a]};
+// Where x lies in it, as weights of the corners; false: not in it.
+bool lies_in(const Solid& solid, const Vector& x, std::array<double, 4>& weight) {
+  if (!(solid.whole > 0.0)) return false;
+  const Vector ax = minus(x, solid.a);
+  // Most points lie beside the tetrahedron: the first face that they lie behind ends the look.
+  weight[1] = inner(ax, solid.by_b) / solid.whole;
+  if (!(weight[1] >= 0.0)) return false;
+  weight[2] = inner(ax, solid.by_c) / solid.whole;
+  if (!(weight[2] >= 0.0)) return false;
+  weight[3] = inner(ax, solid.by_d) / solid.whole;
+  weight[0] = 1.0 - weight[1] - weight[2] - weight[3];
+  return weight[3] >= 0.0 && weight[0] >= 0.0;
+}
+
+constexpr std::uint32_t block_size = 16;             // points
+constexpr std::uint32_t leaf_size = 32;              // tetrahedra
+constexpr std::uint32_t group_size = leaf_size / 4;  // of a leaf's
+constexpr std::uint32_t fan = 4;                     // boxes that have one around them
+
+// One shape: who lies in whom. Boxes of tetrahedra are a tree, and each box is asked about the blocks of
+// points that overlap the one around it.
+class OverlapSearch {
+ public:
+  OverlapSearch(const Model& model, const OverlapTables& tables, std::span<const float> positions);
+  // By ascending point; depths in working units.
+  std::vector<PointOverlap> find();
+
+ private:
+  void find_in(const OverlapTables::Part& part, std::uint32_t points);
+  void find_in_box(const OverlapTables::Part& part, std::size_t level, std::uint32_t number,
+                   std::size_t first, std::size_t end);
+  void find_in_leaf(const OverlapTables::Part& part, std::uint32_t leaf, const Box& box, std::size_t first,
+                    std::size_t end);
+  void find_in_group(std::span<const std::uint32_t> tetrahedra);
+  void find_in_tetrahedron(std::uint32_t t, const Box& box);
+  bool may_meet(std::uint32_t p, std::uint32_t t, const std::array<double, 4>& weight) const;
+
+  const Model& model_;
+  const OverlapTables& tables_;
+  std::span<const float> positions_;
+  std::vector<Place> places_;              // of the vertices
+  Points points_;                          // in the order of the tables; what is not finite lies nowhere
+  std::vector<Box> blocks_;                // around each block_size of these
+  std::vector<PointOverlap> found_;        // a point each; in no tetrahedron where nothing is found
+  std::vector<std::vector<Box>> boxes_;    // of the part in hand: around leaves, around these, ...
+  std::size_t asked_points_ = 0;           // the first ones
+  std::vector<std::uint32_t> near_;        // blocks that overlap the boxes in hand, the outermost first
+  std::vector<Point> in_leaf_, in_group_;  // points
+};
+
+OverlapSearch::OverlapSearch(const Model& model, const OverlapTables& tables,
+                             std::span<const float> positions)
+    : model_(model), tables_(tables), positions_(positions) {
+  places_.reserve(model.vertex_count);
+  for (std::size_t i = 0; i < model.vertex_count; ++i) places_.push_back({quad_of(positions, i)});
+  for (std::size_t k = 0; k < tables.order.size(); ++k) {
+    const Quad at = places_[model.contact[tables.order[k]].vertex].at;
+    const Quad x = at + (at - at);  // what is not finite is no number
+    if (k % block_size == 0) blocks_.push_back(nothing);
+    grow(blocks_.back(), x, x);
+    points_.add({x, tables.order[k]});
   }
-  return static_cast<float>(sum / (3.0 * model.contact_tetrahedron_count()));
+  found_.reserve(model.contact.size());
+  for (std::uint32_t p = 0; p < model.contact.size(); ++p) found_.push_back({p, shader::no_contact, 0.0});
+}
+
+// What follows the skeleton is not asked about what does: often it is most of a hand, and all of what is only
+// carried.
+std::vector<PointOverlap> OverlapSearch::find() {
+  find_in(tables_.free, static_cast<std::uint32_t>(tables_.order.size()));
+  find_in(tables_.held, tables_.free_points);
+  std::erase_if(found_, [](const PointOverlap& one) { return one.tetrahedron == shader::no_contact; });
+  return std::move(found_);
+}
+
+void OverlapSearch::find_in(const OverlapTables::Part& part, std::uint32_t points) {
+  asked_points_ = points;
+  boxes_.assign(1, {});
+  for (std::size_t leaf = 0; leaf + 1 < part.leaf_offset.size(); ++leaf) {
+    Box box = nothing;
+    for (std::uint32_t v = part.leaf_offset[leaf]; v < part.leaf_offset[leaf + 1]; ++v) {
+      const Quad x = places_[part.leaf_vertex[v]].at;
+      grow(box, x, x);
+    }
+    boxes_[0].push_back(box);
+  }
+  if (boxes_[0].empty()) return;
+  while (boxes_.back().size() > 1) {
+    std::vector<Box> around(parts_of(static_cast<std::uint32_t>(boxes_.back().size()), fan), nothing);
+    for (std::size_t k = 0; k < boxes_.back().size(); ++k)
+      grow(around[k / fan], boxes_.back()[k].low, boxes_.back()[k].high);
+    boxes_.push_back(std::move(around));
+  }
+  near_.resize(parts_of(points, block_size));
+  std::iota(near_.begin(), near_.end(), 0U);
+  find_in_box(part, boxes_.size() - 1, 0, 0, near_.size());
+}
+
+// `first` and `end`: of near_, the blocks near the box around this one.
+void OverlapSearch::find_in_box(const OverlapTables::Part& part, std::size_t level, std::uint32_t number,
+                                std::size_t first, std::size_t end) {
+  const Box& box = boxes_[level][number];
+  for (std::size_t k = first; k < end; ++k)
+    if (overlap(blocks_[near_[k]], box)) near_.push_back(near_[k]);
+  if (near_.size() > end && level == 0) find_in_leaf(part, number, box, end, near_.size());
+  if (near_.size() > end && level > 0) {
+    const std::size_t last = near_.size(), boxes = boxes_[level - 1].size();
+    for (std::uint32_t k = fan * number; k < fan * (number + 1) && k < boxes; ++k)
+      find_in_box(part, level - 1, k, end, last);
+  }
+  near_.resize(end);
+}
+
+void OverlapSearch::find_in_leaf(const OverlapTables::Part& part, std::uint32_t leaf, const Box& box,
+                                 std::size_t first, std::size_t end) {
+  in_leaf_.clear();
+  for (std::size_t n = first; n < end; ++n)
+    points_.for_each_in(box, std::size_t{block_size} * near_[n],
+                        std::min(std::size_t{block_size} * (near_[n] + 1), asked_points_),
+                        [&](const Point& point) { in_leaf_.push_back(point); });
+  if (in_leaf_.empty()) return;
+  const std::span<const std::uint32_t> all = part.tetrahedron;
+  for (std::size_t k = std::size_t{leaf_size} * leaf;
+       k < all.size() && k < std::size_t{leaf_size} * (leaf + 1); k += group_size)
+    find_in_group(all.subspan(k, std::min<std::size_t>(group_size, all.size() - k)));
+}
+
+void OverlapSearch::find_in_group(std::span<const std::uint32_t> tetrahedra) {
+  std::array<Box, group_size> boxes;
+  Box around = nothing;
+  for (std::size_t k = 0; k < tetrahedra.size(); ++k) {
+    boxes[k] = nothing;
+    const std::uint32_t* corner = corners(model_, tetrahedra[k]);
+    for (std::size_t c = 0; c < 4; ++c) grow(boxes[k], places_[corner[c]].at, places_[corner[c]].at);
+    grow(around, boxes[k].low, boxes[k].high);
+  }
+  in_group_.clear();
+  for (const Point& point : in_leaf_)
+    if (holds(around, point.at)) in_group_.push_back(point);
+  if (in_group_.empty()) return;
+  for (std::size_t k = 0; k < tetrahedra.size(); ++k) find_in_tetrahedron(tetrahedra[k], boxes[k]);
+}
+
+// Of several tetrahedra that hold a point, the first counts.
+void OverlapSearch::find_in_tetrahedron(std::uint32_t t, const Box& box) {
+  const std::uint32_t* corner = corners(model_, t);
+  bool is_made = false;
+  Solid solid{};
+  for (const Point& point : in_group_) {
+    if (!holds(box, point.at)) continue;
+    const std::uint32_t p = point.number;
+    PointOverlap& found = found_[p];
+    // Its own tetrahedra hold it, and it does not meet them.
+    const std::uint32_t vertex = model_.contact[p].vertex;
+    if (found.tetrahedron < t || std::find(corner, corner + 4, vertex) != corner + 4) continue;
+    if (!is_made) solid = solid_of(corner, positions_);
+    is_made = true;
+    std::array<double, 4> weight{};
+    if (!lies_in(solid, place_of(positions_, vertex), weight) || !may_meet(p, t, weight)) continue;
+    double deep = 0.0;
+    for (std::size_t k = 0; k < 4; ++k) deep += weight[k] * double{contact_depth_of(model_, p, corner[k])};
+    if (deep >= 0.0) found = {p, t, deep};
+  }
+}
+
+// Whether a point may meet the place with these weights in tetrahedron t, one of which can move by itself.
+bool OverlapSearch::may_meet(std::uint32_t p, std::uint32_t t, const std::array<double, 4>& weight) const {
+  if (model_.is_ignored_contact(p, t)) return false;
+  const shader::ContactPoint& point = model_.contact[p];
+  const std::uint32_t* corner = corners(model_, t);
+  const Vector rest = place_of(model_.rest, point.vertex);
+  Vector apart{-rest[0], -rest[1], -rest[2]};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vector r = place_of(model_.rest, corner[k]);
+    for (std::size_t c = 0; c < 3; ++c) apart[c] += weight[k] * r[c];
+  }
+  if (inner(apart, apart) > double{point.margin} * double{point.margin}) return true;
+  const auto first_near = model_.contact_near.begin() + point.first_near;
+  return std::all_of(corner, corner + 4, [&](std::uint32_t i) {
+    return std::binary_search(first_near, first_near + point.near_count, i);
+  });
 }
 
 }  // namespace
 
-OverlapMeter::OverlapMeter(const Model& model)
-    : model_(model), area_(areas(model)), box_size_(mean_box_size(model)) {}
-
-double OverlapMeter::depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const {
-  if (model_.is_ignored_contact(p, t)) return -1.0;
-  const shader::ContactPoint& point = model_.contact[p];
-  const std::uint32_t* corner = model_.contact_tetrahedron.data() + 4 * std::size_t{t};
-  const Vector a = place_of(positions, corner[0]);
-  const Vector ab = minus(place_of(positions, corner[1]), a), ac = minus(place_of(positions, corner[2]), a),
-               ad = minus(place_of(positions, corner[3]), a),
-               ax = minus(place_of(positions, point.vertex), a);
-  // Most points lie beside the tetrahedron: the first face that they lie behind ends the look.
-  const Vector by_b = outer(ac, ad);
-  const double whole = inner(ab, by_b);
-  if (!(whole > 0.0)) return -1.0;
-  std::array<double, 4> weight{0.0, inner(ax, by_b) / whole, 0.0, 0.0};
-  if (!(weight[1] >= 0.0)) return -1.0;
-  weight[2] = inner(ax, outer(ad, ab)) / whole;
-  if (!(weight[2] >= 0.0)) return -1.0;
-  weight[3] = inner(ax, outer(ab, ac)) / whole;
-  weight[0] = 1.0 - weight[1] - weight[2] - weight[3];
-  if (!(weight[3] >= 0.0) || !(weight[0] >= 0.0)) return -1.0;
-  const Vector rest = place_of(model_.rest, point.vertex);
-  const auto first_near = model_.contact_near.begin() + point.first_near;
-  Vector apart{-rest[0], -rest[1], -rest[2]};
-  double deep = 0.0;
-  bool is_free = !model_.is_kinematic(point.vertex), is_across_a_gap = true;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const Vector r = place_of(model_.rest, corner[k]);
-    for (std::size_t c = 0; c < 3; ++c) apart[c] += weight[k] * r[c];
-    deep += weight[k] * double{contact_depth_of(model_, p, corner[k])};
-    is_free = is_free || !model_.is_kinematic(corner[k]);
-    is_across_a_gap =
-        is_across_a_gap && std::binary_search(first_near, first_near + point.near_count, corner[k]);
+OverlapTables::OverlapTables(const Model& model) : order(contact_points_along_curve(model)) {
+  const auto is_free = [&](std::uint32_t i) { return !model.is_kinematic(i); };
+  const auto first_held = std::stable_partition(
+      order.begin(), order.end(), [&](std::uint32_t p) { return is_free(model.contact[p].vertex); });
+  free_points = static_cast<std::uint32_t>(first_held - order.begin());
+  for (std::uint32_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
+    const std::uint32_t* corner = corners(model, t);
+    (std::any_of(corner, corner + 4, is_free) ? free : held).tetrahedron.push_back(t);
   }
-  const bool is_far = inner(apart, apart) > double{point.margin} * double{point.margin};
-  return is_free && (is_far || is_across_a_gap) ? deep : -1.0;
+  for (Part* part : {&free, &held}) {
+    part->leaf_offset.push_back(0);
+    for (std::size_t first = 0; first < part->tetrahedron.size(); first += leaf_size) {
+      std::vector<std::uint32_t> vertices;
+      for (std::size_t k = first; k < std::min(first + leaf_size, part->tetrahedron.size()); ++k) {
+        const std::uint32_t* corner = corners(model, part->tetrahedron[k]);
+        vertices.insert(vertices.end(), corner, corner + 4);
+      }
+      std::sort(vertices.begin(), vertices.end());
+      part->leaf_vertex.insert(part->leaf_vertex.end(), vertices.begin(),
+                               std::unique(vertices.begin(), vertices.end()));
+      part->leaf_offset.push_back(static_cast<std::uint32_t>(part->leaf_vertex.size()));
+    }
+  }
 }
 
-// Tetrahedra come in their order, so that a point's first find is that of the lowest number.
+OverlapMeter::OverlapMeter(const Model& model) : model_(model), tables_(model), area_(areas(model)) {}
+
 std::vector<PointOverlap> OverlapMeter::points(std::span<const float> positions) const {
-  const PointGrid grid(model_, positions, box_size_);
-  std::vector<std::optional<PointOverlap>> found(model_.contact.size());
-  for (std::uint32_t t = 0; t < model_.contact_tetrahedron_count(); ++t) {
-    grid.for_each_in(box_around(model_, t, positions), [&](std::uint32_t p) {
-      if (found[p] || is_near_at_rest(model_, model_.contact[p], t)) return;
-      if (const double deep = depth_in(p, t, positions); deep >= 0.0)
-        found[p] = PointOverlap{p, t, deep * model_.unit};
-    });
-  }
-  std::vector<PointOverlap> overlaps;
-  for (const std::optional<PointOverlap>& one : found)
-    if (one) overlaps.push_back(*one);
-  return overlaps;
+  std::vector<PointOverlap> found = OverlapSearch(model_, tables_, positions).find();
+  for (PointOverlap& one : found) one.depth *= model_.unit;
+  return found;
 }
 
 Overlap OverlapMeter::of(std::span<const float> positions) const {

@@ -23,6 +23,18 @@ struct PointOverlap {
   double depth;               // m, as above
 };
 
+// What the search for such points knows of a model beforehand.
+struct OverlapTables {
+  // Tetrahedra by ascending number, and the vertices of each leaf of them.
+  struct Part {
+    std::vector<std::uint32_t> tetrahedron, leaf_offset, leaf_vertex;
+  };
+  explicit OverlapTables(const Model& model);
+  std::vector<std::uint32_t> order;  // the points: first those that can move by themselves
+  std::uint32_t free_points = 0;     // how many these are
+  Part free, held;                   // tetrahedra of which a corner can move by itself, and the others
+};
+
 class OverlapMeter {
  public:
   // The model has contact arrays and must outlive the meter.
@@ -35,13 +47,9 @@ class OverlapMeter {
   std::vector<PointOverlap> points(std::span<const float> positions) const;
 
  private:
-  // How deep, in working units, point p lies in tetrahedron t, whose box holds it; below 0: not in it, or it
-  // may not meet it.
-  double depth_in(std::uint32_t p, std::uint32_t t, std::span<const float> positions) const;
-
   const Model& model_;
+  OverlapTables tables_;
   std::vector<double> area_;  // of each point, square working units
-  float box_size_;            // of a tetrahedron, in the mean
 };
 
 }  // namespace fascicle::model

@@ -1,7 +1,9 @@
 // OverlapMeter: how much of a body lies inside itself. Against all pairs, and against numbers by hand.
 #include "host/model/overlap.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <vector>
@@ -9,6 +11,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "host/model/contact_depth.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {
@@ -17,67 +20,132 @@ namespace {
 using Eigen::Vector3d;
 using model::Model;
 using model::Overlap;
+using model::PointOverlap;
 
 Vector3d triple(const std::vector<float>& values, std::uint32_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
-// The points that lie in a tetrahedron of flesh far from them at rest, and how deep: every point against
-// every tetrahedron, by inverting the tetrahedron's edges.
-std::vector<double> depths_of_all_pairs(const Model& model, const std::vector<float>& positions) {
-  std::vector<double> depths;
-  for (const shader::ContactPoint& point : model.contact)
-    for (std::size_t t = 0; t < model.contact_tetrahedron.size(); t += 4) {
-      const std::uint32_t* corner = model.contact_tetrahedron.data() + t;
+// The points that lie in a tetrahedron of flesh that they may meet, and how deep: every point against every
+// tetrahedron, by inverting the tetrahedron's edges.
+std::vector<PointOverlap> overlaps_of_all_pairs(const Model& model, const std::vector<float>& positions) {
+  std::vector<PointOverlap> overlaps;
+  for (std::uint32_t p = 0; p < model.contact.size(); ++p)
+    for (std::uint32_t t = 0; t < model.contact_tetrahedron_count(); ++t) {
+      const shader::ContactPoint& point = model.contact[p];
+      const std::uint32_t* corner = model.contact_tetrahedron.data() + 4 * t;
+      if (model.is_ignored_contact(p, t)) continue;
       Eigen::Matrix3d edges;
       for (int k = 0; k < 3; ++k)
         edges.col(k) = triple(positions, corner[k + 1]) - triple(positions, corner[0]);
       if (!(edges.determinant() > 0.0)) continue;
       const Vector3d b = edges.inverse() * (triple(positions, point.vertex) - triple(positions, corner[0]));
       const double weights[4] = {1.0 - b.sum(), b[0], b[1], b[2]};
+      const auto near = model.contact_near.begin() + point.first_near;
       Vector3d place = Vector3d::Zero();
       double depth = 0.0, least = 1.0;
+      bool moves = !model.is_kinematic(point.vertex), is_across_a_gap = true;
       for (int k = 0; k < 4; ++k) {
         place += weights[k] * triple(model.rest, corner[k]);
-        depth += weights[k] * double{model.contact_depth[corner[k]]};
+        depth += weights[k] * double{model::contact_depth_of(model, p, corner[k])};
         least = std::min(least, weights[k]);
+        moves = moves || !model.is_kinematic(corner[k]);
+        is_across_a_gap =
+            is_across_a_gap && std::find(near, near + point.near_count, corner[k]) != near + point.near_count;
       }
-      if (least < 0.0 || (place - triple(model.rest, point.vertex)).norm() <= double{point.margin}) continue;
-      depths.push_back(depth);
+      const bool is_far = (place - triple(model.rest, point.vertex)).norm() > double{point.margin};
+      if (!(least >= 0.0) || !moves || !(is_far || is_across_a_gap)) continue;
+      overlaps.push_back({p, t, depth * model.unit});
       break;
     }
-  return depths;
+  return overlaps;
 }
 
-// The second block pushed into the first by `into`, all vertices moved at random besides.
-std::vector<float> pushed(const TwoBlocks& blocks, double into, unsigned seed) {
+// Two blocks of which half moves with the skeleton, tetrahedra as a whole: the lower half of the one, the
+// upper half of the other; or all but one vertex. Some points ignore some flesh, and every third
+// one may meet what is near it in the first block.
+TwoBlocks varied_blocks(unsigned seed) {
+  TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
+  Model m = without_contact(blocks.model);
+  for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+    if (seed % 3 == 0 ? i + 1 != blocks.first_of_second
+                      : (m.rest[3 * i + 2] < 0.06f) == (i < blocks.first_of_second))
+      make_kinematic(m, i);
+  add_contact(m, 1.5 * blocks.spacing, depth_below_boundary(m));
+  if (seed % 2 == 0) ignore_some_contact(m, seed);
+  for (std::uint32_t p = 0; p < m.contact.size(); p += 3) {
+    std::vector<std::uint32_t> near;
+    for (std::uint32_t i = 0; i < blocks.first_of_second; ++i)
+      if (i != m.contact[p].vertex &&
+          (triple(m.rest, i) - triple(m.rest, m.contact[p].vertex)).norm() < 2.5 * blocks.spacing)
+        near.push_back(i);
+    add_gap(m, p, near, 0.0f);
+  }
+  blocks.model = m;
+  return blocks;
+}
+
+// The second block pushed into the first by `into`, all vertices moved at random besides, by up to
+// `size` edges, and the second moved down.
+std::vector<float> pushed(const TwoBlocks& blocks, double into, unsigned seed, float size = 0.1f,
+                          float down = 0.0f) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> small(-0.1f, 0.1f);
+  std::uniform_real_distribution<float> small(-size, size);
   std::vector<float> positions = blocks.model.rest;
   for (std::uint32_t i = 0; i < blocks.model.vertex_count; ++i)
     for (std::size_t a = 0; a < 3; ++a) {
       positions[3 * i + a] += small(random) * float(blocks.spacing);
       if (a == 0 && i >= blocks.first_of_second) positions[3 * i] -= float(1.0 - 0.5 + into);
+      if (a == 2 && i >= blocks.first_of_second) positions[3 * i + 2] -= down;
     }
   return positions;
 }
 
-TEST(OverlapMeter, FindsWhatAllPairsFind) {
-  std::uint64_t found = 0;
-  for (unsigned seed = 1; seed <= 6; ++seed) {
-    const TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
-    const model::OverlapMeter meter(blocks.model);
-    const std::vector<float> positions = pushed(blocks, 0.03 * seed, seed);
-    const std::vector<double> depths = depths_of_all_pairs(blocks.model, positions);
-    double deepest = 0.0;
-    for (const double depth : depths) deepest = std::max(deepest, depth);
-    const Overlap overlap = meter.of(positions);
-    EXPECT_EQ(overlap.vertices, depths.size()) << seed;
-    // The same sums in another order: rounding of double.
-    EXPECT_NEAR(overlap.deepest, deepest * blocks.model.unit, 1e-12) << seed;
-    found += depths.size();
+// Points that were found; of these, those that follow the skeleton and those with flesh across a gap.
+struct Seen {
+  std::size_t found = 0, held = 0, across_a_gap = 0;
+};
+
+void expect_what_all_pairs_find(const TwoBlocks& blocks, double into, float size, float down, unsigned seed,
+                                Seen& seen) {
+  const Model& m = blocks.model;
+  const std::vector<float> positions = pushed(blocks, into, seed, size, down);
+  const std::vector<PointOverlap> expected = overlaps_of_all_pairs(m, positions),
+                                  found = model::OverlapMeter(m).points(positions);
+  ASSERT_EQ(found.size(), expected.size()) << seed;
+  double deepest = 0.0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    EXPECT_EQ(found[k].point, expected[k].point) << seed;
+    EXPECT_EQ(found[k].tetrahedron, expected[k].tetrahedron) << seed;
+    // The same weights by other sums: rounding of double, with edges that are nearly flat.
+    EXPECT_NEAR(found[k].depth, expected[k].depth, 1e-12) << seed;
+    deepest = std::max(deepest, expected[k].depth);
+    seen.held += m.is_kinematic(m.contact[found[k].point].vertex) ? 1 : 0;
+    seen.across_a_gap += m.contact[found[k].point].near_count > 0 ? 1 : 0;
   }
-  EXPECT_GT(found, 100u);
+  const Overlap overlap = model::OverlapMeter(m).of(positions);
+  EXPECT_EQ(overlap.vertices, expected.size()) << seed;
+  EXPECT_NEAR(overlap.deepest, deepest, 1e-12) << seed;
+  seen.found += found.size();
+}
+
+TEST(OverlapMeter, FindsWhatAllPairsFind) {
+  Seen plain, varied;
+  for (unsigned seed = 1; seed <= 9; ++seed) {
+    const TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
+    expect_what_all_pairs_find(blocks, 0.03 * seed, 0.1f, 0.0f, seed, plain);
+    // From half an edge on many tetrahedra are inside out, and points lie in several.
+    for (const float size : {0.1f, 0.5f, 1.5f})
+      expect_what_all_pairs_find(varied_blocks(seed), 0.05 + 0.0625 * seed, size, 0.03f * float(seed), seed,
+                                 varied);
+  }
+  // A corner of the first block lies in the second, and both follow the skeleton.
+  for (const unsigned seed : {3U, 6U, 9U})
+    expect_what_all_pairs_find(varied_blocks(seed), 0.56, 0.1f, 0.06f, seed, varied);
+  EXPECT_GT(plain.found, 100u);
+  EXPECT_GT(varied.found, 300u);
+  EXPECT_GT(varied.held, 50u);
+  EXPECT_GT(varied.across_a_gap, 50u);
 }
 
 // Vertices that have flown off make no difference to the others, and tetrahedra that reach out to them hold
@@ -89,7 +157,7 @@ TEST(OverlapMeter, FindsTheSameBesideWhatHasFlownOff) {
     std::vector<float> positions = pushed(blocks, 0.06, 2);
     for (const std::size_t k : {std::size_t{0}, std::size_t{3} * blocks.first_of_second + 1})
       positions[k] = k == 0 ? -far : far;
-    const std::size_t expected = depths_of_all_pairs(blocks.model, positions).size();
+    const std::size_t expected = overlaps_of_all_pairs(blocks.model, positions).size();
     EXPECT_EQ(model::OverlapMeter(blocks.model).of(positions).vertices, expected) << far;
     found += expected;
   }
