@@ -41,13 +41,11 @@ std::uint64_t cache_bytes(const model::Model& model, std::uint64_t frames);
 //   inverted_skinned          those that skinning alone leaves so; with a skeleton only, and so are
 //   lag_NAME                  m: the root mean square distance of a layer's free vertices to their skinned
 //                             places; 0 where it has none
-//   contact_vertices          of the surface that lie in flesh far from them at rest (model/overlap.h); with
-//   contact
-//                             only, and so are
-//   contact_deepest           m: of these, below the surface of that flesh
-//   contact_volume            m^3 that lie in other flesh; and the same three as skinning alone leaves them,
-//   with a
-//                             skeleton: contact_vertices_skinned, ...
+//   contact_vertices          of the surface that lie in flesh far from them at rest, deeper than their rest
+//                             shape does (model/overlap.h); with contact only, and so are
+//   contact_deepest           m: of these, how much deeper below the surface of that flesh
+//   contact_volume            m^3 that lie in other flesh beyond what the rest shape does; and the same three
+//                             as skinning alone leaves them, with a skeleton: contact_vertices_skinned, ...
 //   volume_NAME               m^3: a layer's, of each tetrahedron the quarters of the layer's vertices; and
 //   volume_ratio_NAME         over that of the rest shape
 //   NAME_x, NAME_y, NAME_z    m: mean position of each probe's vertices

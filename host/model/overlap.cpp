@@ -188,6 +188,9 @@ bool lies_in(const Solid& solid, const Vector& x, std::array<double, 4>& weight)
   return weight[3] >= 0.0 && weight[0] >= 0.0;
 }
 
+// What lies no deeper than at rest, but for rounding of floats; working units, which are about a body's size.
+constexpr double least_deeper = 0x1p-20;
+
 constexpr std::uint32_t block_size = 16;             // points
 constexpr std::uint32_t leaf_size = 32;              // tetrahedra
 constexpr std::uint32_t group_size = leaf_size / 4;  // of a leaf's
@@ -384,11 +387,20 @@ OverlapTables::OverlapTables(const Model& model) : order(contact_points_along_cu
   }
 }
 
-OverlapMeter::OverlapMeter(const Model& model) : model_(model), tables_(model), area_(areas(model)) {}
+OverlapMeter::OverlapMeter(const Model& model)
+    : model_(model), tables_(model), area_(areas(model)), at_rest_(model.contact.size(), -1.0) {
+  for (const PointOverlap& one : OverlapSearch(model, tables_, model.rest).find())
+    at_rest_[one.point] = one.depth;
+}
 
 std::vector<PointOverlap> OverlapMeter::points(std::span<const float> positions) const {
   std::vector<PointOverlap> found = OverlapSearch(model_, tables_, positions).find();
-  for (PointOverlap& one : found) one.depth *= model_.unit;
+  std::erase_if(found, [&](PointOverlap& one) {
+    const double at_rest = at_rest_[one.point];
+    if (at_rest >= 0.0 && !(one.depth > at_rest + least_deeper)) return true;
+    one.depth = (one.depth - std::max(at_rest, 0.0)) * model_.unit;
+    return false;
+  });
   return found;
 }
 

@@ -1,5 +1,8 @@
-// How much of a body lies inside itself: what stage contact is there to prevent, measured in double
-// precision.
+// How much of a body lies inside itself, beyond what its rest shape does: what stage contact is there to
+// prevent, measured in double precision.
+//
+// A rest shape may lie in itself: fingers and thighs that touch, or parts that are modelled into each other.
+// A point that does counts only where it lies deeper, by how much deeper.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +14,8 @@
 namespace fascicle::model {
 
 struct Overlap {
-  std::uint32_t vertices = 0;  // of the surface, in flesh that is far from them at rest
-  double deepest = 0.0;        // m: of these, below the surface of that flesh at rest
+  std::uint32_t vertices = 0;  // of the surface, in flesh that they may meet, deeper than at rest
+  double deepest = 0.0;        // m: of these, below the surface of that flesh, less the point's depth at rest
   double volume = 0.0;         // m^3: half the sum of their areas times their depths, as two sides overlap
 };
 
@@ -49,7 +52,8 @@ class OverlapMeter {
  private:
   const Model& model_;
   OverlapTables tables_;
-  std::vector<double> area_;  // of each point, square working units
+  std::vector<double> area_;     // of each point, square working units
+  std::vector<double> at_rest_;  // of each point, working units: its depth at rest; below 0 in no other flesh
 };
 
 }  // namespace fascicle::model

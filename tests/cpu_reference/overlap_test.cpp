@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -146,6 +147,56 @@ TEST(OverlapMeter, FindsWhatAllPairsFind) {
   EXPECT_GT(varied.found, 300u);
   EXPECT_GT(varied.held, 50u);
   EXPECT_GT(varied.across_a_gap, 50u);
+}
+
+// The blocks overlap in the rest shape already. It counts for nothing there, nor where it is turned and
+// moved; and elsewhere each point counts by what it is deeper than at rest.
+TEST(OverlapMeter, CountsWhatGoesBeyondTheRestShape) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    TwoBlocks blocks = make_two_blocks(4, 3, 3, 0.125, seed);
+    std::vector<float> apart = blocks.model.rest;
+    Model& m = blocks.model;
+    m.rest = pushed(blocks, 0.12, seed, 0.0f);
+    // The other block is across a gap.
+    std::vector<std::uint32_t> first, second;
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i)
+      (i < blocks.first_of_second ? first : second).push_back(i);
+    for (std::uint32_t p = 0; p < m.contact.size(); ++p)
+      add_gap(m, p, m.contact[p].vertex < blocks.first_of_second ? second : first, 0.0f);
+    const model::OverlapMeter meter(m);
+    std::vector<double> at_rest(m.contact.size(), -1.0);
+    for (const PointOverlap& one : overlaps_of_all_pairs(m, m.rest)) at_rest[one.point] = one.depth;
+    EXPECT_GT(*std::max_element(at_rest.begin(), at_rest.end()), 0.05) << "m: there is something at rest";
+
+    std::vector<float> turned = m.rest;
+    const Eigen::Matrix3d turn(Eigen::AngleAxisd(1.0, Vector3d(1.0, 2.0, -2.0) / 3.0));
+    for (std::uint32_t i = 0; i < m.vertex_count; ++i) {
+      const Vector3d x = turn * triple(m.rest, i) + Vector3d(0.1, -0.2, 0.05);
+      for (int a = 0; a < 3; ++a) turned[3 * i + std::size_t(a)] = float(x[a]);
+    }
+    for (std::vector<float>* shape : {&m.rest, &turned, &apart}) {
+      EXPECT_EQ(meter.of(*shape).vertices, 0u) << seed;
+      EXPECT_EQ(meter.of(*shape).deepest, 0.0) << seed;
+      EXPECT_EQ(meter.of(*shape).volume, 0.0) << seed;
+    }
+
+    std::vector<float> deeper = m.rest;
+    for (std::uint32_t i = blocks.first_of_second; i < m.vertex_count; ++i) deeper[3 * i] -= 0.0625f;
+    std::vector<PointOverlap> expected;
+    for (const PointOverlap& one : overlaps_of_all_pairs(m, deeper)) {
+      const double more = one.depth - std::max(at_rest[one.point], 0.0);
+      // Between rounding of floats and what counts there is nothing here.
+      EXPECT_TRUE(more < 1e-7 || more > 1e-5 || at_rest[one.point] < 0.0) << more;
+      if (more > 1e-5 || at_rest[one.point] < 0.0) expected.push_back({one.point, one.tetrahedron, more});
+    }
+    const std::vector<PointOverlap> found = meter.points(deeper);
+    ASSERT_EQ(found.size(), expected.size()) << seed;
+    EXPECT_GT(found.size(), 15u);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      EXPECT_EQ(found[k].point, expected[k].point) << seed;
+      EXPECT_NEAR(found[k].depth, expected[k].depth, 1e-12) << seed;
+    }
+  }
 }
 
 // Vertices that have flown off make no difference to the others, and tetrahedra that reach out to them hold
