@@ -60,6 +60,13 @@ bool is_inverted(const std::vector<float>& positions, const std::uint32_t* corne
                        edge_of(positions, corners[0], corners[3])) > 0.0);
 }
 
+// Whether all vertices that carry this render vertex follow the skeleton.
+bool follows(const model::Model& model, std::uint32_t s) {
+  for (std::size_t k = 4 * std::size_t{s}; k < 4 * std::size_t{s} + 4; ++k)
+    if (model.surface_weight[k] != 0.0f && !model.is_kinematic(model.surface_vertex[k])) return false;
+  return true;
+}
+
 // The limits: what looks right stays below them, what does not is above (tests/bake/look_test.cpp).
 constexpr double stretch_limit = 2.7;
 constexpr double crossing_share = 0.022, crossing_least = 24.0;  // of all triangles, and at least so many
@@ -117,6 +124,7 @@ Look::Look(const model::Model& model, const LookBody& body, double fps)
     const double height = std::sqrt(std::max(shape.determinant(), 0.0) / std::max(longest, 1e-300));
     const double edge = (body.edge[corners[0]] + body.edge[corners[1]] + body.edge[corners[2]]) / 3.0;
     // Half an edge is the height of half a square.
+    follows_.push_back(std::all_of(corners, corners + 3, [&](std::uint32_t s) { return follows(model, s); }));
     trust_.push_back(edge > 0.0 ? std::min(1.0, height / (0.5 * edge)) : 0.0);
   }
 }
@@ -181,7 +189,7 @@ LookScore Look::worst_joint(const std::vector<double>& values, double share, dou
 
 LookScore Look::crossing(const std::vector<float>& flesh, const std::vector<float>& skin) {
   tree_.fit(flesh);
-  const std::vector<std::pair<std::uint32_t, std::uint32_t>> found = tree_.crossings();
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> found = tree_.crossings({}, follows_);
   LookScore score;
   if (found.empty()) return score;
   const auto joints = [this](const std::pair<std::uint32_t, std::uint32_t>& triangles) {

@@ -20,7 +20,7 @@ namespace fascicle::bake {
 //           skinning, whichever it is nearer to: stretch and shear. A triangle thinner than the edges around
 //           it counts by their length: what it moves by is then what is seen. 99.9th percentile.
 // crossing  triangles that cross others, no neighbours, of two joints whose skin does not cross under
-//           skinning in the same frame.
+//           skinning in the same frame. Two triangles that both follow the skeleton cross there too.
 // distance  of the skin from skinning, over the body's thickness there at rest: of the worst joint half of
 //           its skin, or a tenth, whichever is further over its limit.
 // rigid     parts that the rig moves rigidly: their strain from rest. 90th percentile of the worst part.
@@ -82,7 +82,8 @@ class Look {
   const LookBody& body_;
   double jump_limit_;
   TriangleTree tree_;
-  std::vector<double> trust_;  // of a triangle: its least height over the edges around it, at most 1
+  std::vector<std::uint8_t> follows_;  // of a triangle: whether only what follows the skeleton carries it
+  std::vector<double> trust_;          // of a triangle: its least height over the edges around it, at most 1
   std::vector<std::vector<std::uint32_t>> vertices_;  // render vertices, by joint
   std::array<std::vector<float>, 3> deviation_;       // flesh less skinning: now, a frame before, two before
   std::vector<std::pair<double, std::uint32_t>> values_;  // of the measure in hand, with what has them

@@ -52,18 +52,6 @@ bool triangles_cross(const std::array<Point, 3>& a, const std::array<Point, 3>& 
 
 }  // namespace
 
-bool TriangleTree::overlap(const Box& a, const Box& b) {
-  return a.least[0] <= b.most[0] && b.least[0] <= a.most[0] && a.least[1] <= b.most[1] &&
-         b.least[1] <= a.most[1] && a.least[2] <= b.most[2] && b.least[2] <= a.most[2];
-}
-
-void TriangleTree::grow(Box& box, const Box& other) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    box.least[axis] = std::min(box.least[axis], other.least[axis]);
-    box.most[axis] = std::max(box.most[axis], other.most[axis]);
-  }
-}
-
 TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> places,
                            std::span<const float> positions)
     : triangles_(triangles), positions_(positions), order_(triangles.size() / 3) {
@@ -86,7 +74,7 @@ TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<c
 std::uint32_t TriangleTree::build(std::uint32_t first, std::uint32_t last,
                                   const std::vector<float>& centres) {
   const auto number = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({{}, 0, first, last});
+  nodes_.push_back({.box = model::empty_box, .first_triangle = first, .last_triangle = last});
   if (last - first <= leaf_triangles) return number;
   std::array<float, 3> least, most;
   least.fill(std::numeric_limits<float>::infinity());
@@ -115,25 +103,24 @@ std::uint32_t TriangleTree::build(std::uint32_t first, std::uint32_t last,
 void TriangleTree::fit(std::span<const float> positions) {
   positions_ = positions;
   for (std::size_t i = 0; i < order_.size(); ++i) {
-    const std::uint32_t* corners = &triangles_[std::size_t{3} * order_[i]];
-    const float* a = &positions_[std::size_t{3} * corners[0]];
-    const float* b = &positions_[std::size_t{3} * corners[1]];
-    const float* c = &positions_[std::size_t{3} * corners[2]];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      boxes_[i].least[axis] = std::min(a[axis], std::min(b[axis], c[axis]));
-      boxes_[i].most[axis] = std::max(a[axis], std::max(b[axis], c[axis]));
+    boxes_[i] = model::empty_box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float* x = &positions_[std::size_t{3} * triangles_[std::size_t{3} * order_[i] + k]];
+      const model::Quad corner{x[0], x[1], x[2], 0.0f};
+      grow(boxes_[i], corner, corner);
     }
   }
   // Children stand after their parents.
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
+    node.box = model::empty_box;
     if (node.second != 0) {
-      node.box = nodes_[n + 1].box;
-      grow(node.box, nodes_[node.second].box);
+      for (const std::size_t child : {n + 1, std::size_t{node.second}})
+        grow(node.box, nodes_[child].box.low, nodes_[child].box.high);
       continue;
     }
-    node.box = boxes_[node.first_triangle];
-    for (std::uint32_t i = node.first_triangle + 1; i < node.last_triangle; ++i) grow(node.box, boxes_[i]);
+    for (std::uint32_t i = node.first_triangle; i < node.last_triangle; ++i)
+      grow(node.box, boxes_[i].low, boxes_[i].high);
   }
 }
 
@@ -156,30 +143,36 @@ bool TriangleTree::cross(std::uint32_t a, std::uint32_t b) const {
                          {corner(t, 0), corner(t, 1), corner(t, 2)});
 }
 
-// Which nodes hold a triangle that is asked.
-std::vector<std::uint8_t> TriangleTree::nodes_of(std::span<const std::uint8_t> asked) const {
+// Which nodes hold a triangle with that flag.
+std::vector<std::uint8_t> TriangleTree::nodes_with(std::span<const std::uint8_t> flags,
+                                                   std::uint8_t flag) const {
   std::vector<std::uint8_t> has(nodes_.size(), 0);
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     const Node& node = nodes_[n];
     if (node.second != 0)
       has[n] = has[n + 1] | has[node.second];
     else
-      for (std::uint32_t i = node.first_triangle; i < node.last_triangle; ++i) has[n] |= asked[order_[i]];
+      for (std::uint32_t i = node.first_triangle; i < node.last_triangle; ++i)
+        if (flags[order_[i]] == flag) has[n] = 1;
   }
   return has;
 }
 
 std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings(
-    std::span<const std::uint8_t> asked) const {
+    std::span<const std::uint8_t> asked, std::span<const std::uint8_t> known) const {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> found;
   if (nodes_.empty()) return found;
-  const std::vector<std::uint8_t> has = asked.empty() ? std::vector<std::uint8_t>() : nodes_of(asked);
+  const std::vector<std::uint8_t> has =
+      asked.empty() ? std::vector<std::uint8_t>(nodes_.size(), 1) : nodes_with(asked, 1);
+  const std::vector<std::uint8_t> is_open =
+      known.empty() ? std::vector<std::uint8_t>(nodes_.size(), 1) : nodes_with(known, 0);
   const auto is_out = [&](std::uint32_t i) { return !asked.empty() && asked[order_[i]] == 0; };
+  const auto is_known = [&](std::uint32_t i) { return !known.empty() && known[order_[i]] != 0; };
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{0, 0}};
   while (!open.empty()) {
     const auto [a, b] = open.back();
     open.pop_back();
-    if (!has.empty() && (has[a] == 0 || has[b] == 0)) continue;
+    if (has[a] == 0 || has[b] == 0 || (is_open[a] == 0 && is_open[b] == 0)) continue;
     const Node &x = nodes_[a], &y = nodes_[b];
     if (a == b && x.second != 0) {
       open.emplace_back(a + 1, a + 1);
@@ -193,7 +186,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings(
         // Few triangles of a leaf reach into the other.
         if (is_out(i) || !overlap(boxes_[i], y.box)) continue;
         for (std::uint32_t j = a == b ? i + 1 : y.first_triangle; j < y.last_triangle; ++j)
-          if (!is_out(j) && overlap(boxes_[i], boxes_[j]) && cross(i, j))
+          if (overlap(boxes_[i], boxes_[j]) && !is_out(j) && !(is_known(i) && is_known(j)) && cross(i, j))
             found.push_back(std::minmax(order_[i], order_[j]));
       }
       continue;
@@ -211,10 +204,10 @@ std::optional<double> TriangleTree::hit(const std::array<double, 3>& from,
                                         const std::array<double, 3>& direction,
                                         std::uint32_t without_place) const {
   double nearest = std::numeric_limits<double>::infinity();
-  const auto meets = [&](const Box& box) {
+  const auto meets = [&](const model::Box& box) {
     double enter = 0.0, leave = nearest;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double least = double{box.least[axis]} - from[axis], most = double{box.most[axis]} - from[axis];
+      const double least = double{box.low[axis]} - from[axis], most = double{box.high[axis]} - from[axis];
       if (direction[axis] == 0.0) {
         if (least > 0.0 || most < 0.0) return false;
         continue;

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/model/boxes.h"
+
 namespace fascicle::bake {
 
 class TriangleTree {
@@ -23,10 +25,10 @@ class TriangleTree {
   void fit(std::span<const float> positions);
 
   // Pairs of triangles that cross and are no neighbours, the lower number first, in no order that matters.
-  // Triangles that only touch do not cross. `asked`, a flag for each triangle: only pairs of which both are;
-  // empty: all.
+  // Triangles that only touch do not cross. Each has a flag, or all are empty. `asked`: only pairs of which
+  // both are; `known`: no pairs of which both are.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> crossings(
-      std::span<const std::uint8_t> asked = {}) const;
+      std::span<const std::uint8_t> asked = {}, std::span<const std::uint8_t> known = {}) const;
 
   // The distance, in lengths of `direction`, to the first triangle without this place; nothing where none is
   // hit.
@@ -34,28 +36,23 @@ class TriangleTree {
                             std::uint32_t without_place) const;
 
  private:
-  struct Box {
-    std::array<float, 3> least{}, most{};
-  };
   // An inner node's children are the next node and `second`; a leaf has second 0.
   struct Node {
-    Box box;
+    model::Box box{};
     std::uint32_t second = 0, first_triangle = 0, last_triangle = 0;
   };
 
-  static bool overlap(const Box& a, const Box& b);
-  static void grow(Box& box, const Box& other);
   std::uint32_t build(std::uint32_t first, std::uint32_t last, const std::vector<float>& centres);
   // Of triangles by their rank in the tree's order.
   bool neighbours(std::uint32_t a, std::uint32_t b) const;
   bool cross(std::uint32_t a, std::uint32_t b) const;
-  std::vector<std::uint8_t> nodes_of(std::span<const std::uint8_t> asked) const;
+  std::vector<std::uint8_t> nodes_with(std::span<const std::uint8_t> flags, std::uint8_t flag) const;
   std::array<double, 3> corner(std::uint32_t triangle, std::size_t k) const;
 
   std::span<const std::uint32_t> triangles_;
   std::span<const float> positions_;
   std::vector<std::uint32_t> order_;                         // triangles, leaf by leaf
-  std::vector<Box> boxes_;                                   // of triangles, in that order
+  std::vector<model::Box> boxes_;                            // of triangles, in that order
   std::vector<std::array<std::uint32_t, 3>> corner_places_;  // the same
   std::vector<Node> nodes_;
 };

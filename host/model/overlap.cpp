@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "host/model/boxes.h"
 #include "host/model/contact_depth.h"
 #include "host/model/contact_order.h"
 
@@ -70,43 +71,12 @@ std::vector<double> areas(const Model& model) {
   return area;
 }
 
-// Four floats, of which the last is 0; and what a comparison of two gives.
-using Quad = float __attribute__((vector_size(16)));
-using Flags = std::int32_t __attribute__((vector_size(16)));
-using Halves = std::int64_t __attribute__((vector_size(16)));
-
-bool all(Flags flags) {
-  const auto halves = std::bit_cast<Halves>(flags);
-  return (halves[0] & halves[1]) == -1;
-}
-
-struct Box {
-  Quad low, high;
-};
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Box nothing{{infinity, infinity, infinity, infinity}, {-infinity, -infinity, -infinity, -infinity}};
-
-// What is no number grows no box.
-void grow(Box& box, Quad low, Quad high) {
-  box.low = low < box.low ? low : box.low;
-  box.high = high > box.high ? high : box.high;
-}
-
-bool overlap(const Box& a, const Box& b) {
-  return all((a.low <= b.high) & (b.low <= a.high));
-}
-
 struct Place {
   Quad at;
 };
 
 Quad quad_of(std::span<const float> positions, std::size_t i) {
   return Quad{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2], 0.0f};
-}
-
-bool holds(const Box& box, Quad x) {
-  return all((x >= box.low) & (x <= box.high));
 }
 
 struct Point {
@@ -145,12 +115,12 @@ class Points {
 
   // A bit for each that the box holds.
   static std::uint32_t held(const Box& box, const Four& four) {
-    Flags flags = {1, 2, 4, 8};
+    QuadFlags flags = {1, 2, 4, 8};
     for (int a = 0; a < 3; ++a) {
       const Quad x = four.along[static_cast<std::size_t>(a)];
       flags &= (x >= box.low[a]) & (x <= box.high[a]);
     }
-    const auto halves = std::bit_cast<Halves>(flags);
+    const auto halves = std::bit_cast<QuadHalves>(flags);
     const auto bits = static_cast<std::uint64_t>(halves[0] | halves[1]);
     return static_cast<std::uint32_t>(bits | bits >> 32);
   }
@@ -235,7 +205,7 @@ OverlapSearch::OverlapSearch(const Model& model, const OverlapTables& tables,
   for (std::size_t k = 0; k < tables.order.size(); ++k) {
     const Quad at = places_[model.contact[tables.order[k]].vertex].at;
     const Quad x = at + (at - at);  // what is not finite is no number
-    if (k % block_size == 0) blocks_.push_back(nothing);
+    if (k % block_size == 0) blocks_.push_back(empty_box);
     grow(blocks_.back(), x, x);
     points_.add({x, tables.order[k]});
   }
@@ -256,7 +226,7 @@ void OverlapSearch::find_in(const OverlapTables::Part& part, std::uint32_t point
   asked_points_ = points;
   boxes_.assign(1, {});
   for (std::size_t leaf = 0; leaf + 1 < part.leaf_offset.size(); ++leaf) {
-    Box box = nothing;
+    Box box = empty_box;
     for (std::uint32_t v = part.leaf_offset[leaf]; v < part.leaf_offset[leaf + 1]; ++v) {
       const Quad x = places_[part.leaf_vertex[v]].at;
       grow(box, x, x);
@@ -265,7 +235,7 @@ void OverlapSearch::find_in(const OverlapTables::Part& part, std::uint32_t point
   }
   if (boxes_[0].empty()) return;
   while (boxes_.back().size() > 1) {
-    std::vector<Box> around(parts_of(static_cast<std::uint32_t>(boxes_.back().size()), fan), nothing);
+    std::vector<Box> around(parts_of(static_cast<std::uint32_t>(boxes_.back().size()), fan), empty_box);
     for (std::size_t k = 0; k < boxes_.back().size(); ++k)
       grow(around[k / fan], boxes_.back()[k].low, boxes_.back()[k].high);
     boxes_.push_back(std::move(around));
@@ -306,9 +276,9 @@ void OverlapSearch::find_in_leaf(const OverlapTables::Part& part, std::uint32_t 
 
 void OverlapSearch::find_in_group(std::span<const std::uint32_t> tetrahedra) {
   std::array<Box, group_size> boxes;
-  Box around = nothing;
+  Box around = empty_box;
   for (std::size_t k = 0; k < tetrahedra.size(); ++k) {
-    boxes[k] = nothing;
+    boxes[k] = empty_box;
     const std::uint32_t* corner = corners(model_, tetrahedra[k]);
     for (std::size_t c = 0; c < 4; ++c) grow(boxes[k], places_[corner[c]].at, places_[corner[c]].at);
     grow(around, boxes[k].low, boxes[k].high);

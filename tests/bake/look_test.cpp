@@ -320,6 +320,17 @@ TEST(TriangleTree, FindsThePairsThatCross) {
   EXPECT_EQ((std::set<std::pair<std::uint32_t, std::uint32_t>>(some.begin(), some.end())), among);
   EXPECT_GT(among.size(), 5u);
   EXPECT_LT(among.size(), expected().size());
+  // Without the pairs among some: where these lie in leaves of their own, and where they do not.
+  for (const bool apart : {true, false}) {
+    std::vector<std::uint8_t> known(150);
+    for (std::uint32_t t = 0; t < 150; ++t) known[t] = apart ? corner(t, 0).x() < 0.5 : t % 3 != 0;
+    auto others = expected();
+    std::erase_if(others, [&](const auto& pair) { return known[pair.first] && known[pair.second]; });
+    const auto left = tree.crossings({}, known);
+    EXPECT_EQ((std::set<std::pair<std::uint32_t, std::uint32_t>>(left.begin(), left.end())), others);
+    EXPECT_GT(others.size(), 5u);
+    EXPECT_LT(others.size(), expected().size());
+  }
   // Neighbours do not cross.
   const auto [a, b] = *expected().begin();
   places[3 * a] = places[3 * b + 1];
