@@ -141,7 +141,17 @@ void ContactSearch::find_near_at_rest() {
     return ContactBox{place_at(from), place_at(from + 4)};
   };
   const std::uint32_t leaves = model_.contact_leaf_count();
+  // Of each vertex the points of the block at hand that it is near across a gap.
+  std::vector<PointBits> across(model_.vertex_count, 0);
+  const auto for_each_across = [&](std::uint32_t b, const auto& use) {
+    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
+      const shader::ContactPoint& point = model_.contact[order_[k]];
+      for (std::uint32_t e = point.first_near; e < point.first_near + point.near_count; ++e)
+        use(across[model_.contact_near[e]], static_cast<PointBits>(1U << (k - block_begin(b))));
+    }
+  };
   for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
+    for_each_across(b, [](PointBits& of, PointBits bit) { of |= bit; });
     ContactBox box = empty_contact_box;
     float margin = 0.0f;
     for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
@@ -157,13 +167,15 @@ void ContactSearch::find_near_at_rest() {
         leaf += shader::contact_branch - 1;
         continue;
       }
-      if (is_far(leaf)) continue;
-      const std::array<PointBits, leaf_size> relevant = relevant_at_rest(b, leaf);
+      // What follows the skeleton on both sides is left out by ContactLook::all.
+      if (is_far(leaf) || (blocks_[b].mobile == 0 && leaf_is_held_[leaf] != 0)) continue;
+      const std::array<PointBits, leaf_size> relevant = relevant_at_rest(b, leaf, across);
       const auto first = relevant.begin(), last = first + (leaf_end(leaf) - leaf * leaf_size);
       if (std::all_of(first, last, [&](PointBits of) { return of == blocks_[b].points; })) continue;
       blocks_[b].near.push_back({leaf, relevant_.size()});
       relevant_.insert(relevant_.end(), relevant.begin(), relevant.end());
     }
+    for_each_across(b, [](PointBits& of, PointBits) { of = 0; });
   }
 }
 
@@ -171,23 +183,24 @@ void ContactSearch::find_near_at_rest() {
 // rest than its margin does not (kernel::contact_is_near has the reason for the 0.99), unless all are across
 // a gap.
 std::array<ContactSearch::PointBits, ContactSearch::leaf_size> ContactSearch::relevant_at_rest(
-    std::uint32_t block, std::uint32_t leaf) const {
+    std::uint32_t block, std::uint32_t leaf, const std::vector<PointBits>& across_of) const {
   constexpr std::size_t most_vertices = std::size_t{4} * leaf_size;
   std::array<PointBits, most_vertices> near{}, across{}, moved_by{};
   const PointBits points = blocks_[block].points;
+  for (std::uint32_t v = leaf_offset_[leaf]; v < leaf_offset_[leaf + 1]; ++v) {
+    const std::uint32_t i = leaf_vertex_[v];
+    const std::size_t at = v - leaf_offset_[leaf];
+    across[at] = across_of[i];
+    moved_by[at] = model_.mobility[i] > 0.0f ? points : blocks_[block].mobile;
+  }
   for (std::uint32_t k = block_begin(block); k < block_end(block); ++k) {
     const auto bit = static_cast<PointBits>(1U << (k - block_begin(block)));
     const shader::ContactPoint& point = model_.contact[order_[k]];
-    const auto first_near = model_.contact_near.begin() + point.first_near;
     const Place x = rest_sight(model_, point.vertex);
-    for (std::uint32_t v = leaf_offset_[leaf]; v < leaf_offset_[leaf + 1]; ++v) {
-      const std::uint32_t i = leaf_vertex_[v];
-      const std::size_t at = v - leaf_offset_[leaf];
-      if (squared(kernel::subtract<float>(rest_sight(model_, i), x)) < 0.99f * (point.margin * point.margin))
-        near[at] |= bit;
-      if (std::binary_search(first_near, first_near + point.near_count, i)) across[at] |= bit;
-      moved_by[at] = model_.mobility[i] > 0.0f ? points : blocks_[block].mobile;
-    }
+    const float most = 0.99f * (point.margin * point.margin);
+    for (std::uint32_t v = leaf_offset_[leaf]; v < leaf_offset_[leaf + 1]; ++v)
+      if (squared(kernel::subtract<float>(rest_sight(model_, leaf_vertex_[v]), x)) < most)
+        near[v - leaf_offset_[leaf]] |= bit;
   }
   std::array<PointBits, leaf_size> relevant{};
   for (std::uint32_t t = leaf * leaf_size; t < leaf_end(leaf); ++t) {

@@ -80,7 +80,8 @@ class ContactSearch {
   std::uint32_t block_end(std::size_t block) const;
   std::uint32_t leaf_end(std::uint32_t leaf) const;
   void find_near_at_rest();
-  std::array<PointBits, leaf_size> relevant_at_rest(std::uint32_t block, std::uint32_t leaf) const;
+  std::array<PointBits, leaf_size> relevant_at_rest(std::uint32_t block, std::uint32_t leaf,
+                                                    const std::vector<PointBits>& across_of) const;
 
   void look(const Fields& fields, ThreadPool& pool);
   ContactBounds bounds_of(const std::uint32_t* vertices, std::uint32_t count) const;
