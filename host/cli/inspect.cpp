@@ -163,6 +163,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
     characters.push_back({{"name", one.settings.name},
                           {"file", one.file.string()},
                           {"made", one.settings.made},
+                          {"joint", one.settings.joint},
                           {"at", scene::json_of(one.settings.at)},
                           {"turn", scene::json_of(one.settings.turn)},
                           {"rigid", one.settings.rigid},
@@ -254,8 +255,10 @@ void print_characters(const scene::Scene& scene) {
   for (const scene::PlacedCharacter& one : scene.characters)
     rows.emplace_back(one.settings.name,
                       (one.file.empty() ? "made " + one.settings.made : one.settings.file) + " at " +
-                          place_text(one.settings.at) + " m, turned by " + place_text(one.settings.turn) +
-                          " degrees, " + count_text(one.own.surface.vertices.size()) + " vertices, " +
+                          place_text(one.settings.at) + " m" +
+                          (one.settings.joint.empty() ? "" : " from " + one.settings.joint) + ", turned by " +
+                          place_text(one.settings.turn) + " degrees, " +
+                          count_text(one.own.surface.vertices.size()) + " vertices, " +
                           count_text(one.own.skeleton.size()) + " joints" +
                           (one.settings.rigid ? "; all of its flesh follows its skeleton" : ""));
   if (!rows.empty()) std::cout << "characters\n" << columns_text(rows);

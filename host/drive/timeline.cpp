@@ -5,6 +5,7 @@
 
 #include "host/drive/pose_blend.h"
 #include "host/rig/pose.h"
+#include "host/rig/rig_math.h"
 
 namespace fascicle::drive {
 
@@ -25,6 +26,7 @@ Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
     if (!scene.characters.empty()) root.joint = scene.characters[k].first_joint;
     while (root.joint + 1 < end && !character.skeleton[root.joint].skins) ++root.joint;
     root.cut_distance = scene.motion.cut_distance.value_or(extents[k] > 0.0 ? extents[k] : INFINITY);
+    root.is_borne = !scene.characters.empty() && scene.characters[k].bearer;
     roots_.push_back(root);
   }
   const Pose first = rig::joint_transforms_at(character, clip_, scene.start);
@@ -69,7 +71,13 @@ Pose Timeline::preroll_pose(double share) {
   for (std::size_t k = 0; k < roots_.size(); ++k) {
     const scene::PlacedCharacter& one = scene_.characters[k];
     const std::size_t first = one.first_joint + std::size_t{1}, count = one.own.skeleton.size();
-    const Eigen::Matrix4d place = scene::place_of(one.settings), back = scene::back_from(one.settings);
+    Eigen::Matrix4d place = one.place, back = scene::back_from(one);
+    if (one.bearer) {
+      // The joint that bears it stands before it, and has been blended.
+      place = (blended[*one.bearer] * place).eval();
+      back = (back * rig::affine_inverse(all[*one.bearer])).eval();
+      blended[one.first_joint] = place * one.own.root;
+    }
     Pose own;
     for (std::size_t j = 0; j < count; ++j) own.push_back(back * all[first + j]);
     own = blend_from_bind(one.own, roots_[k].joint - first, own, share);
@@ -83,9 +91,15 @@ Vector3d Timeline::place_of(const Root& root, const Pose& pose) const {
 }
 
 Vector3d Timeline::root(const Pose& pose) const {
+  // The first goes with no other's joint.
   Vector3d sum = place_of(roots_.front(), pose);
-  for (std::size_t k = 1; k < roots_.size(); ++k) sum += place_of(roots_[k], pose);
-  return sum / static_cast<double>(roots_.size());
+  std::size_t count = 1;
+  for (std::size_t k = 1; k < roots_.size(); ++k) {
+    if (roots_[k].is_borne) continue;
+    sum += place_of(roots_[k], pose);
+    ++count;
+  }
+  return sum / static_cast<double>(count);
 }
 
 double Timeline::root_step(const Root& root, std::uint64_t from, std::uint64_t to) {
@@ -106,7 +120,7 @@ bool Timeline::is_marked(std::uint64_t count) const {
 
 // The root's speed is that of a jump, both over the substep and over its frame: a quick start is none.
 bool Timeline::is_jump(const Root& root, std::uint64_t count) {
-  if (count == 0 || begins_cycle(count)) return false;
+  if (root.is_borne || count == 0 || begins_cycle(count)) return false;
   if (!(root_step(root, count - 1, count) > root.cut_distance / static_cast<double>(substeps_))) return false;
   const std::uint64_t frame = (count - 1) / substeps_;
   return root_step(root, frame * substeps_, (frame + 1) * substeps_) > root.cut_distance;

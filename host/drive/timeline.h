@@ -32,7 +32,8 @@ class Timeline {
   // The clip's time at the end of substep `count`, s.
   double clip_time(std::uint64_t count) const;
 
-  // Where the joint stands that the body goes with, metres of the scene; of several characters the middle.
+  // Where the joint stands that the body goes with, metres of the scene; of several characters the middle of
+  // those that no other bears.
   scene::Vector3d root(const Pose& pose) const;
 
   // Whether the motion breaks between the ends of substeps count - 1 and count, count >= 1: at a marked cut;
@@ -48,6 +49,7 @@ class Timeline {
   struct Root {
     std::size_t joint = 0;
     double cut_distance = 0.0;  // m: what goes further in a frame has jumped
+    bool is_borne = false;      // by a joint of another character: it jumps with that one
   };
   scene::Vector3d place_of(const Root& root, const Pose& pose) const;
   double root_step(const Root& root, std::uint64_t from, std::uint64_t to);

@@ -226,8 +226,16 @@ std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const sc
       own_node = gltf::read_rig(one.file, scene.converter).joint_node;
     }
     const rig::Joint& above = std::get<rig::Character>(scene.geometry).skeleton[one.first_joint];
-    const auto node = static_cast<std::uint32_t>(add_document(document, std::move(part), one.settings.name,
-                                                              above.rest_translation, above.rest_rotation));
+    NodeAbove stands{.name = one.settings.name, .transform = {}, .parent = std::nullopt};
+    if (one.bearer) {
+      stands.transform = {{"matrix", numbers(one.place)}};
+      stands.parent = joint_node.at(*one.bearer);
+    } else {
+      const auto list = [](const auto& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
+      stands.transform = {{"translation", list(above.rest_translation)},
+                          {"rotation", list(above.rest_rotation)}};
+    }
+    const auto node = static_cast<std::uint32_t>(add_document(document, std::move(part), stands));
     joint_node.push_back(node);
     for (const std::uint32_t own : own_node) joint_node.push_back(node + 1 + own);
     const std::uint32_t next_node =

@@ -132,10 +132,9 @@ std::size_t append_lights(json& to, const json& from) {
 
 }  // namespace
 
-std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const std::string& name,
-                         const Eigen::Vector3d& translation, const Eigen::Vector4d& rotation) {
+std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const NodeAbove& above) {
   to.binary.resize((to.binary.size() + 3) / 4 * 4, '\0');
-  const std::size_t above = count_of(to.json, "nodes");
+  const std::size_t number = count_of(to.json, "nodes");
   const auto before = [&](const char* list) { return count_of(to.json, list); };
   const Shifts by{.bytes = to.binary.size(),
                   .lights = append_lights(to.json, part.json),
@@ -144,7 +143,7 @@ std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const 
                   .images = before("images"),
                   .materials = before("materials"),
                   .meshes = before("meshes"),
-                  .nodes = above + 1,
+                  .nodes = number + 1,
                   .samplers = before("samplers"),
                   .skins = before("skins"),
                   .textures = before("textures"),
@@ -154,19 +153,21 @@ std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const 
     if (!part.json.contains(list)) part.json[list] = json::array();
   shift_data(part.json, by);
   shift_looks(part.json, by);
-  shift_nodes(part.json, name, by);
+  shift_nodes(part.json, above.name, by);
 
   const json scenes = part.json.value("scenes", json::array());
   const std::size_t shown = part.json.value("scene", std::size_t{0});
   json children = shown < scenes.size() ? scenes[shown].value("nodes", json::array()) : json::array();
   for (json& child : children) child = child.get<std::size_t>() + by.nodes;
-  json node{{"name", name},
-            {"translation", {translation[0], translation[1], translation[2]}},
-            {"rotation", {rotation[0], rotation[1], rotation[2], rotation[3]}}};
+  json node{{"name", above.name}};
+  node.update(above.transform);
   if (!children.empty()) node["children"] = std::move(children);
   if (!to.json.contains("nodes")) to.json["nodes"] = json::array();
   to.json["nodes"].push_back(std::move(node));
-  to.json["scenes"][0]["nodes"].push_back(above);
+  if (above.parent)
+    to.json["nodes"][*above.parent]["children"].push_back(number);
+  else
+    to.json["scenes"][0]["nodes"].push_back(number);
   for (const char* list : lists)
     for (json& entry : part.json[list]) {
       if (!to.json.contains(list)) to.json[list] = json::array();
@@ -174,7 +175,7 @@ std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const 
     }
   append_texts(to.json, part.json, "extensionsUsed");
   append_texts(to.json, part.json, "extensionsRequired");
-  return above;
+  return number;
 }
 
 }  // namespace fascicle::formats

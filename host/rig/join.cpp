@@ -22,9 +22,10 @@ void add_skeleton(const Placed& placed, Character& all) {
   const Eigen::Matrix4d back = moved_by(-placed.bind_offset);
   Joint top;
   top.name = placed.name;
+  top.parent = placed.bearer;
   top.rest_translation = placed.at;
   top.rest_rotation = placed.turn;
-  top.rest_local = local_transform(placed.at, placed.turn, Vector3d::Ones()) * one.root;
+  top.rest_local = placed.place * one.root;
   // What goes with this joint stands in the character's own bind pose, and never moves in it.
   top.inverse_bind = affine_inverse(one.root) * back;
   all.skeleton.push_back(top);

@@ -21,8 +21,11 @@ struct Placed {
   double start = 0.0;                       // s: when its clip begins
   Vector3d at = Vector3d::Zero();           // m: where its origin stands in every pose
   Eigen::Vector4d turn{0, 0, 0, 1};         // x y z w: how it is turned there
+  std::int32_t bearer = -1;                 // a joint of those before it, that it goes with; -1: none
   Vector3d bind_offset = Vector3d::Zero();  // m: how far its bind pose is moved
   std::uint32_t first_node = 0;             // added to SurfacePart::node and WeightChannel::node
+  // From its own space to the world, as `at` and `turn` say, or to the bearer's space.
+  Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
 };
 
 // Each character gives a joint of its name, its own joints below that, its vertices, triangles and parts, one

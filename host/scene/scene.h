@@ -147,7 +147,8 @@ struct CharacterSettings {
   std::string file = {};  // relative to the scene file's folder; empty: `made`
   std::string made = {};
   std::string clip = {};                  // name or index; empty: the first
-  Vector3d at = Vector3d::Zero();         // m: where its origin stands
+  std::string joint = {};                 // of another character, that it goes with; empty: none
+  Vector3d at = Vector3d::Zero();         // m: where its origin stands; with `joint` from that one's place
   Vector3d turn = Vector3d::Zero();       // degrees about this direction: how it is turned there
   double start = 0.0;                     // s of the scene's time: when its clip begins
   bool rigid = false;                     // all of its flesh follows its skeleton
@@ -163,6 +164,10 @@ struct PlacedCharacter {
   Vector3d bind_offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the scene's
   std::uint32_t first_joint = 0;            // of the scene's skeleton: the joint NAME; its own joints follow
   std::uint32_t first_node = 0;             // of the nodes in the scene's SurfacePart
+
+  std::optional<std::uint32_t> bearer = {};  // the scene's joint that it goes with
+  // From the space of its file to the world, or to its bearer's space.
+  Eigen::Matrix4d place = Eigen::Matrix4d::Identity();
 };
 
 // What the user says of the joints, by name; where nothing is said, the skin decides which are bones.
@@ -394,9 +399,8 @@ std::uint64_t frame_count(const Scene& scene);
 std::size_t character_of_joint(const Scene& scene, std::size_t joint);
 // Whether a character's file is a still mesh: one joint carries it, and it has no looks.
 bool is_still_mesh(const PlacedCharacter& character);
-// From where a character stands alone to where it stands in the scene, and back.
-Eigen::Matrix4d place_of(const CharacterSettings& character);
-Eigen::Matrix4d back_from(const CharacterSettings& character);
+// From the world, or the bearer's space, to where a character stands alone: the inverse of its place.
+Eigen::Matrix4d back_from(const PlacedCharacter& character);
 // PlacedCharacter::first_joint of each of the scene's characters.
 std::vector<std::uint32_t> first_joints(const Scene& scene);
 // Joins the scene's characters into its geometry, beside each other in the bind pose. Throws SceneError.

@@ -11,7 +11,9 @@
 #include "host/rig/join.h"
 #include "host/rig/pose.h"
 #include "host/rig/pose_interpolation.h"
+#include "host/rig/rig_math.h"
 #include "host/rig/smooth_clip.h"
+#include "host/scene/bearers.h"
 #include "host/scene/input_files.h"
 #include "host/scene/overrides.h"
 #include "host/scene/scene_keys.h"
@@ -166,6 +168,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         }
         scene.characters.push_back(std::move(character));
       });
+  put_bearers_first(root, scene);
   try {
     join_characters(scene);
   } catch (const SceneError& error) {
@@ -195,14 +198,18 @@ void join_characters(Scene& scene) {
     joints += 1 + static_cast<std::uint32_t>(character.own.skeleton.size());
     nodes += rig::node_count(character.own);
     const CharacterSettings& settings = character.settings;
+    const Eigen::Vector4d turn = quaternion_about(settings.turn);
+    place(scene.characters, rig::local_transform(settings.at, turn, Vector3d::Ones()), character);
     placed.push_back({.name = settings.name,
                       .character = &character.own,
                       .clip = rig::find_clip(character.own, settings.clip),
                       .start = settings.start,
                       .at = settings.at,
-                      .turn = quaternion_about(settings.turn),
+                      .turn = turn,
+                      .bearer = character.bearer ? static_cast<std::int32_t>(*character.bearer) : -1,
                       .bind_offset = character.bind_offset,
-                      .first_node = character.first_node});
+                      .first_node = character.first_node,
+                      .place = character.place});
   }
   scene.geometry = rig::joined(placed);
 }
@@ -228,16 +235,12 @@ bool is_still_mesh(const PlacedCharacter& character) {
   return mesh::is_surface_mesh_file(character.file);
 }
 
-Eigen::Matrix4d place_of(const CharacterSettings& character) {
-  return rig::local_transform(character.at, quaternion_about(character.turn), Vector3d::Ones());
-}
-
-Eigen::Matrix4d back_from(const CharacterSettings& character) {
-  const Eigen::Matrix4d place = place_of(character);
-  const Eigen::Matrix3d turn = place.topLeftCorner<3, 3>().transpose();
+Eigen::Matrix4d back_from(const PlacedCharacter& character) {
+  if (character.bearer) return rig::affine_inverse(character.place);
+  const Eigen::Matrix3d turn = character.place.topLeftCorner<3, 3>().transpose();
   Eigen::Matrix4d back = Eigen::Matrix4d::Identity();
   back.topLeftCorner<3, 3>() = turn;
-  back.topRightCorner<3, 1>() = -(turn * character.at);
+  back.topRightCorner<3, 1>() = -(turn * character.settings.at);
   return back;
 }
 

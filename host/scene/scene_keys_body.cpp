@@ -92,8 +92,15 @@ const auto& placed_character_rows() {
           {.depends = true}),
       key(&CharacterSettings::clip,
           {.name = "clip", .doc = "Its animation, by name or by number from 0; empty: the first."}),
+      key(&CharacterSettings::joint,
+          {.name = "joint",
+           .doc = "It goes with this joint of another character, \"man/hand\", as a sword with a hand. Then "
+                  "`at` and `turn` say how it is held in that one's bind pose: seen from the joint's place, "
+                  "along the axes of that one's file."}),
       key(&CharacterSettings::at,
-          {.name = "at", .doc = "Where the origin of its file stands, m.", .range = coordinate}),
+          {.name = "at",
+           .doc = "Where the origin of its file stands, m; with `joint` how far from the joint.",
+           .range = coordinate}),
       key(&CharacterSettings::turn,
           {.name = "turn",
            .doc = "How it is turned there: an axis times degrees, [0, 180, 0] is half a turn about Y.",

@@ -7,18 +7,16 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
 #include "host/drive/drive_source.h"
-#include "host/drive/lead_in.h"
 #include "host/formats/character_file.h"
-#include "host/formats/surface.h"
 #include "host/formats/surface_objects.h"
 #include "host/gltf/gltf.h"
 #include "host/model/overlap.h"
 #include "host/rig/pose.h"
 #include "host/scene/scene_file.h"
 #include "host/scene/solids.h"
+#include "tests/drive/character_walk.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
@@ -26,55 +24,6 @@ namespace fascicle::tests {
 namespace {
 
 using Eigen::Vector3d;
-
-const std::string flesh_on_bones =
-    "[layers.flesh]\nalpha = 0.5\ndamping = 6.0\n"
-    "[layers.bone]\nkinematic = true\nwhere = { bone_distance = { maximum = 0.03 } }\n"
-    "[solver]\nsubsteps = 8\n";
-
-std::string arm(const std::string& table, const std::string& more = "") {
-  return "[" + table + "]\nmade = \"arm\"\nresolution = 0.03\n" + more;
-}
-
-struct Walk {
-  scene::Scene scene;
-  model::Model model;
-  build::Report report;
-  std::vector<std::vector<Vector3d>> surface;  // m, of each frame
-  model::State last;
-};
-
-std::vector<Vector3d> world(const model::Model& model, const std::vector<float>& positions,
-                            const std::array<double, 3>& origin) {
-  const std::vector<float> surface = formats::embed(model, positions);
-  std::vector<Vector3d> places;
-  for (std::size_t i = 0; i < surface.size(); i += 3)
-    places.emplace_back(double{surface[i]} * model.unit + origin[0],
-                        double{surface[i + 1]} * model.unit + origin[1],
-                        double{surface[i + 2]} * model.unit + origin[2]);
-  return places;
-}
-
-Walk walk(const std::string& text, std::uint64_t frames, const std::filesystem::path& folder = {}) {
-  Walk result;
-  result.scene = scene::parse_scene({"test", "test.toml", text, folder}, {});
-  build::BuildOptions options;
-  options.mesher = FASCICLE_MESHER;
-  result.model = build::build_model(result.scene, result.report, options);
-  drive::DriveSource drives(result.scene, result.model);
-  const auto solver =
-      cpu_reference::make_cpu_solver(result.model, {.integrator = result.scene.solver.integrator}, 2);
-  solver->load(drive::lead_in(result.scene, result.model, drives, *solver).state);
-  const model::State start = solver->save();
-  result.surface.push_back(world(result.model, start.positions, start.origin));
-  for (std::uint64_t k = 1; k <= frames; ++k) {
-    solver->submit(drives.drive(k), {.positions = true});
-    const model::Frame frame = solver->collect();
-    result.surface.push_back(world(result.model, frame.positions, frame.origin));
-  }
-  result.last = solver->save();
-  return result;
-}
 
 double furthest(const std::vector<Vector3d>& a, std::size_t first, const std::vector<Vector3d>& b,
                 const Eigen::Matrix3d& turn, const Vector3d& at) {
@@ -133,14 +82,6 @@ std::string side_by_side(const std::string& contact, const std::string& of_b = "
          "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones;
 }
 
-Vector3d mean_move(const Walk& walk, const Walk& without, std::size_t character) {
-  const rig::SurfacePart& part = std::get<rig::Character>(walk.scene.geometry).parts[character];
-  Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = part.first_vertex; i < part.first_vertex + part.vertex_count; ++i)
-    sum += walk.surface.back()[i] - without.surface.back()[i];
-  return sum / part.vertex_count;
-}
-
 TEST(Characters, PushEachOther) {
   constexpr std::uint64_t frames = 12;
   const Walk with = walk(side_by_side("true"), frames), without = walk(side_by_side("false"), frames);
@@ -174,53 +115,6 @@ TEST(Characters, ARigidOnePushesAndIsNotPushed) {
       EXPECT_EQ(with.last.positions[3 * i + c], with.last.skinned[3 * i + c]);
   }
   EXPECT_EQ(2 * vertices, with.model.vertex_count);
-}
-
-// A box of 12 triangles, as an .obj.
-void write_box(const std::filesystem::path& file, const Vector3d& low, const Vector3d& high) {
-  std::ofstream out(file);
-  for (unsigned k = 0; k < 8; ++k)
-    out << "v " << (k & 1 ? high : low).x() << " " << (k & 2 ? high : low).y() << " "
-        << (k & 4 ? high : low).z() << "\n";
-  for (const char* face : {"1 3 4", "1 4 2", "5 6 8", "5 8 7", "1 2 6", "1 6 5", "3 7 8", "3 8 4", "1 5 7",
-                           "1 7 3", "2 4 8", "2 8 6"})
-    out << "f " << face << "\n";
-}
-
-// A still mesh pushes flesh out and stays where the scene puts it. The control: without contact the flesh
-// lies in it. `at` is where the file's origin stands: the same box, given elsewhere in its file, does the
-// same.
-TEST(Characters, AStillMeshIsAProp) {
-  constexpr std::uint64_t frames = 12;
-  const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "fascicle_characters_props";
-  std::filesystem::create_directories(folder);
-  write_box(folder / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
-  write_box(folder / "moved.obj", {1.05, -0.15, -0.96}, {1.45, 0.15, -0.66});
-  const auto beside = [&](const std::string& prop, const std::string& contact) {
-    return walk(arm("character.a") + "[character.b]\nresolution = 0.05\nrigid = true\n" + prop +
-                    "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones,
-                frames, folder);
-  };
-  const Walk with = beside("file = \"box.obj\"\n", "true"), without = beside("file = \"box.obj\"\n", "false"),
-             moved = beside("file = \"moved.obj\"\nat = [-1, 0, 1]\n", "true");
-  const model::OverlapMeter meter(with.model);
-  EXPECT_GT(meter.of(without.last.positions).volume, 1e-5) << "m^3";
-  EXPECT_LT(meter.of(with.last.positions).volume, 0.25 * meter.of(without.last.positions).volume);
-  EXPECT_LT(mean_move(with, without, 0).z(), -5e-4) << "m: away from the box, in the mean of the arm";
-  EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
-  const rig::SurfacePart& prop = std::get<rig::Character>(with.scene.geometry).parts.at(1);
-  ASSERT_EQ(prop.vertex_count, 8u);
-  for (std::size_t k = 0; k < 8; ++k) {
-    const Vector3d corner(k & 1 ? 0.45 : 0.05, k & 2 ? 0.15 : -0.15, k & 4 ? 0.34 : 0.04);
-    // Floats of places up to 2 m.
-    EXPECT_LT((with.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
-    EXPECT_LT((moved.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
-  }
-  std::filesystem::remove_all(folder);
-  // Rounding of the corners gives the box another cage, and so another depth below its surface.
-  EXPECT_NEAR(mean_move(moved, without, 0).z(), mean_move(with, without, 0).z(),
-              0.25 * std::abs(mean_move(with, without, 0).z()));
 }
 
 // skeleton.only of one character leaves no free flesh on the other.
@@ -332,14 +226,22 @@ TEST(Characters, MadeOnesAreInOneGltf) {
                          2);
 }
 
+TEST(Characters, HeldOnesAreInOneGltf) {
+  expect_in_one_document(
+      arm("character.b", "joint = \"a/forearm\"\nat = [0.1, 0.2, 0]\nturn = [0, 90, 0]\n") +
+          arm("character.a", "start = 0.1\nat = [1, 0.5, 0]\nturn = [0, 30, 0]\n") + flesh_on_bones,
+      2);
+}
+
 TEST(Characters, OnesFromFilesAreInOneGltf) {
   FASCICLE_NEEDS_ASSET(asset("CesiumMan.glb"));
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Fox.glb"));
   expect_in_one_document("[character.man]\nfile = \"CesiumMan.glb\"\nat = [1, 0.5, 0]\nturn = [0, 90, 0]\n" +
                              arm("character.arm") +
                              "[character.fox]\nfile = \"animals_pack_Fox.glb\"\nat = [-2, 0, 0]\n" +
+                             arm("character.sword", "joint = \"man/Skeleton_arm_joint_R\"\n") +
                              "[body]\nresolution = \"3000\"\n" + flesh_on_bones,
-                         3);
+                         4);
 }
 
 }  // namespace

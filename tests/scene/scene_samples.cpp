@@ -280,6 +280,7 @@ std::string characters_sample() {
 [character.left]
 made = "arm"
 clip = "curl"
+joint = "right"
 at = [-0.5, 0.25, 0.125]
 turn = [0.0, 45.0, 0.0]
 start = 0.25
@@ -409,9 +410,9 @@ std::string describe(const Scene& scene) {
     for (const Vector3d& p : character->surface.vertices) d.line("vertex", p);
   }
   for (const PlacedCharacter& c : scene.characters)
-    d.line("character", c.settings.name, c.settings.file, c.settings.made, c.settings.clip, c.settings.at,
-           c.settings.turn, c.settings.start, c.settings.rigid, c.settings.resolution, c.bind_offset,
-           c.first_joint);
+    d.line("character", c.settings.name, c.settings.file, c.settings.made, c.settings.clip, c.settings.joint,
+           c.settings.at, c.settings.turn, c.settings.start, c.settings.rigid, c.settings.resolution,
+           c.bind_offset, c.first_joint);
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,

@@ -1,0 +1,38 @@
+// Bakes of scenes of several characters, for tests: through the lead-in and some frames on the CPU.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "host/build/build.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::tests {
+
+extern const std::string flesh_on_bones;  // layers and substeps
+
+// [TABLE], an arm of some 800 vertices, with these keys more.
+std::string arm(const std::string& table, const std::string& more = "");
+
+struct Walk {
+  scene::Scene scene;
+  model::Model model;
+  build::Report report;
+  std::vector<std::vector<Eigen::Vector3d>> surface;  // m, of each frame
+  model::State last;
+};
+// `folder` has the files that the text names.
+Walk walk(const std::string& text, std::uint64_t frames, const std::filesystem::path& folder = {});
+
+// How far a character's surface stands from where it stands in the other walk at the end, in the mean, m.
+Eigen::Vector3d mean_move(const Walk& walk, const Walk& without, std::size_t character);
+
+// A box of 12 triangles, as an .obj.
+void write_box(const std::filesystem::path& file, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+
+}  // namespace fascicle::tests

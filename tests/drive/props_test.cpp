@@ -1,0 +1,188 @@
+// Props: characters that are rigid, still or held by a joint of another one. They push flesh.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "host/drive/drive_source.h"
+#include "host/drive/timeline.h"
+#include "host/model/overlap.h"
+#include "host/scene/scene_file.h"
+#include "host/scene/solids.h"
+#include "tests/drive/character_walk.h"
+
+namespace fascicle::tests {
+
+namespace {
+
+using Eigen::Matrix4d;
+using Eigen::Vector3d;
+
+class Props : public testing::Test {
+ protected:
+  Props() { std::filesystem::create_directories(folder_); }
+  ~Props() override { std::filesystem::remove_all(folder_); }
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("fascicle_props_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+Vector3d image(const Matrix4d& map, const Vector3d& p) {
+  return map.topLeftCorner<3, 3>() * p + map.topRightCorner<3, 1>();
+}
+
+Vector3d corner_of(const Vector3d& low, const Vector3d& high, unsigned k) {
+  return {(k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z()};
+}
+
+// A still mesh pushes flesh out and stays where the scene puts it. The control: without contact the flesh
+// lies in it. `at` is where the file's origin stands: the same box, given elsewhere in its file, does the
+// same.
+TEST_F(Props, AStillMeshPushesAndIsNotPushed) {
+  constexpr std::uint64_t frames = 12;
+  write_box(folder() / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
+  write_box(folder() / "moved.obj", {1.05, -0.15, -0.96}, {1.45, 0.15, -0.66});
+  const auto beside = [&](const std::string& prop, const std::string& contact) {
+    return walk(arm("character.a") + "[character.b]\nresolution = 0.05\nrigid = true\n" + prop +
+                    "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones,
+                frames, folder());
+  };
+  const Walk with = beside("file = \"box.obj\"\n", "true"), without = beside("file = \"box.obj\"\n", "false"),
+             moved = beside("file = \"moved.obj\"\nat = [-1, 0, 1]\n", "true");
+  const model::OverlapMeter meter(with.model);
+  EXPECT_GT(meter.of(without.last.positions).volume, 1e-5) << "m^3";
+  EXPECT_LT(meter.of(with.last.positions).volume, 0.25 * meter.of(without.last.positions).volume);
+  EXPECT_LT(mean_move(with, without, 0).z(), -5e-4) << "m: away from the box, in the mean of the arm";
+  EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
+  const rig::SurfacePart& prop = std::get<rig::Character>(with.scene.geometry).parts.at(1);
+  ASSERT_EQ(prop.vertex_count, 8u);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vector3d corner(k & 1 ? 0.45 : 0.05, k & 2 ? 0.15 : -0.15, k & 4 ? 0.34 : 0.04);
+    // Floats of places up to 2 m.
+    EXPECT_LT((with.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
+    EXPECT_LT((moved.surface.back()[prop.first_vertex + k] - corner).norm(), 1e-6);
+  }
+  // Rounding of the corners gives the box another cage, and so another depth below its surface.
+  EXPECT_NEAR(mean_move(moved, without, 0).z(), mean_move(with, without, 0).z(),
+              0.25 * std::abs(mean_move(with, without, 0).z()));
+}
+
+// A prop in a hand that is bent in the bind pose stands where the hand's flesh is carried, from frame 0 on:
+// in the bind pose it is `at` from the joint, and turned by `turn` along the axes of the file.
+TEST_F(Props, AHeldOneGoesWithItsJoint) {
+  constexpr std::uint64_t frames = 60;
+  const Vector3d low(-0.1, -0.02, -0.02), high(0.5, 0.02, 0.02), at(0.02, 0.03, 0.01), turn(0, 20, 50);
+  write_box(folder() / "sword.obj", low, high);
+  const Walk held = walk(
+      "[character.man]\nmade = \"arm-bent\"\nresolution = 0.03\nat = [0.5, 1, 0]\nturn = [0, 90, 0]\n"
+      "[character.sword]\nfile = \"sword.obj\"\nrigid = true\nresolution = 0.02\njoint = \"man/hand\"\n"
+      "at = [0.02, 0.03, 0.01]\nturn = [0, 20, 50]\n" +
+          flesh_on_bones,
+      frames, folder());
+  drive::DriveSource drives(held.scene, held.model);
+  const auto& character = std::get<rig::Character>(held.scene.geometry);
+  const std::size_t hand = *held.scene.characters.at(1).bearer;
+  const rig::Joint& joint = held.scene.characters[0].own.skeleton.at(hand - 1);
+  ASSERT_EQ(joint.name, "man/hand");
+  const Vector3d joint_place = joint.inverse_bind.inverse().topRightCorner<3, 1>();
+  const rig::SurfacePart& prop = character.parts.at(1);
+  double moved = 0.0;
+  for (std::uint64_t k = 0; k <= frames; ++k) {
+    const Matrix4d carried = drives.joints(k)[hand] * joint.inverse_bind;
+    for (unsigned c = 0; c < 8; ++c) {
+      const Vector3d expected =
+          image(carried, joint_place + at + scene::turned_by(turn) * corner_of(low, high, c));
+      const Vector3d& found = held.surface[k][prop.first_vertex + c];
+      // Floats of places up to 4 m, the bind pose's beside the arm, in the solver and in the joints' maps.
+      EXPECT_LT((found - expected).norm(), 4.0 * 4.8e-7) << k;
+      moved = std::max(moved, (found - held.surface[0][prop.first_vertex + c]).norm());
+    }
+  }
+  EXPECT_GT(moved, 0.1) << "m";
+}
+
+// While the bind pose goes over into the first pose, too.
+TEST_F(Props, AHeldOneKeepsToItsJointInThePreroll) {
+  write_box(folder() / "sword.obj", {-0.1, -0.02, -0.02}, {0.5, 0.02, 0.02});
+  const scene::Scene scene = scene::parse_scene(
+      {"test", "test.toml",
+       "[scene]\nstart = 1.5\n" + arm("character.man", "at = [0.5, 1, 0]\nturn = [0, 90, 0]\n") +
+           "[character.sword]\nfile = \"sword.obj\"\nrigid = true\njoint = \"man/hand\"\n"
+           "at = [0.02, 0.03, 0.01]\n[character.gem]\nmade = \"arm\"\njoint = \"sword/mesh\"\n" +
+           flesh_on_bones,
+       folder()},
+      {});
+  const auto& character = std::get<rig::Character>(scene.geometry);
+  drive::Timeline timeline(scene, character, std::vector<double>(3, 1.0), 1);
+  const auto relative = [&](const drive::Pose& pose, std::size_t k) {
+    const scene::PlacedCharacter& one = scene.characters.at(k);
+    return Matrix4d(pose[*one.bearer].inverse() * pose[one.first_joint]);
+  };
+  const drive::Pose first = timeline.pose(0);
+  double moved = 0.0;
+  for (const double share : {0.0, 0.25, 0.5, 1.0}) {
+    const drive::Pose pose = timeline.preroll_pose(share);
+    // Doubles of lengths up to 2 m, some ten products deep.
+    for (const std::size_t k : {std::size_t{1}, std::size_t{2}})
+      EXPECT_LT((relative(pose, k) - relative(first, k)).norm(), 1e-13) << share;
+    const std::size_t sword = scene.characters[1].first_joint;
+    EXPECT_LT((pose[sword].inverse() * pose[sword + 1] - Matrix4d::Identity()).norm(), 1e-13)
+        << "what does not move by itself stays";
+    moved = std::max(moved, (pose[sword] - first[sword]).norm());
+  }
+  EXPECT_GT(moved, 0.1);
+}
+
+// What a joint bears that stands still pushes as what stands at that place by itself.
+TEST_F(Props, OneThatIsHeldStillPushesAsAFreeOne) {
+  constexpr std::uint64_t frames = 6;
+  write_box(folder() / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
+  const auto beside = [&](const std::string& more) {
+    return walk(arm("character.a") + "[character.b]\nresolution = 0.05\nrigid = true\nfile = \"box.obj\"\n" +
+                    more + "[motion]\npreroll = 0.0\n[contact]\nself = true\n" + flesh_on_bones,
+                frames, folder());
+  };
+  // The arm's shoulder is 60 mm before the origin and does not move.
+  const Walk free = beside(""), held = beside("joint = \"a/shoulder\"\nat = [0.06, 0, 0]\n"),
+             elsewhere = beside("at = [0, 0, 1]\n");
+  const Vector3d pushed = mean_move(free, elsewhere, 0);
+  EXPECT_LT(pushed.z(), -3e-4) << "m";
+  // The frame's origin is another, so that places are rounded otherwise; contacts begin a substep earlier or
+  // later for it.
+  EXPECT_LT((mean_move(held, elsewhere, 0) - pushed).norm(), 0.02 * pushed.norm());
+}
+
+// A root that goes further than its body's extent in a frame has jumped, which carries all flesh along. What
+// a hand holds is small and fast, and has not.
+TEST_F(Props, AHeldOneDoesNotJump) {
+  write_box(folder() / "ring.obj", {-0.002, -0.002, -0.002}, {0.002, 0.002, 0.002});
+  const scene::Scene scene = scene::parse_scene(
+      {"test", "test.toml",
+       "[scene]\nfps = 24\n" + arm("character.man") +
+           "[character.ring]\nfile = \"ring.obj\"\nrigid = true\njoint = \"man/hand\"\n" + flesh_on_bones,
+       folder()},
+      {});
+  const std::vector<double> extents{0.7, 0.004};
+  drive::Timeline timeline(scene, std::get<rig::Character>(scene.geometry), extents, 1);
+  double furthest = 0.0;
+  const std::size_t ring = scene.characters.at(1).first_joint;
+  for (std::uint64_t k = 1; k <= 48; ++k) {
+    const Vector3d before = timeline.pose(k - 1)[ring].topRightCorner<3, 1>();
+    furthest = std::max(furthest, (timeline.pose(k)[ring].topRightCorner<3, 1>() - before).norm());
+    EXPECT_FALSE(timeline.is_cut(k)) << k;
+  }
+  EXPECT_GT(furthest, extents[1]) << "m, in a frame; or this test says nothing";
+  // Nor is the frame's origin between the two.
+  const drive::Pose& pose = timeline.pose(0);
+  EXPECT_EQ(timeline.root(pose), Vector3d(pose[1].topRightCorner<3, 1>()));
+}
+
+}  // namespace
+
+}  // namespace fascicle::tests
