@@ -65,7 +65,8 @@ Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report
   return body;
 }
 
-Body body_of_one(const rig::Character& character, const scene::Scene& scene, Report& report,
+// All of a prop is filled, whatever parts it has: it pushes by its tetrahedra.
+Body body_of_one(const rig::Character& character, const scene::Scene& scene, bool is_prop, Report& report,
                  const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);
   Body body;
@@ -77,6 +78,7 @@ Body body_of_one(const rig::Character& character, const scene::Scene& scene, Rep
   const SkinWeights weights =
       welded_skin_weights(character, welded.of_vertex, welded.surface.vertices.size(), scene.source);
   RigidSkin rigid = find_rigid_parts(character, welded, weights, scene);
+  if (is_prop) rigid.report.clear();
   report.rigid_parts = rigid.report;
   if (rigid.report.empty()) {
     take(fill_body({scene, character.surface, welded, body.bones, &character}, report, options), body);
@@ -100,12 +102,13 @@ Body body_of_one(const rig::Character& character, const scene::Scene& scene, Rep
 
 Body body_of(const rig::Character& character, const scene::Scene& scene, Report& report,
              const BuildOptions& options) {
-  if (scene.characters.empty()) return body_of_one(character, scene, report, options);
+  if (scene.characters.empty()) return body_of_one(character, scene, false, report, options);
   Body all;
   for (std::size_t k = 0; k < scene.characters.size(); ++k) {
     check_cancelled(options);
     Report found;
-    Body one = body_of_one(scene.characters[k].own, scene_of_character(scene, k), found, options);
+    const scene::PlacedCharacter& placed = scene.characters[k];
+    Body one = body_of_one(placed.own, scene_of_character(scene, k), placed.settings.rigid, found, options);
     append_body(scene, k, std::move(one), std::move(found), all, report);
   }
   all.joint_count = static_cast<std::uint32_t>(character.skeleton.size());

@@ -116,6 +116,14 @@ ContactGroups contact_groups(const scene::Scene& scene, const std::vector<std::u
     result.ignored[b] |= 1U << a;
   }
 
+  // Carriers within a prop would hide how deep flesh lies in it.
+  const Body& body = measures.body();
+  std::vector<char> hides(layer.size(), 0);
+  for (std::size_t i = 0; i < layer.size() && !body.members.empty(); ++i)
+    hides[i] = holding_of(body, i) == Holding::carrier && body.members[member_of(body, i)].is_rigid;
+  if (std::find(hides.begin(), hides.end(), 1) != hides.end())
+    meets_nothing_where([&](std::size_t i) { return hides[i] != 0; });
+
   for (std::uint32_t l = 0; l < scene.layers.size(); ++l)
     if (!scene.layers[l].contact) meets_nothing_where([&](std::size_t i) { return layer[i] == l; });
   if (!scene.contact.attribute.empty()) {

@@ -90,6 +90,16 @@ std::vector<std::string> names_of_character(const std::vector<std::string>& name
   return own;
 }
 
+// Of its weights, that makes a vertex follow one joint.
+constexpr double hard_share = 0.99;
+
+// Whether each vertex follows one joint: a thing, not a skin.
+bool is_hard(const rig::Character& character) {
+  return std::all_of(character.weights.begin(), character.weights.end(), [](const auto& weights) {
+    return *std::max_element(weights.begin(), weights.end()) >= hard_share;
+  });
+}
+
 }  // namespace
 
 scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k) {
@@ -105,7 +115,7 @@ scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k) {
     own.body.vertices.reset();
   }
   // Contact asks how deep flesh lies in a prop. Tetrahedra between the few corners of a box do not know.
-  if (scene::is_still_mesh(scene.characters[k])) own.body.cage = scene::Cage::wrap;
+  if (settings.rigid && is_hard(scene.characters[k].own)) own.body.cage = scene::Cage::wrap;
   own.bones = scene.bones;
   own.skeleton = scene.skeleton;
   for (auto* names : {&own.skeleton.bones, &own.skeleton.not_bones, &own.skeleton.kinematic,

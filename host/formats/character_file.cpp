@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "host/base/errors.h"
 #include "host/base/version.h"
@@ -206,6 +207,24 @@ void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, con
                           {"channels", channels}}));
 }
 
+// What nothing moves in its own file is carried all the same in the document.
+void mark_carriers(const gltf::Rig& rig, json& document) {
+  for (std::size_t j = 0; j < rig.joint_node.size(); ++j) {
+    if (!rig.character.skeleton[j].skins) continue;
+    json& extras = document["nodes"][rig.joint_node[j]]["extras"];
+    if (!extras.is_object()) extras = json::object();
+    extras[gltf::carries_mark] = true;
+  }
+}
+
+// Meshes that nothing moves are no parts of the character. Below another one's joint they would be.
+void hide_what_is_left_out(const gltf::Rig& rig, json& document) {
+  std::set<std::size_t> shown;
+  for (const gltf::RigPart& part : rig.parts) shown.insert(part.node);
+  for (std::size_t n = 0; n < document["nodes"].size(); ++n)
+    if (!shown.contains(n)) document["nodes"][n].erase("mesh");
+}
+
 // The scene's characters below a node each. Returns the node of each joint of the scene's skeleton, and gives
 // the clip's weights their nodes in the document.
 std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const scene::Scene& scene,
@@ -223,7 +242,11 @@ std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const sc
       for (std::uint32_t j = 0; j < one.own.skeleton.size(); ++j) own_node.push_back(j + 1);
     } else {
       part = gltf::pack_gltf(one.file, missing, scene.converter);
-      own_node = gltf::read_rig(one.file, scene.converter).joint_node;
+      const gltf::Rig rig = gltf::read_rig(one.file, scene.converter,
+                                           one.settings.rigid ? gltf::Still::carried : gltf::Still::left_out);
+      own_node = rig.joint_node;
+      if (one.settings.rigid) mark_carriers(rig, part.json);
+      if (one.bearer) hide_what_is_left_out(rig, part.json);
     }
     const rig::Joint& above = std::get<rig::Character>(scene.geometry).skeleton[one.first_joint];
     NodeAbove stands{.name = one.settings.name, .transform = {}, .parent = std::nullopt};

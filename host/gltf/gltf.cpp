@@ -66,12 +66,15 @@ class Reader {
   Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
       : path_(path), looks_(looks), model_(model) {}
 
-  rig::Character run() {
-    const GltfParts found = find_parts(model_);
+  rig::Character run(Still still) {
+    const GltfParts found = find_parts(model_, looks_, still);
+    if (found.parts.empty() && still == Still::carried)
+      fail("/nodes", "the file's scene has no mesh of triangles; export the prop with its mesh");
     if (found.parts.empty()) {
       fail("/nodes",
            "the file's scene has no mesh that a skeleton or a clip moves; export the character with its "
-           "armature, or name a still mesh as .ply or .obj under [mesh]");
+           "armature, name a still prop under [character.NAME] with rigid = true, or a still body as .ply or "
+           ".obj under [mesh]");
     }
     character_.notes = found.notes;
     joint_of_ = read_skeleton(path_, model_, found, character_);
@@ -457,12 +460,12 @@ class Reader {
 }  // namespace
 
 rig::Character read_gltf(const std::filesystem::path& path, std::vector<std::filesystem::path>* files_read,
-                         const std::filesystem::path& converter) {
+                         const std::filesystem::path& converter, Still still) {
   GltfFile file = read_gltf_file(path, converter);
   const std::vector<std::string> notes = file.notes;
   const CheckedGltf checked = check_gltf(std::move(file));
   const auto model = decode_gltf(checked);
-  rig::Character character = Reader(path, checked.plain, *model).run();
+  rig::Character character = Reader(path, checked.plain, *model).run(still);
   character.notes.insert(character.notes.end(), notes.begin(), notes.end());
   if (files_read != nullptr) {
     files_read->insert(files_read->end(), checked.files_read.begin(), checked.files_read.end());

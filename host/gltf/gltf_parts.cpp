@@ -42,14 +42,27 @@ void sort_unique(std::vector<int>& numbers) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
+std::vector<bool> marked_nodes(const nlohmann::json& document, std::size_t count) {
+  std::vector<bool> is_marked(count, false);
+  const auto nodes = document.find("nodes");
+  if (nodes == document.end() || !nodes->is_array()) return is_marked;
+  for (std::size_t n = 0; n < std::min(count, nodes->size()); ++n) {
+    if (!(*nodes)[n].is_object()) continue;
+    const auto extras = (*nodes)[n].find("extras");
+    is_marked[n] = extras != (*nodes)[n].end() && extras->is_object() && extras->contains(carries_mark);
+  }
+  return is_marked;
+}
+
 class Finder {
  public:
-  explicit Finder(const tinygltf::Model& model)
-      : model_(model), parents_(node_parents(model)), moves_(model.nodes.size(), false) {}
+  Finder(const tinygltf::Model& model, const nlohmann::json& document)
+      : model_(model),
+        parents_(node_parents(model)),
+        is_in_(nodes_in_scene(model)),
+        moves_(marked_nodes(document, model.nodes.size())) {}
 
-  GltfParts run() {
-    const std::vector<bool> is_in = nodes_in_scene(model_);
-    const auto shows = [&](std::size_t n) { return is_in[n] && model_.nodes[n].mesh >= 0; };
+  GltfParts run(Still still) {
     for (std::size_t n = 0; n < model_.nodes.size(); ++n)
       if (shows(n) && model_.nodes[n].skin >= 0) result_.skins.push_back(model_.nodes[n].skin);
     sort_unique(result_.skins);
@@ -59,6 +72,26 @@ class Finder {
     for (const tinygltf::Animation& animation : model_.animations)
       for (const auto& channel : animation.channels)
         if (channel.target_path != "weights") moves_[static_cast<std::size_t>(channel.target_node)] = true;
+    take_what_moves();
+    if (result_.parts.empty() && still == Still::carried) {
+      for (std::size_t n = 0; n < model_.nodes.size(); ++n)
+        if (shows(n)) moves_[topmost(n)] = true;
+      result_.notes.clear();
+      take_what_moves();
+    }
+    sort_unique(result_.carriers);
+    return std::move(result_);
+  }
+
+ private:
+  bool shows(std::size_t node) const { return is_in_[node] && model_.nodes[node].mesh >= 0; }
+
+  std::size_t topmost(std::size_t node) const {
+    while (parents_[node] >= 0) node = static_cast<std::size_t>(parents_[node]);
+    return node;
+  }
+
+  void take_what_moves() {
     for (std::size_t n = 0; n < model_.nodes.size(); ++n) {
       if (!shows(n)) continue;
       GltfPart part;
@@ -67,11 +100,8 @@ class Finder {
       part.skin = model_.nodes[n].skin;
       if (part.skin >= 0 || hang(part)) add(part);
     }
-    sort_unique(result_.carriers);
-    return std::move(result_);
   }
 
- private:
   // False where the part is left out.
   bool hang(GltfPart& part) {
     Eigen::Matrix4d above = Eigen::Matrix4d::Identity();
@@ -113,14 +143,15 @@ class Finder {
 
   const tinygltf::Model& model_;
   std::vector<int> parents_;
-  std::vector<bool> moves_;  // of a node: it is a joint of a skin, or a clip moves it
+  std::vector<bool> is_in_;  // of a node: the default scene shows it
+  std::vector<bool> moves_;  // of a node: it is a joint of a skin, or marked, or a clip moves it
   GltfParts result_;
 };
 
 }  // namespace
 
-GltfParts find_parts(const tinygltf::Model& model) {
-  return Finder(model).run();
+GltfParts find_parts(const tinygltf::Model& model, const nlohmann::json& document, Still still) {
+  return Finder(model, document).run(still);
 }
 
 Eigen::Matrix4d node_transform(const tinygltf::Model& model, std::size_t number) {

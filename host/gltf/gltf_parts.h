@@ -7,6 +7,9 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <nlohmann/json.hpp>
+
+#include "host/gltf/gltf.h"
 
 namespace tinygltf {
 class Model;
@@ -30,9 +33,10 @@ struct GltfParts {
 };
 
 // The meshes of the default scene that have a skin, and those without one that stand on or below a joint of
-// such a skin or a node that a clip moves. The rest is left out: what nothing moves, and what is hung and no
-// triangles, or scaled to nothing at rest.
-GltfParts find_parts(const tinygltf::Model& model);
+// such a skin, a node that a clip moves or one that the document marks (carries_mark). The rest is left out:
+// what nothing moves, and what is hung and no triangles, or scaled to nothing at rest. Where that would be
+// all and Still says so, the topmost nodes carry what is below them.
+GltfParts find_parts(const tinygltf::Model& model, const nlohmann::json& document, Still still);
 
 // A node's transform in its parent's space.
 Eigen::Matrix4d node_transform(const tinygltf::Model& model, std::size_t node);

@@ -69,8 +69,8 @@ class Reader {
   Reader(const fs::path& path, const json& document, const tinygltf::Model& model)
       : path_(path), document_(document), model_(model) {}
 
-  Rig run() {
-    const GltfParts found = find_parts(model_);
+  Rig run(Still still) {
+    const GltfParts found = find_parts(model_, document_, still);
     const std::vector<std::int32_t> joint_of = read_skeleton(path_, model_, found, rig_.character);
     rig_.joint_node.resize(rig_.character.skeleton.size());
     for (std::size_t n = 0; n < joint_of.size(); ++n)
@@ -198,10 +198,10 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing, 
   return document;
 }
 
-Rig read_rig(const fs::path& path, const fs::path& converter) {
+Rig read_rig(const fs::path& path, const fs::path& converter, Still still) {
   const CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
-  return Reader(path, checked.plain, *model).run();
+  return Reader(path, checked.plain, *model).run(still);
 }
 
 std::vector<double> shape_weights(const RigPart& part, const rig::Clip* clip, double time) {

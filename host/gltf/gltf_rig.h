@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
+#include "host/gltf/gltf.h"
 #include "host/rig/blend_shapes.h"
 #include "host/rig/character.h"
 
@@ -57,6 +58,7 @@ struct Rig {
 };
 
 // Of a file that read_gltf can read. Throws SceneError.
-Rig read_rig(const std::filesystem::path& path, const std::filesystem::path& converter = {});
+Rig read_rig(const std::filesystem::path& path, const std::filesystem::path& converter = {},
+             Still still = Still::left_out);
 
 }  // namespace fascicle::gltf

@@ -112,7 +112,7 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
   }
 }
 
-void load_character(const std::filesystem::path& path, Scene& scene) {
+void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still still) {
   if (const std::string advice = conversion_advice(path, scene.converter); !advice.empty())
     throw InputFileError(advice);
   if (!reads_as_character(path, scene.converter))
@@ -120,7 +120,7 @@ void load_character(const std::filesystem::path& path, Scene& scene) {
                          " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
-  scene.geometry = gltf::read_gltf(path, &files, scene.converter);
+  scene.geometry = gltf::read_gltf(path, &files, scene.converter, still);
   for (const auto& file : files) add_hash(file, scene);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "host/gltf/gltf.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -31,7 +32,8 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t mos
 // Set scene.geometry (in the unit of the file) and add to scene.input_hashes; read by scene.converter. Throw
 // InputFileError, or the reader's SceneError, which names the file itself.
 void load_mesh(const std::filesystem::path& path, Scene& scene);
-void load_character(const std::filesystem::path& path, Scene& scene);
+void load_character(const std::filesystem::path& path, Scene& scene,
+                    gltf::Still still = gltf::Still::left_out);
 
 // The glTF file a scene's character was read from; empty if it was made otherwise.
 std::filesystem::path character_file(const Scene& scene);

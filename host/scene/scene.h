@@ -399,6 +399,8 @@ std::uint64_t frame_count(const Scene& scene);
 std::size_t character_of_joint(const Scene& scene, std::size_t joint);
 // Whether a character's file is a still mesh: one joint carries it, and it has no looks.
 bool is_still_mesh(const PlacedCharacter& character);
+// Whether a character is rigid and has no clip, a still mesh among them.
+bool is_still_prop(const PlacedCharacter& character);
 // From the world, or the bearer's space, to where a character stands alone: the inverse of its place.
 Eigen::Matrix4d back_from(const PlacedCharacter& character);
 // PlacedCharacter::first_joint of each of the scene's characters.

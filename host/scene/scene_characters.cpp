@@ -80,10 +80,11 @@ rig::Character character_of_mesh(mesh::SurfaceMesh mesh) {
   return character;
 }
 
-// What the file holds, in `loaded`. A mesh without a skeleton is a character where that is `rigid`: it has
-// nothing to move flesh by.
+// What the file holds, in `loaded`. What nothing moves is a character where that is `rigid`: it has nothing
+// to move flesh by.
 void load_file(const std::filesystem::path& file, bool rigid, Scene& loaded) {
-  if (!mesh::is_surface_mesh_file(file)) return load_character(file, loaded);
+  if (!mesh::is_surface_mesh_file(file))
+    return load_character(file, loaded, rigid ? gltf::Still::carried : gltf::Still::left_out);
   if (!rigid)
     throw InputFileError(file.string() +
                          " is a mesh without a skeleton; a prop that flesh does not enter is a "
@@ -233,6 +234,10 @@ void smooth_clips(Scene& scene, bool repeats) {
 
 bool is_still_mesh(const PlacedCharacter& character) {
   return mesh::is_surface_mesh_file(character.file);
+}
+
+bool is_still_prop(const PlacedCharacter& character) {
+  return character.settings.rigid && character.own.clips.empty();
 }
 
 Eigen::Matrix4d back_from(const PlacedCharacter& character) {

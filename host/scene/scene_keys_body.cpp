@@ -84,8 +84,9 @@ const auto& placed_character_rows() {
       member("name", &CharacterSettings::name),
       key(&CharacterSettings::file,
           {.name = "file",
-           .doc = "The file, relative to the scene file's folder. With `rigid` also a closed mesh in metres, "
-                  "Y up: .off, .obj, .ply or .stl."},
+           .doc =
+               "The file, relative to the scene file's folder. With `rigid` also a still thing: a glTF file "
+               "without skeleton and clip, or a closed mesh in metres, Y up (.off, .obj, .ply, .stl)."},
           {.depends = true}),
       key(&CharacterSettings::made,
           {.name = "made", .doc = "A character made in code.", .allowed = made::made_character_names()},

@@ -95,7 +95,7 @@ void read_motion(const toml::table& root, Scene& scene) {
       is_character &&
       ((scene.characters.empty() && table_at(root, "character").contains("file")) ||
        std::any_of(scene.characters.begin(), scene.characters.end(),
-                   [](const PlacedCharacter& one) { return !one.file.empty() && !is_still_mesh(one); }));
+                   [](const PlacedCharacter& one) { return !one.file.empty() && !is_still_prop(one); }));
   motion.interpolation = from_file ? KeyInterpolation::smooth : KeyInterpolation::as_authored;
   read_keys(table, motion);
   std::sort(motion.cuts.begin(), motion.cuts.end());

@@ -1,5 +1,7 @@
 #include "tests/drive/character_walk.h"
 
+#include <array>
+#include <cstdint>
 #include <fstream>
 #include <variant>
 
@@ -66,14 +68,55 @@ Vector3d mean_move(const Walk& walk, const Walk& without, std::size_t character)
   return sum / part.vertex_count;
 }
 
+namespace {
+
+constexpr std::array<std::array<std::uint16_t, 3>, 12> box_faces{{{0, 2, 3},
+                                                                  {0, 3, 1},
+                                                                  {4, 5, 7},
+                                                                  {4, 7, 6},
+                                                                  {0, 1, 5},
+                                                                  {0, 5, 4},
+                                                                  {2, 6, 7},
+                                                                  {2, 7, 3},
+                                                                  {0, 4, 6},
+                                                                  {0, 6, 2},
+                                                                  {1, 3, 7},
+                                                                  {1, 7, 5}}};
+
+}  // namespace
+
+Vector3d corner_of(const Vector3d& low, const Vector3d& high, unsigned k) {
+  return {((k & 1) != 0 ? high : low).x(), ((k & 2) != 0 ? high : low).y(), ((k & 4) != 0 ? high : low).z()};
+}
+
 void write_box(const std::filesystem::path& file, const Vector3d& low, const Vector3d& high) {
   std::ofstream out(file);
-  for (unsigned k = 0; k < 8; ++k)
-    out << "v " << (k & 1 ? high : low).x() << " " << (k & 2 ? high : low).y() << " "
-        << (k & 4 ? high : low).z() << "\n";
-  for (const char* face : {"1 3 4", "1 4 2", "5 6 8", "5 8 7", "1 2 6", "1 6 5", "3 7 8", "3 8 4", "1 5 7",
-                           "1 7 3", "2 4 8", "2 8 6"})
-    out << "f " << face << "\n";
+  for (unsigned k = 0; k < 8; ++k) out << "v " << corner_of(low, high, k).transpose() << "\n";
+  for (const auto& face : box_faces)
+    out << "f " << face[0] + 1 << " " << face[1] + 1 << " " << face[2] + 1 << "\n";
+}
+
+GltfBuilder boxes(const std::vector<Box>& all) {
+  GltfBuilder b;
+  b.document = {
+      {"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", nlohmann::json::array()}}}}};
+  std::vector<std::uint16_t> corners;
+  for (const auto& face : box_faces) corners.insert(corners.end(), face.begin(), face.end());
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    const Vector3d middle = (all[n].low + all[n].high) / 2.0;
+    std::vector<float> places;
+    for (unsigned k = 0; k < 8; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        places.push_back(static_cast<float>(corner_of(all[n].low, all[n].high, k)[axis] - middle[axis]));
+    const std::size_t position = b.add("VEC3", places), index = b.add("SCALAR", corners);
+    b.document["meshes"].push_back(
+        {{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", index}}}}});
+    b.document["nodes"].push_back({{"name", "box " + std::to_string(n)},
+                                   {"mesh", n},
+                                   {"translation", {middle.x(), middle.y(), middle.z()}}});
+    b.document["scenes"][0]["nodes"].push_back(n);
+  }
+  return b;
 }
 
 }  // namespace fascicle::tests

@@ -11,6 +11,7 @@
 #include "host/build/build.h"
 #include "host/model/solver.h"
 #include "host/scene/scene.h"
+#include "tests/gltf/gltf_builder.h"
 
 namespace fascicle::tests {
 
@@ -32,7 +33,17 @@ Walk walk(const std::string& text, std::uint64_t frames, const std::filesystem::
 // How far a character's surface stands from where it stands in the other walk at the end, in the mean, m.
 Eigen::Vector3d mean_move(const Walk& walk, const Walk& without, std::size_t character);
 
+// The corner of a box: bit a of k says whether it is high along axis a.
+Eigen::Vector3d corner_of(const Eigen::Vector3d& low, const Eigen::Vector3d& high, unsigned k);
+
 // A box of 12 triangles, as an .obj.
 void write_box(const std::filesystem::path& file, const Eigen::Vector3d& low, const Eigen::Vector3d& high);
+
+// Boxes as a .glb, each a mesh on a node of its own, "box N", that stands at the middle of its box; no skin,
+// no clip.
+struct Box {
+  Eigen::Vector3d low, high;
+};
+GltfBuilder boxes(const std::vector<Box>& all);
 
 }  // namespace fascicle::tests

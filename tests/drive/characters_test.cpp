@@ -172,8 +172,9 @@ TEST(Characters, AJumpOfOneIsACut) {
 
 // character.glb, from which formats have looks, objects and skeletons: its own reader finds every character
 // where the scene's skeleton has it.
-void expect_in_one_document(const std::string& text, std::size_t least_objects) {
-  scene::Scene scene = scene::parse_scene({"test", "test.toml", text, asset("").parent_path()}, {});
+void expect_in_one_document(const std::string& text, std::size_t least_objects,
+                            const std::filesystem::path& folder = asset("").parent_path()) {
+  scene::Scene scene = scene::parse_scene({"test", "test.toml", text, folder}, {});
   build::BuildOptions options;
   options.mesher = FASCICLE_MESHER;
   build::Report report;
@@ -231,6 +232,29 @@ TEST(Characters, HeldOnesAreInOneGltf) {
       arm("character.b", "joint = \"a/forearm\"\nat = [0.1, 0.2, 0]\nturn = [0, 90, 0]\n") +
           arm("character.a", "start = 0.1\nat = [1, 0.5, 0]\nturn = [0, 30, 0]\n") + flesh_on_bones,
       2);
+}
+
+// A still one, with a part that is turned and scaled; and one with a clip in a hand, whose file has a ground
+// that is left out.
+TEST(Characters, PropsAreInOneGltf) {
+  const TemporaryFolder folder;
+  GltfBuilder chair = boxes({{{0, 0, 0}, {0.5, 0.5, 0.5}}, {{0, 0.5, 0}, {0.5, 1, 0.1}}});
+  chair.document["nodes"][1]["rotation"] = {0, 0.6, 0, 0.8};
+  chair.document["nodes"][1]["scale"] = {2, 1, 1};
+  folder.write("chair.glb", chair.glb());
+  GltfBuilder sword = boxes({{{-1, -1, -1}, {1, -0.9, 1}}, {{-0.1, 0, 0}, {0.6, 0.05, 0.05}}});
+  const std::size_t times = sword.add("SCALAR", std::vector<float>{0, 1}, {{"min", {0}}, {"max", {1}}});
+  const std::size_t turns = sword.add("VEC4", std::vector<float>{0, 0, 0, 1, 0, 0.6f, 0, 0.8f});
+  sword.document["animations"] = {
+      {{"samplers", {{{"input", times}, {"output", turns}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}}}}}};
+  folder.write("sword.glb", sword.glb());
+  expect_in_one_document(arm("character.a", "at = [1, 0.5, 0]\nturn = [0, 30, 0]\n") +
+                             "[character.chair]\nfile = \"chair.glb\"\nrigid = true\nresolution = 0.1\n"
+                             "[character.sword]\nfile = \"sword.glb\"\nrigid = true\nresolution = 0.05\n"
+                             "joint = \"a/hand\"\n" +
+                             flesh_on_bones,
+                         4, folder.path());
 }
 
 TEST(Characters, OnesFromFilesAreInOneGltf) {

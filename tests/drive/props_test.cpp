@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -37,8 +38,13 @@ Vector3d image(const Matrix4d& map, const Vector3d& p) {
   return map.topLeftCorner<3, 3>() * p + map.topRightCorner<3, 1>();
 }
 
-Vector3d corner_of(const Vector3d& low, const Vector3d& high, unsigned k) {
-  return {(k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z()};
+// Beside the arm, in its flesh by a third of its thickness; numbers that floats hold.
+const Box beside_arm{{0.0625, -0.15625, 0.03125}, {0.4375, 0.15625, 0.34375}};
+
+void write(const std::filesystem::path& file, const GltfBuilder& builder) {
+  const std::vector<unsigned char> bytes = builder.glb();
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
 // A still mesh pushes flesh out and stays where the scene puts it. The control: without contact the flesh
@@ -71,6 +77,62 @@ TEST_F(Props, AStillMeshPushesAndIsNotPushed) {
   // Rounding of the corners gives the box another cage, and so another depth below its surface.
   EXPECT_NEAR(mean_move(moved, without, 0).z(), mean_move(with, without, 0).z(),
               0.25 * std::abs(mean_move(with, without, 0).z()));
+}
+
+// The arm beside a prop in one of these files, with contact.
+Walk beside_prop(const std::string& file, const std::filesystem::path& folder,
+                 const std::string& resolution = "resolution = 0.05\n") {
+  return walk(arm("character.a") + "[character.b]\nrigid = true\nfile = \"" + file + "\"\n" + resolution +
+                  "[motion]\npreroll = 0.0\n[contact]\nself = true\n" + flesh_on_bones,
+              6, folder);
+}
+
+TEST_F(Props, AStillGltfIsTheSameMesh) {
+  write_box(folder() / "box.obj", beside_arm.low, beside_arm.high);
+  // Below a node at the origin, where the mesh's joint stands too: the frame's origin goes by the joints.
+  GltfBuilder below = boxes({beside_arm});
+  below.document["nodes"].push_back({{"name", "thing"}, {"children", {0}}});
+  below.document["scenes"][0]["nodes"] = {1};
+  write(folder() / "box.glb", below);
+  const Walk mesh = beside_prop("box.obj", folder()), gltf = beside_prop("box.glb", folder());
+  EXPECT_TRUE(mesh.last.positions == gltf.last.positions);
+  EXPECT_TRUE(mesh.surface == gltf.surface);
+  EXPECT_EQ(gltf.scene.motion.interpolation, mesh.scene.motion.interpolation);
+}
+
+// The parts of a prop that are small beside the whole are no ornaments that ride on it: they push.
+TEST_F(Props, EveryPartPushes) {
+  const Box far{{3.0, 0.0, 3.0}, {3.6, 0.6, 3.6}}, further{{3.0, 0.0, 5.0}, {3.6, 0.6, 5.6}};
+  write(folder() / "near.glb", boxes({beside_arm}));
+  write(folder() / "both.glb", boxes({far, beside_arm, further}));
+  write(folder() / "far.glb", boxes({far}));
+  const Walk near = beside_prop("near.glb", folder()), both = beside_prop("both.glb", folder()),
+             none = beside_prop("far.glb", folder());
+  const Vector3d pushed = mean_move(near, none, 0);
+  EXPECT_LT(pushed.z(), -3e-4) << "m";
+  // The cage is another, and so is the depth below its surface.
+  EXPECT_LT((mean_move(both, none, 0) - pushed).norm(), 0.25 * pushed.norm());
+}
+
+// So does a thing of few corners that a clip moves; here it stays where it is.
+TEST_F(Props, AThingWithAClipPushes) {
+  write(folder() / "far.glb", boxes({{{3.0, 0.0, 3.0}, {3.5, 0.5, 3.5}}}));
+  write(folder() / "still.glb", boxes({beside_arm}));
+  GltfBuilder b = boxes({beside_arm});
+  const std::size_t times = b.add("SCALAR", std::vector<float>{0.0f, 1.0f}, {{"min", {0}}, {"max", {1}}});
+  const std::size_t turns = b.add("VEC4", std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1});
+  b.document["animations"] = {
+      {{"samplers", {{{"input", times}, {"output", turns}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}}}}}};
+  write(folder() / "clip.glb", b);
+  const std::string coarse = "[body]\nresolution = \"1500\"\n";
+  const Walk still = beside_prop("still.glb", folder(), coarse),
+             moved = beside_prop("clip.glb", folder(), coarse),
+             none = beside_prop("far.glb", folder(), coarse);
+  const Vector3d pushed = mean_move(still, none, 0);
+  EXPECT_LT(pushed.z(), -3e-4) << "m";
+  // A clip from a file is smooth, which bounds what the arm's flesh feels.
+  EXPECT_LT((mean_move(moved, none, 0) - pushed).norm(), 0.1 * pushed.norm());
 }
 
 // A prop in a hand that is bent in the bind pose stands where the hand's flesh is carried, from frame 0 on:

@@ -163,6 +163,50 @@ TEST(GltfHung, a_mesh_on_a_joint_or_on_a_moving_node_follows_it) {
   expect_shown(b, 0);
 }
 
+// A plate below three nodes that nothing moves.
+GltfBuilder still_plate() {
+  GltfBuilder b = rigid_robot();
+  b.document.erase("animations");
+  return b;
+}
+
+TEST(GltfHung, what_nothing_moves_is_carried_by_its_topmost_node_where_that_is_asked) {
+  const GltfBuilder b = still_plate();
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("chair.glb", b.glb());
+  EXPECT_THROW(gltf::read_gltf(file), base::SceneError);
+  const Character c = gltf::read_gltf(file, nullptr, {}, gltf::Still::carried);
+  ASSERT_EQ(c.skeleton.size(), 1u);
+  EXPECT_EQ(c.skeleton[0].name, "armature");
+  EXPECT_TRUE(c.skeleton[0].skins);
+  EXPECT_TRUE(c.notes.empty());
+  EXPECT_EQ(c.parts.at(0).object, "plate");
+  const std::vector<Vector3d> shown = GltfViewer(b).shown(-1, 0.0);
+  EXPECT_LT(distance(c.surface.vertices, shown), hung_rounding);
+  const gltf::Rig rig = gltf::read_rig(file, {}, gltf::Still::carried);
+  EXPECT_EQ(rig.joint_node, std::vector<std::uint32_t>{0});
+  EXPECT_LT(distance(rigged(rig, -1, 0.0), shown), hung_rounding);
+}
+
+TEST(GltfHung, what_a_document_marks_carries) {
+  GltfBuilder b = still_plate();
+  b.document["nodes"][1]["extras"] = {{gltf::carries_mark, true}};
+  const Character c = read_hung(b);
+  ASSERT_EQ(c.skeleton.size(), 1u);
+  EXPECT_EQ(c.skeleton[0].name, "lower");
+  EXPECT_LT(distance(c.surface.vertices, GltfViewer(b).shown(-1, 0.0)), hung_rounding);
+}
+
+// Beside what moves, what nothing moves is left out: it is hardly of the same thing.
+TEST(GltfHung, beside_what_moves_nothing_still_is_carried) {
+  GltfBuilder b = column();
+  add_node(b, {{"name", "ground"}, {"mesh", add_plate(b)}}, -1);
+  const TemporaryFolder folder;
+  const Character c = gltf::read_gltf(folder.write("man.glb", b.glb()), nullptr, {}, gltf::Still::carried);
+  EXPECT_EQ(c.parts.size(), 1u);
+  EXPECT_EQ(c.notes.size(), 1u);
+}
+
 TEST(GltfHung, a_file_without_any_skin_is_a_character_where_a_clip_moves_it) {
   const GltfBuilder b = rigid_robot();
   const Character c = read_hung(b);
@@ -251,7 +295,7 @@ TEST(GltfHung, a_file_that_nothing_moves_says_what_to_do) {
     read_hung(b);
     FAIL() << "was read";
   } catch (const base::SceneError& error) {
-    EXPECT_NE(std::string(error.what()).find("name a still mesh as .ply or .obj"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("a still body as .ply or .obj"), std::string::npos)
         << error.what();
   }
 }
