@@ -116,8 +116,22 @@ ContactGroups contact_groups(const scene::Scene& scene, const std::vector<std::u
     result.ignored[b] |= 1U << a;
   }
 
-  // Carriers within a prop would hide how deep flesh lies in it.
   const Body& body = measures.body();
+  if (!scene.contact.self && body.members.size() > 1) {
+    result.meets_others_only = true;
+    if (names.size() + body.members.size() > scene::most_ignored_names)
+      fail(scene.source,
+           "contact.self: where it is false, the characters and the names in pairs of contact.ignore "
+           "are at most " +
+               std::to_string(scene::most_ignored_names) + " together; set contact.self = true");
+    result.groups.resize(layer.size(), 0);
+    for (std::size_t i = 0; i < layer.size(); ++i)
+      result.groups[i] |= 1U << (names.size() + member_of(body, i));
+    for (std::size_t k = names.size(); k < names.size() + body.members.size(); ++k)
+      result.ignored[k] = 1U << k;
+  }
+
+  // Carriers within a prop would hide how deep flesh lies in it.
   std::vector<char> hides(layer.size(), 0);
   for (std::size_t i = 0; i < layer.size() && !body.members.empty(); ++i)
     hides[i] = holding_of(body, i) == Holding::carrier && body.members[member_of(body, i)].is_rigid;

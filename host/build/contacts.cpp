@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <queue>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -180,6 +181,27 @@ void write_groups(const ContactGroups& groups, Model& model) {
   if (of_points != 0) return;
   model.contact_ignored.clear();
   model.contact_group.clear();
+}
+
+// Whether any point can meet any tetrahedron, as far as groups say.
+bool can_meet(const Model& model) {
+  if (model.contact_group.empty()) return true;
+  const std::set<std::uint32_t> of_points(model.contact_ignored.begin(), model.contact_ignored.end()),
+      of_tetrahedra(model.contact_group.begin(), model.contact_group.end());
+  for (const std::uint32_t ignored : of_points)
+    for (const std::uint32_t of : of_tetrahedra)
+      if ((ignored & of) == 0) return true;
+  return false;
+}
+
+// What stands in the arrays before gaps are looked for.
+void take_contact_away(Model& model) {
+  model.contact_tetrahedron.clear();
+  model.contact_depth.clear();
+  model.contact_number.clear();
+  model.contact.clear();
+  model.contact_group.clear();
+  model.contact_ignored.clear();
 }
 
 void write_group_depths(const std::vector<Vector3d>& rest, const std::string& source, Model& model) {
@@ -395,7 +417,7 @@ void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) 
 
 void write_contact(const scene::ContactSettings& settings, const std::string& source, Model& model,
                    const ContactGroups& groups) {
-  if (!settings.self || model.tetrahedron.empty()) return;
+  if (!(settings.self || groups.meets_others_only) || model.tetrahedron.empty()) return;
   bool can_move = false;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) can_move = can_move || !model.is_kinematic(i);
   if (!can_move) return;
@@ -410,11 +432,13 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     if (meets_nothing(groups, i)) is_point[i] = 0;
   const std::vector<std::uint32_t> tetrahedra = ordered_tetrahedra(model, rest, groups);
-  if (tetrahedra.empty() || std::none_of(is_point.begin(), is_point.end(), [](char is) { return is != 0; }))
+  if (tetrahedra.empty() || std::none_of(is_point.begin(), is_point.end(), [](char is) { return is != 0; })) {
+    if (!settings.self) return;
     fail(source,
          "contact: no flesh is left that could meet other flesh; leave some of what keeps it from that "
          "out (contact.ignore, contact.attribute, contact = false of layers), or set contact.self = "
          "false");
+  }
 
   model.contact_tetrahedron = tetrahedra;
   const auto is_met = [](std::size_t) { return true; };
@@ -433,6 +457,7 @@ void write_contact(const scene::ContactSettings& settings, const std::string& so
                              .near_count = 0});
   }
   write_groups(groups, model);
+  if (groups.meets_others_only && !can_meet(model)) return take_contact_away(model);
   write_group_depths(rest, source, model);
   write_entries(model);
   write_rest_boxes(model);

@@ -137,7 +137,7 @@ struct Layer {
   double inertia_scale = 1.0;  // [0, most_inertia]: share of the skeleton's acceleration that the flesh feels
   double volume = 0.0;         // [0, 1]: how strongly volume is drawn back to rest
   double least_volume = 0.0;   // [0, 0.9]: share of its volume below which it is not crushed
-  bool contact = true;         // with self-contact: its flesh meets other flesh
+  bool contact = true;         // its flesh meets other flesh, where that is asked for
   Where where;  // empty: everything no other layer claims; else the last layer that matches wins
 };
 
@@ -194,7 +194,7 @@ using NameLists = std::vector<std::vector<std::string>>;
 
 // How flesh meets flesh.
 struct ContactSettings {
-  bool self = false;               // flesh of the body does not pass through other flesh of it
+  bool self = false;               // flesh of a character does not pass through other flesh of its own
   std::optional<double> distance;  // m: flesh nearer than that at rest does not meet; absent: by the mesh
   double friction = 0.5;           // Coulomb's coefficient, at least 0
   NameLists ignore;                // pairs of flesh that do not meet; a name alone meets nothing

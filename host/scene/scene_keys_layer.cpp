@@ -77,8 +77,7 @@ const auto& layer_rows() {
            .range = between(0.0, 0.9)},
           {.depends = true, .shown = Shown::where_set}),
       key(&Layer::contact,
-          {.name = "contact",
-           .doc = "With contact.self: its flesh meets other flesh. false: it meets nothing."},
+          {.name = "contact", .doc = "Where flesh meets: its flesh does. false: it meets nothing."},
           {.shown = Shown::where_set}),
       where_key(&Layer::where, false,
                 "What belongs to the layer; where absent, all that no other layer claims.")};
@@ -109,7 +108,10 @@ const auto& contact_rows() {
   using namespace rows;
   static const std::tuple all{
       key(&ContactSettings::self,
-          {.name = "self", .doc = "Flesh of the body does not pass through other flesh of it."}),
+          {.name = "self",
+           .doc =
+               "Flesh of the body does not pass through other flesh of it; of several characters each one's "
+               "own. Flesh of one and that of another, or a prop, meet whatever this says."}),
       key(&ContactSettings::distance,
           {.name = "distance",
            .doc =

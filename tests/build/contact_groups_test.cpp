@@ -158,6 +158,21 @@ TEST(ContactGroups, HaveABitForEachOf32Names) {
   expect_refusal([&] { bar.groups(ignore); }, "contact.ignore: its pairs have more than 32 names");
 }
 
+// With contact.self false, beside the names of pairs.
+TEST(ContactGroups, CharactersThatDoNotMeetThemselvesHaveABitEach) {
+  ArmBar bar;
+  bar.body.members = {{0, Vector3d::Zero(), false}, {1, Vector3d::Zero(), false}};
+  const build::ContactGroups groups = bar.groups({{"top", "bottom"}});
+  EXPECT_TRUE(groups.meets_others_only);
+  const std::vector<std::uint32_t> ignored{0b0010, 0b0001, 0b0100, 0b1000};
+  for (std::size_t g = 0; g < groups.ignored.size(); ++g)
+    EXPECT_EQ(groups.ignored[g], g < ignored.size() ? ignored[g] : 0u) << g;
+  for (std::size_t i = 0; i < bar.layer.size(); ++i)
+    EXPECT_EQ(groups.groups[i] >> 2, build::member_of(bar.body, i) == 0 ? 0b01u : 0b10u);
+  for (std::uint32_t k = 2; k < 31; ++k) bar.body.members.push_back({3 + k, Vector3d::Zero(), false});
+  expect_refusal([&] { bar.groups({{"top", "bottom"}}); }, "set contact.self = true");
+}
+
 scene::ContactSettings on() {
   scene::ContactSettings settings;
   settings.self = true;

@@ -76,15 +76,17 @@ TEST(Characters, EachHasItsOwnStart) {
     }
 }
 
+const std::string meets = "self = true\n", does_not_meet = "ignore = [[\"a\", \"b\"]]\n";
+
 // Arms side by side whose flesh overlaps by a third of their thickness.
 std::string side_by_side(const std::string& contact, const std::string& of_b = "") {
   return arm("character.a") + arm("character.b", "at = [0, 0, 0.1]\n" + of_b) +
-         "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones;
+         "[motion]\npreroll = 0.0\n[contact]\n" + contact + flesh_on_bones;
 }
 
 TEST(Characters, PushEachOther) {
   constexpr std::uint64_t frames = 12;
-  const Walk with = walk(side_by_side("true"), frames), without = walk(side_by_side("false"), frames);
+  const Walk with = walk(side_by_side(meets), frames), without = walk(side_by_side(does_not_meet), frames);
   const model::OverlapMeter meter(with.model);
   const double left = meter.of(with.last.positions).volume, before = meter.of(without.last.positions).volume;
   EXPECT_GT(before, 1e-5) << "m^3: without contact they lie in each other";
@@ -100,8 +102,8 @@ TEST(Characters, PushEachOther) {
 TEST(Characters, ARigidOnePushesAndIsNotPushed) {
   constexpr std::uint64_t frames = 12;
   const std::string rigid = "rigid = true\n";
-  const Walk with = walk(side_by_side("true", rigid), frames),
-             without = walk(side_by_side("false", rigid), frames);
+  const Walk with = walk(side_by_side(meets, rigid), frames),
+             without = walk(side_by_side(does_not_meet, rigid), frames);
   EXPECT_LT(mean_move(with, without, 0).z(), -1e-3);
   EXPECT_EQ(mean_move(with, without, 1), Vector3d(0, 0, 0));
   // It is where skinning has it.

@@ -38,6 +38,8 @@ Vector3d image(const Matrix4d& map, const Vector3d& p) {
   return map.topLeftCorner<3, 3>() * p + map.topRightCorner<3, 1>();
 }
 
+const std::string meets = "self = true\n", does_not_meet = "ignore = [[\"a\", \"b\"]]\n";
+
 // Beside the arm, in its flesh by a third of its thickness; numbers that floats hold.
 const Box beside_arm{{0.0625, -0.15625, 0.03125}, {0.4375, 0.15625, 0.34375}};
 
@@ -56,11 +58,12 @@ TEST_F(Props, AStillMeshPushesAndIsNotPushed) {
   write_box(folder() / "moved.obj", {1.05, -0.15, -0.96}, {1.45, 0.15, -0.66});
   const auto beside = [&](const std::string& prop, const std::string& contact) {
     return walk(arm("character.a") + "[character.b]\nresolution = 0.05\nrigid = true\n" + prop +
-                    "[motion]\npreroll = 0.0\n[contact]\nself = " + contact + "\n" + flesh_on_bones,
+                    "[motion]\npreroll = 0.0\n[contact]\n" + contact + flesh_on_bones,
                 frames, folder());
   };
-  const Walk with = beside("file = \"box.obj\"\n", "true"), without = beside("file = \"box.obj\"\n", "false"),
-             moved = beside("file = \"moved.obj\"\nat = [-1, 0, 1]\n", "true");
+  const Walk with = beside("file = \"box.obj\"\n", meets),
+             without = beside("file = \"box.obj\"\n", does_not_meet),
+             moved = beside("file = \"moved.obj\"\nat = [-1, 0, 1]\n", meets);
   const model::OverlapMeter meter(with.model);
   EXPECT_GT(meter.of(without.last.positions).volume, 1e-5) << "m^3";
   EXPECT_LT(meter.of(with.last.positions).volume, 0.25 * meter.of(without.last.positions).volume);
@@ -83,7 +86,7 @@ TEST_F(Props, AStillMeshPushesAndIsNotPushed) {
 Walk beside_prop(const std::string& file, const std::filesystem::path& folder,
                  const std::string& resolution = "resolution = 0.05\n") {
   return walk(arm("character.a") + "[character.b]\nrigid = true\nfile = \"" + file + "\"\n" + resolution +
-                  "[motion]\npreroll = 0.0\n[contact]\nself = true\n" + flesh_on_bones,
+                  "[motion]\npreroll = 0.0\n[contact]\n" + meets + flesh_on_bones,
               6, folder);
 }
 
@@ -133,6 +136,39 @@ TEST_F(Props, AThingWithAClipPushes) {
   EXPECT_LT(pushed.z(), -3e-4) << "m";
   // A clip from a file is smooth, which bounds what the arm's flesh feels.
   EXPECT_LT((mean_move(moved, none, 0) - pushed).norm(), 0.1 * pushed.norm());
+}
+
+// contact.self is about a character's own flesh: what is another's meets it, without a word in the scene.
+TEST_F(Props, PushWhereFleshDoesNotMeetItself) {
+  write_box(folder() / "box.obj", beside_arm.low, beside_arm.high);
+  const auto beside = [&](const std::string& contact) {
+    return walk(arm("character.a") + "[character.b]\nrigid = true\nresolution = 0.05\nfile = \"box.obj\"\n" +
+                    "[motion]\npreroll = 0.0\n" + contact + flesh_on_bones,
+                6, folder());
+  };
+  const Walk self = beside("[contact]\nself = true\n"), others = beside(""),
+             none = beside("[contact]\n" + does_not_meet);
+  EXPECT_FALSE(none.model.has_contact());
+  const Vector3d pushed = mean_move(self, none, 0);
+  EXPECT_LT(pushed.z(), -3e-4) << "m";
+  // A straight arm's flesh hardly meets itself.
+  EXPECT_LT((mean_move(others, none, 0) - pushed).norm(), 0.05 * pushed.norm());
+
+  const std::uint32_t first = others.scene.characters.at(1).first_joint;
+  const auto is_of_box = [&](std::uint32_t i) {
+    return others.model.skin_joint[others.model.skin_offset[i]] >= first;
+  };
+  std::size_t of_either[2] = {0, 0};
+  for (std::uint32_t p = 0; p < others.model.contact.size(); ++p)
+    for (std::uint32_t t = 0; t < others.model.contact_tetrahedron_count(); ++t) {
+      const bool point = is_of_box(others.model.contact[p].vertex),
+                 flesh = is_of_box(others.model.contact_tetrahedron[4 * std::size_t{t}]);
+      ASSERT_EQ(others.model.is_ignored_contact(p, t), point == flesh);
+      ++of_either[flesh ? 1 : 0];
+    }
+  EXPECT_GT(of_either[0], 0u);
+  EXPECT_GT(of_either[1], 0u);
+  EXPECT_TRUE(self.model.contact_group.empty()) << "no group is needed where all meet";
 }
 
 // A prop in a hand that is bent in the bind pose stands where the hand's flesh is carried, from frame 0 on:
@@ -207,7 +243,7 @@ TEST_F(Props, OneThatIsHeldStillPushesAsAFreeOne) {
   write_box(folder() / "box.obj", {0.05, -0.15, 0.04}, {0.45, 0.15, 0.34});
   const auto beside = [&](const std::string& more) {
     return walk(arm("character.a") + "[character.b]\nresolution = 0.05\nrigid = true\nfile = \"box.obj\"\n" +
-                    more + "[motion]\npreroll = 0.0\n[contact]\nself = true\n" + flesh_on_bones,
+                    more + "[motion]\npreroll = 0.0\n[contact]\n" + meets + flesh_on_bones,
                 frames, folder());
   };
   // The arm's shoulder is 60 mm before the origin and does not move.
