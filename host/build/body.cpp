@@ -13,6 +13,7 @@
 #include "host/build/join_bodies.h"
 #include "host/build/mesher.h"
 #include "host/build/rigid_parts.h"
+#include "host/build/thin_props.h"
 #include "host/build/skin_weights.h"
 #include "host/build/weld.h"
 
@@ -109,6 +110,7 @@ Body body_of(const rig::Character& character, const scene::Scene& scene, Report&
     Report found;
     const scene::PlacedCharacter& placed = scene.characters[k];
     Body one = body_of_one(placed.own, scene_of_character(scene, k), placed.settings.rigid, found, options);
+    if (placed.settings.rigid) warn_of_thin_prop(one, scene.source, found);
     append_body(scene, k, std::move(one), std::move(found), all, report);
   }
   all.joint_count = static_cast<std::uint32_t>(character.skeleton.size());

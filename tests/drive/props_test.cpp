@@ -171,6 +171,38 @@ TEST_F(Props, PushWhereFleshDoesNotMeetItself) {
   EXPECT_TRUE(self.model.contact_group.empty()) << "no group is needed where all meet";
 }
 
+// What is thinner than its tetrahedra has no depth to push by. A warning says how fine it must be, and is
+// right about it.
+TEST_F(Props, ThinOnesAreWarnedOf) {
+  write_box(folder() / "plate.obj", {0, 0, 0}, {0.125, 0.02, 0.125});
+  write_box(folder() / "rod.obj", {0, 0, 0}, {0.02, 0.25, 0.02});
+  write_box(folder() / "cube.obj", {0, 0, 0}, {0.125, 0.125, 0.125});
+  const auto warning_of = [&](const std::string& file, const std::string& resolution) {
+    const scene::Scene scene = scene::parse_scene(
+        {"test", "test.toml",
+         arm("character.a") + "[character.b]\nrigid = true\nat = [0, 0, 3]\nresolution = " + resolution +
+             "\nfile = \"" + file + "\"\n" + flesh_on_bones,
+         folder()},
+        {});
+    build::BuildOptions options;
+    options.mesher = FASCICLE_MESHER;
+    build::Report report;
+    build::build_model(scene, report, options);
+    for (const build::Warning& warning : report.warnings)
+      if (warning.text.find("no vertex inside") != std::string::npos) return warning.text;
+    return std::string();
+  };
+  EXPECT_EQ(warning_of("cube.obj", "0.05"), "");
+  for (const char* file : {"plate.obj", "rod.obj"}) {
+    const std::string warning = warning_of(file, "0.03");
+    ASSERT_EQ(warning.find("b: "), 0u) << warning;
+    const std::string before = "`resolution` of ", after = " m or less";
+    const std::size_t from = warning.find(before) + before.size(), to = warning.find(after);
+    ASSERT_LT(from, to) << warning;
+    EXPECT_EQ(warning_of(file, warning.substr(from, to - from)), "") << warning;
+  }
+}
+
 // A prop in a hand that is bent in the bind pose stands where the hand's flesh is carried, from frame 0 on:
 // in the bind pose it is `at` from the joint, and turned by `turn` along the axes of the file.
 TEST_F(Props, AHeldOneGoesWithItsJoint) {
