@@ -13,8 +13,8 @@
 #include "host/build/join_bodies.h"
 #include "host/build/mesher.h"
 #include "host/build/rigid_parts.h"
-#include "host/build/thin_props.h"
 #include "host/build/skin_weights.h"
+#include "host/build/thin_props.h"
 #include "host/build/weld.h"
 
 namespace fascicle::build {

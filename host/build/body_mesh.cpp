@@ -174,6 +174,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   if (!wanted_edge && report.fill.cage.skin_volume > 0.0)
     wanted_edge = edge_to_fill(report.fill.cage.skin_volume, *order.vertices);
   if (wanted_edge) order.alpha = std::min(order.alpha, alpha_in_edges * *wanted_edge);
+  order.offset = scene.body.thickness;
   report.fill.cage.alpha = order.alpha;
 
   auto start = std::chrono::steady_clock::now();
@@ -240,6 +241,7 @@ void add_mesh_settings(base::ContentHash& hash, const scene::Scene& scene) {
   hash.add(scene.body.cage_detail);
   hash.add(scene.body.vertices.has_value());
   hash.add(std::uint64_t{scene.body.vertices.value_or(0)});
+  if (scene.body.thickness > 0.0) hash.add(scene.body.thickness);
 }
 
 }  // namespace fascicle::build

@@ -115,7 +115,9 @@ scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k) {
     own.body.vertices.reset();
   }
   // Contact asks how deep flesh lies in a prop. Tetrahedra between the few corners of a box do not know.
-  if (settings.rigid && is_hard(scene.characters[k].own)) own.body.cage = scene::Cage::wrap;
+  own.body.thickness = settings.thickness;
+  if (settings.rigid && (settings.thickness > 0.0 || is_hard(scene.characters[k].own)))
+    own.body.cage = scene::Cage::wrap;
   own.bones = scene.bones;
   own.skeleton = scene.skeleton;
   for (auto* names : {&own.skeleton.bones, &own.skeleton.not_bones, &own.skeleton.kinematic,

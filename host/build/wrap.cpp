@@ -110,6 +110,7 @@ mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder
     const fs::path in = folder.path() / "surface.off", out = folder.path() / "wrap.off";
     mesh::write_off(in, surface);
     std::vector<std::string> arguments{"wrap", in.string(), out.string(), "--alpha", digits_of(order.alpha)};
+    if (order.offset > 0.0) arguments.insert(arguments.end(), {"--offset", digits_of(order.offset)});
     if (order.edge)
       arguments.insert(arguments.end(), {"--edge", digits_of(*order.edge)});
     else if (order.vertices)

@@ -13,11 +13,12 @@ SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOption
 
 struct WrapOrder {
   double alpha = 0.0;                     // gaps and holes narrower than this are closed over, m
+  double offset = 0.0;                    // how far outside the wrap stands, m; 0: a thirtieth of alpha
   std::optional<double> edge;             // sides of the triangles, m; else
   std::optional<std::uint32_t> vertices;  // how many vertices shall fill the wrap
 };
 
-// A closed surface that does not cross itself around any surface, facing outward, at a thirtieth of alpha, of
+// A closed surface that does not cross itself around any surface, facing outward, at that offset, of
 // one part or several beside each other. Throws scene::SceneError.
 mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order,
                                const BuildOptions& options);

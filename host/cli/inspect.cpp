@@ -167,6 +167,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
                           {"at", scene::json_of(one.settings.at)},
                           {"turn", scene::json_of(one.settings.turn)},
                           {"rigid", one.settings.rigid},
+                          {"thickness", one.settings.thickness},
                           {"vertices", one.own.surface.vertices.size()},
                           {"joints", one.own.skeleton.size()},
                           {"clips", std::move(own)}});

@@ -110,8 +110,8 @@ Surface wrap(const Surface& surface, const WrapSettings& settings) {
     if (const auto found = remeshed(mesh, edge)) return as_surface(*found);
     // Sheets thinner than the triangles cannot be remeshed; a wrap as thick as them can.
     constexpr double offset_in_edges = 1.0 / 3.0;
-    if (const auto found = remeshed(wrapped(surface, edge, offset_in_edges * edge), edge))
-      return as_surface(*found);
+    const double offset = std::max(settings.offset, offset_in_edges * edge);
+    if (const auto found = remeshed(wrapped(surface, edge, offset), edge)) return as_surface(*found);
     throw Failure(wrap_failed, "the wrapped surface crosses itself at triangles of that size");
   } catch (const std::logic_error& error) {  // how CGAL reports a broken precondition
     throw Failure(wrap_failed, std::string("CGAL gave up: ") + error.what());

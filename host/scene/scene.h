@@ -152,6 +152,7 @@ struct CharacterSettings {
   Vector3d turn = Vector3d::Zero();       // degrees about this direction: how it is turned there
   double start = 0.0;                     // s of the scene's time: when its clip begins
   bool rigid = false;                     // all of its flesh follows its skeleton
+  double thickness = 0.0;                 // m, of a rigid one: how far from it flesh stays
   std::optional<double> resolution = {};  // wanted edge length of its tetrahedra, m
 };
 
@@ -307,6 +308,7 @@ struct BodySettings {
   Cage cage = Cage::automatic;
   double cage_detail = 100.0;  // a cage closes gaps narrower than the body's diagonal divided by this
   std::optional<std::uint32_t> vertices;  // wanted number of vertices; goes before Scene::resolution
+  double thickness = 0.0;                 // m: how far outside the skin the cage of a prop stands
 };
 
 struct SolverSettings {

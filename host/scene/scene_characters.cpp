@@ -158,6 +158,9 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         PlacedCharacter character;
         character.settings.name = name;
         read_keys(table, character.settings);
+        if (character.settings.thickness > 0.0 && !character.settings.rigid)
+          fail(table.get("thickness")->source(), join_path(path, "thickness"),
+               "is of a prop, which this is not; set rigid = true, or leave it out");
         if (!character.settings.file.empty()) character.file = folder / character.settings.file;
         character.own = load_one(table, path, folder, scene);
         rig::name_apart(character.own, name);

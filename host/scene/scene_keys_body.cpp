@@ -115,6 +115,11 @@ const auto& placed_character_rows() {
           {.name = "rigid",
            .doc = "All of its flesh follows its skeleton. It pushes the flesh of others and is not pushed: a "
                   "prop, a helper."}),
+      key(&CharacterSettings::thickness,
+          {.name = "thickness",
+           .doc = "With `rigid`: how far from it flesh stays, m. Its cage stands so far outside of its skin.",
+           .range = between(0.0, 1e3)},
+          {.depends = true}),
       key(&CharacterSettings::resolution,
           {.name = "resolution",
            .doc = "Wanted edge length of its tetrahedra, m; where absent, body.resolution, or its surface's "
@@ -142,7 +147,7 @@ const auto& body_rows() {
            .doc = "How fine: a number of vertices (\"20000\") or an edge length with its unit (\"20 mm\", "
                   "\"2 cm\", \"0.02 m\"). Where absent, 20000 vertices for a cage, else the surface's mean "
                   "edge."}),
-      member("vertices", &BodySettings::vertices)};
+      member("vertices", &BodySettings::vertices), member("thickness", &BodySettings::thickness)};
   static_assert(base::has_row_for_each_member<BodySettings, decltype(all)>,
                 "a member of BodySettings has no row here");
   return all;

@@ -171,6 +171,30 @@ TEST_F(Props, PushWhereFleshDoesNotMeetItself) {
   EXPECT_TRUE(self.model.contact_group.empty()) << "no group is needed where all meet";
 }
 
+// Flesh stays away from a prop by its thickness: it pushes as one that is larger by that, and looks as it is.
+TEST_F(Props, HaveAThickness) {
+  const double thickness = 0.03125;
+  write_box(folder() / "larger.obj", beside_arm.low, beside_arm.high);
+  const Vector3d by = Vector3d::Constant(thickness);
+  write_box(folder() / "box.obj", beside_arm.low + by, beside_arm.high - by);
+  write_box(folder() / "far.obj", {3.0, 0.0, 3.0}, {3.5, 0.5, 3.5});
+  const std::string fine = "resolution = 0.05\n", thick = "thickness = 0.03125\n" + fine;
+  const Walk larger = beside_prop("larger.obj", folder()), bare = beside_prop("box.obj", folder()),
+             with = beside_prop("box.obj", folder(), thick), none = beside_prop("far.obj", folder());
+  const Vector3d pushed = mean_move(larger, none, 0);
+  EXPECT_LT(pushed.z(), -3e-4) << "m";
+  EXPECT_LT(mean_move(bare, none, 0).norm(), 0.25 * pushed.norm());
+  // Edges and corners are round, and the cage is another.
+  EXPECT_LT((mean_move(with, none, 0) - pushed).norm(), 0.25 * pushed.norm());
+  // The skin that is drawn is the box's own; floats of places up to 2 m.
+  const rig::SurfacePart& prop = std::get<rig::Character>(with.scene.geometry).parts.at(1);
+  for (unsigned c = 0; c < 8; ++c)
+    EXPECT_LT(
+        (with.surface.back()[prop.first_vertex + c] - corner_of(beside_arm.low + by, beside_arm.high - by, c))
+            .norm(),
+        1e-6);
+}
+
 // What is thinner than its tetrahedra has no depth to push by. A warning says how fine it must be, and is
 // right about it.
 TEST_F(Props, ThinOnesAreWarnedOf) {

@@ -207,6 +207,9 @@ TEST(Characters, RefuseWhatCannotBe) {
       refusal("[character.left]\nfile = \"chair.obj\"\n" + layers),
       "sample.toml:2: character.left.file: chair.obj is a mesh without a skeleton; a prop that flesh does "
       "not enter is a [character.NAME] with rigid = true, a body of flesh stands under [mesh]");
+  EXPECT_EQ(refusal("[character.left]\nmade = \"arm\"\nthickness = 0.01\n" + layers),
+            "sample.toml:3: character.left.thickness: is of a prop, which this is not; set rigid = true, or "
+            "leave it out");
   EXPECT_EQ(refusal("[character.left]\nfile = \"chair.obj\"\nrigid = true\n" + layers),
             "sample.toml:2: character.left.file: chair.obj does not exist");
 }

@@ -285,6 +285,7 @@ at = [-0.5, 0.25, 0.125]
 turn = [0.0, 45.0, 0.0]
 start = 0.25
 rigid = true
+thickness = 0.03125
 resolution = 0.0625
 
 [character.right]
@@ -411,8 +412,8 @@ std::string describe(const Scene& scene) {
   }
   for (const PlacedCharacter& c : scene.characters)
     d.line("character", c.settings.name, c.settings.file, c.settings.made, c.settings.clip, c.settings.joint,
-           c.settings.at, c.settings.turn, c.settings.start, c.settings.rigid, c.settings.resolution,
-           c.bind_offset, c.first_joint);
+           c.settings.at, c.settings.turn, c.settings.start, c.settings.rigid, c.settings.thickness,
+           c.settings.resolution, c.bind_offset, c.first_joint);
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,
