@@ -18,6 +18,11 @@ struct Ignore : model::Probe {
 class Validation : public VulkanTest {
  protected:
   void SetUp() override {
+#if defined(__SANITIZE_THREAD__)
+    // The layer is compiled without the sanitizer, which then does not see how its threads wait for each
+    // other, and reports that one frees what another has just unlocked.
+    GTEST_SKIP() << "SKIPPED: the layer's own threads are reported by the thread sanitizer";
+#endif
     VulkanTest::SetUp();
     if (!index) return;
     try {
