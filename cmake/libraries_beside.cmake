@@ -4,7 +4,12 @@ cmake_minimum_required(VERSION 3.25)
 
 get_filename_component(folder ${PROGRAM} DIRECTORY)
 file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${PROGRAM} RESOLVED_DEPENDENCIES_VAR found
+  CONFLICTING_DEPENDENCIES_PREFIX conflict
   PRE_EXCLUDE_REGEXES "^ld-linux" "^libc\\.so" "^libm\\.so")
+# Where the program is linked again, it finds the copies of before beside the system's.
+foreach(name IN LISTS conflict_FILENAMES)
+  list(APPEND found ${conflict_${name}})
+endforeach()
 foreach(library IN LISTS found)
   get_filename_component(name ${library} NAME)
   file(REAL_PATH ${library} file)

@@ -63,6 +63,7 @@ struct Oracle::Impl {
   Points surface;
   Points y, iterate_before;            // implicit
   std::vector<VertexHistory> history;  // implicit: as the substep began
+  Points unfelt;                       // implicit: velocity that limits' moves do not give
   std::vector<bool> is_pushed;         // implicit: by a solid, which has set its velocity
 
   std::deque<model::Frame> frames;
@@ -95,7 +96,7 @@ struct Oracle::Impl {
                       const Stepping& step, double share);
   void relax(double gain, double omega, const Stepping& step);
   void obstruct(const Substep& now);
-  void apply_limits();
+  void apply_limits(const Stepping& step);
   void collide(const Substep& now);
   void collide_implicit(std::uint32_t i, const Substep& now);
   void finish_implicit(const Stepping& step);

@@ -164,6 +164,7 @@ void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shade
                                   const Stepping& step, double share) {
   history.resize(model.vertex_count);
   is_pushed.assign(model.vertex_count, false);
+  unfelt.assign(model.vertex_count, Vector3d::Zero());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     history[i] = {q[i], step.has_history ? q_before[i] : q[i], v[i], step.has_history ? v_before[i] : v[i]};
     if (model.is_kinematic(i)) {
@@ -203,13 +204,18 @@ void Oracle::Impl::obstruct(const Substep& now) {
       q[i] = collided(model, now.colliders, i, history[i].q, q[i], v[i], now.h).place;
 }
 
-// What limits move goes into the velocity: it is as if the vertex had been drawn there.
-void Oracle::Impl::apply_limits() {
+// What limits move goes into the velocity: it is as if the vertex had been drawn there, in 1/180 s at the
+// least.
+void Oracle::Impl::apply_limits(const Stepping& step) {
+  constexpr double fastest = 180.0;
+  const double differentiated = (step.has_history ? 1.5 : 1.0) / step.h;
   const Points before = q;
   limits.apply(q);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    y[i] += q[i] - before[i];
-    goals[i] += q[i] - before[i];
+    const Vector3d move = q[i] - before[i];
+    y[i] += move;
+    goals[i] += move;
+    unfelt[i] += move * std::max(differentiated - fastest, 0.0);
   }
 }
 
@@ -231,7 +237,7 @@ void Oracle::Impl::collide(const Substep& now) {
 void Oracle::Impl::collide_implicit(std::uint32_t i, const Substep& now) {
   const double d = model.layers[model.layer_of(i)].damping;
   const Vector3d free_place = pulled_position(y[i], goals[i], model.mass[i], stiffness[i], d, *now.stepping);
-  const Vector3d free_velocity = differentiated_position(free_place, history[i], *now.stepping);
+  const Vector3d free_velocity = differentiated_position(free_place, history[i], *now.stepping) - unfelt[i];
   const auto sent_to = [&](const Vector3d& place) {
     return collided(model, now.colliders, i, history[i].q, place, free_velocity, now.h);
   };
@@ -267,7 +273,7 @@ void Oracle::Impl::finish_implicit(const Stepping& step) {
     q_before[i] = history[i].q;
     v_before[i] = history[i].v;
     if (is_pushed[i]) continue;
-    v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step);
+    v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step) - unfelt[i];
   }
 }
 
@@ -349,7 +355,7 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
     case Kernel::obstruct:
       return obstruct(now);
     case Kernel::limit:
-      return apply_limits();
+      return apply_limits(*now.stepping);
     case Kernel::collide:
       return collide(now);
     case Kernel::integrate:

@@ -38,7 +38,7 @@ fascicle_status fascicle_model_build(const fascicle_scene* scene, const fascicle
     body->scene.emplace(scene->scene);
     pipeline::Built built = pipeline::build_scene(*body->scene, paths, say);
     pipeline::say_warnings(built.report, say);
-    body->options = pipeline::solver_options(*body->scene);
+    body->options = pipeline::solver_options(*body->scene, built.steps);
     body->substeps = built.steps.substeps;
     body->model = std::move(built.model);
     api::list_arrays(*body);

@@ -503,6 +503,10 @@ std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options)
   return options.substeps ? *options.substeps : scene::stated_substeps(scene);
 }
 
+std::uint32_t iterations_of(const scene::Scene& scene, const BakeOptions& options) {
+  return options.iterations.value_or(scene.solver.iterations.value_or(model::SolverOptions{}.iterations));
+}
+
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
   if (first_of_range < handles)
     throw BakeError("--first-frame " + base::number_text(first_of_range) + ": " + base::number_text(handles) +

@@ -63,8 +63,9 @@ struct BakeOutput {
 };
 
 struct BakeOptions : BakeOutput {
-  std::optional<std::uint32_t> substeps = {};  // of a frame; absent: as the scene states
-  std::uint64_t checkpoint_frames = 100;       // at least 1: a checkpoint after this many frames,
+  std::optional<std::uint32_t> substeps = {};    // of a frame; absent: as the scene states
+  std::optional<std::uint32_t> iterations = {};  // of a substep; absent: as the scene states, else 20
+  std::uint64_t checkpoint_frames = 100;         // at least 1: a checkpoint after this many frames,
   double checkpoint_seconds = 10.0;            // or after this time, whichever comes first
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
@@ -113,6 +114,7 @@ std::uint64_t number_of_first(const scene::Scene& scene, const BakeOutput& outpu
 
 // Of a frame: those of the options, or those that the scene states.
 std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options);
+std::uint32_t iterations_of(const scene::Scene& scene, const BakeOptions& options);
 
 // Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. If it ends
 // early, the frame cache keeps every whole frame, a checkpoint is there to resume from, and the manifest says

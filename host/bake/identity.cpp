@@ -95,7 +95,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"solver.rotation", name_of(scene.solver.rotation)},
                     {"solver.weights", name_of(scene.solver.weights)},
                     {"solver.substeps", base::number_text(substeps_of(scene, options))},
-                    {"solver.iterations", base::number_text(scene.solver.iterations)},
+                    {"solver.iterations", base::number_text(iterations_of(scene, options))},
                     {"clip", scene.clip},
                     {"motion", scene::dump(json_of(scene.motion))},
                     {"forces", scene::dump(json_of(scene.forces))},

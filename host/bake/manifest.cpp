@@ -213,6 +213,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   const std::uint64_t first_number = number_of_first(scene, options);
   Json of_scene = json_of(scene);
   of_scene["solver"]["substeps"] = substeps_of(scene, options);
+  of_scene["solver"]["iterations"] = iterations_of(scene, options);
   const Json manifest{
       {"kind", kind},
       {"version", 1},

@@ -11,8 +11,8 @@
 #include "host/build/boundary.h"
 #include "host/build/lowest_mode.h"
 #include "host/build/message.h"
+#include "host/build/steps.h"
 #include "host/build/ties.h"
-#include "host/model/implicit.h"
 
 namespace fascicle::build {
 
@@ -21,9 +21,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double two_pi = 6.283185307179586;
-// By which 2 pi f h BDF2's own errors stay small: the period is off by (2 pi f h)^2/3, 0.9 %, and the damping
-// ratio by (2 pi f h)^3/4, 0.001.
-constexpr double longest_phase = 0.16;
 
 template <class Visit>
 void for_each_of_region(const OneRings& rings, std::size_t r, Visit visit) {
@@ -136,52 +133,8 @@ double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const 
   return lowest->square;
 }
 
-bool needs_lowest_mode(const scene::Scene& scene, const scene::Layer& layer) {
-  return layer.frequency || layer.damping_ratio || scene.solver.auto_substeps;
-}
-
-// A body of length L, mean edge l and alpha 1 hangs through by about 0.9 g h^2 L / l^2 of its length
-// (measured on bars): alpha is a stiffness a substep. This much of it only tells bodies apart, as flesh hangs
-// on bones: it gives a heavy man, a muscular man and a fox of 20,000 vertices 18, 23 and 13 substeps at 60
-// fps, with which their jumps and its gallop turn hardly more tetrahedra inside out than skinning does
-// (see docs/design/crushed-flesh.md).
-constexpr double explicit_stretch = 0.023;
-constexpr double earth_gravity = 9.81;
-// Fewer do not hold flesh, whatever alpha.
-constexpr double least_explicit_substeps = 4.0;
-
-double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
-  double edges = 0.0;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
-    for (std::uint32_t k = model.ring_offset[i]; k < model.ring_offset[i + 1]; ++k) {
-      double squared = 0.0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double d = double{model.rest[3 * std::size_t{model.ring[k]} + c]} -
-                         double{model.rest[3 * std::size_t{i} + c]};
-        squared += d * d;
-      }
-      edges += std::sqrt(squared);
-    }
-  const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
-  const std::vector<double> lengths = model::extents(model, scene::first_joints(scene));
-  const double length = *std::max_element(lengths.begin(), lengths.end());
-  const double needed =
-      std::ceil(std::sqrt(0.9 * earth_gravity * length / explicit_stretch) / (mean_edge * scene.fps));
-  return std::max(needed, least_explicit_substeps);
-}
-
-Steps choose_explicit_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
-  const double needed = explicit_substeps(scene, model);
-  bool is_soft = false;
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) is_soft = is_soft || !model.is_kinematic(i);
-  if (is_soft && needed > most_explicit_auto_substeps)
-    warn(report, "solver.substeps: alpha needs " +
-                     std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) +
-                     " substeps to mean the same as at other frame rates and spacings; \"auto\" takes " +
-                     std::to_string(most_explicit_auto_substeps) +
-                     " at most, so flesh will be softer; raise fps, or take a coarser mesh");
-  return {static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps})),
-          "alpha means the same with them at every frame rate and spacing"};
+bool needs_lowest_mode(const scene::Scene& scene, const scene::Layer& layer, const model::Model& model) {
+  return layer.frequency || layer.damping_ratio || steps_need_lowest_modes(scene.solver, model);
 }
 
 }  // namespace
@@ -249,7 +202,7 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
     bool moves = false;
     for (std::size_t i = 0; i < layering.layer.size(); ++i)
       moves = moves || (layering.layer[i] == l && layering.kinematic[i] == 0);
-    if (!moves || !needs_lowest_mode(scene, layer)) continue;
+    if (!moves || !needs_lowest_mode(scene, layer, model)) continue;
     const double lowest = stiffness_of_lowest_mode(scene, l, layering, body, report);
     if (layer.frequency) of_layer[l] = (two_pi * *layer.frequency) * (two_pi * *layer.frequency) / lowest;
     model.layers[l].frequency = std::sqrt(of_layer[l].value() * lowest) / two_pi;
@@ -268,39 +221,6 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
     for (std::uint32_t e = rings.offset[r]; e < rings.offset[r + 1]; ++e) weights.taken[e] *= k[r];
   }
   for (std::size_t l = 0; l < report.layers.size(); ++l) report.layers[l].youngs_modulus = of_layer[l];
-}
-
-Steps choose_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
-  if (!scene.solver.auto_substeps) return {scene.solver.substeps, "the scene says so"};
-  if (!model.is_implicit()) return choose_explicit_steps(scene, model, report);
-  std::vector<double> pull(model.layers.size(), 0.0), mass(model.layers.size(), 0.0);
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    if (model.is_kinematic(i)) continue;
-    pull[model.layer_of(i)] += model.stiffness[i] * model.mass[i];
-    mass[model.layer_of(i)] += model.mass[i];
-  }
-  const double reached = model::resolved_stiffness(scene.solver.iterations);
-  double needed = 1.0;
-  std::string stiffest, reason = "no layer asks for more";
-  for (std::size_t l = 0; l < model.layers.size(); ++l) {
-    if (mass[l] == 0.0) continue;
-    const double by_mode = two_pi * model.layers[l].frequency / (longest_phase * scene.fps);
-    const double by_stiffness = 2.0 / 3.0 * std::sqrt(pull[l] / mass[l]) / (reached * scene.fps);
-    if (std::max(by_mode, by_stiffness) <= needed) continue;
-    needed = std::max(by_mode, by_stiffness);
-    stiffest = model.layers[l].name;
-    reason = (by_mode > by_stiffness ? "the lowest mode of layers." : "the stiffness of layers.") + stiffest;
-  }
-  needed = std::ceil(needed);
-  if (needed > most_auto_substeps)
-    warn(report,
-         "layers." + stiffest + ": is so stiff that it would take " +
-             std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) + " substeps of " +
-             std::to_string(scene.solver.iterations) + " iterations; \"auto\" takes " +
-             std::to_string(most_auto_substeps) +
-             " at most. It will come to rest where it should, but move more slowly; set solver.substeps, or "
-             "make it softer");
-  return {static_cast<std::uint32_t>(std::min(needed, double{most_auto_substeps})), reason};
 }
 
 }  // namespace fascicle::build

@@ -52,24 +52,4 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
                   const RestState& state, std::span<const double> volume, RegionWeights& weights,
                   model::Model& model, Report& report);
 
-// How a frame is stepped, and why.
-struct Steps {
-  std::uint32_t substeps = 1;  // a frame
-  std::string reason;          // "the scene says so", or what asks for so many
-};
-
-// The scene's substeps, or where it says "auto":
-//
-// Explicit: so many that an alpha means the same stiffness at every frame rate and spacing, at least 4, at
-// most most_explicit_auto_substeps, which is a warning.
-//
-// Implicit: the least with which
-//   2 pi f h <= 0.16 for the lowest mode f of every layer, by which the stepping's own errors stay small, and
-//   K H^2 / m, the mean over each layer, is what the iterations resolve (model::resolved_stiffness),
-// at most most_auto_substeps, which is a warning for the implicit. The model knows the frequencies.
-Steps choose_steps(const scene::Scene& scene, const model::Model& model, Report& report);
-
-// An explicit substep costs a twentieth of an implicit one.
-inline constexpr std::uint32_t most_auto_substeps = 32, most_explicit_auto_substeps = 256;
-
 }  // namespace fascicle::build

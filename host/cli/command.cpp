@@ -145,6 +145,11 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
                   "material; may be repeated")
       ->option_text("NAME");
   subcommand
+      .add_option("--quality", overrides.quality,
+                  "Implicit flesh: how small the time step's errors shall be (draft, normal, final); chooses "
+                  "substeps and iterations")
+      ->option_text("NAME");
+  subcommand
       .add_option("--resolution", overrides.resolution,
                   "How fine: a number of vertices (20000), or an edge length with its unit (20mm)")
       ->option_text("SIZE");

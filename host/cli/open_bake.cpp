@@ -6,7 +6,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/model_file.h"
-#include "host/build/stiffness.h"
+#include "host/build/steps.h"
 #include "host/model/solver.h"
 #include "host/scene/scene_file.h"
 

@@ -80,6 +80,7 @@ void print_json(const scene::Scene& scene, const Built& built, const std::vector
               {"frames", validation.frames},
               {"oracle_frames", validation.oracle_frames},
               {"substeps", built.steps.substeps},
+              {"iterations", built.steps.iterations},
               {"vertices", built.model.vertex_count},
               {"holds", validation.holds()},
               {"devices", Json::array()},
@@ -202,7 +203,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
     progress->update(frame);
   };
   const Validation validation =
-      validate(scene, built, solver_options(scene), devices, frames, oracle_frames, on_frame);
+      validate(scene, built, solver_options(scene, built.steps), devices, frames, oracle_frames, on_frame);
   progress.reset();
 
   if (arguments.json)

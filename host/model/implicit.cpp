@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fascicle::model {
 
@@ -108,6 +109,17 @@ double resolved_stiffness(std::uint32_t iterations) {
   if (iterations < 2) return 0.0;
   const double x = beyond_band(iterations - 1);
   return std::sqrt(2.0 / (x - 1.0));
+}
+
+// By what relaxations() does, on one mode that shrinks by a = S/(1 + S) in a pass.
+double residual_share(std::uint32_t iterations, double stiffness) {
+  const double a = stiffness / (1.0 + stiffness);
+  double before = 1.0, now = 1.0;
+  for (const Relaxation& pass : relaxations(iterations, a)) {
+    const double next = before + double{pass.omega} * (double{pass.gain} * (a - 1.0) * now + now - before);
+    before = std::exchange(now, next);
+  }
+  return std::abs(now);
 }
 
 }  // namespace fascicle::model

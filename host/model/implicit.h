@@ -47,4 +47,8 @@ double extrapolated_share(std::uint32_t iterations, double stiffest);
 // The square root of the largest K H^2 / m whose modes the iterations reduce to 1/20.
 double resolved_stiffness(std::uint32_t iterations);
 
+// The share of an error in the smoothest mode, K H^2/m = `stiffness`, that is left after the iterations. At
+// most 1/20 where they resolve it.
+double residual_share(std::uint32_t iterations, double stiffness);
+
 }  // namespace fascicle::model

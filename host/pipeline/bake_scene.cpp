@@ -94,7 +94,8 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   DeviceRequest device = request.device;
   device.keeps_pipelines = !request.build.cache.empty();
   device.cache = request.build.cache;
-  prepared.simulation = choose_simulation(device, request.threads, built.model, solver_options(scene), say);
+  prepared.simulation =
+      choose_simulation(device, request.threads, built.model, solver_options(scene, built.steps), say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
     prepared.tried = bake::try_look(scene, built.model, *prepared.look_body, drives,
                                     *prepared.simulation.solver, prepared.expected->frame);
@@ -112,6 +113,7 @@ bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& reque
   bake::BakeOptions options;
   static_cast<bake::BakeOutput&>(options) = request.output;
   options.substeps = prepared.built.steps.substeps;
+  options.iterations = prepared.built.steps.iterations;
   options.device = prepared.simulation.device.description();
   for (const build::Warning& warning : prepared.built.report.warnings)
     options.warnings.push_back(warning.text);

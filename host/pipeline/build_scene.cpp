@@ -23,12 +23,14 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
                       count_text(built.report.tetrahedra) + " tetrahedra, built in " +
                       duration_text(built.report.seconds));
   say_detail(say, "substeps: " + std::to_string(built.steps.substeps) + " a frame; " + built.steps.reason);
+  if (built.model.is_implicit())
+    say_detail(say, "iterations: " + std::to_string(built.steps.iterations) + " a substep");
   return built;
 }
 
-model::SolverOptions solver_options(const scene::Scene& scene) {
+model::SolverOptions solver_options(const scene::Scene& scene, const build::Steps& steps) {
   const scene::SolverSettings& solver = scene.solver;
-  return {.integrator = solver.integrator, .rotation = solver.rotation, .iterations = solver.iterations};
+  return {.integrator = solver.integrator, .rotation = solver.rotation, .iterations = steps.iterations};
 }
 
 std::string warning_text(const build::Warning& warning) {

@@ -7,7 +7,7 @@
 
 #include "host/bake/bake.h"
 #include "host/build/build.h"
-#include "host/build/stiffness.h"
+#include "host/build/steps.h"
 #include "host/model/model.h"
 #include "host/model/solver.h"
 #include "host/pipeline/messages.h"
@@ -26,7 +26,7 @@ struct Built {
 // scene::SceneError.
 Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say);
 
-model::SolverOptions solver_options(const scene::Scene& scene);
+model::SolverOptions solver_options(const scene::Scene& scene, const build::Steps& steps);
 
 // The warning with the first of its vertices.
 std::string warning_text(const build::Warning& warning);

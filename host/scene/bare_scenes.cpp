@@ -116,16 +116,7 @@ rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) 
   return all;
 }
 
-// At least 240 a second, and 100 a frame at most. A rate that is no number or out of range is refused when
-// the scene is read.
-int implicit_substeps(double fps) {
-  constexpr double steps_per_second = 240.0, rounding = 1e-6;
-  constexpr int most = 100;
-  return fps > steps_per_second / most ? static_cast<int>(std::ceil(steps_per_second / fps - rounding))
-                                       : most;
-}
-
-std::string layers_for_character(const rig::Character& character, Stiffness by, double fps) {
+std::string layers_for_character(const rig::Character& character, Stiffness by) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
@@ -161,20 +152,17 @@ std::string layers_for_character(const rig::Character& character, Stiffness by, 
          where("{ depth = { maximum = 0.3 } }", bone) +
          "\n"
          "[solver]\n" +
-         (by_alpha
-              ? "substeps = \"auto\"\n"
-              : "integrator = \"implicit\"\n# 240 a second: more for fewer frames a second\nsubsteps = " +
-                    std::to_string(implicit_substeps(fps)) + "\n");
+         (by_alpha ? "" : "integrator = \"implicit\"\n") + "substeps = \"auto\"\n";
 }
 
 std::string scene_for_character(const std::filesystem::path& path, const rig::Character& character,
-                                Stiffness stiffness, double fps) {
+                                Stiffness stiffness) {
   return "[scene]\n"
          "fps = 60\n"
          "\n"
          "[character]\n"
          "file = " +
-         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, fps) +
+         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness) +
          // Explicit flesh that is pressed into a fold trembles (docs/design, contact.md).
          (stiffness == Stiffness::modulus ? "\n[contact]\nself = true\n" : "");
 }

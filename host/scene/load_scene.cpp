@@ -79,8 +79,7 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
                           scene_for_character(path, std::get<rig::Character>(sized.geometry),
                                               stiffness_for(std::get<rig::Character>(sized.geometry),
                                                             overridden(overrides, "solver.integrator"),
-                                                            overridden(overrides, "solver.weights")),
-                                              fps_of(overrides, std::nullopt)),
+                                                            overridden(overrides, "solver.weights"))),
                           {}},
                          overrides);
     }

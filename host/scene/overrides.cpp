@@ -136,7 +136,7 @@ bool has_named_characters(const toml::table& root) {
 bool has_overrides(const SceneOverrides& o) {
   return !o.set.empty() || o.fps || o.start || o.end || o.clip || o.rest || o.interpolation || o.preroll ||
          o.settle || o.loop || o.seamless || o.hold || o.handles || o.cage || o.cage_detail || o.resolution ||
-         !o.rigid.empty() || o.softness || o.exaggerate || !o.only.empty();
+         o.quality || !o.rigid.empty() || o.softness || o.exaggerate || !o.only.empty();
 }
 
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path) {
@@ -149,16 +149,6 @@ std::optional<std::string> overridden(const SceneOverrides& overrides, std::stri
         value->back() == value->front())
       value = value->substr(1, value->size() - 2);
   }
-  return value;
-}
-
-double fps_of(const SceneOverrides& overrides, const std::optional<double>& in_file) {
-  if (overrides.fps) return *overrides.fps;
-  const double otherwise = in_file.value_or(Scene{}.fps);
-  const std::optional<std::string> set = overridden(overrides, "scene.fps");
-  if (!set) return otherwise;
-  double value = otherwise;
-  std::from_chars(set->data(), set->data() + set->size(), value);
   return value;
 }
 
@@ -236,6 +226,11 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     text << toml::toml_formatter{names};
     set(option, "skeleton.rigid", text.str());
   }
+  // The quality decides what "auto" means; a scene that states its steps leaves nothing to decide.
+  for (const char* key : {"quality", "substeps", "iterations"})
+    if (overrides.quality)
+      set("--quality " + *overrides.quality, std::string("solver.") + key,
+          key == std::string_view("quality") ? *overrides.quality : "auto");
   assign_text("--cage", "body.cage", overrides.cage);
   assign_text("--cage-detail", "body.cage_detail", overrides.cage_detail);
   assign_text("--resolution", "body.resolution", overrides.resolution);

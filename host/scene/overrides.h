@@ -22,7 +22,4 @@ bool has_named_characters(const toml::table& root);
 // overrides can be applied.
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path);
 
-// Frames a second: by --fps or --set, else as the scene file has it, else the default.
-double fps_of(const SceneOverrides& overrides, const std::optional<double>& in_file);
-
 }  // namespace fascicle::scene

@@ -311,13 +311,21 @@ struct BodySettings {
   double thickness = 0.0;                 // m: how far outside the skin the cage of a prop stands
 };
 
+// How small the time step's errors shall be where substeps are "auto" (build/steps.h).
+enum class Quality { draft, normal, final };
+constexpr auto names_of(Quality) {
+  return std::array{"draft", "normal", "final"};
+}
+
 struct SolverSettings {
   Integrator integrator = Integrator::explicit_step;
   Rotation rotation = Rotation::qcp;
   WeightForm weights = WeightForm::symmetric;
-  std::uint32_t substeps = 1;     // a frame, [1, 1000]; of no meaning beside auto_substeps
-  bool auto_substeps = false;     // substeps = "auto": build::choose_steps says how many
-  std::uint32_t iterations = 20;  // an implicit substep, [1, 1000]
+  std::uint32_t substeps = 1;  // a frame, [1, 1000]; of no meaning beside auto_substeps
+  bool auto_substeps = false;  // substeps = "auto": build::choose_steps says how many
+  // An implicit substep, [1, 1000]; none: "auto", build::choose_steps says how many.
+  std::optional<std::uint32_t> iterations = {};
+  Quality quality = Quality::normal;  // of an implicit scene's auto_substeps
 };
 
 // What the rest shape is: hung by gravity already, so that only gravity's change in the bones' frames acts
@@ -429,6 +437,7 @@ struct SceneOverrides {
   std::optional<std::string> cage = {}, cage_detail = {}, resolution = {};
   std::vector<std::string> rigid = {};  // joints, objects or materials
   std::optional<double> softness = {}, exaggerate = {};
+  std::optional<std::string> quality = {};  // and "auto" for substeps and iterations
   std::vector<std::string> only = {};    // joints
   std::filesystem::path converter = {};  // Scene::converter; changes nothing in the scene
 };

@@ -290,10 +290,16 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
   const toml::node* substeps = table.get("substeps");
   solver.auto_substeps = substeps != nullptr && substeps->is_string();
   if (!solver.auto_substeps) read(table, "substeps", solver.substeps);
-  if (table.contains("iterations") && !implicit)
-    fail(table.get("iterations")->source(), "solver.iterations",
-         takes(Integrator::implicit_step) + "; leave it out");
-  if (solver.auto_substeps && solver.iterations < 2)
+  for (const char* key : {"quality", "iterations"})
+    if (table.contains(key) && !implicit)
+      fail(table.get(key)->source(), std::string("solver.") + key,
+           takes(Integrator::implicit_step) + "; leave it out");
+  if (const toml::node* iterations = table.get("iterations"); iterations && !iterations->is_string())
+    read(table, "iterations", solver.iterations);
+  if (table.contains("quality") && !solver.auto_substeps)
+    fail(table.get("quality")->source(), "solver.quality",
+         "chooses the substeps, so it goes with solver.substeps = \"auto\"; say that, or leave it out");
+  if (solver.auto_substeps && solver.iterations && *solver.iterations < 2)
     fail(table.get("iterations")->source(), "solver.iterations",
          "is 1, which resolves no stiffness, so \"auto\" finds no substeps; give 2 or more, or substeps as a "
          "number");
@@ -323,9 +329,8 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   };
   const rig::Character character = what_layers_go_by(characters);
   const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
-  toml::table defaults = toml::parse(
-      layers_for_character(character, stiffness, fps_of(overrides, root["scene"]["fps"].value<double>())),
-      std::string_view("default layers"));
+  toml::table defaults =
+      toml::parse(layers_for_character(character, stiffness), std::string_view("default layers"));
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())
@@ -397,9 +402,11 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
 std::string documented_text(const Scene& scene) {
   const toml::table root = toml::parse(scene.text, scene.source);
   // What goes with the other integrator, or with another body, would be refused.
-  std::vector<const char*> left_out{"iterations"};
+  std::vector<const char*> left_out{"iterations", "quality"};
   if (scene.solver.integrator == Integrator::implicit_step)
     left_out.assign(explicit_keys.begin(), explicit_keys.end());
+  if (scene.solver.integrator == Integrator::implicit_step && !scene.solver.auto_substeps)
+    left_out.push_back("quality");
   if (!std::holds_alternative<rig::Character>(scene.geometry)) left_out.push_back("skeleton");
   if (std::holds_alternative<Bar>(scene.geometry) || std::holds_alternative<mesh::TetMesh>(scene.geometry))
     left_out.push_back("body");

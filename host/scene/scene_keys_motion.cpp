@@ -25,14 +25,26 @@ const auto& solver_rows() {
           {.name = "substeps",
            .doc =
                "Steps a frame; the stiffness that alpha means grows with their square. auto: as many as make "
-               "it the same at every frame rate and spacing; with the implicit integrator, as many as the "
-               "layers' lowest modes need.",
+               "it the same at every frame rate and spacing; with the implicit integrator, as many as "
+               "quality "
+               "and the layers' lowest modes need.",
            .range = between(1, 1000),
            .allowed = {"auto"}},
           {.by_hand = true}),
       member("auto_substeps", &SolverSettings::auto_substeps),
       key(&SolverSettings::iterations,
-          {.name = "iterations", .doc = "Iterations an implicit substep.", .range = between(1, 1000)})};
+          {.name = "iterations",
+           .doc =
+               "Iterations an implicit substep. auto, or left out: as many as the layers' stiffness needs.",
+           .range = between(1, 1000),
+           .allowed = {"auto"}},
+          {.by_hand = true}),
+      key(&SolverSettings::quality,
+          {.name = "quality",
+           .doc =
+               "Of the implicit integrator with substeps = \"auto\": how small the time step's errors shall "
+               "be. draft: 240 substeps a second or more; normal: 480; final: 1440, for three times the "
+               "time and a sixth of the error."})};
   static_assert(base::has_row_for_each_member<SolverSettings, decltype(all)>,
                 "a member of SolverSettings has no row here");
   return all;

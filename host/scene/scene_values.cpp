@@ -55,6 +55,11 @@ void read(const toml::table& table, const char* key, NameLists& out) {
   }
 }
 
+void read(const toml::table& table, const char* key, std::optional<std::uint32_t>& out) {
+  if (!table.contains(key)) return;
+  read(table, key, out.emplace());
+}
+
 void read(const toml::table& table, const char* key, std::optional<Vector3d>& out) {
   if (const toml::node* node = table.get(key)) out = vector_of(*node);
 }

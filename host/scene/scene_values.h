@@ -18,6 +18,7 @@ Vector3d vector_of(const toml::node& node);
 // These take the value if the key is there and else leave what stands.
 void read(const toml::table& table, const char* key, double& out);
 void read(const toml::table& table, const char* key, std::optional<double>& out);
+void read(const toml::table& table, const char* key, std::optional<std::uint32_t>& out);
 void read(const toml::table& table, const char* key, std::uint32_t& out);
 void read(const toml::table& table, const char* key, std::uint64_t& out);
 void read(const toml::table& table, const char* key, bool& out);

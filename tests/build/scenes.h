@@ -52,4 +52,13 @@ inline void expect_refusal(const std::function<void()>& action, const std::strin
   }
 }
 
+// An uneven bar of implicit flesh that hangs on its pins.
+inline scene::Scene elastic_scene(double E) {
+  scene::Scene scene = bar_scene();
+  scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};
+  scene.solver.integrator = scene::Integrator::implicit_step;
+  scene.layers[0].youngs_modulus = E;
+  return scene;
+}
+
 }  // namespace fascicle::tests

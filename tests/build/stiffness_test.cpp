@@ -15,14 +15,6 @@ namespace {
 
 using model::Model;
 
-scene::Scene elastic_scene(double E) {
-  scene::Scene scene = bar_scene();
-  scene.geometry = scene::Bar{.vertices = {9, 4, 4}, .jitter = 0.2};
-  scene.solver.integrator = scene::Integrator::implicit_step;
-  scene.layers[0].youngs_modulus = E;
-  return scene;
-}
-
 // The Oracle solves for the compliance on nine entries of the strain; the build takes it from S's invariants.
 TEST(Stiffness, IsTheOracles) {
   const Model m = build_quietly(elastic_scene(1.7e4));
@@ -103,55 +95,6 @@ TEST(Stiffness, ABodyThatNothingHoldsHasNoLowestMode) {
   scene.layers[0].damping_ratio = 0.25;
   scene.pins.clear();
   expect_refusal([&] { build_quietly(scene); }, "nothing holds it");
-}
-
-// "auto": by the lowest mode, by what the iterations reach, and not without end.
-TEST(Stiffness, SubstepsFollowTheStiffness) {
-  const auto substeps = [](double E, double fps, std::size_t* warnings = nullptr) {
-    scene::Scene scene = elastic_scene(E);
-    scene.solver.auto_substeps = true;
-    scene.fps = fps;
-    build::Report report;
-    const Model m = build::build_model(scene, report);
-    report.warnings.clear();
-    const build::Steps steps = build::choose_steps(scene, m, report);
-    if (warnings != nullptr) *warnings = report.warnings.size();
-    return steps.substeps;
-  };
-  std::size_t warnings = 1;
-  EXPECT_EQ(substeps(1e2, 60.0, &warnings), 1u);
-  EXPECT_EQ(warnings, 0u);
-  const std::uint32_t at_60 = substeps(5e6, 60.0);
-  EXPECT_GT(at_60, 2u);
-  EXPECT_NEAR(substeps(5e6, 30.0), 2.0 * at_60, 1.0);
-  EXPECT_EQ(substeps(1e12, 60.0, &warnings), build::most_auto_substeps);
-  EXPECT_EQ(warnings, 1u);
-}
-
-// An explicit "auto" keeps h / spacing: half the frame rate or half the spacing takes twice the substeps.
-TEST(Stiffness, ExplicitSubstepsFollowFrameRateAndSpacing) {
-  std::size_t warnings = 0;
-  const auto substeps = [&warnings](const std::array<std::uint32_t, 3>& vertices, double fps) {
-    scene::Scene scene = bar_scene();
-    scene.geometry = scene::Bar{.vertices = vertices};
-    scene.solver.auto_substeps = true;
-    scene.fps = fps;
-    build::Report report;
-    const Model m = build::build_model(scene, report);
-    const std::size_t before = report.warnings.size();
-    const build::Steps steps = build::choose_steps(scene, m, report);
-    warnings = report.warnings.size() - before;
-    return steps.substeps;
-  };
-  const std::uint32_t coarse = substeps({11, 3, 3}, 30.0);
-  EXPECT_GT(coarse, 4u);
-  // Rounded up; and a finer bar has a smaller part of its edges at the surface.
-  EXPECT_NEAR(substeps({11, 3, 3}, 15.0), 2.0 * coarse, 1.0);
-  EXPECT_NEAR(substeps({21, 5, 5}, 30.0), 2.0 * coarse, 1.0);
-  EXPECT_EQ(substeps({11, 3, 3}, 1000.0), 4u);
-  EXPECT_EQ(warnings, 0u);
-  EXPECT_EQ(substeps({11, 3, 3}, 0.5), build::most_explicit_auto_substeps);
-  EXPECT_EQ(warnings, 1u);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 
 #include "cpu_reference/oracle/oracle_implicit.h"
 #include "host/bake/identity.h"
-#include "host/build/stiffness.h"
+#include "host/build/steps.h"
 #include "tests/build/scenes.h"
 #include "tests/support/sliding_models.h"
 

@@ -133,6 +133,29 @@ TEST(Limit, ACornerOverAHeldTriangleIsLiftedToItsLeastHeight) {
   EXPECT_NEAR(height, 0.75 / 1.01, 1e-3);
 }
 
+// The same corner's speed: its way over the step, and over 1/180 s where the step is shorter. Skinning may
+// crush flesh at once, and the shorter the step, the faster it would come out.
+TEST(Limit, WhatIsLiftedInAShortStepDoesNotBurst) {
+  Model model = make_model(regular_tetrahedron());
+  for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(model, i);
+  model = make_implicit(model, 1.0);
+  add_limits(model, 0.5);
+  for (const double h : {1e-2, 1e-3, 1e-4}) {
+    const auto solver = make_cpu_solver(model, implicit, 1);
+    State state = solver->save();
+    const Vector3d centre =
+        (triple(state.positions, 1) + triple(state.positions, 2) + triple(state.positions, 3)) / 3.0;
+    for (std::size_t k = 0; k < 3; ++k) state.positions[k] = float(centre[int(k)]);
+    solver->load(state);
+    TestDrive drive = quiet_drive(model, h);
+    solver->submit(drive.get(), {});
+    const State lifted = solver->save();
+    const double way = (triple(lifted.positions, 0) - centre).norm();
+    // What the flesh's own 1 Pa does in the step.
+    EXPECT_NEAR(triple(lifted.velocities, 0).norm(), way * std::min(1.0 / h, 180.0), 0.01 * way / h) << h;
+  }
+}
+
 // Metres, of a column of 0.19 that is crushed to a third: rounding, amplified by which tetrahedra lack
 // volume, a choice that a bit may turn. Three frames of four substeps; what the load itself moves is a
 // hundred times as much.
@@ -208,7 +231,7 @@ TEST(Limit, AFreeBodyKeepsItsMomenta) {
   model.layers[0].damping = 0.0;
   EXPECT_LT(change_of_momentum(model, *make_cpu_solver(model, implicit, 1)), 2e-3);
   for (std::uint32_t i = 0; i < model.vertex_count; i += 3) model.mobility[i] *= 2.0f;
-  EXPECT_GT(change_of_momentum(model, *make_cpu_solver(model, implicit, 1)), 2e-2);
+  EXPECT_GT(change_of_momentum(model, *make_cpu_solver(model, implicit, 1)), 1e-2);
 }
 
 TEST(Limit, WhereNothingIsCrushedNoBitChanges) {

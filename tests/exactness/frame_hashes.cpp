@@ -13,7 +13,7 @@
 
 #include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
-#include "host/build/stiffness.h"
+#include "host/build/steps.h"
 #include "host/drive/drive_source.h"
 #include "host/drive/lead_in.h"
 #include "host/model/validate.h"
@@ -35,11 +35,11 @@ unsigned long long hash_of(const std::vector<float>& values) {
 }
 
 void step_on(const std::string& device, std::uint64_t frames, const scene::Scene& scene,
-             const model::Model& model, std::uint32_t substeps) {
+             const model::Model& model, const build::Steps& steps) {
   const model::SolverOptions solver_options{
       .integrator = model.is_implicit() ? model::Integrator::implicit_step : model::Integrator::explicit_step,
       .rotation = scene.solver.rotation,
-      .iterations = scene.solver.iterations};
+      .iterations = steps.iterations};
   const auto number = static_cast<unsigned>(std::stoul(device.substr(device.find(':') + 1)));
 #ifdef FASCICLE_WITH_VULKAN
   std::unique_ptr<gpu::Device> gpu_device;  // outlives the solver
@@ -59,7 +59,7 @@ void step_on(const std::string& device, std::uint64_t frames, const scene::Scene
     solver = cpu_reference::make_cpu_solver(model, solver_options, number, *simd);
   }
   std::printf("on %s\n", device.c_str());
-  drive::DriveSource drives(scene, model, substeps);
+  drive::DriveSource drives(scene, model, steps.substeps);
   solver->load(drive::lead_in(scene, model, drives, *solver).state);
   for (std::uint64_t k = 1; k <= frames; ++k) {
     solver->submit(drives.drive(k), {.positions = true, .velocities = true, .surface = true});
@@ -79,7 +79,7 @@ void run(const std::string& name, std::uint64_t frames, const std::vector<std::s
   const model::Model model = build::build_model(scene, report, options);
   model::check_model(model);
   const build::Steps steps = build::choose_steps(scene, model, report);
-  for (const std::string& device : devices) step_on(device, frames, scene, model, steps.substeps);
+  for (const std::string& device : devices) step_on(device, frames, scene, model, steps);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "host/build/build.h"
-#include "host/build/stiffness.h"
+#include "host/build/steps.h"
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
@@ -13,7 +13,8 @@ namespace fascicle::tests {
 
 struct BuiltScene {
   model::Model model;
-  std::uint32_t substeps = 0;  // of a frame
+  std::uint32_t substeps = 0;    // of a frame
+  std::uint32_t iterations = 0;  // of a substep
 };
 
 // With the mesher of this build.
@@ -23,7 +24,7 @@ inline BuiltScene built(const scene::Scene& scene) {
   options.mesher = FASCICLE_MESHER;
   model::Model model = build::build_model(scene, report, options);
   const build::Steps steps = build::choose_steps(scene, model, report);
-  return {std::move(model), steps.substeps};
+  return {std::move(model), steps.substeps, steps.iterations};
 }
 
 }  // namespace fascicle::tests

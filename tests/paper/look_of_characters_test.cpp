@@ -55,11 +55,11 @@ struct Foreseen {
 
 Foreseen foreseen(const char* file, const char* clip, double softness) {
   const scene::Scene scene = scene::load_scene(asset(file).string(), {.clip = clip, .softness = softness});
-  const auto [model, substeps] = built(scene);
+  const auto [model, substeps, iterations] = built(scene);
   drive::DriveSource drives(scene, model, substeps);
   const bake::LookBody body = bake::look_body_of(scene, model).value();
   const bake::ExpectedLook expected = bake::expected_look(scene, model, body, drives).value();
-  const auto solver = cpu_reference::make_cpu_solver(model, {.integrator = model::Integrator::implicit_step});
+  const auto solver = cpu_reference::make_cpu_solver(model, {.integrator = model::Integrator::implicit_step, .iterations = iterations});
   return {expected.score, bake::try_look(scene, model, body, drives, *solver, expected.frame).worst.score};
 }
 

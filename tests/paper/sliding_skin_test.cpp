@@ -9,7 +9,7 @@
 
 #include "cpu_reference/solver/cpu_solver.h"
 #include "host/build/build.h"
-#include "host/build/stiffness.h"
+#include "host/build/steps.h"
 #include "host/drive/drive_source.h"
 #include "host/model/validate.h"
 #include "host/scene/scene.h"
@@ -38,7 +38,8 @@ Sag cheek_sag(const std::string& integrator, bool sliding, const std::vector<std
   const build::Steps steps = build::choose_steps(scene, model, report);
   drive::DriveSource drives(scene, model, steps.substeps);
   model::SolverOptions options;
-  if (model.is_implicit()) options = {.integrator = model::Integrator::implicit_step, .iterations = 20};
+  if (model.is_implicit())
+    options = {.integrator = model::Integrator::implicit_step, .iterations = steps.iterations};
   const auto solver = cpu_reference::make_cpu_solver(model, options, 0);
   const auto middle = [&](const std::vector<float>& positions, const char* probe) {
     for (const model::ProbeSet& set : model.probes)

@@ -482,13 +482,13 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_GT(bone, 0.0);
   EXPECT_GT(muscle, bone);
   EXPECT_LT(muscle, 1.0);
-  // 240 steps a second, whatever the frame rate.
-  EXPECT_EQ(scene.solver.substeps, 4u);
-  EXPECT_EQ(load_scene(path.string(), {.fps = 24.0}).solver.substeps, 10u);
-  EXPECT_EQ(load_scene(path.string(), {.fps = 120.0}).solver.substeps, 2u);
-  EXPECT_EQ(load_scene(path.string(), {.set = {"scene.fps=30"}}).solver.substeps, 8u);
-  EXPECT_EQ(load_scene(path.string(), {.fps = 90.0}).solver.substeps, 3u);
-  EXPECT_EQ(load_scene(path.string(), {.fps = 1.0}).solver.substeps, 100u);
+  // How many is the model's to say, whatever the frame rate.
+  EXPECT_TRUE(scene.solver.auto_substeps);
+  EXPECT_FALSE(scene.solver.iterations);
+  EXPECT_EQ(scene.solver.quality, Quality::normal);
+  const Scene final = load_scene(path.string(), {.quality = "final"});
+  EXPECT_TRUE(final.solver.auto_substeps);
+  EXPECT_EQ(final.solver.quality, Quality::final);
   EXPECT_EQ(load_scene(path.string(), {.set = {"solver.substeps=3"}, .fps = 24.0}).solver.substeps, 3u);
   EXPECT_EQ(scene.start, 0.0);
   EXPECT_NEAR(scene.end, 2.0, 1e-6);  // the clip's last key, a float in the file

@@ -475,7 +475,8 @@ TEST_F(SceneKeys, ACharacterWithoutLayersGetsThemForItsIntegrator) {
         parse(plain + "[solver]\nintegrator = \"explicit\"\n", {.set = {"solver.integrator=implicit"}})}) {
     ASSERT_EQ(scene.layers.size(), 3u);
     EXPECT_EQ(scene.solver.integrator, scene::Integrator::implicit_step);
-    EXPECT_FALSE(scene.solver.auto_substeps);
+    EXPECT_TRUE(scene.solver.auto_substeps);
+    EXPECT_FALSE(scene.solver.iterations);
     // The paper's 0.3 between fat and muscle.
     EXPECT_NEAR(*scene.layers[0].youngs_modulus, 0.3 * *scene.layers[1].youngs_modulus,
                 0.01 * *scene.layers[1].youngs_modulus);
@@ -563,10 +564,15 @@ TEST_F(SceneKeys, StiffnessIsStatedOnceAndByItsIntegrator) {
       {"layers.fat.least_volume=0.3", "layers.fat.least_volume: takes solver.integrator = \"implicit\""},
       {"layers.fat.damping_ratio=0.5", "layers.fat.damping_ratio: takes solver.integrator = \"implicit\""},
       {"solver.substeps=many", "is not one of auto"},
-      {"solver.iterations=5", "solver.iterations: takes"}};
+      {"solver.iterations=5", "solver.iterations: takes"},
+      {"solver.quality=final", "solver.quality: takes"}};
   EXPECT_NE(refusal(implicit_sample(), {.set = {"solver.substeps=auto", "solver.iterations=1"}})
                 .find("solver.iterations: is 1, which resolves no stiffness"),
             std::string::npos);
+  EXPECT_NE(
+      refusal(implicit_sample(), {.set = {"solver.substeps=4"}}).find("solver.quality: chooses the substeps"),
+      std::string::npos);
+  EXPECT_EQ(refusal(implicit_sample(), {.set = {"solver.substeps=4"}, .quality = "final"}), "no error");
   for (const auto& [set, reason] : refused)
     EXPECT_NE(refusal(bar_sample(), {.set = {set}}).find(reason), std::string::npos)
         << refusal(bar_sample(), {.set = {set}});

@@ -324,6 +324,7 @@ fraction = 0.9
 integrator = "implicit"
 substeps = "auto"
 iterations = 12
+quality = "draft"
 )";
 }
 
@@ -452,7 +453,7 @@ std::string describe(const Scene& scene) {
   }
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
-         scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations);
+         scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations, scene.solver.quality);
   d.line("time", scene.fps, scene.start, scene.end, scene.clip);
   const Motion& m = scene.motion;
   d.line("motion", m.rest, m.interpolation, m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,

@@ -1,0 +1,204 @@
+#include "host/build/steps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "host/base/text.h"
+#include "host/build/message.h"
+#include "host/model/implicit.h"
+
+namespace fascicle::build {
+
+namespace {
+
+constexpr double radians_a_turn = 2.0 * std::numbers::pi;
+constexpr const char* stated = "the scene says so";
+// Of a scene that states its substeps: they cost it nothing more, so that few are stretched far.
+constexpr std::uint32_t most_iterations_of_stated_substeps = 100;
+
+// A body of length L, mean edge l and alpha 1 hangs through by about 0.9 g h^2 L / l^2 of its length
+// (measured on bars): alpha is a stiffness a substep. This much of it only tells bodies apart, as flesh hangs
+// on bones: it gives a heavy man, a muscular man and a fox of 20,000 vertices 18, 23 and 13 substeps at 60
+// fps, with which their jumps and its gallop turn hardly more tetrahedra inside out than skinning does
+// (see docs/design/crushed-flesh.md).
+constexpr double explicit_stretch = 0.023;
+constexpr double earth_gravity = 9.81;
+// Fewer do not hold flesh, whatever alpha.
+constexpr double least_explicit_substeps = 4.0;
+
+double explicit_substeps(const scene::Scene& scene, const model::Model& model) {
+  double edges = 0.0;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    for (std::uint32_t k = model.ring_offset[i]; k < model.ring_offset[i + 1]; ++k) {
+      double squared = 0.0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double d = double{model.rest[3 * std::size_t{model.ring[k]} + c]} -
+                         double{model.rest[3 * std::size_t{i} + c]};
+        squared += d * d;
+      }
+      edges += std::sqrt(squared);
+    }
+  const double mean_edge = edges / static_cast<double>(model.ring.size()) * model.unit;
+  const std::vector<double> lengths = model::extents(model, scene::first_joints(scene));
+  const double length = *std::max_element(lengths.begin(), lengths.end());
+  const double needed =
+      std::ceil(std::sqrt(0.9 * earth_gravity * length / explicit_stretch) / (mean_edge * scene.fps));
+  return std::max(needed, least_explicit_substeps);
+}
+
+Steps choose_explicit_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
+  const double needed = explicit_substeps(scene, model);
+  bool is_soft = false;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) is_soft = is_soft || !model.is_kinematic(i);
+  if (is_soft && needed > most_explicit_auto_substeps)
+    warn(report, "solver.substeps: alpha needs " +
+                     std::to_string(static_cast<std::uint64_t>(std::min(needed, 1e15))) +
+                     " substeps to mean the same as at other frame rates and spacings; \"auto\" takes " +
+                     std::to_string(most_explicit_auto_substeps) +
+                     " at most, so flesh will be softer; raise fps, or take a coarser mesh");
+  return {.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_explicit_auto_substeps})),
+          .reason = "alpha means the same with them at every frame rate and spacing"};
+}
+
+// What the iterations meet: K/m of each layer's free vertices, the mean by mass; 0 of one that has none.
+std::vector<double> stiffness_of_layers(const model::Model& model) {
+  std::vector<double> pull(model.layers.size(), 0.0), mass(model.layers.size(), 0.0);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    pull[model.layer_of(i)] += model.stiffness[i] * model.mass[i];
+    mass[model.layer_of(i)] += model.mass[i];
+  }
+  for (std::size_t l = 0; l < pull.size(); ++l) pull[l] = mass[l] > 0.0 ? pull[l] / mass[l] : 0.0;
+  return pull;
+}
+
+// The largest of the layers' values, and whose it is; the first layer where none is above 0.
+struct Largest {
+  double value = 0.0;
+  std::size_t layer = 0;
+};
+Largest largest_of(const std::vector<double>& values) {
+  Largest largest;
+  for (std::size_t l = 0; l < values.size(); ++l)
+    if (values[l] > largest.value) largest = {values[l], l};
+  return largest;
+}
+
+// BDF2's H is 2/3 of the step.
+double stiffness_of_step(double k_over_m, double substeps_per_second) {
+  const double H = 2.0 / 3.0 / substeps_per_second;
+  return k_over_m * H * H;
+}
+
+std::uint32_t iterations_for(double stiffness, std::uint32_t most) {
+  std::uint32_t n = 2;
+  while (n < most && model::resolved_stiffness(n) * model::resolved_stiffness(n) < stiffness) ++n;
+  return n;
+}
+
+std::string rounded_up(double x) {
+  return std::to_string(static_cast<std::uint64_t>(std::min(std::ceil(x), 1e15)));
+}
+
+std::string percent(double share) {
+  return base::short_text(100.0 * share) + " %";
+}
+
+StepError error_of(double frequency, double k_over_m, double substeps_per_second, std::uint32_t iterations) {
+  const double phase = radians_a_turn * frequency / substeps_per_second;
+  return {phase * phase / 3.0, 1.0 - std::exp(-radians_a_turn * phase * phase * phase / 4.0),
+          model::residual_share(iterations, stiffness_of_step(k_over_m, substeps_per_second))};
+}
+
+Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
+  const scene::SolverSettings& solver = scene.solver;
+  std::vector<double> frequencies;
+  const std::vector<double> stiffnesses = stiffness_of_layers(model);
+  for (std::size_t l = 0; l < model.layers.size(); ++l)
+    frequencies.push_back(stiffnesses[l] > 0.0 ? model.layers[l].frequency : 0.0);
+  const Largest swing = largest_of(frequencies), stiff = largest_of(stiffnesses);
+  const auto of_layer = [&](const Largest& largest) { return "layers." + model.layers[largest.layer].name; };
+
+  Steps steps{.substeps = solver.substeps, .reason = stated};
+  if (solver.auto_substeps) {
+    // A rate that is a third by rounding asks for no further substep.
+    constexpr double rounding = 1e-6;
+    const double by_quality = steps_per_second(solver.quality) / scene.fps - rounding;
+    const double by_mode = model.has_skeleton()
+                               ? 0.0
+                               : radians_a_turn * swing.value / (longest_phase(solver.quality) * scene.fps);
+    const double reached = model::resolved_stiffness(solver.iterations.value_or(most_auto_iterations));
+    const double by_stiffness = 2.0 / 3.0 * std::sqrt(stiff.value) / (reached * scene.fps);
+    double needed = std::max(1.0, by_quality);
+    steps.reason = std::string("quality \"") + name_of(solver.quality) + '"';
+    if (by_mode > needed) steps.reason = "the lowest mode of " + of_layer(swing);
+    needed = std::max(needed, by_mode);
+    if (by_stiffness > needed) steps.reason = "the stiffness of " + of_layer(stiff);
+    needed = std::ceil(std::max(needed, by_stiffness));
+    if (needed > most_auto_substeps)
+      warn(report, of_layer(by_stiffness > by_mode ? stiff : swing) + ": is so stiff that it would take " +
+                       rounded_up(needed) + " substeps; \"auto\" takes " +
+                       std::to_string(most_auto_substeps) +
+                       " at most. It will come to rest where it should, but move more slowly; set "
+                       "solver.substeps, or make it softer");
+    steps.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_auto_substeps}));
+  }
+  const double a_second = steps.substeps * scene.fps;
+  const double stiffness = stiffness_of_step(stiff.value, a_second);
+  const std::uint32_t resolving = iterations_for(
+      stiffness, solver.auto_substeps ? most_auto_iterations : most_iterations_of_stated_substeps);
+  steps.iterations = solver.iterations.value_or(resolving);
+  steps.error = error_of(swing.value, stiff.value, a_second, steps.iterations);
+  if (solver.iterations && *solver.iterations < resolving &&
+      !(solver.auto_substeps && *solver.iterations > 1))
+    warn(report, "solver.iterations: " + std::to_string(*solver.iterations) + " leave " +
+                     percent(steps.error.residual) + " of a substep's change in " + of_layer(stiff) +
+                     " undone, so it lags and gives way more than it should; \"auto\" takes " +
+                     std::to_string(resolving));
+  if (!solver.auto_substeps && !model.has_skeleton() &&
+      radians_a_turn * swing.value > longest_phase(scene::Quality::draft) * a_second)
+    warn(report,
+         "solver.substeps: with " + std::to_string(solver.substeps) + " the lowest mode of " +
+             of_layer(swing) + ", " + base::short_text(swing.value) + " Hz, swings " +
+             percent(steps.error.slower) + " slower and loses " + percent(steps.error.lost) +
+             " of its swing in each period; take " +
+             rounded_up(radians_a_turn * swing.value / (longest_phase(scene::Quality::draft) * scene.fps)) +
+             ", or \"auto\"");
+  return steps;
+}
+
+}  // namespace
+
+double steps_per_second(scene::Quality quality) {
+  // The time step's error on a heavy man's jump is 1.6, 0.6 and 0.1 mm (docs/design/integrators.md).
+  switch (quality) {
+    case scene::Quality::draft:
+      return 240.0;
+    case scene::Quality::normal:
+      return 480.0;
+    case scene::Quality::final:
+      return 1440.0;
+  }
+  return 480.0;
+}
+
+double longest_phase(scene::Quality quality) {
+  // The frequency is off by 0.9, 0.2 and 0.02 %.
+  return 0.16 * steps_per_second(scene::Quality::draft) / steps_per_second(quality);
+}
+
+bool steps_need_lowest_modes(const scene::SolverSettings& solver, const model::Model& model) {
+  return solver.auto_substeps && !model.has_skeleton();
+}
+
+Steps choose_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
+  if (model.is_implicit()) return choose_implicit_steps(scene, model, report);
+  if (scene.solver.auto_substeps) return choose_explicit_steps(scene, model, report);
+  return {.substeps = scene.solver.substeps, .reason = stated};
+}
+
+}  // namespace fascicle::build

@@ -1,0 +1,185 @@
+// Substeps and iterations that a scene leaves to "auto", and the errors that are foretold of those it states.
+#include "host/build/steps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/model/implicit.h"
+#include "host/scene/scene.h"
+#include "tests/build/scenes.h"
+
+namespace fascicle::tests {
+namespace {
+
+using model::Model;
+
+struct Chosen {
+  build::Steps steps;
+  std::vector<build::Warning> warnings;  // of the choice alone
+  Model model;
+};
+
+Chosen chosen(const scene::Scene& scene) {
+  build::Report report;
+  Chosen all;
+  all.model = build::build_model(scene, report);
+  report.warnings.clear();
+  all.steps = build::choose_steps(scene, all.model, report);
+  all.warnings = report.warnings;
+  return all;
+}
+
+scene::Scene auto_scene(double E, double fps = 60.0) {
+  scene::Scene scene = elastic_scene(E);
+  scene.solver.auto_substeps = true;
+  scene.fps = fps;
+  return scene;
+}
+
+// K H^2 / m, the mean of the free vertices by mass.
+double stiffness_of_step(const Chosen& c, double fps) {
+  double pull = 0.0, mass = 0.0;
+  for (std::uint32_t i = 0; i < c.model.vertex_count; ++i) {
+    if (c.model.is_kinematic(i)) continue;
+    pull += c.model.stiffness[i] * c.model.mass[i];
+    mass += c.model.mass[i];
+  }
+  const double H = 2.0 / (3.0 * fps * c.steps.substeps);
+  return pull / mass * H * H;
+}
+
+TEST(Steps, AsManyASecondAtEveryFrameRate) {
+  for (const double fps : {24.0, 30.0, 60.0, 120.0, 1000.0}) {
+    scene::Scene scene = auto_scene(1e3, fps);
+    for (const auto& [quality, a_second] :
+         {std::pair(scene::Quality::draft, 240.0), std::pair(scene::Quality::normal, 480.0),
+          std::pair(scene::Quality::final, 1440.0)}) {
+      scene.solver.quality = quality;
+      const Chosen c = chosen(scene);
+      EXPECT_GE(c.steps.substeps * fps, a_second - 1e-6) << fps;
+      EXPECT_LT((c.steps.substeps - 1) * fps, a_second) << fps;
+      EXPECT_TRUE(c.warnings.empty());
+      EXPECT_EQ(c.steps.reason, std::string("quality \"") + name_of(quality) + "\"");
+    }
+  }
+}
+
+// The iterations are the least that resolve the stiffness, and are soon at their most; then substeps grow.
+TEST(Steps, IterationsFollowTheStiffness) {
+  std::uint32_t before = 0;
+  for (const double E : {1e3, 1e4, 1e5, 1e6, 1e7, 1e8}) {
+    const Chosen c = chosen(auto_scene(E));
+    const double stiffness = stiffness_of_step(c, 60.0);
+    const auto resolves = [&](std::uint32_t n) {
+      return std::pow(model::resolved_stiffness(n), 2.0) >= stiffness;
+    };
+    EXPECT_TRUE(resolves(c.steps.iterations)) << E;
+    EXPECT_FALSE(c.steps.iterations > 2 && resolves(c.steps.iterations - 1)) << E;
+    EXPECT_LE(c.steps.iterations, build::most_auto_iterations);
+    EXPECT_GE(c.steps.iterations * c.steps.substeps, before) << E;
+    EXPECT_LE(c.steps.error.residual, 1.0 / 20.0 + 1e-9) << E;
+    EXPECT_TRUE(c.warnings.empty());
+    before = c.steps.iterations * c.steps.substeps;
+  }
+  const Chosen endless = chosen(auto_scene(1e13));
+  EXPECT_EQ(endless.steps.substeps, build::most_auto_substeps);
+  ASSERT_EQ(endless.warnings.size(), 1u);
+  EXPECT_NE(endless.warnings[0].text.find("so stiff"), std::string::npos);
+}
+
+TEST(Steps, ALowestModeIsStepped) {
+  scene::Scene scene = auto_scene(2e7);
+  for (const scene::Quality quality :
+       {scene::Quality::draft, scene::Quality::normal, scene::Quality::final}) {
+    scene.solver.quality = quality;
+    const Chosen c = chosen(scene);
+    const double phase = 2.0 * M_PI * c.model.layers[0].frequency / (60.0 * c.steps.substeps);
+    ASSERT_GT(phase, 0.0);
+    EXPECT_LE(phase, build::longest_phase(quality) * (1.0 + 1e-9));
+  }
+}
+
+// Iterations that a scene states are kept, and said to be too few where they are.
+TEST(Steps, TooFewIterationsAreToldOf) {
+  scene::Scene scene = auto_scene(2e6);
+  scene.solver.auto_substeps = false;
+  scene.solver.substeps = 4;
+  const std::uint32_t needed = chosen(scene).steps.iterations;
+  ASSERT_GT(needed, 3u);
+  double residual = 0.0;
+  for (std::uint32_t n = needed + 1; n >= 2; --n) {
+    scene.solver.iterations = n;
+    const Chosen c = chosen(scene);
+    EXPECT_EQ(c.steps.iterations, n);
+    EXPECT_EQ(c.steps.substeps, 4u);
+    EXPECT_EQ(c.warnings.size(), n < needed ? 1u : 0u) << n;
+    EXPECT_GT(c.steps.error.residual, residual);
+    residual = c.steps.error.residual;
+    for (const build::Warning& warning : c.warnings)
+      EXPECT_NE(warning.text.find("\"auto\" takes " + std::to_string(needed)), std::string::npos)
+          << warning.text;
+  }
+}
+
+TEST(Steps, TooFewSubstepsAreToldOf) {
+  scene::Scene scene = auto_scene(2e7);
+  scene.layers[0].frequency = 10.0;
+  scene.layers[0].youngs_modulus.reset();
+  scene.solver.auto_substeps = false;
+  scene.solver.substeps = 1;
+  const Chosen few = chosen(scene);
+  ASSERT_EQ(few.warnings.size(), 1u);
+  EXPECT_NE(few.warnings[0].text.find("10 Hz"), std::string::npos) << few.warnings[0].text;
+  scene.solver.substeps = 7;  // 2 pi 10/(0.16 x 60) = 6.5
+  EXPECT_TRUE(chosen(scene).warnings.empty());
+}
+
+// What is foretold of a swing, against BDF2 itself on v' = -w^2 x, x' = v.
+TEST(Steps, ASwingIsAsMuchSlowerAsForetold) {
+  scene::Scene scene = auto_scene(2e7);
+  scene.layers[0].frequency = 5.0;
+  scene.layers[0].youngs_modulus.reset();
+  scene.solver.auto_substeps = false;
+  for (const std::uint32_t substeps : {2u, 4u}) {
+    scene.solver.substeps = substeps;
+    const build::StepError error = chosen(scene).steps.error;
+    const double phase = 2.0 * M_PI * 5.0 / (60.0 * substeps);
+    // The root of (3/2 - i p) z^2 - 2 z + 1/2 = 0 near 1, of z' = i w z.
+    const std::complex<double> a(1.5, -phase), root = (2.0 + std::sqrt(4.0 - 2.0 * a)) / (2.0 * a);
+    // Both are the leading terms: the next ones are smaller by p^2, at most 0.07.
+    EXPECT_NEAR(error.slower, 1.0 - std::arg(root) / phase, 0.15 * error.slower);
+    EXPECT_NEAR(error.lost, 1.0 - std::pow(std::abs(root), 2.0 * M_PI / phase), 0.2 * error.lost);
+  }
+}
+
+// An explicit "auto" keeps h / spacing: half the frame rate or half the spacing takes twice the substeps.
+TEST(Steps, ExplicitSubstepsFollowFrameRateAndSpacing) {
+  std::size_t warnings = 0;
+  const auto substeps = [&warnings](const std::array<std::uint32_t, 3>& vertices, double fps) {
+    scene::Scene scene = bar_scene();
+    scene.geometry = scene::Bar{.vertices = vertices};
+    scene.solver.auto_substeps = true;
+    scene.fps = fps;
+    const Chosen c = chosen(scene);
+    warnings = c.warnings.size();
+    return c.steps.substeps;
+  };
+  const std::uint32_t coarse = substeps({11, 3, 3}, 30.0);
+  EXPECT_GT(coarse, 4u);
+  // Rounded up; and a finer bar has a smaller part of its edges at the surface.
+  EXPECT_NEAR(substeps({11, 3, 3}, 15.0), 2.0 * coarse, 1.0);
+  EXPECT_NEAR(substeps({21, 5, 5}, 30.0), 2.0 * coarse, 1.0);
+  EXPECT_EQ(substeps({11, 3, 3}, 1000.0), 4u);
+  EXPECT_EQ(warnings, 0u);
+  EXPECT_EQ(substeps({11, 3, 3}, 0.5), build::most_explicit_auto_substeps);
+  EXPECT_EQ(warnings, 1u);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
