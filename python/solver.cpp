@@ -152,7 +152,7 @@ constexpr const char* solver_text = R"(A body in motion, at rest before frame 0.
     model       what moves
     device      where; None opens "auto" for this solver
     rotation    "qcp" or "mueller2016"; None: as the scene says, here and below
-    iterations  of an implicit substep
+    iterations  of an implicit substep; None: as many as the scene's own substeps need (longer ones need more)
 
 Arrays `positions`, `velocities` and `surface` are the solver's own memory, without a copy. While one of them
 is in use the solver does not go on: it raises BufferError. Let go of them (del), or take copies.

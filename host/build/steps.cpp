@@ -19,6 +19,7 @@ constexpr double radians_a_turn = 2.0 * std::numbers::pi;
 constexpr const char* stated = "the scene says so";
 // Of a scene that states its substeps: they cost it nothing more, so that few are stretched far.
 constexpr std::uint32_t most_iterations_of_stated_substeps = 100;
+constexpr std::uint32_t most_substeps = 1000;
 
 // A body of length L, mean edge l and alpha 1 hangs through by about 0.9 g h^2 L / l^2 of its length
 // (measured on bars): alpha is a stiffness a substep. This much of it only tells bodies apart, as flesh hangs
@@ -94,9 +95,11 @@ double stiffness_of_step(double k_over_m, double substeps_per_second) {
   return k_over_m * H * H;
 }
 
-std::uint32_t iterations_for(double stiffness, std::uint32_t most) {
+// The least that resolve the stiffness, and more where a volume term takes its share of each.
+std::uint32_t iterations_for(double stiffness, double overshoot, std::uint32_t most) {
   std::uint32_t n = 2;
   while (n < most && model::resolved_stiffness(n) * model::resolved_stiffness(n) < stiffness) ++n;
+  while (n < most && model::residual_share(n, stiffness, overshoot) > model::resolved_residual) ++n;
   return n;
 }
 
@@ -108,10 +111,11 @@ std::string percent(double share) {
   return base::short_text(100.0 * share) + " %";
 }
 
-StepError error_of(double frequency, double k_over_m, double substeps_per_second, std::uint32_t iterations) {
+// But for the iterations' part.
+StepError error_of(double frequency, double substeps_per_second) {
   const double phase = radians_a_turn * frequency / substeps_per_second;
-  return {phase * phase / 3.0, 1.0 - std::exp(-radians_a_turn * phase * phase * phase / 4.0),
-          model::residual_share(iterations, stiffness_of_step(k_over_m, substeps_per_second))};
+  return {.slower = phase * phase / 3.0,
+          .lost = 1.0 - std::exp(-radians_a_turn * phase * phase * phase / 4.0)};
 }
 
 Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model, Report& report) {
@@ -127,40 +131,49 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
   if (solver.auto_substeps) {
     // A rate that is a third by rounding asks for no further substep.
     constexpr double rounding = 1e-6;
-    const double by_quality = steps_per_second(solver.quality) / scene.fps - rounding;
+    const double by_quality =
+        std::clamp(steps_per_second(solver.quality) / scene.fps - rounding, 1.0, double{most_substeps});
     const double by_mode = model.has_skeleton()
                                ? 0.0
                                : radians_a_turn * swing.value / (longest_phase(solver.quality) * scene.fps);
     const double reached = model::resolved_stiffness(solver.iterations.value_or(most_auto_iterations));
     const double by_stiffness = 2.0 / 3.0 * std::sqrt(stiff.value) / (reached * scene.fps);
-    double needed = std::max(1.0, by_quality);
     steps.reason = std::string("quality \"") + name_of(solver.quality) + '"';
-    if (by_mode > needed) steps.reason = "the lowest mode of " + of_layer(swing);
-    needed = std::max(needed, by_mode);
-    if (by_stiffness > needed) steps.reason = "the stiffness of " + of_layer(stiff);
-    needed = std::ceil(std::max(needed, by_stiffness));
-    if (needed > most_auto_substeps)
+    if (by_mode > by_quality) steps.reason = "the lowest mode of " + of_layer(swing);
+    if (by_stiffness > std::max(by_quality, by_mode)) steps.reason = "the stiffness of " + of_layer(stiff);
+    const double by_flesh = std::ceil(std::max(by_mode, by_stiffness));
+    if (by_flesh > most_auto_substeps)
       warn(report, of_layer(by_stiffness > by_mode ? stiff : swing) + ": is so stiff that it would take " +
-                       rounded_up(needed) + " substeps; \"auto\" takes " +
+                       rounded_up(by_flesh) + " substeps; \"auto\" takes " +
                        std::to_string(most_auto_substeps) +
                        " at most. It will come to rest where it should, but move more slowly; set "
                        "solver.substeps, or make it softer");
-    steps.substeps = static_cast<std::uint32_t>(std::min(needed, double{most_auto_substeps}));
+    steps.substeps = static_cast<std::uint32_t>(
+        std::ceil(std::max(by_quality, std::min(by_flesh, double{most_auto_substeps}))));
   }
   const double a_second = steps.substeps * scene.fps;
   const double stiffness = stiffness_of_step(stiff.value, a_second);
-  const std::uint32_t resolving = iterations_for(
-      stiffness, solver.auto_substeps ? most_auto_iterations : most_iterations_of_stated_substeps);
-  steps.iterations = solver.iterations.value_or(resolving);
-  steps.error = error_of(swing.value, stiff.value, a_second, steps.iterations);
-  if (solver.iterations && *solver.iterations < resolving &&
-      !(solver.auto_substeps && *solver.iterations > 1))
-    warn(report, "solver.iterations: " + std::to_string(*solver.iterations) + " leave " +
+  const double overshoot = model::volume_overshoot(model);
+  const std::uint32_t enough = iterations_for(
+      stiffness, overshoot, solver.auto_substeps ? most_auto_iterations : most_iterations_of_stated_substeps);
+  steps.iterations = solver.iterations.value_or(enough);
+  steps.error = error_of(swing.value, a_second);
+  steps.error.residual = model::residual_share(steps.iterations, stiffness, overshoot);
+  // What auto substeps leave has been said.
+  if (!solver.auto_substeps && steps.error.residual > model::resolved_residual * (1.0 + 1e-9))
+    warn(report, "solver.iterations: " + std::to_string(steps.iterations) + " leave " +
                      percent(steps.error.residual) + " of a substep's change in " + of_layer(stiff) +
-                     " undone, so it lags and gives way more than it should; \"auto\" takes " +
-                     std::to_string(resolving));
-  if (!solver.auto_substeps && !model.has_skeleton() &&
-      radians_a_turn * swing.value > longest_phase(scene::Quality::draft) * a_second)
+                     " undone, so it lags and gives way more than it should; " +
+                     (steps.iterations < enough ? "\"auto\" takes " + std::to_string(enough)
+                                                : std::string("take more substeps, or \"auto\"")));
+  if (solver.auto_substeps || stiff.value == 0.0) return steps;
+  const double least = steps_per_second(scene::Quality::draft);
+  if (model.has_skeleton() && a_second < least * (1.0 - 1e-6))
+    warn(report, "solver.substeps: " + std::to_string(solver.substeps) + " a frame are " +
+                     base::short_text(a_second) +
+                     " a second, and flesh lags by more the fewer they are; take " +
+                     rounded_up(least / scene.fps) + ", or \"auto\"");
+  if (!model.has_skeleton() && radians_a_turn * swing.value > longest_phase(scene::Quality::draft) * a_second)
     warn(report,
          "solver.substeps: with " + std::to_string(solver.substeps) + " the lowest mode of " +
              of_layer(swing) + ", " + base::short_text(swing.value) + " Hz, swings " +

@@ -11,14 +11,13 @@
 
 namespace fascicle::build {
 
-// What stepping makes of a layer's lowest mode, by BDF2's own errors with p = 2 pi f h: it swings slower by
-// p^2/3, and loses 1 - exp(-2 pi p^3/4) of its swing in each period. 0 where no layer has a lowest mode or
-// none is known.
+// What stepping makes of the fastest of the layers' lowest modes, by BDF2's own errors with p = 2 pi f h; 0
+// where none is known. And what the iterations leave of the stiffest layer's smoothest motion, by its mean K
+// H^2/m.
 struct StepError {
-  double slower = 0.0;  // share of the frequency
-  double lost = 0.0;    // share of the swing, a period
-  double residual =
-      0.0;  // share of a substep's change in the smoothest motion that the iterations leave undone
+  double slower = 0.0;    // p^2/3, share of the frequency
+  double lost = 0.0;      // 1 - exp(-2 pi p^3/4), share of the swing, a period
+  double residual = 0.0;  // share of a substep's change
 };
 
 // How a frame is stepped, and why.
@@ -37,11 +36,13 @@ struct Steps {
 // Implicit: the least substeps with which a second has as many as the scene's quality asks for, and in a body
 // that no skeleton moves 2 pi f h <= longest_phase(quality) for the lowest mode f of every layer. (A
 // skeleton's motion is slow beside the modes of flesh that hangs on it: those of a man's layers are at 32
-// Hz.) Then the least iterations that resolve K H^2/m, the mean over each layer (model::resolved_stiffness).
-// Where most_auto_iterations do not, more substeps, at most most_auto_substeps, which is a warning. The model
-// knows the frequencies.
+// Hz.) Then the least iterations that resolve K H^2/m, the mean over each layer (model::resolved_stiffness),
+// and leave a twentieth. Where most_auto_iterations do not, more substeps, at most most_auto_substeps, which
+// is a warning; quality alone may ask for 1000. The model knows the frequencies.
 //
-// A scene that states less than this is warned, with the error to expect.
+// A scene that states fewer is warned, with the error to expect where it is known: a character with less than
+// 240 substeps a second, another body whose lowest mode is known and not stepped, and iterations that leave
+// more than a twentieth.
 Steps choose_steps(const scene::Scene& scene, const model::Model& model, Report& report);
 
 // Whether choose_steps needs the layers' lowest modes.

@@ -237,12 +237,13 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"build_seconds", report.seconds}};
 }
 
-// "8 substeps each, of 4 iterations, which leave 2.9 % of a substep's change undone"
+// "8 substeps each, of 4 iterations, which leave 2.9 % of a substep's change in the stiffest layer undone"
 std::string steps_text(const model::Model& model, const build::Steps& steps) {
   std::string text = std::to_string(steps.substeps) + " substeps each";
   if (!model.is_implicit()) return text;
   text += ", of " + std::to_string(steps.iterations) + " iterations, which leave " +
-          number_text(100.0 * steps.error.residual, 2) + " % of a substep's change undone";
+          number_text(100.0 * steps.error.residual, 2) +
+          " % of a substep's change in the stiffest layer undone";
   if (steps.error.slower > 0.0 && !model.has_skeleton())
     text += "; the fastest lowest mode of a layer swings " + number_text(100.0 * steps.error.slower, 2) +
             " % slower";

@@ -80,7 +80,7 @@ void print_json(const scene::Scene& scene, const Built& built, const std::vector
               {"frames", validation.frames},
               {"oracle_frames", validation.oracle_frames},
               {"substeps", built.steps.substeps},
-              {"iterations", built.steps.iterations},
+              {"iterations", built.model.is_implicit() ? Json(built.steps.iterations) : Json()},
               {"vertices", built.model.vertex_count},
               {"holds", validation.holds()},
               {"devices", Json::array()},

@@ -39,14 +39,14 @@ double beyond_band(std::uint32_t degree) {
   return high;
 }
 
-// How far beyond rest the volume term sends a mode: to about -G/2 of itself (host/build/volume.h).
-double overshoot_of(const Model& model) {
+}  // namespace
+
+// To about -G/2 of itself (host/build/volume.h).
+double volume_overshoot(const Model& model) {
   float gain = 0.0f;
   for (const float g : model.volume_gain) gain = std::max(gain, g);
   return static_cast<double>(gain) / 2.0;
 }
-
-}  // namespace
 
 shader::ImplicitStep implicit_step(const Model& model, const ImplicitTables& tables, bool with_history) {
   shader::ImplicitStep step{};
@@ -76,7 +76,7 @@ ImplicitTables implicit_tables(const Model& model, const SolverOptions& options,
                                   at_least_least(1.0 / damped), as_factor((damped - 1.0) / damped)});
       if (!model.is_kinematic(i)) stiffest = std::max(stiffest, pull / (damped + pull));
     }
-    const double overshoot = overshoot_of(model);
+    const double overshoot = volume_overshoot(model);
     tables.relaxations[with_history ? 1 : 0] = relaxations(options.iterations, stiffest, overshoot);
     if (with_history) tables.extrapolated = extrapolated_share(options.iterations, stiffest);
   }
@@ -112,10 +112,10 @@ double resolved_stiffness(std::uint32_t iterations) {
 }
 
 // By what relaxations() does, on one mode that shrinks by a = S/(1 + S) in a pass.
-double residual_share(std::uint32_t iterations, double stiffness) {
+double residual_share(std::uint32_t iterations, double stiffness, double overshoot) {
   const double a = stiffness / (1.0 + stiffness);
   double before = 1.0, now = 1.0;
-  for (const Relaxation& pass : relaxations(iterations, a)) {
+  for (const Relaxation& pass : relaxations(iterations, a, overshoot)) {
     const double next = before + double{pass.omega} * (double{pass.gain} * (a - 1.0) * now + now - before);
     before = std::exchange(now, next);
   }

@@ -47,8 +47,12 @@ double extrapolated_share(std::uint32_t iterations, double stiffest);
 // The square root of the largest K H^2 / m whose modes the iterations reduce to 1/20.
 double resolved_stiffness(std::uint32_t iterations);
 
-// The share of an error in the smoothest mode, K H^2/m = `stiffness`, that is left after the iterations. At
-// most 1/20 where they resolve it.
-double residual_share(std::uint32_t iterations, double stiffness);
+// The share of an error in the smoothest mode that is left after the iterations, where K H^2/m is `stiffness`
+// on the whole body. At most resolved_residual where they resolve it and nothing overshoots.
+double residual_share(std::uint32_t iterations, double stiffness, double overshoot = 0.0);
+inline constexpr double resolved_residual = 1.0 / 20.0;
+
+// How far beyond rest the volume term sends a mode, of its error.
+double volume_overshoot(const Model& model);
 
 }  // namespace fascicle::model

@@ -26,7 +26,7 @@ rig::Character what_layers_go_by(const std::vector<rig::Character>& characters);
 
 // What a character gets whose scene says nothing of layers: [layers.NAME] and [solver].
 // Bone, muscle and fat as in figure 9, by relative depth, or where _LAYER is painted (1 bone, 2 muscle, 3
-// fat) by that. Fibres from the field. Moduli by the character's size. Implicit substeps are as many as make
+// fat) by that. Fibres from the field. Moduli by the character's size.
 std::string layers_for_character(const rig::Character& character, Stiffness stiffness);
 std::string scene_for_character(const std::filesystem::path& path, const rig::Character& character,
                                 Stiffness stiffness);

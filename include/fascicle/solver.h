@@ -83,7 +83,8 @@ typedef struct fascicle_solver fascicle_solver;
 typedef struct fascicle_solver_options {
   size_t struct_size;
   const char* rotation; /* "qcp" or "mueller2016"; NULL: as the scene says, of a model of arrays "qcp" */
-  uint32_t iterations;  /* of an implicit substep, 1 to 1000; 0: as the scene says, of a model of arrays 20 */
+  uint32_t iterations;  /* of an implicit substep, 1 to 1000; 0: as many as the scene's own
+                           substeps need (longer ones need more), of a model of arrays 20 */
 } fascicle_solver_options;
 
 FASCICLE_API void fascicle_solver_options_init(fascicle_solver_options* options, size_t struct_size);

@@ -55,7 +55,7 @@ double stiffness_of_step(const Chosen& c, double fps) {
 }
 
 TEST(Steps, AsManyASecondAtEveryFrameRate) {
-  for (const double fps : {24.0, 30.0, 60.0, 120.0, 1000.0}) {
+  for (const double fps : {2.0, 10.0, 24.0, 30.0, 60.0, 120.0, 1000.0}) {
     scene::Scene scene = auto_scene(1e3, fps);
     for (const auto& [quality, a_second] :
          {std::pair(scene::Quality::draft, 240.0), std::pair(scene::Quality::normal, 480.0),
@@ -125,6 +125,16 @@ TEST(Steps, TooFewIterationsAreToldOf) {
       EXPECT_NE(warning.text.find("\"auto\" takes " + std::to_string(needed)), std::string::npos)
           << warning.text;
   }
+}
+
+// A volume term takes a share of each iteration, so it takes more of them.
+TEST(Steps, AVolumeTermTakesMoreIterations) {
+  scene::Scene scene = auto_scene(1e6);
+  const std::uint32_t without = chosen(scene).steps.iterations;
+  scene.layers[0].volume = 1.0;
+  const build::Steps with = chosen(scene).steps;
+  EXPECT_GT(with.iterations, without);
+  EXPECT_LE(with.error.residual, model::resolved_residual);
 }
 
 TEST(Steps, TooFewSubstepsAreToldOf) {
