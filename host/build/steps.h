@@ -36,8 +36,9 @@ struct Steps {
 // Implicit: the least substeps with which a second has as many as the scene's quality asks for, and in a body
 // that no skeleton moves 2 pi f h <= longest_phase(quality) for the lowest mode f of every layer. (A
 // skeleton's motion is slow beside the modes of flesh that hangs on it: those of a man's layers are at 32
-// Hz.) Then the least iterations that resolve K H^2/m, the mean over each layer (model::resolved_stiffness),
-// and leave a twentieth. Where most_auto_iterations do not, more substeps, at most most_auto_substeps, which
+// Hz.) Then the least iterations that resolve K H^2/m (model::resolved_stiffness) and leave a twentieth: of a
+// character its mean over each layer, of another body that of the stiffest vertex, at most
+// most_auto_iterations. Where those do not resolve the mean, more substeps, at most most_auto_substeps, which
 // is a warning; quality alone may ask for 1000. The model knows the frequencies.
 //
 // A scene that states fewer is warned, with the error to expect where it is known: a character with less than

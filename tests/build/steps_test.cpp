@@ -42,16 +42,13 @@ scene::Scene auto_scene(double E, double fps = 60.0) {
   return scene;
 }
 
-// K H^2 / m, the mean of the free vertices by mass.
+// The largest K H^2 / m of a free vertex: the bar swings by itself.
 double stiffness_of_step(const Chosen& c, double fps) {
-  double pull = 0.0, mass = 0.0;
-  for (std::uint32_t i = 0; i < c.model.vertex_count; ++i) {
-    if (c.model.is_kinematic(i)) continue;
-    pull += c.model.stiffness[i] * c.model.mass[i];
-    mass += c.model.mass[i];
-  }
+  double largest = 0.0;
+  for (std::uint32_t i = 0; i < c.model.vertex_count; ++i)
+    if (!c.model.is_kinematic(i)) largest = std::max(largest, c.model.stiffness[i]);
   const double H = 2.0 / (3.0 * fps * c.steps.substeps);
-  return pull / mass * H * H;
+  return largest * H * H;
 }
 
 TEST(Steps, AsManyASecondAtEveryFrameRate) {
@@ -79,7 +76,7 @@ TEST(Steps, IterationsFollowTheStiffness) {
     const auto resolves = [&](std::uint32_t n) {
       return std::pow(model::resolved_stiffness(n), 2.0) >= stiffness;
     };
-    EXPECT_TRUE(resolves(c.steps.iterations)) << E;
+    EXPECT_TRUE(resolves(c.steps.iterations) || c.steps.iterations == build::most_auto_iterations) << E;
     EXPECT_FALSE(c.steps.iterations > 2 && resolves(c.steps.iterations - 1)) << E;
     EXPECT_LE(c.steps.iterations, build::most_auto_iterations);
     EXPECT_GE(c.steps.iterations * c.steps.substeps, before) << E;
@@ -118,7 +115,9 @@ TEST(Steps, TooFewIterationsAreToldOf) {
     const Chosen c = chosen(scene);
     EXPECT_EQ(c.steps.iterations, n);
     EXPECT_EQ(c.steps.substeps, 4u);
-    EXPECT_EQ(c.warnings.size(), n < needed ? 1u : 0u) << n;
+    EXPECT_EQ(c.warnings.size(), c.steps.error.residual > model::resolved_residual ? 1u : 0u) << n;
+    EXPECT_FALSE(n >= needed && !c.warnings.empty()) << n;
+    EXPECT_FALSE(n <= needed / 2 && c.warnings.empty()) << n;
     EXPECT_GT(c.steps.error.residual, residual);
     residual = c.steps.error.residual;
     for (const build::Warning& warning : c.warnings)
