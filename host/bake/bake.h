@@ -66,7 +66,7 @@ struct BakeOptions : BakeOutput {
   std::optional<std::uint32_t> substeps = {};    // of a frame; absent: as the scene states
   std::optional<std::uint32_t> iterations = {};  // of a substep; absent: as the scene states, else 20
   std::uint64_t checkpoint_frames = 100;         // at least 1: a checkpoint after this many frames,
-  double checkpoint_seconds = 10.0;            // or after this time, whichever comes first
+  double checkpoint_seconds = 10.0;              // or after this time, whichever comes first
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
   std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest

@@ -438,8 +438,8 @@ struct SceneOverrides {
   std::vector<std::string> rigid = {};  // joints, objects or materials
   std::optional<double> softness = {}, exaggerate = {};
   std::optional<std::string> quality = {};  // and "auto" for substeps and iterations
-  std::vector<std::string> only = {};    // joints
-  std::filesystem::path converter = {};  // Scene::converter; changes nothing in the scene
+  std::vector<std::string> only = {};       // joints
+  std::filesystem::path converter = {};     // Scene::converter; changes nothing in the scene
 };
 
 bool has_overrides(const SceneOverrides& overrides);
