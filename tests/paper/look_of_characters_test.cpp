@@ -76,13 +76,13 @@ TEST(LookOfCharacters, AFrogTooSoftForItsLeapIsForeseen) {
   EXPECT_GT(softer.tried, 1.0);
 }
 
-// The estimate knows nothing of skin that stretches at the hocks (2.9 in the whole bake), the trial does.
+// The estimate knows nothing of skin that stretches at the hocks, the trial does: 1.29, over the limit of 1.
 TEST(LookOfCharacters, ABullTooSoftForItsGallopIsForeseen) {
   FASCICLE_NEEDS_ASSET(asset("animals_pack_Bull.glb"));
   const Foreseen softer = foreseen("animals_pack_Bull.glb", "Gallop_Jump", 8.0);
   EXPECT_GE(softer.swing, bake::least_tried_score);
   EXPECT_LT(softer.swing, 1.0);
-  EXPECT_GT(softer.tried, 1.5);
+  EXPECT_GT(softer.tried, 1.1);
 }
 
 // Its jaws are shut in the bind pose and open in the clip, and no bone runs through the lower one. As free
