@@ -1,7 +1,6 @@
 #include "host/build/steps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>

@@ -17,6 +17,7 @@
 #include "host/model/overlap.h"
 #include "tests/cpu_reference/contact_motion.h"
 #include "tests/cpu_reference/oracle_run.h"
+#include "tests/cpu_reference/plain_contact_search.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {
@@ -203,13 +204,8 @@ Vector3d vector_in(const cpu::Floats& of, std::size_t stride, std::uint32_t i) {
 TEST(ContactImplicit, OneIterationMovesAndTurnsNothing) {
   const TwoBlocks blocks = implicit_blocks(1e6);
   const Model& m = blocks.model;
-  const model::ImplicitTables tables = model::implicit_tables(m, contact_options(m), h);
-  cpu::SubstepInput in;
-  TestDrive quiet = quiet_drive(m, h);
-  in.step = model::first_substep(m, quiet.get());
-  in.implicit = model::implicit_step(m, tables, true);
-  in.responses =
-      std::span<const shader::Response>(tables.responses).subspan(in.implicit.first_response, m.vertex_count);
+  const SubstepWithTables input(m, h);
+  const cpu::SubstepInput& in = input.in;
   const State initial = make_cpu_solver(m, contact_options(m), 1)->save();
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
@@ -222,12 +218,7 @@ TEST(ContactImplicit, OneIterationMovesAndTurnsNothing) {
         fields.vertices[cpu::vertex_stride * i + a] = fields.positions_before[cpu::vector_stride * i + a] =
             fields.goals[cpu::vector_stride * i + a] = state.positions[3 * i + a];
     const auto points = static_cast<std::uint32_t>(m.contact.size());
-    contact_bound(m, in, fields, {0, m.contact_leaf_count()});
-    contact_enclose(m, in, fields, {0, m.contact_branch_count()});
-    contact_find(m, in, fields, {0, points});
-    contact_survey(m, in, fields, {0, m.contact_block_count()});
-    contact_locate(m, in, fields, {0, m.contact_leaf_count()});
-    contact_crowd(m, in, fields, {0, m.vertex_count});
+    find_plainly(m, in, fields);
     for (std::size_t i = 0; i < m.vertex_count; ++i)
       for (std::size_t a = 0; a < 3; ++a)
         fields.vertices[cpu::vertex_stride * i + a] += 0.01f * state.velocities[3 * i + a];

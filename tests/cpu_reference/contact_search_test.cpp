@@ -20,7 +20,7 @@
 
 #include "cpu_reference/solver/contact_stages.h"
 #include "cpu_reference/solver/lane_stages.h"
-#include "host/model/implicit.h"
+#include "tests/cpu_reference/plain_contact_search.h"
 #include "tests/cpu_reference/two_blocks.h"
 
 namespace fascicle::tests {
@@ -33,35 +33,6 @@ using cpu::SubstepInput;
 using model::Model;
 
 constexpr double step_length = 1.0 / 480.0;
-
-// A substep with history, and the tables that it points into.
-struct Input {
-  explicit Input(const Model& m);
-  Input(const Input&) = delete;
-
-  model::ImplicitTables tables;
-  SubstepInput in;
-};
-
-Input::Input(const Model& m) {
-  TestDrive quiet = quiet_drive(m, step_length);
-  in.step = model::first_substep(m, quiet.get());
-  if (!m.is_implicit()) return;
-  tables = model::implicit_tables(m, contact_options(m), step_length);
-  in.implicit = model::implicit_step(m, tables, true);
-  in.responses =
-      std::span<const shader::Response>(tables.responses).subspan(in.implicit.first_response, m.vertex_count);
-}
-
-void find_plainly(const Model& m, const SubstepInput& in, Fields& fields) {
-  const auto points = static_cast<std::uint32_t>(m.contact.size());
-  contact_bound(m, in, fields, {0, m.contact_leaf_count()});
-  contact_enclose(m, in, fields, {0, m.contact_branch_count()});
-  contact_find(m, in, fields, {0, points});
-  contact_survey(m, in, fields, {0, m.contact_block_count()});
-  contact_locate(m, in, fields, {0, m.contact_leaf_count()});
-  contact_crowd(m, in, fields, {0, m.vertex_count});
-}
 
 // What a substep has of the response, two passes or three iterations of it: calls over_points and
 // over_vertices in turn.
@@ -232,7 +203,7 @@ struct Seen {
 
 Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, const Fate& fate = {}) {
   const Model& m = blocks.model;
-  const Input input(m);
+  const SubstepWithTables input(m, step_length);
   const SubstepInput& in = input.in;
   struct Searching {
     Searching(const Model& m, cpu::Simd simd, unsigned threads)
@@ -483,7 +454,7 @@ TEST(ContactSearch, DistancesAreNeverTakenForMoreThanTheyAre) {
 }
 
 struct Touching {
-  Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), input(blocks.model), in(input.in) {
+  Touching() : blocks(make_two_blocks(3, 3, 3, 0.125, 4)), input(blocks.model, step_length), in(input.in) {
     size_fields(blocks.model, fields);
     size_plain_contact_fields(blocks.model, fields);
     const auto solver = cpu::make_cpu_solver(blocks.model, {}, 1);
@@ -494,7 +465,7 @@ struct Touching {
     respond_plainly(blocks.model, in, fields);
   }
   TwoBlocks blocks;
-  Input input;
+  SubstepWithTables input;
   const SubstepInput& in;
   Fields found, fields;  // before the response and after it
 };

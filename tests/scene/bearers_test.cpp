@@ -5,28 +5,14 @@
 
 #include "host/made/made_character.h"
 #include "host/rig/pose.h"
-#include "host/scene/scene_file.h"
 #include "host/scene/solids.h"
+#include "tests/scene/scene_texts.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
 
 using namespace scene;
-
-Scene parse(const std::string& text, const SceneOverrides& overrides = {},
-            const std::filesystem::path& folder = {}) {
-  return parse_scene({"sample", "sample.toml", text, folder}, overrides);
-}
-
-std::string refusal(const std::string& text) {
-  try {
-    parse(text);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 const std::string layers = "[layers.body]\nalpha = 0.5\n";
 const std::string man = "[character.man]\nmade = \"arm-bent\"\nat = [0.5, 1.0, 2.0]\nturn = [0, 90, 0]\n";
@@ -122,19 +108,19 @@ TEST(Bearers, AreSetByTheirKey) {
 }
 
 TEST(Bearers, RefuseWhatCannotBe) {
-  EXPECT_EQ(refusal(man + held("sword", "man/hnd") + layers),
+  EXPECT_EQ(refusal_of_text(man + held("sword", "man/hnd") + layers),
             "sample.toml:7: character.sword.joint: no other character has a joint \"man/hnd\"; did you mean "
             "man/hand?");
-  EXPECT_EQ(refusal(man + held("sword", "hand") + layers),
+  EXPECT_EQ(refusal_of_text(man + held("sword", "hand") + layers),
             "sample.toml:7: character.sword.joint: no other character has a joint \"hand\"; did you mean "
             "man/hand?");
-  EXPECT_EQ(refusal(man + held("sword", "sword/hand") + layers),
+  EXPECT_EQ(refusal_of_text(man + held("sword", "sword/hand") + layers),
             "sample.toml:7: character.sword.joint: \"sword/hand\" is a joint of its own; name one of another "
             "character");
-  EXPECT_EQ(refusal(held("a", "b/hand") + held("b", "a/hand") + layers),
+  EXPECT_EQ(refusal_of_text(held("a", "b/hand") + held("b", "a/hand") + layers),
             "sample.toml:3: character.a.joint: the characters that it goes with go with each other in a "
             "ring; take one `joint` away");
-  EXPECT_EQ(refusal("[character]\nmade = \"arm\"\njoint = \"hand\"\n" + layers),
+  EXPECT_EQ(refusal_of_text("[character]\nmade = \"arm\"\njoint = \"hand\"\n" + layers),
             "sample.toml:3: character.joint: unknown; known here: file, made, clip, resolution");
 }
 

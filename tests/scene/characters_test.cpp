@@ -4,30 +4,16 @@
 
 #include "host/made/made_character.h"
 #include "host/rig/pose.h"
-#include "host/scene/scene_file.h"
 #include "host/scene/scene_json.h"
 #include "host/scene/solids.h"
 #include "tests/scene/scene_samples.h"
+#include "tests/scene/scene_texts.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
 namespace {
 
 using namespace scene;
-
-Scene parse(const std::string& text, const SceneOverrides& overrides = {},
-            const std::filesystem::path& folder = {}) {
-  return parse_scene({"sample", "sample.toml", text, folder}, overrides);
-}
-
-std::string refusal(const std::string& text, const SceneOverrides& overrides = {}) {
-  try {
-    parse(text, overrides);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 const std::string layers = "[layers.body]\nalpha = 0.5\n";
 const std::string two =
@@ -136,12 +122,12 @@ TEST(Characters, AreSetByTheirKeys) {
   const auto starts = [](const std::string& message, const std::string& start) {
     EXPECT_EQ(message.substr(0, start.size()), start);
   };
-  starts(refusal(two, {.set = {"character.rigth.at=[1, 2, 3]"}}),
+  starts(refusal_of_text(two, {.set = {"character.rigth.at=[1, 2, 3]"}}),
          "--set character.rigth.at=[1, 2, 3]: character.rigth: unknown; did you mean right?");
-  starts(refusal(two, {.set = {"character.right.att=[1, 2, 3]"}}),
+  starts(refusal_of_text(two, {.set = {"character.right.att=[1, 2, 3]"}}),
          "--set character.right.att=[1, 2, 3]: character.right.att: unknown; did you mean at?");
   starts(
-      refusal(two, {.clip = "curl"}),
+      refusal_of_text(two, {.clip = "curl"}),
       "--clip curl: the scene has characters by name; say whose clip it is: --set character.left.clip=curl");
 }
 
@@ -183,34 +169,35 @@ TEST(Characters, AreReadFromTheirFiles) {
 }
 
 TEST(Characters, RefuseWhatCannotBe) {
-  EXPECT_EQ(refusal("[mesh]\nmade = \"bunny\"\n" + two),
+  EXPECT_EQ(refusal_of_text("[mesh]\nmade = \"bunny\"\n" + two),
             "sample.toml:3: character: stands beside mesh; give one of bar, mesh, character");
   EXPECT_EQ(
-      refusal("[character]\nclip = \"curl\"\n[character.left]\nmade = \"arm\"\n" + layers),
+      refusal_of_text("[character]\nclip = \"curl\"\n[character.left]\nmade = \"arm\"\n" + layers),
       "sample.toml:2: character.clip: stands beside tables of single characters, [character.NAME]; move it "
       "into each of them, or take their names away");
-  EXPECT_EQ(refusal("[character.left]\nclip = \"curl\"\n" + layers),
+  EXPECT_EQ(refusal_of_text("[character.left]\nclip = \"curl\"\n" + layers),
             "sample.toml:1: character.left: lacks one of file, made");
-  EXPECT_EQ(refusal("[character.left]\nmade = \"arm\"\nclip = \"jump\"\n" + layers).substr(0, 39),
+  EXPECT_EQ(refusal_of_text("[character.left]\nmade = \"arm\"\nclip = \"jump\"\n" + layers).substr(0, 39),
             "sample.toml:3: character.left.clip: the");
-  EXPECT_EQ(refusal(two + "[skeleton]\nkinematic = [\"left/hand\", \"forearm\"]\n"),
+  EXPECT_EQ(refusal_of_text(two + "[skeleton]\nkinematic = [\"left/hand\", \"forearm\"]\n"),
             "sample.toml:11: skeleton.kinematic: \"forearm\" does not say whose it is; names begin with a "
             "character's, "
             "as \"left/...\"; did you mean left/forearm?");
-  EXPECT_EQ(refusal(two + "[collider.ball]\nshape = \"sphere\"\nradius = 0.1\njoint = \"hand\"\n"),
+  EXPECT_EQ(refusal_of_text(two + "[collider.ball]\nshape = \"sphere\"\nradius = 0.1\njoint = \"hand\"\n"),
             "sample.toml:13: collider.ball.joint: there is no joint \"hand\"; did you mean left/hand?");
-  EXPECT_EQ(refusal(two + "[collider.ball]\nshape = \"sphere\"\nradius = 0.1\njoint = \"left/hnd\"\n"),
-            "sample.toml:13: collider.ball.joint: there is no joint \"left/hnd\"; did you mean left/hand?");
-  EXPECT_EQ(refusal("[character.left]\nfile = \"none.glb\"\n" + layers),
+  EXPECT_EQ(
+      refusal_of_text(two + "[collider.ball]\nshape = \"sphere\"\nradius = 0.1\njoint = \"left/hnd\"\n"),
+      "sample.toml:13: collider.ball.joint: there is no joint \"left/hnd\"; did you mean left/hand?");
+  EXPECT_EQ(refusal_of_text("[character.left]\nfile = \"none.glb\"\n" + layers),
             "sample.toml:2: character.left.file: none.glb does not exist");
   EXPECT_EQ(
-      refusal("[character.left]\nfile = \"chair.obj\"\n" + layers),
+      refusal_of_text("[character.left]\nfile = \"chair.obj\"\n" + layers),
       "sample.toml:2: character.left.file: chair.obj is a mesh without a skeleton; a prop that flesh does "
       "not enter is a [character.NAME] with rigid = true, a body of flesh stands under [mesh]");
-  EXPECT_EQ(refusal("[character.left]\nmade = \"arm\"\nthickness = 0.01\n" + layers),
+  EXPECT_EQ(refusal_of_text("[character.left]\nmade = \"arm\"\nthickness = 0.01\n" + layers),
             "sample.toml:3: character.left.thickness: is of a prop, which this is not; set rigid = true, or "
             "leave it out");
-  EXPECT_EQ(refusal("[character.left]\nfile = \"chair.obj\"\nrigid = true\n" + layers),
+  EXPECT_EQ(refusal_of_text("[character.left]\nfile = \"chair.obj\"\nrigid = true\n" + layers),
             "sample.toml:2: character.left.file: chair.obj does not exist");
 }
 

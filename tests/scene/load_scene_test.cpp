@@ -11,6 +11,7 @@
 #include "host/scene/scene_file.h"
 #include "tests/gltf/gltf_builder.h"
 #include "tests/scene/scene_samples.h"
+#include "tests/scene/scene_texts.h"
 #include "tests/support/assets.h"
 
 namespace fascicle::tests {
@@ -21,19 +22,6 @@ using namespace scene;
 std::string refusal(const std::string& name, const SceneOverrides& overrides = {}) {
   try {
     load_scene(name, overrides);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
-Scene parse(const std::string& text, const SceneOverrides& overrides = {}) {
-  return parse_scene({"sample", "sample.toml", text, {}}, overrides);
-}
-
-std::string refusal_of_text(const std::string& text) {
-  try {
-    parse(text);
   } catch (const SceneError& error) {
     return error.what();
   }
