@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view magic = "FASCCKPT";
-constexpr std::uint32_t version = 4;
+constexpr std::string_view checkpoint_magic = "FASCCKPT";
+constexpr std::uint32_t checkpoint_version = 4;
 
 void append_floats(std::string& out, const std::vector<float>& values) {
   base::append_bytes(out, std::uint64_t{values.size()});
@@ -64,8 +64,8 @@ class Parser {
 std::string checkpoint_text(const Checkpoint& checkpoint) {
   const std::string identity = scene::dump(Json(checkpoint.identity));
   const model::State& state = checkpoint.state;
-  std::string bytes(magic);
-  base::append_bytes(bytes, version);
+  std::string bytes(checkpoint_magic);
+  base::append_bytes(bytes, checkpoint_version);
   base::append_bytes(bytes, static_cast<std::uint32_t>(identity.size()));
   bytes += identity;
   base::append_bytes(bytes, state.frame);
@@ -86,13 +86,15 @@ std::string checkpoint_text(const Checkpoint& checkpoint) {
 
 Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
   Parser parser(bytes, path);
-  if (bytes.size() < magic.size() + sizeof(std::uint64_t)) parser.damaged();
+  if (bytes.size() < checkpoint_magic.size() + sizeof(std::uint64_t)) parser.damaged();
   const std::size_t length = bytes.size() - sizeof(std::uint64_t);
   std::uint64_t checksum = 0;
   std::memcpy(&checksum, bytes.data() + length, sizeof checksum);
   parser = Parser(bytes.substr(0, length), path);
-  if (parser.take(magic.size()) != magic || XXH3_64bits(bytes.data(), length) != checksum) parser.damaged();
-  if (parser.value<std::uint32_t>() != version)
+  if (parser.take(checkpoint_magic.size()) != checkpoint_magic ||
+      XXH3_64bits(bytes.data(), length) != checksum)
+    parser.damaged();
+  if (parser.value<std::uint32_t>() != checkpoint_version)
     throw BakeError(path.string() +
                     ": a checkpoint of another version of fascicle; start again with --overwrite");
   Checkpoint checkpoint;
@@ -132,7 +134,7 @@ bool is_checkpoint(const fs::path& path) {
   try {
     std::array<char, 8> bytes{};
     return base::File(path, base::FileMode::read).read_at(0, bytes) &&
-           std::string_view(bytes.data(), bytes.size()) == magic;
+           std::string_view(bytes.data(), bytes.size()) == checkpoint_magic;
   } catch (const std::system_error&) {
     return false;
   }

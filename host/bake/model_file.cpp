@@ -19,7 +19,7 @@ namespace fascicle::bake {
 
 namespace {
 
-constexpr std::string_view magic = "FASCMODL";
+constexpr std::string_view model_magic = "FASCMODL";
 
 // Lists and strings as they lie in memory; a single value is a list of one.
 template <class T>
@@ -182,7 +182,7 @@ std::string read_all(const base::File& file) {
 }  // namespace
 
 std::string encode_model(const model::Model& model) {
-  std::string bytes(magic);
+  std::string bytes(model_magic);
   Writer writer(bytes);
   model::visit_fields(model, writer);
   base::append_bytes(bytes, XXH3_64bits(bytes.data(), bytes.size()));
@@ -192,7 +192,7 @@ std::string encode_model(const model::Model& model) {
 std::uint64_t encoded_bytes(const model::Model& model) {
   Sizer sizer;
   model::visit_fields(model, sizer);
-  return magic.size() + sizer.bytes() + sizeof(std::uint64_t);
+  return model_magic.size() + sizer.bytes() + sizeof(std::uint64_t);
 }
 
 model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wanted_hash) {
@@ -200,15 +200,15 @@ model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wa
   const auto fail = [&path](const std::string& what) -> BakeError {
     return BakeError(path.string() + ": " + what + "; bake again");
   };
-  if (!file.starts_with(magic)) throw fail("not a model of fascicle");
+  if (!file.starts_with(model_magic)) throw fail("not a model of fascicle");
   std::uint64_t checksum = 0;
-  if (file.size() < magic.size() + sizeof checksum) throw fail("the model is damaged");
+  if (file.size() < model_magic.size() + sizeof checksum) throw fail("the model is damaged");
   const std::string_view body = std::string_view(file).substr(0, file.size() - sizeof checksum);
   std::memcpy(&checksum, file.data() + body.size(), sizeof checksum);
   if (XXH3_64bits(body.data(), body.size()) != checksum) throw fail("the model is damaged");
   model::Model model;
   try {
-    Reader reader(body.substr(magic.size()));
+    Reader reader(body.substr(model_magic.size()));
     model::visit_fields(model, reader);
     if (!reader.is_done()) throw Mismatch("it is of another version of fascicle (fields at its end)");
     model::check_model(model);

@@ -14,8 +14,8 @@ namespace fascicle::bake {
 
 namespace {
 
-constexpr std::string_view magic = "FASCICLE";
-constexpr std::uint32_t version = 1;
+constexpr std::string_view cache_magic = "FASCICLE";
+constexpr std::uint32_t cache_version = 1;
 
 template <class T>
 T value_at(std::string_view bytes, std::size_t offset) {
@@ -43,8 +43,8 @@ std::uint64_t cache_record_bytes(std::uint32_t vertex_count) {
 }
 
 std::string encode_cache_header(const CacheHeader& header) {
-  std::string bytes(magic);
-  base::append_bytes(bytes, version);
+  std::string bytes(cache_magic);
+  base::append_bytes(bytes, cache_version);
   base::append_bytes(bytes, static_cast<std::uint32_t>(cache_header_bytes));
   base::append_bytes(bytes, header.vertex_count);
   base::append_bytes(bytes, std::uint32_t{0});
@@ -73,11 +73,11 @@ std::string encode_cache_record(const CacheHeader& header, const model::Frame& f
 
 FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(path, base::FileMode::read) {
   std::string bytes(cache_header_bytes, '\0');
-  if (!file_.read_at(0, bytes) || !bytes.starts_with(magic))
+  if (!file_.read_at(0, bytes) || !bytes.starts_with(cache_magic))
     throw BakeError(path.string() + ": not a frame cache of fascicle");
-  if (const auto found = value_at<std::uint32_t>(bytes, 8); found != version)
+  if (const auto found = value_at<std::uint32_t>(bytes, 8); found != cache_version)
     throw BakeError(path.string() + ": a frame cache of version " + base::number_text(found) +
-                    ", and this program reads " + base::number_text(version) + "; bake again");
+                    ", and this program reads " + base::number_text(cache_version) + "; bake again");
   if (!is_sealed(bytes)) throw BakeError(path.string() + ": the header is damaged; bake again");
   header_.vertex_count = value_at<std::uint32_t>(bytes, 16);
   header_.unit = value_at<double>(bytes, 24);
@@ -118,7 +118,7 @@ bool is_frame_cache(const std::filesystem::path& path) {
   try {
     std::array<char, 8> bytes{};
     return base::File(path, base::FileMode::read).read_at(0, bytes) &&
-           std::string_view(bytes.data(), bytes.size()) == magic;
+           std::string_view(bytes.data(), bytes.size()) == cache_magic;
   } catch (const std::system_error&) {
     return false;
   }

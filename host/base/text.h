@@ -20,6 +20,9 @@ requires std::is_arithmetic_v<Number> std::string number_text(Number value) {
 // Two digits after the point: 0.55, 2.6, 12.
 std::string short_text(double value);
 
+// A share of 1 with two digits after the point: 2.55 %.
+std::string percent_text(double share);
+
 // 16 lower-case hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 

@@ -13,7 +13,7 @@ namespace fascicle::build {
 
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t no_part = std::numeric_limits<std::uint32_t>::max();
 // At the skin an edge of a way counts this much more than at the bone.
 constexpr double dearer_at_skin = 4.0;
 constexpr double longest_of_diagonal = 0.1;
@@ -21,15 +21,15 @@ constexpr double longest_of_diagonal = 0.1;
 constexpr double same_place = 1e-5;
 
 struct Islands {
-  std::vector<std::uint32_t> of;  // a vertex: its island, or none
+  std::vector<std::uint32_t> of;  // a vertex: its island, or no_part
   std::vector<std::uint32_t> first;
   std::vector<std::size_t> size;
 };
 
 Islands find_islands(const OneRings& rings, const std::vector<char>& is_bone) {
-  Islands islands{std::vector<std::uint32_t>(is_bone.size(), none), {}, {}};
+  Islands islands{std::vector<std::uint32_t>(is_bone.size(), no_part), {}, {}};
   for (std::uint32_t start = 0; start < is_bone.size(); ++start) {
-    if (!is_bone[start] || islands.of[start] != none) continue;
+    if (!is_bone[start] || islands.of[start] != no_part) continue;
     const auto number = static_cast<std::uint32_t>(islands.first.size());
     islands.first.push_back(start);
     islands.of[start] = number;
@@ -39,7 +39,7 @@ Islands find_islands(const OneRings& rings, const std::vector<char>& is_bone) {
       const std::uint32_t i = open.back();
       open.pop_back();
       for (const std::uint32_t j : rings[i])
-        if (is_bone[j] && islands.of[j] == none) islands.of[j] = number, open.push_back(j);
+        if (is_bone[j] && islands.of[j] == no_part) islands.of[j] = number, open.push_back(j);
     }
     islands.size.push_back(size);
   }
@@ -48,10 +48,10 @@ Islands find_islands(const OneRings& rings, const std::vector<char>& is_bone) {
 
 // The first vertex of each island but the largest of its part of the mesh.
 std::vector<std::uint32_t> islands_apart(const Islands& islands, const Parts& parts) {
-  std::vector<std::uint32_t> largest(parts.count, none), apart;
+  std::vector<std::uint32_t> largest(parts.count, no_part), apart;
   for (std::uint32_t k = 0; k < islands.first.size(); ++k) {
     std::uint32_t& best = largest[parts.of_vertex[islands.first[k]]];
-    if (best == none || islands.size[k] > islands.size[best]) best = k;
+    if (best == no_part || islands.size[k] > islands.size[best]) best = k;
   }
   for (std::uint32_t k = 0; k < islands.first.size(); ++k)
     if (largest[parts.of_vertex[islands.first[k]]] != k) apart.push_back(islands.first[k]);
@@ -93,7 +93,7 @@ class Axis {
 // The cheapest way from one vertex to another over vertices that are open; empty where there is none.
 std::vector<std::uint32_t> way_along(const Axis& axis, const OneRings& rings, const std::vector<char>& open,
                                      std::uint32_t start, std::uint32_t goal) {
-  std::unordered_map<std::uint32_t, std::pair<double, std::uint32_t>> reached{{start, {0.0, none}}};
+  std::unordered_map<std::uint32_t, std::pair<double, std::uint32_t>> reached{{start, {0.0, no_part}}};
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   queue.emplace(0.0, start);
@@ -113,7 +113,7 @@ std::vector<std::uint32_t> way_along(const Axis& axis, const OneRings& rings, co
   }
   std::vector<std::uint32_t> way;
   if (!reached.contains(goal)) return way;
-  for (std::uint32_t i = goal; i != none; i = reached.at(i).second) way.push_back(i);
+  for (std::uint32_t i = goal; i != no_part; i = reached.at(i).second) way.push_back(i);
   return way;
 }
 
@@ -187,7 +187,7 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
     return (vertices[a] - vertices[b]).norm() * (1.0 + (dearer_at_skin - 1.0) * (depth[a] + depth[b]) / 2.0);
   };
   std::vector<double> cost(is_bone.size(), std::numeric_limits<double>::infinity());
-  std::vector<std::uint32_t> from(is_bone.size(), none), island = islands.of;
+  std::vector<std::uint32_t> from(is_bone.size(), no_part), island = islands.of;
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (std::uint32_t i = 0; i < is_bone.size(); ++i)
@@ -209,7 +209,7 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
   std::vector<Meeting> meetings;
   for (std::uint32_t i = 0; i < is_bone.size(); ++i)
     for (const std::uint32_t j : rings[i])
-      if (i < j && island[i] != none && island[j] != none && island[i] != island[j])
+      if (i < j && island[i] != no_part && island[j] != no_part && island[i] != island[j])
         meetings.push_back({cost[i] + cost_of(i, j) + cost[j], i, j});
   std::sort(meetings.begin(), meetings.end(), [](const Meeting& x, const Meeting& y) {
     return std::tuple(x.cost, x.a, x.b) < std::tuple(y.cost, y.a, y.b);
@@ -223,7 +223,7 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
   };
   const auto length_to_island = [&](std::uint32_t i) {
     double length = 0.0;
-    for (; from[i] != none; i = from[i]) length += (vertices[i] - vertices[from[i]]).norm();
+    for (; from[i] != no_part; i = from[i]) length += (vertices[i] - vertices[from[i]]).norm();
     return length;
   };
   for (const Meeting& meeting : meetings) {
@@ -234,7 +234,7 @@ void join_islands(Measures& measures, const OneRings& rings, const std::vector<c
     if (length > longest) continue;
     joined[std::max(a, b)] = std::min(a, b);
     for (std::uint32_t i : {meeting.a, meeting.b})
-      for (; from[i] != none; i = from[i]) {
+      for (; from[i] != no_part; i = from[i]) {
         if (!is_bone[i]) ++report.added;
         is_bone[i] = 1;
       }

@@ -224,23 +224,23 @@ std::vector<Copy> copies_of(std::uint32_t index, const TetMesh& cage, const Limb
   return copies;
 }
 
-struct Face {
+struct CageFace {
   std::array<std::uint32_t, 3> corners;  // ascending
   std::uint32_t tetrahedron;
 };
 
-std::vector<Face> sorted_faces(const std::vector<std::array<std::uint32_t, 4>>& tetrahedra) {
-  std::vector<Face> faces;
+std::vector<CageFace> sorted_faces(const std::vector<std::array<std::uint32_t, 4>>& tetrahedra) {
+  std::vector<CageFace> faces;
   faces.reserve(4 * tetrahedra.size());
   for (std::uint32_t i = 0; i < tetrahedra.size(); ++i) {
     const auto& t = tetrahedra[i];
     for (std::size_t k = 0; k < 4; ++k) {
-      Face face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, i};
+      CageFace face{{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]}, i};
       std::sort(face.corners.begin(), face.corners.end());
       faces.push_back(face);
     }
   }
-  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
+  std::sort(faces.begin(), faces.end(), [](const CageFace& a, const CageFace& b) {
     return std::tie(a.corners, a.tetrahedron) < std::tie(b.corners, b.tetrahedron);
   });
   return faces;
@@ -318,7 +318,7 @@ void drop_crumbs(std::vector<Copy>& copies, const std::vector<std::uint32_t>& fi
       weight.push_back(first[i + 1] - first[i] > 1 ? 1 : most + 1);
     }
   Unions solids(kept.size());
-  const std::vector<Face> faces = sorted_faces(tetrahedra);
+  const std::vector<CageFace> faces = sorted_faces(tetrahedra);
   for (std::size_t k = 1; k < faces.size(); ++k)
     if (faces[k].corners == faces[k - 1].corners) solids.join(faces[k].tetrahedron, faces[k - 1].tetrahedron);
   std::vector<std::size_t> size(kept.size(), 0);
@@ -346,7 +346,7 @@ CutMesh cut_limbs(const TetMesh& cage, const SurfaceMesh& skin, const Limbs& lim
   }
 
   Unions corners(4 * copies.size());
-  const std::vector<Face> faces = sorted_faces(cage.tetrahedra);
+  const std::vector<CageFace> faces = sorted_faces(cage.tetrahedra);
   for (std::size_t k = 1; k < faces.size(); ++k) {
     if (faces[k].corners != faces[k - 1].corners) continue;
     const std::uint32_t a = faces[k - 1].tetrahedron, b = faces[k].tetrahedron;

@@ -14,7 +14,7 @@ namespace fascicle::build {
 
 namespace {
 
-constexpr double weight_steps = 8388608.0;  // 2^23: multiples up to 2 are floats, and so are their sums
+constexpr double steps_of_one = 8388608.0;  // 2^23: multiples up to 2 are floats, and so are their sums
 // A vertex's home is left where its joints have less than this in common with the vertex's.
 constexpr double enough_agreement = 0.5;
 // Of what the best tetrahedron near has in common with a vertex: this much, and they move together.
@@ -49,7 +49,7 @@ Weights rounded(Weights weights) {
   double others = 0.0;
   for (std::size_t k = 0; k < 4; ++k) {
     if (k == largest) continue;
-    weights[k] = std::round(weights[k] * weight_steps) / weight_steps;
+    weights[k] = std::round(weights[k] * steps_of_one) / steps_of_one;
     others += weights[k];
   }
   weights[largest] = 1.0 - others;

@@ -23,7 +23,7 @@ using scene::Vector3d;
 
 constexpr std::uint32_t no_neighbour = std::numeric_limits<std::uint32_t>::max();
 constexpr int most_passes = 12;
-constexpr int most_halvings = 6;
+constexpr int most_hold_halvings = 6;
 constexpr int most_rounds = 40;
 // Faces are moved a little too far, so that the rounds end.
 constexpr double overshoot = 1.05;
@@ -212,7 +212,7 @@ class Holder {
 
   // Takes as much of a step as the tetrahedra around allow.
   bool move(std::uint32_t vertex, Vector3d step) {
-    for (int k = 0; k < most_halvings; ++k, step /= 2.0)
+    for (int k = 0; k < most_hold_halvings; ++k, step /= 2.0)
       if (move_whole(vertex, step)) return true;
     return false;
   }

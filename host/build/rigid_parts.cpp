@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <map>
 #include <numeric>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 #include "host/base/nearest_name.h"
+#include "host/base/text.h"
 #include "host/build/carriers.h"
 #include "host/build/message.h"
 #include "host/build/surface_search.h"
@@ -113,12 +112,6 @@ std::vector<Part> inlays_of(const rig::Character& character, const WeldedSurface
   std::vector<Part> inlays = parts_of(split, welded_vertex, weights);
   for (Part& inlay : inlays) inlay.first = file_vertex[inlay.first];
   return inlays;
-}
-
-std::string percent(double share) {
-  std::ostringstream text;
-  text << std::setprecision(2) << 100.0 * share << " %";
-  return text.str();
 }
 
 // The object of a vertex of the file, with its material where an object has several.
@@ -231,7 +224,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     else
       report.reason = (part.is_hard ? "a part of its own that one joint moves"
                                     : "a part of its own that one blend of joints moves") +
-                      std::string(", ") + percent(part.area / whole) + " of the skin";
+                      std::string(", ") + base::percent_text(part.area / whole) + " of the skin";
     rigid.report.push_back(std::move(report));
     if (!is_whole) continue;
     for (const std::uint32_t v : part.vertices) rigid.is_rigid[v] = rigid.is_apart[v] = 1;
@@ -242,10 +235,10 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
     if (!inlay.is_hard || inlay.area > largest_inlay_share * whole || simulated[joint] ||
         std::all_of(inlay.vertices.begin(), inlay.vertices.end(), is_rigid))
       continue;
-    rigid.report.push_back(
-        {name_of_vertex(character, inlay.first), character.skeleton[joint].name,
-         "a patch of its own material that one joint moves, " + percent(inlay.area / whole) + " of the skin",
-         in_file(inlay.vertices, [](std::uint32_t) { return true; })});
+    rigid.report.push_back({name_of_vertex(character, inlay.first), character.skeleton[joint].name,
+                            "a patch of its own material that one joint moves, " +
+                                base::percent_text(inlay.area / whole) + " of the skin",
+                            in_file(inlay.vertices, [](std::uint32_t) { return true; })});
     for (const std::uint32_t v : inlay.vertices) rigid.is_rigid[v] = 1;
   }
   return rigid;

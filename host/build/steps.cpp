@@ -113,10 +113,6 @@ std::string rounded_up(double x) {
   return std::to_string(static_cast<std::uint64_t>(std::min(std::ceil(x), 1e15)));
 }
 
-std::string percent(double share) {
-  return base::short_text(100.0 * share) + " %";
-}
-
 // But for the iterations' part.
 StepError error_of(double frequency, double substeps_per_second) {
   const double phase = radians_a_turn * frequency / substeps_per_second;
@@ -172,8 +168,8 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
   // What auto substeps leave has been said.
   if (!solver.auto_substeps && steps.error.residual > model::resolved_residual * (1.0 + 1e-9))
     warn(report, "solver.iterations: " + std::to_string(steps.iterations) + " leave " +
-                     percent(steps.error.residual) + " of a substep's change in " + of_layer(stiff) +
-                     " undone, so it lags and gives way more than it should; " +
+                     base::percent_text(steps.error.residual) + " of a substep's change in " +
+                     of_layer(stiff) + " undone, so it lags and gives way more than it should; " +
                      (steps.iterations < enough ? "\"auto\" takes " + std::to_string(enough)
                                                 : std::string("take more substeps, or \"auto\"")));
   if (solver.auto_substeps || stiff.value == 0.0) return steps;
@@ -188,8 +184,8 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
     warn(report,
          "solver.substeps: with " + std::to_string(solver.substeps) + " the lowest mode of " +
              of_layer(swing) + ", " + base::short_text(swing.value) + " Hz, swings " +
-             percent(steps.error.slower) + " slower and loses " + percent(steps.error.lost) +
-             " of its swing in each period; take " +
+             base::percent_text(steps.error.slower) + " slower and loses " +
+             base::percent_text(steps.error.lost) + " of its swing in each period; take " +
              rounded_up(radians_a_turn * swing.value / (longest_phase(scene::Quality::normal) * scene.fps)) +
              ", or \"auto\"");
   return steps;

@@ -64,9 +64,9 @@ void pack_images(const fs::path& path, GltfDocument& document, std::vector<std::
   }
 }
 
-class Reader {
+class RigReader {
  public:
-  Reader(const fs::path& path, const json& document, const tinygltf::Model& model)
+  RigReader(const fs::path& path, const json& document, const tinygltf::Model& model)
       : path_(path), document_(document), model_(model) {}
 
   Rig run(Still still) {
@@ -201,7 +201,7 @@ GltfDocument pack_gltf(const fs::path& path, std::vector<std::string>& missing, 
 Rig read_rig(const fs::path& path, const fs::path& converter, Still still) {
   const CheckedGltf checked = check_gltf(read_gltf_file(path, converter));
   const auto model = decode_gltf(checked);
-  return Reader(path, checked.plain, *model).run(still);
+  return RigReader(path, checked.plain, *model).run(still);
 }
 
 std::vector<double> shape_weights(const RigPart& part, const rig::Clip* clip, double time) {

@@ -1,0 +1,102 @@
+// Presets release, asan and tsan compile several sources of a folder as one, in groups that shift with every
+// new source. So what sources keep to themselves has names of its own in its folder. CI compiles source by
+// source and would not see it: `./do bake` once failed in a clean clone.
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/house/source_tree.h"
+
+namespace fascicle::tests {
+namespace {
+
+std::string folder_of(const std::string& path) {
+  return path.substr(0, path.rfind('/'));
+}
+
+// A function with the types of its parameters (another overload is no clash), a type or a constant that
+// begins on the line; empty where nothing does. What is only declared anew, as `using` of the same type, may
+// stand twice.
+std::string defined_on(const std::string& line) {
+  static const std::regex type(R"(^(?:struct|class|enum class|enum) (\w+).*\{)"),
+      constant(R"(^(?:inline |static )*(?:constexpr|const) [^(=]*?(\w+)(?:\[\w*\])?\s*(?:=|\{).*)"),
+      function(R"(^(?:inline |static |constexpr )*[A-Za-z_][\w:<>,&* ]*[ &*](\w+)\(([^;]*)$)"),
+      parameter(R"(\s+\w+(?=[,)]))");
+  std::smatch found;
+  if (std::regex_search(line, found, type)) return found[1];
+  if (std::regex_search(line, found, constant)) return found[1];
+  if (std::regex_search(line, found, function)) {
+    const std::string parameters = found[2];
+    return found[1].str() + "(" +
+           std::regex_replace(parameters.substr(0, parameters.find('{')), parameter, "");
+  }
+  return "";
+}
+
+// "folder: name in a.cpp, b.cpp" of each name that several sources of a folder define in namespaces without a
+// name.
+std::vector<std::string> clashes(const std::vector<Source>& sources) {
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> users;
+  for (const Source& source : sources) {
+    if (!source.path.ends_with(".cpp")) continue;
+    bool is_own = false;
+    for (const std::string& line : lines_of(source.text)) {
+      if (line == "namespace {") is_own = true;
+      if (line == "}  // namespace") is_own = false;
+      if (!is_own) continue;
+      const std::string name = defined_on(line);
+      if (!name.empty()) users[{folder_of(source.path), name}].insert(source.path);
+    }
+  }
+  std::vector<std::string> found;
+  for (const auto& [name, paths] : users) {
+    if (paths.size() < 2) continue;
+    std::string text = name.first + ": " + name.second + " in";
+    for (const std::string& path : paths) text += " " + path.substr(name.first.size() + 1);
+    found.push_back(text);
+  }
+  return found;
+}
+
+TEST(Unity, SourcesOfAFolderKeepNamesOfTheirOwn) {
+  std::vector<Source> sources;
+  for (Source& source : read_sources(FASCICLE_SOURCE_DIR))
+    if (!source.path.starts_with("tests/") && !source.path.starts_with("bench/"))
+      sources.push_back(std::move(source));
+  ASSERT_GT(sources.size(), 200U);
+  for (const std::string& clash : clashes(sources))
+    ADD_FAILURE() << clash << ": call one of them something else";
+}
+
+// The control: what clashes is found, and what does not is left alone.
+TEST(Unity, AClashIsFound) {
+  const std::string first =
+      "namespace {\n"
+      "constexpr int most = 3;\n"
+      "struct Face {\n};\n"
+      "std::string percent(double share) {\n}\n"
+      "double length(const Vector& v) {\n}\n"
+      "using Path = std::string;\n"
+      "}  // namespace\n"
+      "int open(int a) {\n}\n";
+  const std::string second =
+      "namespace {\n"
+      "constexpr double most{4};\n"
+      "struct Face {\n};\n"
+      "std::string percent(double x) {\n}\n"
+      "double length(const Edge& e) {\n}\n"
+      "using Path = std::string;\n"
+      "}  // namespace\n"
+      "int open(int b) {\n}\n";
+  EXPECT_EQ(clashes({{"host/a/one.cpp", first}, {"host/a/two.cpp", second}}),
+            (std::vector<std::string>{"host/a: Face in one.cpp two.cpp", "host/a: most in one.cpp two.cpp",
+                                      "host/a: percent(double) in one.cpp two.cpp"}));
+  EXPECT_TRUE(clashes({{"host/a/one.cpp", first}, {"host/b/two.cpp", second}}).empty());
+}
+
+}  // namespace
+}  // namespace fascicle::tests
