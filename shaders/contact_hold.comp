@@ -25,7 +25,7 @@ void main() {
                                     way_of(corners.w));
     float load = part_of(point.vertex) + contact_mean(w, part_of(corners.x), part_of(corners.y), part_of(corners.z),
                                                       part_of(corners.w));
-    impulse = contact_hold_impulse(push_of(p), moved, point.friction, load);
+    impulse = contact_hold_impulse(push_of(p), moved, push.implicit.step, point.margin, point.friction, load);
   }
   contact_impulse_of[p] = record_of(impulse);
 }

@@ -21,8 +21,11 @@ constexpr double least_gradient = 0.1;
 // A vertex shares its mass between as many contacts as its coefficients add up to, in an explicit pass
 // between at least two.
 constexpr double least_crowd = 2.0;
-// What an iteration of the implicit integrator takes out of the depth.
-constexpr double depth_share = 0.5;
+// What an iteration of the implicit integrator takes out of the depth: a share at the most, and a share a
+// second.
+constexpr double most_depth_share = 0.5, depth_rate = 180.0;
+// A contact is held in full from this part of its margin on, and less above it.
+constexpr double full_depth = 1.0 / 64.0;
 // What friction takes of the sliding velocity at most.
 constexpr double most_friction = 0.5;
 
@@ -156,15 +159,17 @@ Points Contacts::velocity_gains(const std::vector<Pair>& pairs, const Points& v,
 }
 
 Points Contacts::held_moves(std::vector<Pair>& pairs, const Points& moved,
-                            const std::vector<double>& yielding) const {
+                            const std::vector<double>& yielding, double step) const {
   const std::vector<double> all = loads(pairs, yielding, 1.0);
+  const double depth_share = std::min(most_depth_share, depth_rate * step);
   Points moves(moved.size(), Vector3d::Zero());
   for (Pair& pair : pairs) {
     pair.presses = false;
     const double load = load_of(pair, all);
     if (!(load > 0.0)) continue;
-    const Vector3d impulse =
-        push_of(pair, difference(pair, moved), depth_share * pair.push.dot(pair.normal)) / load;
+    const double full = full_depth * double(model_.contact[pair.point].margin);
+    const Vector3d impulse = std::min(1.0, pair.push.norm() / full) / load *
+                             push_of(pair, difference(pair, moved), depth_share * pair.push.dot(pair.normal));
     pair.presses = impulse.dot(pair.normal) > 0.0;
     give(pair, impulse, yielding, moves);
   }

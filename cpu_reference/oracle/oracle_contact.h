@@ -34,8 +34,9 @@ class Contacts {
   // What a pass of the explicit response adds to the velocities `v` of all vertices.
   Points velocity_gains(const std::vector<Pair>& pairs, const Points& v, double h) const;
   // What an iteration of the implicit integrator moves all vertices by, which have moved by `moved` since the
-  // substep began; `yielding` is w'.
-  Points held_moves(std::vector<Pair>& pairs, const Points& moved, const std::vector<double>& yielding) const;
+  // substep began; `yielding` is w', `step` is H.
+  Points held_moves(std::vector<Pair>& pairs, const Points& moved, const std::vector<double>& yielding,
+                    double step) const;
   // What brings the contacts that press to rest, in velocities.
   Points settling_gains(const std::vector<Pair>& pairs, const Points& v, const Points& v_before,
                         double history) const;

@@ -63,7 +63,6 @@ struct Oracle::Impl {
   Points surface;
   Points y, iterate_before;            // implicit
   std::vector<VertexHistory> history;  // implicit: as the substep began
-  Points unfelt;                       // implicit: velocity that limits' moves do not give
   std::vector<bool> is_pushed;         // implicit: by a solid, which has set its velocity
 
   std::deque<model::Frame> frames;

@@ -1,5 +1,6 @@
 #include "cpu_reference/oracle/oracle_limit.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 
@@ -11,7 +12,8 @@ using Eigen::Vector3d;
 
 namespace {
 
-constexpr double relaxation = 1.5;
+// Of what a tetrahedron lacks already, the share that it opens by in a substep.
+constexpr double most_opening = 1.0, opening_rate = 240.0;
 
 }  // namespace
 
@@ -40,15 +42,20 @@ Limits::Limits(const model::Model& model) {
   }
 }
 
-void Limits::apply(Points& q) const {
+void Limits::apply(Points& q, const Points& before, double step) const {
+  std::vector<double> least;
+  for (const Tetrahedron& t : tetrahedra_) {
+    const double lacked = std::max(0.0, t.least_volume - volume_gradients(before, t.corner).volume);
+    least.push_back(t.least_volume - lacked * (1.0 - std::min(most_opening, opening_rate * step)));
+  }
   for (std::uint32_t pass = 0; pass < shader::limit_passes; ++pass) {
     std::vector<double> crowd(q.size(), 0.0);
     std::vector<std::optional<VolumeGradients>> lacking;
-    for (const Tetrahedron& t : tetrahedra_) {
-      const VolumeGradients g = volume_gradients(q, t.corner);
-      lacking.push_back(g.volume < t.least_volume ? std::optional(g) : std::nullopt);
+    for (std::size_t k = 0; k < tetrahedra_.size(); ++k) {
+      const VolumeGradients g = volume_gradients(q, tetrahedra_[k].corner);
+      lacking.push_back(g.volume < least[k] ? std::optional(g) : std::nullopt);
       if (!lacking.back()) continue;
-      for (const std::uint32_t i : t.corner) crowd[i] += 1.0;
+      for (const std::uint32_t i : tetrahedra_[k].corner) crowd[i] += 1.0;
     }
     Points moved = q;
     for (std::size_t k = 0; k < tetrahedra_.size(); ++k) {
@@ -57,9 +64,8 @@ void Limits::apply(Points& q) const {
       double sum = 0.0;
       for (std::size_t j = 0; j < 4; ++j)
         sum += crowd[corner[j]] * mobility_[corner[j]] * (lacking[k]->by[j].squaredNorm() + least_square);
-      const double push = (least_volume - lacking[k]->volume) / sum;
-      for (std::size_t j = 0; j < 4; ++j)
-        moved[corner[j]] += relaxation * mobility_[corner[j]] * push * lacking[k]->by[j];
+      const double push = (least[k] - lacking[k]->volume) / sum;
+      for (std::size_t j = 0; j < 4; ++j) moved[corner[j]] += mobility_[corner[j]] * push * lacking[k]->by[j];
     }
     q = moved;
   }

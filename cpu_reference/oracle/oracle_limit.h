@@ -17,8 +17,9 @@ class Limits {
  public:
   explicit Limits(const model::Model& model);
   bool empty() const { return tetrahedra_.empty(); }
-  // Moves the vertices of tetrahedra that lack volume, in all passes of a substep.
-  void apply(Points& q) const;
+  // Moves the vertices of tetrahedra that lack volume, in all passes of a substep of the integrator's step H.
+  // `before` is where they were when it began.
+  void apply(Points& q, const Points& before, double step) const;
 
  private:
   struct Tetrahedron {

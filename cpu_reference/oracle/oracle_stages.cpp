@@ -164,7 +164,6 @@ void Oracle::Impl::begin_implicit(const Vector3d& gravity, std::span<const shade
                                   const Stepping& step, double share) {
   history.resize(model.vertex_count);
   is_pushed.assign(model.vertex_count, false);
-  unfelt.assign(model.vertex_count, Vector3d::Zero());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     history[i] = {q[i], step.has_history ? q_before[i] : q[i], v[i], step.has_history ? v_before[i] : v[i]};
     if (model.is_kinematic(i)) {
@@ -204,18 +203,15 @@ void Oracle::Impl::obstruct(const Substep& now) {
       q[i] = collided(model, now.colliders, i, history[i].q, q[i], v[i], now.h).place;
 }
 
-// What limits move goes into the velocity: it is as if the vertex had been drawn there, in 1/180 s at the
-// least.
+// What limits move goes into the velocity: it is as if the vertex had been drawn there.
 void Oracle::Impl::apply_limits(const Stepping& step) {
-  constexpr double fastest = 180.0;
-  const double differentiated = (step.has_history ? 1.5 : 1.0) / step.h;
   const Points before = q;
-  limits.apply(q);
+  Points began(model.vertex_count);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) began[i] = history[i].q;
+  limits.apply(q, began, step.length());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    const Vector3d move = q[i] - before[i];
-    y[i] += move;
-    goals[i] += move;
-    unfelt[i] += move * std::max(differentiated - fastest, 0.0);
+    y[i] += q[i] - before[i];
+    goals[i] += q[i] - before[i];
   }
 }
 
@@ -237,7 +233,7 @@ void Oracle::Impl::collide(const Substep& now) {
 void Oracle::Impl::collide_implicit(std::uint32_t i, const Substep& now) {
   const double d = model.layers[model.layer_of(i)].damping;
   const Vector3d free_place = pulled_position(y[i], goals[i], model.mass[i], stiffness[i], d, *now.stepping);
-  const Vector3d free_velocity = differentiated_position(free_place, history[i], *now.stepping) - unfelt[i];
+  const Vector3d free_velocity = differentiated_position(free_place, history[i], *now.stepping);
   const auto sent_to = [&](const Vector3d& place) {
     return collided(model, now.colliders, i, history[i].q, place, free_velocity, now.h);
   };
@@ -273,7 +269,7 @@ void Oracle::Impl::finish_implicit(const Stepping& step) {
     q_before[i] = history[i].q;
     v_before[i] = history[i].v;
     if (is_pushed[i]) continue;
-    v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step) - unfelt[i];
+    v[i] = model.is_kinematic(i) ? u : differentiated_position(q[i], history[i], step);
   }
 }
 
@@ -296,7 +292,7 @@ void Oracle::Impl::hold_contacts(const Stepping& step) {
     yielding[i] = model.is_kinematic(i) ? 0.0 : (1.0 - to_goal[i]) / model.mass[i];
     moved[i] = q[i] - history[i].q;
   }
-  const Points moves = contacts.held_moves(contacts_found, moved, yielding);
+  const Points moves = contacts.held_moves(contacts_found, moved, yielding, step.length());
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
     q[i] += moves[i];
     if (to_goal[i] > 0.0) goals[i] += moves[i] / to_goal[i];

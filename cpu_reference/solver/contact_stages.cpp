@@ -218,8 +218,10 @@ void contact_hold(const Model& model, const SubstepInput& in, Fields& fields, Ra
     Place impulse{0.0f, 0.0f, 0.0f};
     if (is_found(model, fields, p)) {
       const Pair pair = pair_of(model, fields, p);
-      impulse = kernel::contact_hold_impulse<float>({pair.push, pair.normal}, between(pair, way),
-                                                    model.contact[p].friction, load_of_all(pair, part));
+      const shader::ContactPoint& point = model.contact[p];
+      impulse =
+          kernel::contact_hold_impulse<float>({pair.push, pair.normal}, between(pair, way), in.implicit.step,
+                                              point.margin, point.friction, load_of_all(pair, part));
     }
     put_impulse(fields, p, impulse);
   }

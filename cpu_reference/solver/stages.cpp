@@ -352,15 +352,27 @@ void relax(const Model& model, const SubstepInput& in, Fields& fields, Range ran
     if (!model.is_kinematic(i)) relax_free(in, fields, i, load_vector(fields.goals, i));
 }
 
-void lack(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+namespace {
+
+// place(i) is where vertex i is seen.
+template <class PlaceOf>
+kernel::LimitVolume<float> volume_of(const shader::Limit& l, const PlaceOf& place) {
+  return kernel::limit_volume<float>(place(l.corner_a), place(l.corner_b), place(l.corner_c),
+                                     place(l.corner_d), l.inverse_size);
+}
+
+}  // namespace
+
+void lack(const Model& model, const SubstepInput& in, Fields& fields, Range range) {
   for (std::uint32_t t = range.first; t < range.last; ++t) {
     const shader::Limit& l = model.limit[t];
-    const auto place = [&](std::uint32_t i) { return load_position(fields, i); };
-    fields.lack[t] = kernel::limit_lack<float>(
-        kernel::limit_volume<float>(place(l.corner_a), place(l.corner_b), place(l.corner_c),
-                                    place(l.corner_d), l.inverse_size)
-            .volume,
-        l.least);
+    const float volume = volume_of(l, [&](std::uint32_t i) { return load_position(fields, i); }).volume;
+    float least = l.least;
+    if (kernel::limit_lack<float>(volume, least) > 0.0f) {
+      const auto before = [&](std::uint32_t i) { return load_vector(fields.positions_before, i); };
+      least = kernel::limit_least<float>(least, volume_of(l, before).volume, in.implicit.step);
+    }
+    fields.lack[t] = kernel::limit_lack<float>(volume, least);
   }
 }
 
@@ -375,11 +387,10 @@ void crowd(const Model& model, const SubstepInput&, Fields& fields, Range range)
 }
 
 void push(const Model& model, const SubstepInput&, Fields& fields, Range range) {
-  const auto place = [&](std::uint32_t i) { return load_vector(fields.iterate_before, i); };
   for (std::uint32_t t = range.first; t < range.last; ++t) {
     const shader::Limit& l = model.limit[t];
-    const kernel::LimitVolume<float> v = kernel::limit_volume<float>(
-        place(l.corner_a), place(l.corner_b), place(l.corner_c), place(l.corner_d), l.inverse_size);
+    const kernel::LimitVolume<float> v =
+        volume_of(l, [&](std::uint32_t i) { return load_vector(fields.iterate_before, i); });
     const float push =
         kernel::limit_push<float>(v, fields.lack[t], fields.load[l.corner_a], fields.load[l.corner_b],
                                   fields.load[l.corner_c], fields.load[l.corner_d], l.least_square, l.size);

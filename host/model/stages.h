@@ -336,7 +336,7 @@ inline constexpr KernelAccess kernel_rows[] = {
      {},
      {},
      {Field::position}},
-    {Kernel::lack, "lack", KernelItems::limits, {}, {}, {Field::position}, {Field::lack}},
+    {Kernel::lack, "lack", KernelItems::limits, {}, {}, {Field::position, Field::position_before}, {Field::lack}},
     {Kernel::crowd,
      "crowd",
      KernelItems::vertices,

@@ -276,25 +276,39 @@ ContactResponse step(model::Solver& solver, const Model& m, State& state, bool s
 
 // Blocks are thrown at each other by `speed` each. What first touches comes in at nearly twice that, and BDF2
 // would throw it back at more than half; settled it has a quarter of what it had, with which the history
-// leaves it at rest in the next substep.
+// leaves it at rest in the next substep. The blocks start so that what first touches is held in full.
 TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
   const double speed = 0.5;
   for (const double stiffness : {1e3, 2e4, 1e6, 1e8}) {
     SCOPED_TRACE(stiffness);
-    const TwoBlocks blocks = implicit_blocks(stiffness);
+    TwoBlocks blocks = implicit_blocks(stiffness);
+    for (shader::ContactPoint& point : blocks.model.contact) point.margin *= 0.5f;
     const Model& m = blocks.model;
     const auto solver = make_cpu_solver(m, contact_options(m), 1);
     const cpu::Contacts contacts(m);
-    State state = thrown(blocks, solver->save(), speed);
+    const State start = thrown(blocks, solver->save(), speed);
     std::vector<cpu::Contacts::Pair> pairs;
     Points before;
     ContactResponse response;
-    for (int k = 0; k < 20 && pairs.empty(); ++k) {
-      pairs = contacts.found_at(points_in(state.positions));
-      before = points_in(state.velocities);
-      response = step(*solver, m, state, true);
+    // The deepest first.
+    const auto first_is_held_in_full = [&] {
+      std::sort(pairs.begin(), pairs.end(),
+                [](const auto& a, const auto& b) { return a.push.norm() > b.push.norm(); });
+      return !pairs.empty() && 64.0 * pairs[0].push.norm() > double(m.contact[pairs[0].point].margin);
+    };
+    for (int nearer = 0; nearer < 20 && !first_is_held_in_full(); ++nearer) {
+      State state = start;
+      for (std::uint32_t i = blocks.first_of_second; i < m.vertex_count; ++i)
+        state.positions[3 * std::size_t{i}] -= 2.5e-4f * static_cast<float>(nearer);
+      solver->load(state);
+      pairs.clear();
+      for (int k = 0; k < 20 && pairs.empty(); ++k) {
+        pairs = contacts.found_at(points_in(state.positions));
+        before = points_in(state.velocities);
+        response = step(*solver, m, state, true);
+      }
     }
-    ASSERT_FALSE(pairs.empty());
+    ASSERT_TRUE(first_is_held_in_full());
     // Along n, how fast the first found leaves the place that it is in.
     const auto leaving = [&](const Points& v) {
       Vector3d u = v[m.contact[pairs[0].point].vertex];
@@ -308,9 +322,8 @@ TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
 }
 
 // Damped blocks whose far ends are held nearer to each other than they are long: 2 s later nothing moves by
-// 2 mm/s, where 0.6 mm/s was measured, and one lies hardly in the other. The controls: with the velocities
-// that integrate left they tremble at half a metre a second, and without contact they lie 3 cm deep. Flesh
-// that is stiffer than the iterations resolve, or not damped, trembles on: that is no part of this.
+// 2 mm/s, where 0.03 mm/s was measured, and one lies hardly in the other. The control: without contact they
+// lie 3 cm deep.
 TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   const TwoBlocks blocks = implicit_blocks(2e4, 20.0, true);
   const Model& m = blocks.model;
@@ -326,7 +339,6 @@ TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   const auto deepest = [&](const State& state) { return model::OverlapMeter(m).of(state.positions).deepest; };
   const State at_rest = end_of(m, true);
   EXPECT_LT(fastest(at_rest), 2e-3);
-  EXPECT_GT(fastest(end_of(m, false)), 0.05);
   EXPECT_FALSE(cpu::Contacts(m).found_at(points_in(at_rest.positions)).empty()) << "nothing is pressed";
   EXPECT_LT(deepest(at_rest), 0.05 * deepest(end_of(without_contact(m), true)));
 }

@@ -118,10 +118,11 @@ TEST(Contact, IsWhatAHandComputes) {
 }
 
 // By hand, as above. Vertex 4 gives way half as easily as the others: the load is 1/2 + 4 (1/4) = 3/2, and
-// half of the depth sqrt(3)/64 is asked for, beside what the point has gone the other way.
+// half of the depth sqrt(3)/64 is asked for, or 180 H of it in a short step, beside what the point has gone
+// the other way. A depth of a fourth of a 64th of the margin is held by a fourth.
 TEST(Contact, HoldsAndSettlesAsAHandComputes) {
   const Vector3d n = -Vector3d(1, 1, 1).normalized(), aside = Vector3d(1, -1, 0).normalized();
-  const PointInTetrahedron c(true);
+  PointInTetrahedron c(true);
   const cpu_reference::Contacts contacts(c.model);
   auto pairs = contacts.found_at(points_in(c.meeting(Vector3d::Zero()).positions));
   ASSERT_EQ(pairs.size(), 1u);
@@ -134,15 +135,22 @@ TEST(Contact, HoldsAndSettlesAsAHandComputes) {
     return all;
   };
   Points moved(8, Vector3d::Zero());
-  for (const double in : {0.0, 0.01, -0.01, -0.02})
-    for (const double along : {0.0, 0.002}) {
-      moved[4] = -in * n + along * aside;
-      const double pushed = std::max(0.0, std::sqrt(3.0) / 128.0 + in),
-                   rubbed = std::min(0.5 * pushed, 0.5 * along);
-      const Points moves = contacts.held_moves(pairs, moved, yielding);
-      EXPECT_LT(largest_distance(moves, expected((pushed * n - rubbed * aside) / 1.5, 0.5)), 1e-6);
-      EXPECT_EQ(pairs[0].presses, pushed > 0.0);
-    }
+  const float margin = c.model.contact[pairs[0].point].margin;
+  EXPECT_LT(margin, 1.7f);
+  for (const double share : {1.0, 0.25})
+    for (const auto& [step, depth_share] : {std::pair(0.01, 0.5), std::pair(1.0 / 720.0, 0.25)})
+      for (const double in : {0.0, 0.01, -0.01, -0.02})
+        for (const double along : {0.0, 0.002}) {
+          c.model.contact[pairs[0].point].margin = share == 1.0 ? margin : float(std::sqrt(3.0) / share);
+          moved[4] = -in * n + along * aside;
+          const double pushed = std::max(0.0, depth_share * std::sqrt(3.0) / 64.0 + in),
+                       rubbed = std::min(0.5 * pushed, 0.5 * along);
+          const Points moves = contacts.held_moves(pairs, moved, yielding, step);
+          EXPECT_LT(largest_distance(moves, expected(share * (pushed * n - rubbed * aside) / 1.5, 0.5)),
+                    1e-6);
+          EXPECT_EQ(pairs[0].presses, pushed > 0.0);
+        }
+  c.model.contact[pairs[0].point].margin = margin;
 
   // 1/4 of the velocity before, with a history of 1/3; the sliding stays. Vertex 4 has twice the
   // mass, and no other contact shares the five: 1/2 + 4 (1/4) (1/4) = 3/4.
@@ -151,7 +159,7 @@ TEST(Contact, HoldsAndSettlesAsAHandComputes) {
   before[4] = -2.0 * n;
   EXPECT_EQ(largest_in(contacts.settling_gains(pairs, v, before, 1.0 / 3.0)), 0.0) << "it does not press";
   moved[4].setZero();
-  contacts.held_moves(pairs, moved, yielding);
+  contacts.held_moves(pairs, moved, yielding, 0.01);
   EXPECT_LT(
       largest_distance(contacts.settling_gains(pairs, v, before, 1.0 / 3.0), expected(-1.0 * n / 0.75, 0.5)),
       1e-6);

@@ -112,48 +112,62 @@ TEST(Limit, TheOraclesGradientsAreThoseOfTheVolume) {
 }
 
 // By hand: one free corner over a held triangle, pressed flat. The gradient is the triangle's area over 3,
-// along the normal, so it goes by 3/2 of what lacks, less a hundredth that bounds the step; then nothing
-// lacks.
+// along the normal, so a pass takes it all the way but for a hundredth that bounds the step. It had no volume
+// when the substep began, so it opens by all that it lacks, or by less in a short step.
 TEST(Limit, ACornerOverAHeldTriangleIsLiftedToItsLeastHeight) {
   Model model = make_model(regular_tetrahedron());
   for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(model, i);
   model = make_implicit(model, 1.0);
   add_limits(model, 0.5);
-  const auto solver = make_cpu_solver(model, implicit, 1);
-  State state = solver->save();
+  const State rest = make_cpu_solver(model, implicit, 1)->save();
   const Vector3d centre =
-      (triple(state.positions, 1) + triple(state.positions, 2) + triple(state.positions, 3)) / 3.0;
-  const Vector3d top = triple(state.positions, 0);
-  for (std::size_t k = 0; k < 3; ++k) state.positions[k] = float(centre[int(k)]);
-  solver->load(state);
-  TestDrive drive = quiet_drive(model, 1e-3);
-  solver->submit(drive.get(), {});
-  const double height = (triple(solver->save().positions, 0) - centre).norm() / (top - centre).norm();
-  // One pass: 3/2 of 1/2 over 1 + a hundredth of all four gradients' mean square, which is its own.
-  EXPECT_NEAR(height, 0.75 / 1.01, 1e-3);
-}
-
-// The same corner's speed: its way over the step, and over 1/180 s where the step is shorter. Skinning may
-// crush flesh at once, and the shorter the step, the faster it would come out.
-TEST(Limit, WhatIsLiftedInAShortStepDoesNotBurst) {
-  Model model = make_model(regular_tetrahedron());
-  for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(model, i);
-  model = make_implicit(model, 1.0);
-  add_limits(model, 0.5);
+      (triple(rest.positions, 1) + triple(rest.positions, 2) + triple(rest.positions, 3)) / 3.0;
+  const double top = (triple(rest.positions, 0) - centre).norm();
   for (const double h : {1e-2, 1e-3, 1e-4}) {
     const auto solver = make_cpu_solver(model, implicit, 1);
-    State state = solver->save();
-    const Vector3d centre =
-        (triple(state.positions, 1) + triple(state.positions, 2) + triple(state.positions, 3)) / 3.0;
+    State state = rest;
     for (std::size_t k = 0; k < 3; ++k) state.positions[k] = float(centre[int(k)]);
     solver->load(state);
     TestDrive drive = quiet_drive(model, h);
     solver->submit(drive.get(), {});
     const State lifted = solver->save();
-    const double way = (triple(lifted.positions, 0) - centre).norm();
-    // What the flesh's own 1 Pa does in the step.
-    EXPECT_NEAR(triple(lifted.velocities, 0).norm(), way * std::min(1.0 / h, 180.0), 0.01 * way / h) << h;
+    // The tolerance is what the passes leave, and what the flesh's own 1 Pa does in the step.
+    const double way = std::min(1.0, 240.0 * h) * 0.5 * top;
+    EXPECT_NEAR((triple(lifted.positions, 0) - centre).norm(), way, 1e-3 * top) << h;
+    // So the speed has a bound however short the step is: what skinning crushes at once does not burst.
+    EXPECT_NEAR(triple(lifted.velocities, 0).norm(), way / h, 0.01 * way / h) << h;
   }
+}
+
+// A column between two plates holds still, however short the substeps are: rounding is left, 2e-5 m/s with
+// 1440 substeps a second, and some 5e-4 where a tetrahedron is just about to lack volume. When limits went
+// half as far again as their volumes asked for, it trembled at 0.02 to 0.4 m/s. The control: while it is
+// being pressed it moves.
+TEST(Limit, FleshThatIsPressedAndHeldComesToRest) {
+  for (const float pressed : {0.25f, 0.4f, 0.6f})
+    for (const double rate : {240.0, 1440.0}) {
+      SCOPED_TRACE(rate);
+      Model model = column(3e3, true);
+      for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+        if (model.rest[3 * i + 1] > 0.18f) make_kinematic(model, i);
+      model = make_implicit(model, 3e3);
+      add_limits(model, kept);
+      const auto solver = make_cpu_solver(model, implicit, 2);
+      State state = solver->save();
+      for (std::uint32_t i = 0; i < model.vertex_count; ++i) state.positions[3 * i + 1] *= pressed;
+      solver->load(state);
+      const auto speed_after = [&](double seconds) {
+        TestDrive drive = quiet_drive(model, 1.0 / rate, static_cast<std::uint32_t>(rate * seconds));
+        solver->submit(drive.get(), {});
+        const State now = solver->save();
+        double sum = 0.0;
+        for (std::uint32_t i = 0; i < model.vertex_count; ++i) sum += triple(now.velocities, i).squaredNorm();
+        return std::sqrt(sum / model.vertex_count);
+      };
+      EXPECT_GT(speed_after(0.025), 0.05);
+      EXPECT_LT(speed_after(2.0), 2e-3);
+      EXPECT_LT(least_volume(model, solver->save().positions), 1.01 * kept) << "nothing is held by a limit";
+    }
 }
 
 // Metres, of a column of 0.19 that is crushed to a third: rounding, amplified by which tetrahedra lack

@@ -30,9 +30,8 @@ std::string defined_on(const std::string& line) {
   if (std::regex_search(line, found, type)) return found[1];
   if (std::regex_search(line, found, constant)) return found[1];
   if (std::regex_search(line, found, function)) {
-    const std::string parameters = found[2];
-    return found[1].str() + "(" +
-           std::regex_replace(parameters.substr(0, parameters.find('{')), parameter, "");
+    const std::string rest = found[2];
+    return found[1].str() + "(" + std::regex_replace(rest.substr(0, rest.find(" {")), parameter, "");
   }
   return "";
 }
