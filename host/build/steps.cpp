@@ -173,20 +173,19 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
                      (steps.iterations < enough ? "\"auto\" takes " + std::to_string(enough)
                                                 : std::string("take more substeps, or \"auto\"")));
   if (solver.auto_substeps || stiff.value == 0.0) return steps;
-  const double least = steps_per_second(scene::Quality::normal);
+  const double least = steps_per_second(scene::Quality::draft);
   if (model.has_skeleton() && a_second < least * (1.0 - 1e-6))
     warn(report, "solver.substeps: " + std::to_string(solver.substeps) + " a frame are " +
                      base::short_text(a_second) +
                      " a second, and flesh lags by more the fewer they are; take " +
                      rounded_up(least / scene.fps) + ", or \"auto\"");
-  if (!model.has_skeleton() &&
-      radians_a_turn * swing.value > longest_phase(scene::Quality::normal) * a_second)
+  if (!model.has_skeleton() && radians_a_turn * swing.value > longest_phase(scene::Quality::draft) * a_second)
     warn(report,
          "solver.substeps: with " + std::to_string(solver.substeps) + " the lowest mode of " +
              of_layer(swing) + ", " + base::short_text(swing.value) + " Hz, swings " +
              base::percent_text(steps.error.slower) + " slower and loses " +
              base::percent_text(steps.error.lost) + " of its swing in each period; take " +
-             rounded_up(radians_a_turn * swing.value / (longest_phase(scene::Quality::normal) * scene.fps)) +
+             rounded_up(radians_a_turn * swing.value / (longest_phase(scene::Quality::draft) * scene.fps)) +
              ", or \"auto\"");
   return steps;
 }
@@ -194,23 +193,21 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
 }  // namespace
 
 double steps_per_second(scene::Quality quality) {
-  // The time step's error on a heavy man's jump is 1.7 mm with 240 and 0.6 with 480
-  // (docs/design/integrators.md). More are not offered: flesh that is held in a fold trembles more in shorter
-  // steps.
+  // The time step's error on a heavy man's jump is 1.6, 0.6 and 0.1 mm (docs/design/integrators.md).
   switch (quality) {
     case scene::Quality::draft:
-      return 120.0;
-    case scene::Quality::normal:
       return 240.0;
-    case scene::Quality::final:
+    case scene::Quality::normal:
       return 480.0;
+    case scene::Quality::final:
+      return 1440.0;
   }
-  return 240.0;
+  return 480.0;
 }
 
 double longest_phase(scene::Quality quality) {
-  // The frequency is off by 3.4, 0.9 and 0.2 %.
-  return 0.16 * steps_per_second(scene::Quality::normal) / steps_per_second(quality);
+  // The frequency is off by 0.9, 0.2 and 0.02 %.
+  return 0.16 * steps_per_second(scene::Quality::draft) / steps_per_second(quality);
 }
 
 bool steps_need_lowest_modes(const scene::SolverSettings& solver, const model::Model& model) {

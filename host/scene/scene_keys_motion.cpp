@@ -43,9 +43,8 @@ const auto& solver_rows() {
           {.name = "quality",
            .doc =
                "Of the implicit integrator with substeps = \"auto\": how small the time step's errors shall "
-               "be. draft: 120 substeps a second or more; normal: 240; final: 480, for twice the time and "
-               "0.4 "
-               "of the error."})};
+               "be. draft: 240 substeps a second or more; normal: 480; final: 1440, for three times the "
+               "time and a sixth of the error."})};
   static_assert(base::has_row_for_each_member<SolverSettings, decltype(all)>,
                 "a member of SolverSettings has no row here");
   return all;

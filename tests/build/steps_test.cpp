@@ -55,8 +55,8 @@ TEST(Steps, AsManyASecondAtEveryFrameRate) {
   for (const double fps : {2.0, 10.0, 24.0, 30.0, 60.0, 120.0, 1000.0}) {
     scene::Scene scene = auto_scene(1e3, fps);
     for (const auto& [quality, a_second] :
-         {std::pair(scene::Quality::draft, 120.0), std::pair(scene::Quality::normal, 240.0),
-          std::pair(scene::Quality::final, 480.0)}) {
+         {std::pair(scene::Quality::draft, 240.0), std::pair(scene::Quality::normal, 480.0),
+          std::pair(scene::Quality::final, 1440.0)}) {
       scene.solver.quality = quality;
       const Chosen c = chosen(scene);
       EXPECT_GE(c.steps.substeps * fps, a_second - 1e-6) << fps;

@@ -65,12 +65,13 @@ Foreseen foreseen(const char* file, const char* clip, double softness) {
 }
 
 // A wish that its clip does not bear is said before the bake, and the default is not. By default the frog's
-// skin is at worst 0.77 of the limit from skinning; at softness 2 it was 1.39, over in 5 frames.
+// skin is at worst 0.87 of the limit from skinning (0.77 in half as many substeps); at softness 2 it
+// was 1.39, over in 5 frames.
 TEST(LookOfCharacters, AFrogTooSoftForItsLeapIsForeseen) {
   FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
   const Foreseen by_default = foreseen("easy_enemies_Frog.glb", "Attack", 1.0);
-  EXPECT_NEAR(by_default.swing, 0.77, 0.5 * 0.77);
-  EXPECT_NEAR(by_default.tried, 0.77, 0.1 * 0.77);
+  EXPECT_NEAR(by_default.swing, 0.87, 0.5 * 0.87);
+  EXPECT_NEAR(by_default.tried, 0.87, 0.1 * 0.87);
   const Foreseen softer = foreseen("easy_enemies_Frog.glb", "Attack", 2.0);
   EXPECT_GT(softer.swing, 1.0);
   EXPECT_GT(softer.tried, 1.0);
