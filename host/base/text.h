@@ -20,7 +20,7 @@ requires std::is_arithmetic_v<Number> std::string number_text(Number value) {
 // Two digits after the point: 0.55, 2.6, 12.
 std::string short_text(double value);
 
-// A share of 1 with two digits after the point: 2.55 %.
+// A share of 1 with at most two digits after the point: 2.55 %, 12 %; 0 % below 0.005 %.
 std::string percent_text(double share);
 
 // 16 lower-case hexadecimal digits.

@@ -43,8 +43,8 @@ const auto& solver_rows() {
           {.name = "quality",
            .doc =
                "Of the implicit integrator with substeps = \"auto\": how small the time step's errors shall "
-               "be. draft: 240 substeps a second or more; normal: 480; final: 1440, for three times the "
-               "time and a sixth of the error."})};
+               "be. draft: 240 substeps a second or more; normal: 480; final: 1440, with a sixth of "
+               "the error or less."})};
   static_assert(base::has_row_for_each_member<SolverSettings, decltype(all)>,
                 "a member of SolverSettings has no row here");
   return all;

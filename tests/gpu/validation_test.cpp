@@ -7,6 +7,9 @@
 #include "gpu/experiments.h"
 #include "tests/gpu/vulkan_device.h"
 #include "tests/support/bar_model.h"
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace fascicle::tests {
 namespace {
@@ -16,6 +19,11 @@ struct Ignore : model::Probe {
 };
 
 class Validation : public VulkanTest {
+#if defined(__SANITIZE_ADDRESS__)
+  // The layer keeps memory when it is unloaded.
+  const __lsan::ScopedDisabler layer_leaks_{};
+#endif
+
  protected:
   void SetUp() override {
 #if defined(__SANITIZE_THREAD__)

@@ -1,5 +1,5 @@
 // For the address sanitizer only. The Vulkan loader unloads Mesa's driver with each instance, and what its
-// compiler had kept for the next one is then reported as leaked, by a place that nobody can name. A driver
+// compiler had kept for the next one is then reported as leaked, with a stack that has no names. A driver
 // that stays loaded still points at it. Where there is no such driver nothing is done.
 #include <dlfcn.h>
 
