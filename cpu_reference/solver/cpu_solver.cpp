@@ -362,10 +362,13 @@ class CpuSolver : public model::Solver {
       if (lanes_ != nullptr && fields_.some_lack[slice] == 0) continue;
       for (std::uint32_t k = slice * slice_size; k < std::min(count, (slice + 1) * slice_size); ++k) {
         const std::uint32_t t = listed ? (*listed)[k] : k;
-        // Lanes ask for the least volume, which is as much as a tetrahedron can lack, or more.
-        if (lanes_ != nullptr && fields_.lack[t] > 0.0f) lack(model_, in, fields_, {t, t + 1});
         if (fields_.lack[t] > 0.0f) found.push_back(t);
       }
+    }
+    // Lanes compare with the least volume. A tetrahedron that lacked some before lacks no more than they say.
+    if (lanes_ != nullptr) {
+      run(found, &lack, in);
+      std::erase_if(found, [&](std::uint32_t t) { return !(fields_.lack[t] > 0.0f); });
     }
     return found;
   }

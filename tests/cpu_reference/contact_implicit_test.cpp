@@ -266,9 +266,11 @@ TEST(ContactImplicit, OneIterationMovesAndTurnsNothing) {
   }
 }
 
-ContactResponse step(model::Solver& solver, const Model& m, State& state) {
+// A substep; `settles` or with the velocities that integrate left.
+ContactResponse step(model::Solver& solver, const Model& m, State& state, bool settles = true) {
   const ContactResponse response = contact_response(solver, m, state, h);
   state = solver.save();
+  if (!settles) state.velocities = response.before.velocities;
   return response;
 }
 
@@ -325,12 +327,12 @@ TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
 TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   const TwoBlocks blocks = implicit_blocks(2e4, 20.0, true);
   const Model& m = blocks.model;
-  const auto end_of = [&](const Model& of) {
+  const auto end_of = [&](const Model& of, bool settles = true) {
     const auto solver = make_cpu_solver(of, contact_options(of), 1);
     State state = thrown(blocks, solver->save(), 0.0);
     for (std::uint32_t i = blocks.first_of_second; i < m.vertex_count; ++i)
       state.positions[3 * std::size_t{i}] -= 0.05f;
-    for (int k = 0; k < 960; ++k) step(*solver, of, state);
+    for (int k = 0; k < 960; ++k) step(*solver, of, state, settles);
     return state;
   };
   const auto fastest = [](const State& state) { return largest_in(points_in(state.velocities)); };
@@ -339,6 +341,12 @@ TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   EXPECT_LT(fastest(at_rest), 2e-4);
   EXPECT_FALSE(cpu::Contacts(m).found_at(points_in(at_rest.positions)).empty()) << "nothing is pressed";
   EXPECT_LT(deepest(at_rest), 0.05 * deepest(end_of(without_contact(m))));
+  // Held in full from nearly the first depth on, what presses lightly ends and begins by turns. Settled it
+  // rests at 0.6 mm/s. The control: with the velocities that integrate left it trembles at 6 cm/s.
+  Model sharp = m;
+  for (shader::ContactPoint& point : sharp.contact) point.margin *= 0x1p-10f;
+  EXPECT_LT(fastest(end_of(sharp)), 2e-3);
+  EXPECT_GT(fastest(end_of(sharp, false)), 0.05);
 }
 
 }  // namespace
