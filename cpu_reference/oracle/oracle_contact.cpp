@@ -25,9 +25,7 @@ constexpr double least_crowd = 2.0;
 // second.
 constexpr double most_depth_share = 0.5, depth_rate = 180.0;
 // A contact is held in full from this part of its margin on, and less above it.
-constexpr double full_depth = 1.0 / 64.0;
-// What friction takes of the sliding velocity at most.
-constexpr double most_friction = 0.5;
+constexpr double full_depth = 1.0 / 32.0;
 
 // Columns: the edges from the first corner.
 Matrix3d edges_of(const std::array<std::uint32_t, 4>& corners, const Points& places) {
@@ -133,9 +131,7 @@ Vector3d Contacts::push_of(const Pair& pair, const Vector3d& moved, double wante
   const Vector3d sliding = moved - along * pair.normal;
   Vector3d impulse = pushed * pair.normal;
   if (sliding.norm() > 0.0)
-    impulse -=
-        std::min(most_friction, double(model_.contact[pair.point].friction) * pushed / sliding.norm()) *
-        sliding;
+    impulse -= std::min(1.0, double(model_.contact[pair.point].friction) * pushed / sliding.norm()) * sliding;
   return impulse;
 }
 

@@ -282,7 +282,7 @@ TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
   for (const double stiffness : {1e3, 2e4, 1e6, 1e8}) {
     SCOPED_TRACE(stiffness);
     TwoBlocks blocks = implicit_blocks(stiffness);
-    for (shader::ContactPoint& point : blocks.model.contact) point.margin *= 0.5f;
+    for (shader::ContactPoint& point : blocks.model.contact) point.margin *= 0.25f;
     const Model& m = blocks.model;
     const auto solver = make_cpu_solver(m, contact_options(m), 1);
     const cpu::Contacts contacts(m);
@@ -294,7 +294,7 @@ TEST(ContactImplicit, TheFirstTouchIsNotThrownBack) {
     const auto first_is_held_in_full = [&] {
       std::sort(pairs.begin(), pairs.end(),
                 [](const auto& a, const auto& b) { return a.push.norm() > b.push.norm(); });
-      return !pairs.empty() && 64.0 * pairs[0].push.norm() > double(m.contact[pairs[0].point].margin);
+      return !pairs.empty() && 32.0 * pairs[0].push.norm() > double(m.contact[pairs[0].point].margin);
     };
     for (int nearer = 0; nearer < 20 && !first_is_held_in_full(); ++nearer) {
       State state = start;
@@ -340,7 +340,9 @@ TEST(ContactImplicit, WhatIsPressedTogetherComesToRest) {
   const State at_rest = end_of(m);
   EXPECT_LT(fastest(at_rest), 2e-4);
   EXPECT_FALSE(cpu::Contacts(m).found_at(points_in(at_rest.positions)).empty()) << "nothing is pressed";
-  EXPECT_LT(deepest(at_rest), 0.05 * deepest(end_of(without_contact(m))));
+  // What presses lies no deeper than where it is held in full.
+  EXPECT_LT(deepest(at_rest), double(m.contact[0].margin) / 32.0);
+  EXPECT_GT(deepest(end_of(without_contact(m))), 3.0 * double(m.contact[0].margin) / 32.0) << "the control";
   // Held in full from nearly the first depth on, what presses lightly ends and begins by turns. Settled it
   // rests at 0.6 mm/s. The control: with the velocities that integrate left it trembles at 6 cm/s.
   Model sharp = m;
