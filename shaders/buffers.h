@@ -86,7 +86,7 @@ BUFFERS_CONSTANT uint buffer_limit_load = 52u;    // a float a vertex
 
 // Of a model with contact.
 BUFFERS_CONSTANT uint buffer_contact = 53u;              // ContactPoint
-BUFFERS_CONSTANT uint buffer_contact_near = 54u;         // vertices
+BUFFERS_CONSTANT uint buffer_contact_near = 54u;         // VertexRun
 BUFFERS_CONSTANT uint buffer_contact_tetrahedron = 55u;  // uvec4: corners
 BUFFERS_CONSTANT uint buffer_contact_depth = 56u;        // a float a vertex
 BUFFERS_CONSTANT uint buffer_contact_number = 57u;       // of each vertex its ContactPoint, or no_contact

@@ -72,7 +72,7 @@ struct Limit {
 
 // A point of the body's surface that may come to lie in other flesh (kernel/contact.inc). Flesh that is
 // nearer to it at rest than the margin (working units) does not meet it, but for the vertices that are near
-// it across a gap: those of Model::contact_near from first_near on.
+// it across a gap: those of so many runs of Model::contact_near, from first_near on.
 struct ContactPoint {
   uint vertex;
   float margin;
@@ -80,6 +80,11 @@ struct ContactPoint {
   float friction;   // Coulomb's coefficient
   uint first_near;
   uint near_count;
+};
+
+// Vertices that follow each other: the first of them, and one after the last.
+struct VertexRun {
+  uint first, end;
 };
 
 // One force of the scene in one substep: newtons, or for wind N/m^2, divided by the working unit. A vertex

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "host/model/contact_depth.h"
+#include "host/model/contact_near.h"
 
 namespace fascicle::cpu_reference {
 
@@ -59,14 +60,13 @@ std::optional<Contacts::Pair> Contacts::pair_of(std::uint32_t point, std::uint32
   bool can_move = mobility_[of.vertex] > 0.0;
   Vector3d apart = -rest_[of.vertex];
   Vector4d depths;
-  const auto near = model_.contact_near.begin() + of.first_near;
   bool is_across_a_gap = true;
   for (int k = 0; k < 4; ++k) {
     const std::uint32_t i = pair.corners[std::size_t(k)];
     can_move = can_move || mobility_[i] > 0.0;
     apart += pair.weights[k] * rest_[i];
     depths[k] = double{model::contact_depth_of(model_, point, i)};
-    is_across_a_gap = is_across_a_gap && std::binary_search(near, near + of.near_count, i);
+    is_across_a_gap = is_across_a_gap && model::is_across_a_gap(model_, of, i);
   }
   const bool is_far = apart.norm() > double(of.margin);
   if (!can_move || !(is_far || is_across_a_gap)) return std::nullopt;

@@ -10,6 +10,7 @@
 #include "cpu_reference/solver/fields.h"
 #include "cpu_reference/solver/stages.h"
 #include "host/model/contact_depth.h"
+#include "host/model/contact_near.h"
 #include "host/model/model.h"
 #include "shaders/kernel/contact.inc"
 
@@ -157,10 +158,7 @@ bool contact_meets(const model::Model& model, Fields& fields, std::uint32_t p, c
       rest_sight(model, corner[2]), rest_sight(model, corner[3]));
   const float squared = kernel::inner_product<float>(apart, apart);
   const bool is_far = squared > point.margin * point.margin;
-  const auto first_near = model.contact_near.begin() + point.first_near;
-  const auto is_across_a_gap = [&](std::uint32_t i) {
-    return std::binary_search(first_near, first_near + point.near_count, i);
-  };
+  const auto is_across_a_gap = [&](std::uint32_t i) { return model::is_across_a_gap(model, point, i); };
   if (!is_far && !std::all_of(corner.begin(), corner.end(), is_across_a_gap)) return false;
   const auto depth_of = [&](std::size_t k) { return model::contact_depth_of(model, p, corner[k]); };
   const float depth =

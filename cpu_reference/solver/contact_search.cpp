@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cpu_reference/solver/contact_stages.h"
+#include "host/model/contact_near.h"
 #include "host/model/contact_order.h"
 
 namespace fascicle::cpu_reference {
@@ -146,8 +147,9 @@ void ContactSearch::find_near_at_rest() {
   const auto for_each_across = [&](std::uint32_t b, const auto& use) {
     for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
       const shader::ContactPoint& point = model_.contact[order_[k]];
-      for (std::uint32_t e = point.first_near; e < point.first_near + point.near_count; ++e)
-        use(across[model_.contact_near[e]], static_cast<PointBits>(1U << (k - block_begin(b))));
+      for (const shader::VertexRun& run : model::near_runs(model_, point))
+        for (std::uint32_t i = run.first; i < run.end; ++i)
+          use(across[i], static_cast<PointBits>(1U << (k - block_begin(b))));
     }
   };
   for (std::uint32_t b = 0; b < blocks_.size(); ++b) {

@@ -195,17 +195,13 @@ std::uint64_t encoded_bytes(const model::Model& model) {
   return model_magic.size() + sizer.bytes() + sizeof(std::uint64_t);
 }
 
-model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wanted_hash) {
-  const std::string file = read_all(base::File(path, base::FileMode::read));
-  const auto fail = [&path](const std::string& what) -> BakeError {
-    return BakeError(path.string() + ": " + what + "; bake again");
-  };
-  if (!file.starts_with(model_magic)) throw fail("not a model of fascicle");
+model::Model decode_model(std::string_view bytes) {
+  if (!bytes.starts_with(model_magic)) throw BakeError("not a model of fascicle");
   std::uint64_t checksum = 0;
-  if (file.size() < model_magic.size() + sizeof checksum) throw fail("the model is damaged");
-  const std::string_view body = std::string_view(file).substr(0, file.size() - sizeof checksum);
-  std::memcpy(&checksum, file.data() + body.size(), sizeof checksum);
-  if (XXH3_64bits(body.data(), body.size()) != checksum) throw fail("the model is damaged");
+  if (bytes.size() < model_magic.size() + sizeof checksum) throw BakeError("the model is damaged");
+  const std::string_view body = bytes.substr(0, bytes.size() - sizeof checksum);
+  std::memcpy(&checksum, bytes.data() + body.size(), sizeof checksum);
+  if (XXH3_64bits(body.data(), body.size()) != checksum) throw BakeError("the model is damaged");
   model::Model model;
   try {
     Reader reader(body.substr(model_magic.size()));
@@ -213,9 +209,23 @@ model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wa
     if (!reader.is_done()) throw Mismatch("it is of another version of fascicle (fields at its end)");
     model::check_model(model);
   } catch (const Mismatch& mismatch) {
-    throw fail(std::string("the model cannot be read: ") + mismatch.what());
+    throw BakeError(std::string("the model cannot be read: ") + mismatch.what());
   } catch (const std::invalid_argument& error) {
-    throw fail(std::string("the model is wrong: ") + error.what());
+    throw BakeError(std::string("the model is wrong: ") + error.what());
+  }
+  return model;
+}
+
+model::Model read_model_file(const std::filesystem::path& path, std::uint64_t wanted_hash) {
+  const auto fail = [&path](const std::string& what) -> BakeError {
+    return BakeError(path.string() + ": " + what + "; bake again");
+  };
+  const std::string file = read_all(base::File(path, base::FileMode::read));
+  model::Model model;
+  try {
+    model = decode_model(file);
+  } catch (const BakeError& error) {
+    throw fail(error.what());
   }
   if (model_hash(model) != wanted_hash) throw fail("this is not the model of the frames beside it");
   return model;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "host/model/model.h"
 
@@ -19,6 +20,9 @@ inline constexpr const char* model_file_name = "model.fascicle";
 
 std::string encode_model(const model::Model& model);
 std::uint64_t encoded_bytes(const model::Model& model);
+
+// The model of such bytes, which passes model::check_model. Throws BakeError with what is wrong.
+model::Model decode_model(std::string_view bytes);
 
 // The model of a bake's folder; its hash must be `model_hash` (of the frame cache), and it passes
 // model::check_model. Throws BakeError with what is wrong and what to do, std::system_error if it cannot be

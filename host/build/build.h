@@ -112,49 +112,13 @@ struct CageReport {
 };
 
 // What filling a surface found. It is kept with the body in the cache: all it says goes here or into the
-// warnings, and every field into for_each_field.
+// warnings.
 struct FillReport {
   std::uint32_t riders_outside = 0;  // render vertices outside the tetrahedra that they ride on
   double least_barycentric = 0.0;    // how far: the least barycentric coordinate, 0 where none is outside
   CageReport cage;
 };
-template <class Fill, class Visit>
-void for_each_field(Fill& fill, Visit& visit) {
-  auto& [riders_outside, least_barycentric, cage] = fill;  // does not compile where a field is missing
-  visit(riders_outside);
-  visit(least_barycentric);
-  auto& [has_skin, is_cage, reason, findings, ends, skin_volume, skin_spacing, spacing, edges, alpha,
-         cut_tetrahedra, wrap_seconds, fill_seconds, cut_seconds] = cage;
-  visit(has_skin);
-  visit(is_cage);
-  visit(reason);
-  auto& [parts, loose_vertices, flat_triangles, open_edges, non_manifold_edges, non_manifold_vertices,
-         turned_edges, inverted_parts, intersections, genus] = findings;
-  for (auto* finding : {&parts, &loose_vertices, &flat_triangles, &open_edges, &non_manifold_edges,
-                        &non_manifold_vertices, &turned_edges, &inverted_parts, &intersections}) {
-    visit(finding->count);
-    visit(finding->vertices);
-  }
-  visit(genus);
-  auto& [vertex, edge_count, joint, width, fate] = ends;
-  visit(vertex);
-  visit(edge_count);
-  visit(joint);
-  visit(width);
-  visit(fate);
-  visit(skin_volume);
-  for (auto* spread : {&skin_spacing, &spacing, &edges}) {
-    visit(spread->low);
-    visit(spread->high);
-  }
-  visit(alpha);
-  visit(cut_tetrahedra);
-  visit(wrap_seconds);
-  visit(fill_seconds);
-  visit(cut_seconds);
-}
-
-// What was found and repaired on the way.
+// What was found and repaired on the way. It is kept with the model in the cache (report_fields.h).
 struct Report {
   std::uint32_t vertices = 0, tetrahedra = 0, surface_vertices = 0, surface_triangles = 0;
   double volume = 0.0;                                              // m^3
@@ -175,7 +139,8 @@ struct Report {
   std::vector<LayerShare> layers;
   std::vector<Warning> warnings;
   bool body_from_cache = false;
-  double seconds = 0.0;
+  bool is_kept = false;  // the model came from the cache as a whole
+  double seconds = 0.0;  // that building took; of a kept model, that finding it took
 };
 
 // BuildOptions::is_cancelled said so.

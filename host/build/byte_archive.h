@@ -1,10 +1,12 @@
-// Structures as bytes and back: numbers as they lie in memory, arrays and texts behind their length. What is
-// read may be damaged: lengths are held against what is left before memory is taken.
+// Structures as bytes and back: numbers as they lie in memory, arrays and texts behind their length, what may
+// be absent behind a flag. What is read may be damaged: lengths are held against what is left before memory
+// is taken.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,6 +20,12 @@ template <class T>
 struct IsFlat : std::is_arithmetic<T> {};
 template <class T, std::size_t count>
 struct IsFlat<std::array<T, count>> : IsFlat<T> {};
+
+// A structure that names its fields: for_each_field(value, visit) calls visit with each, in a fixed order.
+template <class T, class Visit>
+concept HasFields = requires(T& value, Visit& visit) {
+  for_each_field(value, visit);
+};
 
 class ByteWriter {
  public:
@@ -36,6 +44,20 @@ class ByteWriter {
     (*this)(std::uint64_t{text.size()});
     bytes_ += text;
   }
+  template <class T>
+  requires HasFields<const T, ByteWriter>
+  void operator()(const T& value) { for_each_field(value, *this); }
+  template <class T>
+  requires HasFields<const T, ByteWriter>
+  void operator()(const std::vector<T>& values) {
+    (*this)(std::uint64_t{values.size()});
+    for (const T& value : values) (*this)(value);
+  }
+  template <class T>
+  void operator()(const std::optional<T>& value) {
+    (*this)(value.has_value());
+    if (value) (*this)(*value);
+  }
 
  private:
   std::string& bytes_;
@@ -52,6 +74,11 @@ class ByteReader {
   // All throw Damaged where the bytes end too early.
   template <class T>
   requires IsFlat<T>::value void operator()(T& value) { take(&value, sizeof value); }
+  void operator()(bool& value) {
+    std::uint8_t byte = 0;
+    (*this)(byte);
+    value = byte != 0;
+  }
   template <class T>
   requires IsFlat<T>::value void operator()(std::vector<T>& values) {
     values.resize(length(sizeof(T)));
@@ -61,7 +88,25 @@ class ByteReader {
     text.resize(length(1));
     take(text.data(), text.size());
   }
+  template <class T>
+  requires HasFields<T, ByteReader>
+  void operator()(T& value) { for_each_field(value, *this); }
+  // One by one: a structure takes more memory than the least of bytes that it may come from.
+  template <class T>
+  requires HasFields<T, ByteReader>
+  void operator()(std::vector<T>& values) {
+    values.clear();
+    for (std::size_t left = length(1); left > 0; --left) (*this)(values.emplace_back());
+  }
+  template <class T>
+  void operator()(std::optional<T>& value) {
+    bool is_there = false;
+    (*this)(is_there);
+    value.reset();
+    if (is_there) (*this)(value.emplace());
+  }
   bool at_end() const { return bytes_.empty(); }
+  std::string_view rest() const { return bytes_; }
 
  private:
   std::size_t length(std::size_t size) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <span>
 #include <system_error>
 #include <vector>
 
@@ -61,16 +60,13 @@ std::optional<std::string> Cache::find(const std::string& key) const {
     if (!fs::is_regular_file(path)) return std::nullopt;
     const base::File file(path, base::FileMode::read);
     const std::uint64_t size = file.size();
-    if (size > limit_) return std::nullopt;
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    if (!file.read_at(0, std::span(bytes.data(), bytes.size()))) return std::nullopt;
-    const std::size_t header = header_of(key, {}).size();
-    if (bytes.size() < header) return std::nullopt;
-    if (std::string_view(bytes).substr(0, header) != header_of(key, std::string_view(bytes).substr(header)))
-      return std::nullopt;
+    std::string header = header_of(key, {});
+    if (size > limit_ || size < header.size()) return std::nullopt;
+    std::string bytes(static_cast<std::size_t>(size) - header.size(), '\0');
+    if (!file.read_at(0, header) || !file.read_at(header.size(), bytes)) return std::nullopt;
+    if (header != header_of(key, bytes)) return std::nullopt;
     std::error_code ignored;
     fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
-    bytes.erase(0, header);
     return bytes;
   } catch (const std::system_error&) {
     return std::nullopt;

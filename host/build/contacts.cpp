@@ -28,6 +28,7 @@
 #include "host/build/points.h"
 #include "host/build/surface_search.h"
 #include "host/model/contact_depth.h"
+#include "host/model/contact_near.h"
 
 namespace fascicle::build {
 
@@ -406,9 +407,9 @@ void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) 
   for (std::size_t p = 0; p < near.size(); ++p) {
     shader::ContactPoint& point = model.contact[p];
     point.first_near = static_cast<std::uint32_t>(model.contact_near.size());
-    point.near_count = static_cast<std::uint32_t>(near[p].size());
+    model::append_runs(near[p], model.contact_near);
+    point.near_count = static_cast<std::uint32_t>(model.contact_near.size()) - point.first_near;
     if (near[p].empty()) continue;
-    model.contact_near.insert(model.contact_near.end(), near[p].begin(), near[p].end());
     point.allowance = model::as_factor(overlap.depth(static_cast<std::uint32_t>(p), near[p]));
   }
 }

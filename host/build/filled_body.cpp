@@ -13,6 +13,7 @@
 #include "host/build/embedding.h"
 #include "host/build/mesher.h"
 #include "host/build/partings.h"
+#include "host/build/report_fields.h"
 #include "host/build/skin_weights.h"
 
 namespace fascicle::build {
@@ -178,13 +179,8 @@ std::string filled_body_bytes(const FilledBody& body, const Report& found) {
   ByteWriter write(bytes);
   write(plain(body.mesh.vertices));
   visit_arrays(write, body);
-  for_each_field(found.fill, write);
-  write(std::uint64_t{found.warnings.size()});
-  for (const Warning& warning : found.warnings) {
-    write(warning.text);
-    write(warning.vertices);
-    write(warning.is_of_flesh);
-  }
+  write(found.fill);
+  write(found.warnings);
   return bytes;
 }
 
@@ -194,17 +190,8 @@ bool read_filled_body(std::string_view bytes, const FillInput& input, FilledBody
     std::vector<std::array<double, 3>> vertices;
     read(vertices);
     visit_arrays(read, body);
-    for_each_field(found.fill, read);
-    std::uint64_t warnings = 0;
-    read(warnings);
-    for (std::uint64_t k = 0; k < warnings; ++k) {
-      Warning& warning = found.warnings.emplace_back();
-      read(warning.text);
-      read(warning.vertices);
-      std::uint8_t is_of_flesh = 0;
-      read(is_of_flesh);
-      warning.is_of_flesh = is_of_flesh != 0;
-    }
+    read(found.fill);
+    read(found.warnings);
     if (!read.at_end()) return false;
     for (const auto& p : vertices) body.mesh.vertices.push_back({p[0], p[1], p[2]});
   } catch (const ByteReader::Damaged&) {

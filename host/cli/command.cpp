@@ -99,10 +99,10 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       ->allow_extra_args(false)
       ->take_all()
       ->option_text("JOINT");
-  subcommand.add_flag(
-      "--no-cache", arguments.no_cache,
-      "Do not use or fill the cache of filled bodies, states before the first frame and compiled shaders "
-      "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
+  subcommand.add_flag("--no-cache", arguments.no_cache,
+                      "Do not use or fill the cache of filled bodies, models, states before the first frame "
+                      "and compiled shaders "
+                      "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
   subcommand
       .add_option(
           "--rest", overrides.rest,

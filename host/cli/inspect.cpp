@@ -208,6 +208,7 @@ Json json_of(const scene::Scene& scene, const Built& built) {
           {"flipped_tetrahedra", report.flipped_tetrahedra},
           {"riders_outside", report.fill.riders_outside},
           {"least_barycentric", report.fill.least_barycentric},
+          {"model_from_cache", report.is_kept},
           {"body_from_cache", report.body_from_cache},
           {"skin", json_of(report.fill.cage)},
           {"open_ends", json_of(open_ends_of(report))},

@@ -127,7 +127,7 @@ struct Model {                                 // each member has a row in model
   // Self-contact (shaders/kernel/contact.inc); empty without. Points of the surface, by ascending vertex, may
   // come to lie in the tetrahedra, whose order decides where a point lies in several of them.
   std::vector<shader::ContactPoint> contact;
-  std::vector<std::uint32_t> contact_near;         // ascending for each point
+  std::vector<shader::VertexRun> contact_near;     // ascending and apart for each point (contact_near.h)
   std::vector<std::uint32_t> contact_tetrahedron;  // 4 a tetrahedron: corners
   std::vector<float> contact_depth;                // n or 0: how deep below the surface a vertex is at rest
   std::vector<std::uint32_t> contact_number;       // n or 0: a vertex's point, or shader::no_contact

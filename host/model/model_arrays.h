@@ -305,10 +305,7 @@ inline constexpr auto model_arrays = [] {
 
       array("contact", &Model::contact, {.stored = where_there, .buffer = {shader::buffer_contact}}),
       array("contact_near", &Model::contact_near,
-            {.is_there = has_contact,
-             .values = below(vertices),
-             .stored = where_there,
-             .buffer = {shader::buffer_contact_near}}),
+            {.is_there = has_contact, .stored = where_there, .buffer = {shader::buffer_contact_near}}),
       array("contact_tetrahedron", &Model::contact_tetrahedron,
             {.items = {.each = 4},
              .is_there = has_contact,

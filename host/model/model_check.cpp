@@ -211,8 +211,12 @@ void check_contact_points(const Model& m) {
     if (!(point.margin > 0.0f)) broken("contact", p, "has no margin");
     if (point.first_near != first_near || point.near_count > m.contact_near.size() - first_near)
       broken("contact", p, "does not go on in contact_near");
-    for (std::uint32_t k = first_near + 1; k < first_near + point.near_count; ++k)
-      if (m.contact_near[k - 1] >= m.contact_near[k]) broken("contact_near", k, "is not ascending");
+    for (std::uint32_t k = first_near; k < first_near + point.near_count; ++k) {
+      const shader::VertexRun run = m.contact_near[k];
+      if (run.first >= run.end || run.end > m.vertex_count) broken("contact_near", k, "holds no vertices");
+      if (k > first_near && m.contact_near[k - 1].end >= run.first)
+        broken("contact_near", k, "is not ascending and apart");
+    }
     first_near += point.near_count;
   }
   if (first_near != m.contact_near.size()) broken("contact_near", first_near, "is no point's");

@@ -10,6 +10,7 @@
 
 #include "host/model/boxes.h"
 #include "host/model/contact_depth.h"
+#include "host/model/contact_near.h"
 #include "host/model/contact_order.h"
 
 namespace fascicle::model {
@@ -324,10 +325,7 @@ bool OverlapSearch::may_meet(std::uint32_t p, std::uint32_t t, const std::array<
     for (std::size_t c = 0; c < 3; ++c) apart[c] += weight[k] * r[c];
   }
   if (inner(apart, apart) > double{point.margin} * double{point.margin}) return true;
-  const auto first_near = model_.contact_near.begin() + point.first_near;
-  return std::all_of(corner, corner + 4, [&](std::uint32_t i) {
-    return std::binary_search(first_near, first_near + point.near_count, i);
-  });
+  return std::all_of(corner, corner + 4, [&](std::uint32_t i) { return is_across_a_gap(model_, point, i); });
 }
 
 }  // namespace

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <optional>
+#include <utility>
 
+#include "host/pipeline/kept_model.h"
 #include "host/pipeline/text.h"
 
 namespace fascicle::pipeline {
@@ -14,13 +18,27 @@ constexpr std::size_t warning_vertices_shown = 8;
 
 Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say) {
   Built built;
-  built.model = build::build_model(scene, built.report, options);
-  // Solvers rely on it, and a fault of the build would show in them as a wild read.
-  model::check_model(built.model);
+  const auto start = std::chrono::steady_clock::now();
+  const std::optional<std::string> key = kept_model_key(scene, options);
+  if (std::optional<KeptModel> kept = key ? find_kept_model(*key, options) : std::nullopt) {
+    built.model = std::move(kept->model);
+    built.report = std::move(kept->report);
+    built.report.is_kept = true;
+    built.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  } else {
+    built.model = build::build_model(scene, built.report, options);
+    // Solvers rely on it, and a fault of the build would show in them as a wild read.
+    model::check_model(built.model);
+    if (key) keep_model(*key, built.model, built.report, options);
+  }
   built.steps = build::choose_steps(scene, built.model, built.report);
-  if (built.report.body_from_cache) say_detail(say, "the filled body came from " + options.cache.string());
+  if (built.report.is_kept)
+    say_detail(say, "the model came from " + options.cache.string());
+  else if (built.report.body_from_cache)
+    say_detail(say, "the filled body came from " + options.cache.string());
   say_detail(say, "model: " + count_text(built.report.vertices) + " vertices, " +
-                      count_text(built.report.tetrahedra) + " tetrahedra, built in " +
+                      count_text(built.report.tetrahedra) + " tetrahedra, " +
+                      (built.report.is_kept ? "found in " : "built in ") +
                       duration_text(built.report.seconds));
   say_detail(say, "substeps: " + std::to_string(built.steps.substeps) + " a frame; " + built.steps.reason);
   if (built.model.is_implicit())

@@ -131,4 +131,9 @@ std::filesystem::path character_file(const Scene& scene) {
   return {};
 }
 
+bool is_converted(const Scene& scene) {
+  return std::any_of(scene.input_hashes.begin(), scene.input_hashes.end(),
+                     [](const auto& input) { return gltf::is_convertible_file(input.first); });
+}
+
 }  // namespace fascicle::scene

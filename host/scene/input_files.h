@@ -38,4 +38,7 @@ void load_character(const std::filesystem::path& path, Scene& scene,
 // The glTF file a scene's character was read from; empty if it was made otherwise.
 std::filesystem::path character_file(const Scene& scene);
 
+// Whether another program made glTF of something that was read: the input hashes do not say which.
+bool is_converted(const Scene& scene);
+
 }  // namespace fascicle::scene

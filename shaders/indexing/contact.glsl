@@ -5,7 +5,7 @@
 #include "shaders/kernel/contact.inc"
 
 layout(std430, binding = buffer_contact) readonly buffer ContactBuffer { ContactPoint contact[]; };
-layout(std430, binding = buffer_contact_near) readonly buffer ContactNearBuffer { uint contact_near[]; };
+layout(std430, binding = buffer_contact_near) readonly buffer ContactNearBuffer { VertexRun contact_near[]; };
 layout(std430, binding = buffer_contact_tetrahedron) readonly buffer ContactTetrahedronBuffer {
   uvec4 contact_tetrahedron[];
 };

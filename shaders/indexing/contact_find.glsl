@@ -17,8 +17,10 @@ bool is_near_at_rest(ContactPoint point, uint box) {
 }
 
 bool is_across_a_gap(ContactPoint point, uint vertex) {
-  for (uint k = 0u; k < point.near_count; ++k)
-    if (contact_near[point.first_near + k] == vertex) return true;
+  for (uint k = 0u; k < point.near_count; ++k) {
+    VertexRun run = contact_near[point.first_near + k];
+    if (vertex < run.end) return vertex >= run.first;
+  }
   return false;
 }
 

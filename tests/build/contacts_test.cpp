@@ -251,8 +251,12 @@ std::vector<double> ways_from(const Model& m, std::uint32_t from) {
 }
 
 std::vector<std::uint32_t> near_of(const Model& m, const shader::ContactPoint& point) {
-  const auto first = m.contact_near.begin() + point.first_near;
-  return {first, first + point.near_count};
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t k = 0; k < point.near_count; ++k) {
+    const shader::VertexRun run = m.contact_near[point.first_near + k];
+    for (std::uint32_t i = run.first; i < run.end; ++i) near.push_back(i);
+  }
+  return near;
 }
 
 // One and a half margins far, three times that along the flesh.

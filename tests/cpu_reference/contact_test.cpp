@@ -210,10 +210,10 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   EXPECT_NEAR(pairs()[0].push.norm(), std::sqrt(3.0) / 4.0 / 32.0, 1e-6) << "half as deep";
   c.model.contact[4].allowance = 0.125f;
   EXPECT_EQ(pairs()[0].push.norm(), 0.0);
-  c.model.contact_near[3] = 5;
+  c.model.contact_near = {{0, 3}};
   EXPECT_EQ(pairs().size(), 0u);
   EXPECT_FALSE(is_pressed());
-  c.model.contact_near[3] = 3;
+  c.model.contact_near = {{0, 4}};
   for (const std::uint32_t i : {0u, 1u, 2u, 3u, 4u}) make_kinematic(c.model, i);
   fill_weights(c.model);
   finish_contact(c.model);

@@ -42,7 +42,11 @@ std::vector<PointOverlap> overlaps_of_all_pairs(const Model& model, const std::v
       if (!(edges.determinant() > 0.0)) continue;
       const Vector3d b = edges.inverse() * (triple(positions, point.vertex) - triple(positions, corner[0]));
       const double weights[4] = {1.0 - b.sum(), b[0], b[1], b[2]};
-      const auto near = model.contact_near.begin() + point.first_near;
+      const auto is_near = [&](std::uint32_t i) {
+        const auto first = model.contact_near.begin() + point.first_near;
+        return std::any_of(first, first + point.near_count,
+                           [i](const shader::VertexRun& run) { return run.first <= i && i < run.end; });
+      };
       Vector3d place = Vector3d::Zero();
       double depth = 0.0, least = 1.0;
       bool moves = !model.is_kinematic(point.vertex), is_across_a_gap = true;
@@ -51,8 +55,7 @@ std::vector<PointOverlap> overlaps_of_all_pairs(const Model& model, const std::v
         depth += weights[k] * double{model::contact_depth_of(model, p, corner[k])};
         least = std::min(least, weights[k]);
         moves = moves || !model.is_kinematic(corner[k]);
-        is_across_a_gap =
-            is_across_a_gap && std::find(near, near + point.near_count, corner[k]) != near + point.near_count;
+        is_across_a_gap = is_across_a_gap && is_near(corner[k]);
       }
       const bool is_far = (place - triple(model.rest, point.vertex)).norm() > double{point.margin};
       if (!(least >= 0.0) || !moves || !(is_far || is_across_a_gap)) continue;

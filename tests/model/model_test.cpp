@@ -76,11 +76,12 @@ TEST(CheckModel, AcceptsContact) {
 TEST(SolverBytes, CountContact) {
   Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
   const std::uint64_t without = solver_bytes(touching(model)) - solver_bytes(without_contact(model));
-  const std::uint64_t arrays = sizeof(float) * (model.contact_near.size() + model.contact_tetrahedron.size() +
-                                                model.contact_depth.size() + model.contact_number.size() +
-                                                model.contact_offset.size() + model.contact_entry.size() +
-                                                model.contact_rest_box.size() + model.mobility.size()) +
-                               sizeof(shader::ContactPoint) * model.contact.size();
+  const std::uint64_t arrays =
+      sizeof(float) *
+          (2 * model.contact_near.size() + model.contact_tetrahedron.size() + model.contact_depth.size() +
+           model.contact_number.size() + model.contact_offset.size() + model.contact_entry.size() +
+           model.contact_rest_box.size() + model.mobility.size()) +
+      sizeof(shader::ContactPoint) * model.contact.size();
   const std::uint64_t fields =
       sizeof(float) *
       (14 * model.contact.size() + 4 * std::uint64_t{model.vertex_count} +
@@ -189,10 +190,12 @@ TEST(CheckModel, NamesTheArrayThatBreaksItsPromise) {
        [](Model& m) { touching(m).contact[1].friction = std::numeric_limits<float>::infinity(); }},
       {"contact", [](Model& m) { touching(m).contact[1].first_near = 1; }},
       {"contact", [](Model& m) { touching(m).contact[1].near_count = 1; }},
-      {"contact_near", [](Model& m) { touching(m).contact_near.push_back(7); }},
-      {"contact_near", [](Model& m) { touching(m).contact_near[0] = 5; }},
-      {"contact_near", [](Model& m) { touching(m).contact_near[1] = m.vertex_count; }},
-      {"contact_near", [](Model& m) { m.contact_near.push_back(0); }},
+      {"contact_near", [](Model& m) { touching(m).contact_near.push_back({7, 8}); }},
+      {"contact_near", [](Model& m) { touching(m).contact_near[0].end = 3; }},
+      {"contact_near", [](Model& m) { touching(m).contact_near[0] = {5, 6}; }},
+      {"contact_near", [](Model& m) { touching(m).contact_near[0].end = 5; }},
+      {"contact_near", [](Model& m) { touching(m).contact_near[1].end = m.vertex_count + 1; }},
+      {"contact_near", [](Model& m) { m.contact_near.push_back({0, 1}); }},
       {"contact_tetrahedron", [](Model& m) { touching(m).contact_tetrahedron.pop_back(); }},
       {"contact_tetrahedron", [](Model& m) { touching(m).contact_tetrahedron[5] = m.vertex_count; }},
       {"contact_ignored",

@@ -121,6 +121,12 @@ TEST(SharedLayout, ContactPoint) {
   EXPECT_EQ(layout.stride, sizeof(shader::ContactPoint));
 }
 
+TEST(SharedLayout, VertexRun) {
+  const Layout layout = layout_in(shader::module_of("contact_find"), "VertexRun");
+  EXPECT_EQ(layout.members, (Members{MEMBER(VertexRun, first), MEMBER(VertexRun, end)}));
+  EXPECT_EQ(layout.stride, sizeof(shader::VertexRun));
+}
+
 TEST(SharedLayout, Collider) {
   const Layout layout = layout_in(shader::module_of("collide"), "Collider");
   EXPECT_EQ(layout.members,

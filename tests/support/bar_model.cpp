@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "host/model/contact_near.h"
 #include "tests/support/contact_models.h"
 #include "tests/support/limit_models.h"
 
@@ -178,8 +179,10 @@ void add_contacts(const BarOptions& o, Model& m) {
                          .allowance = near.empty() ? 0.0f : 0.01f * static_cast<float>(i % 4),
                          .friction = 0.25f * static_cast<float>(i % 4),
                          .first_near = static_cast<std::uint32_t>(m.contact_near.size()),
-                         .near_count = static_cast<std::uint32_t>(near.size())});
-    m.contact_near.insert(m.contact_near.end(), near.begin(), near.end());
+                         .near_count = 0});
+    model::append_runs(near, m.contact_near);
+    shader::ContactPoint& point = m.contact.back();
+    point.near_count = static_cast<std::uint32_t>(m.contact_near.size()) - point.first_near;
   }
   finish_contact(m);
   if (o.ignored_contact) ignore_some_contact(m, 3);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "host/model/contact_depth.h"
+#include "host/model/contact_near.h"
 
 namespace fascicle::tests {
 
@@ -114,9 +115,11 @@ std::function<double(std::uint32_t)> depth_below_boundary(const Model& m) {
 
 void add_gap(Model& m, std::uint32_t p, const std::vector<std::uint32_t>& vertices, float allowance) {
   shader::ContactPoint& point = m.contact[p];
-  point.near_count = static_cast<std::uint32_t>(vertices.size());
+  std::vector<shader::VertexRun> runs;
+  model::append_runs(vertices, runs);
+  point.near_count = static_cast<std::uint32_t>(runs.size());
   point.allowance = allowance;
-  m.contact_near.insert(m.contact_near.begin() + point.first_near, vertices.begin(), vertices.end());
+  m.contact_near.insert(m.contact_near.begin() + point.first_near, runs.begin(), runs.end());
   for (std::size_t k = p + 1; k < m.contact.size(); ++k) m.contact[k].first_near += point.near_count;
 }
 

@@ -1,0 +1,75 @@
+#include "host/pipeline/kept_model.h"
+
+#include <string_view>
+#include <utility>
+
+#include "host/bake/bake.h"
+#include "host/bake/model_file.h"
+#include "host/base/content_hash.h"
+#include "host/build/byte_archive.h"
+#include "host/build/cache.h"
+#include "host/build/filled_body.h"
+#include "host/build/report_fields.h"
+#include "host/scene/input_files.h"
+#include "host/scene/scene_json.h"
+
+namespace fascicle::pipeline {
+namespace {
+
+constexpr double least_seconds = 0.2;
+
+// Every parameter but those that only say what moves the model, and when.
+scene::Json parameters_of(const scene::Scene& scene) {
+  scene::Json parameters = json_of(scene);
+  for (const char* key : {"text", "fps", "start", "end", "frames", "gravity", "motion"})
+    parameters.erase(key);
+  // Muscles may be told by a channel of the clip, and several characters have one clip that joins theirs.
+  if (scene.muscles.empty() && scene.characters.empty()) {
+    parameters.erase("clip");
+    parameters.erase("clip_name");
+  }
+  return parameters;
+}
+
+}  // namespace
+
+std::optional<std::string> kept_model_key(const scene::Scene& scene, const build::BuildOptions& options) {
+  // A scene that was not read, but made in memory, has nothing that stands for its geometry.
+  if (options.cache.empty() || scene.input_hashes.empty() || scene::is_converted(scene)) return std::nullopt;
+  const std::optional<std::string> programs = build::hash_of_programs(options);
+  if (!programs) return std::nullopt;
+  base::ContentHash hash;
+  hash.add(std::string_view("model"));
+  hash.add(*programs);
+  hash.add(scene::dump(parameters_of(scene)));
+  for (const auto& [file, file_hash] : scene.input_hashes) hash.add(file_hash);
+  return hash.text();
+}
+
+std::optional<KeptModel> find_kept_model(const std::string& key, const build::BuildOptions& options) {
+  const std::optional<std::string> bytes = build::Cache(options.cache).find(key);
+  if (!bytes) return std::nullopt;
+  try {
+    KeptModel kept;
+    build::ByteReader read(*bytes);
+    read(kept.report);
+    kept.model = bake::decode_model(read.rest());
+    return kept;
+  } catch (const build::ByteReader::Damaged&) {
+    return std::nullopt;
+  } catch (const bake::BakeError&) {
+    return std::nullopt;
+  }
+}
+
+void keep_model(const std::string& key, const model::Model& model, const build::Report& report,
+                const build::BuildOptions& options) {
+  if (report.seconds < least_seconds) return;
+  std::string bytes;
+  build::ByteWriter write(bytes);
+  write(report);
+  bytes += bake::encode_model(model);
+  build::Cache(options.cache).put(key, bytes);
+}
+
+}  // namespace fascicle::pipeline

@@ -1,0 +1,182 @@
+// Models that are kept: what they are found by, and that they are what would be built.
+#include "host/pipeline/kept_model.h"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/bake/identity.h"
+#include "host/build/byte_archive.h"
+#include "host/build/cache.h"
+#include "host/build/report_fields.h"
+#include "host/pipeline/build_scene.h"
+#include "host/scene/scene_table.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::find_kept_model;
+using pipeline::keep_model;
+using pipeline::kept_model_key;
+
+class KeptModelTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
+    options_.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+    options_.cache = fs::temp_directory_path() / ("fascicle-kept-model-" + std::string(info->name()));
+    fs::remove_all(options_.cache);
+  }
+  void TearDown() override { fs::remove_all(options_.cache); }
+
+  scene::Scene scene_of(const std::string& name, const std::vector<std::string>& set) const {
+    scene::SceneOverrides overrides;
+    overrides.set = set;
+    return scene::load_scene(name, overrides);
+  }
+  std::string key_of(const std::string& name, const std::vector<std::string>& set = {}) const {
+    return kept_model_key(scene_of(name, set), options_).value();
+  }
+
+  build::BuildOptions options_;
+};
+
+std::string bytes_of(const build::Report& report) {
+  std::string bytes;
+  build::ByteWriter write(bytes);
+  write(report);
+  return bytes;
+}
+
+// All that a build says, whenever it was built.
+std::string words_of(build::Report report) {
+  report.seconds = report.fibres.seconds = 0.0;
+  report.fill.cage.wrap_seconds = report.fill.cage.fill_seconds = report.fill.cage.cut_seconds = 0.0;
+  report.is_kept = report.body_from_cache = false;
+  return bytes_of(report);
+}
+
+// The made bear, coarser than in its scenes.
+const std::vector<std::string> coarse_bear{"character.resolution=0.12"};
+
+TEST_F(KeptModelTest, IsWhatWouldBeBuilt) {
+  const scene::Scene scene = scene_of("crouch", coarse_bear);
+  const pipeline::Built built = pipeline::build_scene(scene, options_, {});
+  ASSERT_FALSE(built.report.is_kept);
+  const pipeline::Built kept = pipeline::build_scene(scene, options_, {});
+  ASSERT_TRUE(kept.report.is_kept);
+  EXPECT_EQ(bake::model_hash(kept.model), bake::model_hash(built.model));
+  EXPECT_EQ(words_of(kept.report), words_of(built.report));
+  EXPECT_EQ(kept.steps.substeps, built.steps.substeps);
+  EXPECT_EQ(kept.steps.iterations, built.steps.iterations);
+  EXPECT_EQ(kept.steps.reason, built.steps.reason);
+}
+
+// What may differ between scenes of one key changes no model.
+TEST_F(KeptModelTest, IsTheSameForAllClipsRatesAndTimes) {
+  const std::vector<std::string> others{
+      "character.clip=\"bump\"", "scene.end=0.5",      "scene.start=0.1", "scene.fps=24",
+      "scene.gravity=[0,0,-3]",  "motion.preroll=0.5", "motion.loop=3",   "motion.rest=\"weightless\""};
+  const scene::Scene first = scene_of("crouch", coarse_bear);
+  const std::string key = kept_model_key(first, options_).value();
+  build::BuildOptions only_bodies = options_;
+  build::Report report;
+  const model::Model model = build::build_model(first, report, only_bodies);
+  for (const std::string& set : others) {
+    std::vector<std::string> sets = coarse_bear;
+    sets.push_back(set);
+    const scene::Scene other = scene_of("crouch", sets);
+    EXPECT_EQ(kept_model_key(other, options_), key) << set;
+    build::Report found;
+    EXPECT_EQ(bake::model_hash(build::build_model(other, found, only_bodies)), bake::model_hash(model))
+        << set;
+    EXPECT_EQ(words_of(found), words_of(report)) << set;
+  }
+}
+
+// Each of these changes the model, or could.
+TEST_F(KeptModelTest, AnotherModelHasAnotherKey) {
+  const std::vector<std::string> sets{"layers.fat.youngs_modulus=60000.0",
+                                      "layers.fat.damping=11.0",
+                                      "layers.muscle.beta=0.5",
+                                      "layers.bone.where.depth.maximum=0.31",
+                                      "character.resolution=0.05",
+                                      "body.cage_detail=90",
+                                      "contact.self=false",
+                                      "contact.friction=0.4",
+                                      "contact.ignore=[[\"head\"]]",
+                                      "solver.substeps=8",
+                                      "skeleton.least_share=0.02",
+                                      "probe.belly.where={sphere={center=[0.0,0.8,0.3],radius=0.2}}",
+                                      "flesh.softness=1.5"};
+  std::map<std::string, std::string> seen{{key_of("crouch"), "as it is"}};
+  for (const std::string& set : sets) {
+    const auto [place, is_new] = seen.emplace(key_of("crouch", {set}), set);
+    EXPECT_TRUE(is_new) << set << " has the key of " << place->second;
+  }
+  EXPECT_NE(key_of("jump"), key_of("crouch"));
+}
+
+// A muscle may be told by the clip, and where several characters are joined, so are their clips.
+TEST_F(KeptModelTest, TheClipCountsWhereTheModelMaySeeIt) {
+  EXPECT_NE(key_of("arm"), key_of("arm", {"character.clip=0"}));
+  EXPECT_NE(key_of("two-bears"), key_of("two-bears", {"character.left.clip=\"jump\""}));
+}
+
+TEST_F(KeptModelTest, NothingIsKeptWithoutACacheOrOfAGeometryWithoutAName) {
+  scene::Scene scene = scene_of("bar-hang-none", {});
+  EXPECT_TRUE(kept_model_key(scene, options_));
+  scene.input_hashes.clear();
+  EXPECT_FALSE(kept_model_key(scene, options_));
+  scene = scene_of("bar-hang-none", {});
+  scene.input_hashes.emplace_back("man.fbx", "00");
+  EXPECT_FALSE(kept_model_key(scene, options_));
+  scene = scene_of("bar-hang-none", {});
+  options_.cache.clear();
+  EXPECT_FALSE(kept_model_key(scene, options_));
+}
+
+// Bytes with a right checksum may still be foreign, cut or made to harm: they are not believed, at any
+// length.
+TEST_F(KeptModelTest, IsNotBelievedWhereItIsNotWhole) {
+  const scene::Scene scene = scene_of("bar-hang-none", {});
+  const std::string key = kept_model_key(scene, options_).value();
+  build::Report report;
+  const model::Model model = build::build_model(scene, report, options_);
+  report.warnings.push_back({"a word", {1, 2}, true});
+  report.layers.front().youngs_modulus = 2.0;
+  report.seconds = 0.1;
+  keep_model(key, model, report, options_);
+  EXPECT_FALSE(find_kept_model(key, options_)) << "it was made at once";
+  report.seconds = 1.0;
+  keep_model(key, model, report, options_);
+  const auto kept = find_kept_model(key, options_);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(bake::model_hash(kept->model), bake::model_hash(model));
+  EXPECT_EQ(bytes_of(kept->report), bytes_of(report));
+
+  const build::Cache cache(options_.cache);
+  const std::string whole = cache.find(key).value();
+  for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 97) {
+    cache.put(key, std::string_view(whole).substr(0, size));
+    EXPECT_FALSE(find_kept_model(key, options_)) << size << " of " << whole.size() << " bytes";
+  }
+  cache.put(key, whole + "x");
+  EXPECT_FALSE(find_kept_model(key, options_));
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 61) {
+    std::string changed = whole;
+    changed[at] = static_cast<char>(changed[at] ^ 0x40);
+    cache.put(key, changed);
+    // A changed report may still be one; the model has a checksum of its own.
+    const auto found = find_kept_model(key, options_);
+    if (!found) continue;
+    EXPECT_EQ(bake::model_hash(found->model), bake::model_hash(model)) << at;
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests
