@@ -11,6 +11,7 @@
 #include "host/bake/outputs.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/many_bakes.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
 #include "host/drive/drive_source.h"
@@ -20,6 +21,7 @@
 #include "host/pipeline/bake_scene.h"
 #include "host/pipeline/device_choice.h"
 #include "host/rig/pose.h"
+#include "host/scene/jobs.h"
 
 namespace fascicle::cli {
 namespace {
@@ -28,6 +30,9 @@ namespace fs = std::filesystem;
 
 struct BakeArguments {
   SceneArguments scene;
+  std::vector<std::string> clips;    // several, each into a folder of its own; {"all"}
+  std::vector<std::string> options;  // of the command line, that each of them has too
+  unsigned at_once = 0;
   std::string folder;       // of the output
   bake::BakeOutput output;  // all but the folder
   std::string device = "auto";
@@ -176,6 +181,55 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_how_to_look(arguments, result.files);
 }
 
+// As `--device auto` would take it.
+std::string device_list(const std::string& device) {
+  if (device != "auto") return device;
+  const std::vector<gpu::DeviceInfo> found = candidates({}, gpu::list_devices());
+  return found.empty() ? "cpu" : "vulkan:" + std::to_string(found.front().index);
+}
+
+ExitCode bake_clips(const BakeArguments& arguments, Log& log) {
+  if (arguments.scene.name.empty()) throw UsageError("--clips: say of which character");
+  const scene::Scene scene = load(arguments.scene);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  if (character == nullptr || !scene.characters.empty())
+    throw UsageError("--clips: " + arguments.scene.name + " is not one character; --clips is of one");
+  ManyBakes many{
+      .output = arguments.folder.empty() ? fs::path("out") / scene.name : fs::path(arguments.folder),
+      .devices = device_list(arguments.device),
+      .at_once = arguments.at_once,
+      .threads = arguments.threads,
+      .overwrite = arguments.output.overwrite,
+      .resume = arguments.output.resume,
+      .dry_run = arguments.dry_run};
+  for (const scene::NamedClip& clip : scene::named_clips(*character, arguments.clips)) {
+    OneBake bake{clip.file_name,           arguments.scene.name,   clip.clip, arguments.scene.overrides.set,
+                 arguments.output.formats, {"--clip=" + clip.clip}};
+    bake.options.insert(bake.options.end(), arguments.options.begin(), arguments.options.end());
+    many.bakes.push_back(std::move(bake));
+  }
+  return bake_many(std::move(many), log);
+}
+
+// The command line's options as it gave them, without those that a bake among others has from bake_many.
+std::vector<std::string> shared_options(const CLI::App& subcommand) {
+  static const std::vector<std::string> own{"--clips",   "--output",    "--device",    "--threads",
+                                            "--at-once", "--overwrite", "--resume",    "--dry-run",
+                                            "--quiet",   "--verbose",   "--log-format"};
+  std::vector<std::string> options;
+  for (const CLI::Option* option : subcommand.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || !name.starts_with("--") ||
+        std::find(own.begin(), own.end(), name) != own.end())
+      continue;
+    if (option->get_expected_max() == 0)
+      options.push_back(name);
+    else
+      for (const std::string& value : option->results()) options.push_back(name + "=" + value);
+  }
+  return options;
+}
+
 ExitCode bake_scene(BakeArguments arguments, Log& log) {
   if (arguments.scene.name.empty()) {
     arguments.scene.name = scene::default_scene;
@@ -233,6 +287,16 @@ void add_bake(CLI::App& app, Command& command) {
   add_scene_options(
       *subcommand, arguments->scene,
       std::string("Scene file, mesh, character or built-in name; default: ") + scene::default_scene, false);
+  subcommand
+      ->add_option(
+          "--clips", arguments->clips,
+          "Bake several of the character's clips, or all, several at once, each into a folder of DIR "
+          "that is called after it")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->take_all()
+      ->excludes("--clip")
+      ->option_text("all|LIST");
   subcommand->add_option("-o,--output", arguments->folder, "Folder to write; default: out/NAME")
       ->option_text("DIR");
   std::string formats;
@@ -269,9 +333,14 @@ void add_bake(CLI::App& app, Command& command) {
       ->option_text("N");
   add_glb_options(*subcommand, arguments->output.glb);
   add_usd_options(*subcommand, arguments->output.usd_skel);
+  add_many_bakes_options(*subcommand, arguments->at_once);
   add_log_options(*subcommand, command.log);
-  subcommand->callback(
-      [arguments, &command] { command.run = [arguments](Log& log) { return bake_scene(*arguments, log); }; });
+  subcommand->callback([arguments, subcommand, &command] {
+    arguments->options = shared_options(*subcommand);
+    command.run = [arguments](Log& log) {
+      return arguments->clips.empty() ? bake_scene(*arguments, log) : bake_clips(*arguments, log);
+    };
+  });
 }
 
 }  // namespace fascicle::cli

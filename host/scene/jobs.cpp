@@ -4,9 +4,11 @@
 #include <cctype>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <sstream>
 
+#include "host/rig/pose.h"
 #include "host/scene/scene_check.h"
 
 namespace fascicle::scene {
@@ -85,6 +87,32 @@ std::vector<Job> varied(const std::vector<Job>& jobs, const toml::key& key, cons
   return all;
 }
 
+// What `clips` asks for. All of a character's clips are known once it is read.
+std::vector<NamedClip> clips_of(const toml::table& table, const std::string& path, const Job& job) {
+  const toml::node* node = table.get("clips");
+  if (node == nullptr) return {};
+  std::vector<std::string> wanted;
+  if (const auto text = node->value<std::string>()) {
+    if (*text != "all") fail(node->source(), join_path(path, "clips"), "takes a list of texts, or \"all\"");
+    wanted = {*text};
+  } else {
+    wanted = texts_at(table, path, "clips");
+  }
+  if (wanted != std::vector<std::string>{"all"}) {
+    std::vector<NamedClip> clips;
+    for (const std::string& clip : wanted) clips.push_back({clip, file_name(clip)});
+    return clips;
+  }
+  SceneOverrides overrides;
+  overrides.set = job.set;
+  const Scene scene = load_scene(job.scene, overrides);
+  const auto* character = std::get_if<rig::Character>(&scene.geometry);
+  if (character == nullptr || !scene.characters.empty())
+    fail(node->source(), join_path(path, "clips"),
+         "all are of one character, and " + job.scene + " is not one");
+  return named_clips(*character, wanted);
+}
+
 std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
                          const std::filesystem::path& folder, const std::vector<std::string>& formats) {
   const std::string path = join_path("job", name);
@@ -100,12 +128,12 @@ std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
   if (std::filesystem::is_regular_file(folder / job.scene)) job.scene = (folder / job.scene).string();
   if (job.formats.empty()) job.formats = formats;
 
-  const std::vector<std::string> clips = texts_at(table, path, "clips");
+  const std::vector<NamedClip> clips = clips_of(table, path, job);
   std::vector<Job> jobs;
-  for (const std::string& clip : clips) {
+  for (const NamedClip& clip : clips) {
     jobs.push_back(job);
-    jobs.back().clip = clip;
-    if (clips.size() > 1) jobs.back().name += "-" + file_name(clip);
+    jobs.back().clip = clip.clip;
+    if (clips.size() > 1) jobs.back().name += "-" + clip.file_name;
   }
   if (clips.empty()) jobs.push_back(job);
   if (const toml::node* vary = table.get("vary"))
@@ -155,6 +183,49 @@ Jobs read_jobs(const std::filesystem::path& file) {
   if (jobs.jobs.empty()) fail(list->source(), "job", "is empty; give at least one [job.NAME]");
   if (jobs.jobs.size() > most_jobs) fail(list->source(), "job", "makes more than 10,000 bakes");
   return jobs;
+}
+
+std::vector<NamedClip> named_clips(const rig::Character& character, const std::vector<std::string>& wanted) {
+  if (character.clips.empty()) throw SceneError("clips: the character has none; leave them out");
+  std::vector<const rig::Clip*> clips;
+  if (wanted == std::vector<std::string>{"all"})
+    for (const rig::Clip& clip : character.clips) clips.push_back(&clip);
+  else
+    for (const std::string& name : wanted) {
+      const rig::Clip* clip = rig::find_clip(character, name);
+      if (std::find(clips.begin(), clips.end(), clip) != clips.end())
+        throw SceneError("clips: `" + name + "` is there twice");
+      clips.push_back(clip);
+    }
+  const auto number_of = [&](const rig::Clip* clip) {
+    return std::to_string(static_cast<std::size_t>(clip - character.clips.data()));
+  };
+  // By name where that finds it again: another clip may have the same one, or a number for a name.
+  const auto text_of = [&](const rig::Clip* clip) {
+    return !clip->name.empty() && rig::find_clip(character, clip->name) == clip ? clip->name
+                                                                                : number_of(clip);
+  };
+  const auto short_name = [](const rig::Clip* clip) {
+    return file_name(clip->name.substr(clip->name.find_last_of("|:/") + 1));
+  };
+  const auto in_lower_case = [](std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+  };
+  std::map<std::string, std::size_t> count;
+  for (const rig::Clip* clip : clips) ++count[in_lower_case(short_name(clip))];
+  std::vector<NamedClip> named;
+  for (const rig::Clip* clip : clips) {
+    std::string name = short_name(clip);
+    // The number tells it from the others of its name, and stands for one that can be no file's.
+    const bool is_good = !name.empty() && name.front() != '.' && name.size() <= longest_job_name &&
+                         count[in_lower_case(name)] == 1;
+    if (!is_good)
+      name = name.substr(0, longest_job_name / 2) + (name.empty() ? "clip-" : "-") + number_of(clip);
+    if (name.front() == '.') name.insert(0, "clip");
+    named.push_back({text_of(clip), name});
+  }
+  return named;
 }
 
 }  // namespace fascicle::scene

@@ -32,7 +32,7 @@ struct Jobs {
 //   format = ["pc2"]                 of jobs that say none
 //   [job.fat-man]
 //   scene = "fat-man.glb"            relative to the file, or a built-in name
-//   clips = ["walk", "jump"]         a bake for each; without it the first
+//   clips = ["walk", "jump"]         a bake for each, "all": of all that there are; without it the first
 //   set = ["solver.substeps=16"]
 //   format = ["glb", "abc"]
 //   [job.fat-man.vary]               a bake for each combination of values
@@ -41,5 +41,14 @@ struct Jobs {
 // A job's bakes are called after it, its clip and its values where it has several: fat-man-walk-0.1. Throws
 // SceneError with line and key.
 Jobs read_jobs(const std::filesystem::path& file);
+
+// A clip as --clip takes it, and a file's name for it, unlike those of the others: of "Armature|walk" it is
+// "walk".
+struct NamedClip {
+  std::string clip, file_name;
+};
+// These clips of a character, all of them where the list is "all". Throws SceneError for one that is not
+// there or is named twice, and where there is none.
+std::vector<NamedClip> named_clips(const rig::Character& character, const std::vector<std::string>& wanted);
 
 }  // namespace fascicle::scene

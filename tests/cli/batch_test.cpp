@@ -66,7 +66,7 @@ TEST(Batch, MakesWhatBakeMakesOnSeveralDevices) {
 TEST(Batch, InterruptedAndResumedIsAsIfNeverStopped) {
   const TemporaryFolder folder;
   const std::string list = list_in(folder, three_bars);
-  Program program({"batch", list, "--device", "cpu"});
+  Program program({"batch", list, "--device", "cpu", "--at-once", "1"});
   while (program.is_running() && !std::filesystem::exists(folder.path() / "out/bar-0.6/manifest.json")) {
   }
   program.send(SIGINT);
@@ -136,6 +136,71 @@ TEST(Batch, RefusesBeforeItBegins) {
   EXPECT_EQ(plan.status, 0) << plan.err;
   EXPECT_TRUE(contains(plan.out, "fascicle bake bar-beta-1")) << plan.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+}
+
+// Side by side and one after the other, each is the bake that it is alone.
+TEST(Batch, BakesAtOnceAsOneAfterTheOther) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      fascicle({"batch", list_in(folder, three_bars), "--at-once", "3", "--threads", "1"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  expect_what_bake_makes(folder);
+}
+
+const std::vector<std::string> coarse_bear{
+    "bake", "crouch", "--set", "character.resolution=0.12", "--end", "0.05", "--set=motion.hold=0.0"};
+
+std::vector<std::string> coarse_bear_with(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = coarse_bear;
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(BakeClips, MakesWhatBakeMakesOfEach) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> options{"--format", "pc2,obj", "--fps=48"};
+  std::vector<std::string> all =
+      coarse_bear_with({"--clips", "all", "-o", folder / "out", "--device", "cpu"});
+  all.insert(all.end(), options.begin(), options.end());
+  const Outcome outcome = fascicle(all);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* clip : {"jump", "bump"}) {
+    std::vector<std::string> one =
+        coarse_bear_with({"--clip", clip, "-o", folder / (std::string("one-") + clip), "--device", "cpu"});
+    one.insert(one.end(), options.begin(), options.end());
+    ASSERT_EQ(fascicle(one).status, 0);
+    for (const char* file : {"/frames.fascicle", "/surface.pc2", "/metrics.csv", "/model.fascicle"})
+      EXPECT_TRUE(read_text(folder / (std::string("one-") + clip + file)) ==
+                  read_text(folder / (std::string("out/") + clip + file)))
+          << clip << file;
+    EXPECT_TRUE(contains(outcome.out, clip)) << outcome.out;
+  }
+  EXPECT_EQ(summary_of(folder).size(), 2u);
+  const Outcome again = fascicle(all);
+  EXPECT_EQ(again.status, 2);
+  EXPECT_TRUE(contains(again.err, "--resume")) << again.err;
+  all.push_back("--resume");
+  EXPECT_EQ(fascicle(all).status, 0);
+}
+
+TEST(BakeClips, RefusesBeforeItBegins) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](std::vector<std::string> arguments, int status) {
+    arguments.insert(arguments.end(), {"-o", folder / "out"});
+    const Outcome outcome = fascicle(arguments);
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out")) << outcome.err;
+    return outcome.err;
+  };
+  EXPECT_TRUE(contains(refusal(coarse_bear_with({"--clips", "jumq"}), 3), "jump"));
+  EXPECT_TRUE(contains(refusal(coarse_bear_with({"--clips", "all", "--clip", "jump"}), 2), "--clip"));
+  EXPECT_TRUE(contains(refusal({"bake", "bar-beta-1", "--clips", "all"}, 2), "bar-beta-1"));
+  EXPECT_TRUE(contains(refusal({"bake", "two-bears", "--clips", "all"}, 2), "two-bears"));
+  EXPECT_TRUE(contains(refusal({"bake", "--clips", "all"}, 2), "character"));
+  EXPECT_TRUE(
+      contains(refusal(coarse_bear_with({"--clips", "all", "--device", "cpu,vulkan:99"}), 4), "vulkan:99"));
+  std::vector<std::string> plan = coarse_bear_with({"--clips", "all", "--dry-run"});
+  EXPECT_TRUE(contains(fascicle(plan).out, "--clip=bump")) << fascicle(plan).out;
 }
 
 }  // namespace

@@ -1,13 +1,17 @@
 // read_jobs: which bakes a list makes, what they are called, and what is refused.
 #include "host/scene/jobs.h"
 
+#include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+
+#include "host/rig/pose.h"
 
 namespace fascicle::tests {
 namespace {
@@ -93,6 +97,79 @@ TEST_F(ReadJobs, RefusesWithLineAndKey) {
   for (const auto& [text, reason] : refused)
     EXPECT_NE(refusal(text).find(reason), std::string::npos) << text << refusal(text);
   EXPECT_THROW((void)scene::read_jobs(folder_ / "nowhere.toml"), scene::SceneError);
+}
+
+rig::Character with_clips(const std::vector<std::string>& names) {
+  rig::Character character;
+  for (const std::string& name : names) character.clips.emplace_back().name = name;
+  return character;
+}
+
+std::vector<std::string> file_names_of(const std::vector<scene::NamedClip>& clips) {
+  std::vector<std::string> names;
+  for (const scene::NamedClip& clip : clips) names.push_back(clip.file_name);
+  return names;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(NamedClips, AreCalledAfterTheLastPartOfTheirNames) {
+  const auto clips = scene::named_clips(with_clips({"Armature|walk", "Armature|run fast", "idle"}), {"all"});
+  EXPECT_EQ(file_names_of(clips), (Names{"walk", "run_fast", "idle"}));
+  EXPECT_EQ(clips[1].clip, "Armature|run fast");
+}
+
+// Some file systems have one folder for walk and Walk, and none should have a hidden one.
+TEST(NamedClips, HaveFoldersUnlikeEachOther) {
+  const Names hostile{"a|walk", "b|Walk", "../..", "",   "\xff\x01/", ".hidden", std::string(500, 'x'),
+                      "a|walk", "1",      "|",     "..", "\"$(id)\""};
+  const rig::Character character = with_clips(hostile);
+  const auto clips = scene::named_clips(character, {"all"});
+  ASSERT_EQ(clips.size(), hostile.size());
+  std::set<std::string> seen;
+  for (std::size_t k = 0; k < clips.size(); ++k) {
+    const std::string& name = clips[k].file_name;
+    std::string lower = name;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    EXPECT_TRUE(seen.insert(lower).second) << name;
+    EXPECT_FALSE(name.empty());
+    EXPECT_NE(name.front(), '.') << name;
+    EXPECT_LE(name.size(), 200u);
+    EXPECT_EQ(name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-"),
+              std::string::npos)
+        << name;
+    EXPECT_EQ(rig::find_clip(character, clips[k].clip), &character.clips[k]) << clips[k].clip;
+  }
+}
+
+TEST(NamedClips, AreFoundAsTheClipOptionFindsThem) {
+  const rig::Character character = with_clips({"Armature|walk", "Armature|run"});
+  EXPECT_EQ(file_names_of(scene::named_clips(character, {"run", "0"})), (Names{"run", "walk"}));
+  const auto refusal = [](const rig::Character& of, const Names& wanted) -> std::string {
+    try {
+      (void)scene::named_clips(of, wanted);
+    } catch (const scene::SceneError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_NE(refusal(character, {"rum"}).find("run"), std::string::npos);
+  EXPECT_NE(refusal(character, {"run", "1"}).find("twice"), std::string::npos);
+  EXPECT_NE(refusal(with_clips({}), {"all"}).find("none"), std::string::npos);
+}
+
+// The made bear has two clips.
+TEST_F(ReadJobs, AllClipsAreThoseOfTheCharacter) {
+  const scene::Jobs read = jobs("[job.bear]\nscene = \"crouch\"\nclips = \"all\"\n");
+  ASSERT_EQ(read.jobs.size(), 2u);
+  EXPECT_EQ(read.jobs[0].name, "bear-jump");
+  EXPECT_EQ(read.jobs[1].name, "bear-bump");
+  EXPECT_EQ(read.jobs[1].clip, "bump");
+  for (const char* scene : {"bar-beta-1", "two-bears"})
+    EXPECT_NE(
+        refusal("[job.a]\nscene = \"" + std::string(scene) + "\"\nclips = \"all\"\n").find("one character"),
+        std::string::npos)
+        << scene;
 }
 
 }  // namespace
