@@ -7,6 +7,7 @@
 
 #include "host/build/surface_search.h"
 #include "host/rig/pose.h"
+#include "host/rig/smooth_clip.h"
 
 namespace fascicle::build {
 
@@ -46,13 +47,15 @@ std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const rig::Character& c
   std::vector<std::vector<Eigen::Matrix4d>> poses;
   if (character.clips.empty()) return poses;
   const std::size_t each = std::clamp<std::size_t>(most_of_all / character.clips.size(), 1, most_of_clip);
-  for (const rig::Clip& clip : character.clips)
+  for (const rig::Clip& clip : character.clips) {
+    const rig::Clip straight = rig::straight_clip(clip);
     for (std::size_t k = 0; k < each; ++k) {
       const double time =
           clip.duration * (2.0 * static_cast<double>(k) + 1.0) / (2.0 * static_cast<double>(each));
-      poses.push_back(rig::pose_at(character, &clip, time));
+      poses.push_back(rig::pose_at(character, &straight, time));
       for (Eigen::Matrix4d& map : poses.back()) map.block<3, 1>(0, 3) *= scale;
     }
+  }
   return poses;
 }
 

@@ -14,7 +14,9 @@
 namespace fascicle::build {
 
 // The maps of all joints from the bind pose to each of some poses of all clips, evenly spaced in each clip:
-// at most 16 a clip, and, but for one a clip, at most 96. Lengths are those of the character times `scale`.
+// at most 16 a clip, and, but for one a clip, at most 96. Lines run straight between linear keys, so that a
+// body does not depend on which clip is played and made smooth. Lengths are those of the character times
+// `scale`.
 std::vector<std::vector<Eigen::Matrix4d>> poses_of_clips(const rig::Character& character, double scale);
 
 class Partings {

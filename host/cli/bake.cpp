@@ -21,6 +21,7 @@
 #include "host/pipeline/bake_scene.h"
 #include "host/pipeline/device_choice.h"
 #include "host/rig/pose.h"
+#include "host/scene/input_files.h"
 #include "host/scene/jobs.h"
 
 namespace fascicle::cli {
@@ -181,14 +182,12 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_how_to_look(arguments, result.files);
 }
 
-// As `--device auto` would take it.
+// "auto" where there is a GPU that it may take: each bake tests it, and goes on with the CPU where it must.
 std::string device_list(const std::string& device) {
-  if (device != "auto") return device;
-  const std::vector<gpu::DeviceInfo> found = candidates({}, gpu::list_devices());
-  return found.empty() ? "cpu" : "vulkan:" + std::to_string(found.front().index);
+  return device == "auto" && candidates({}, gpu::list_devices()).empty() ? "cpu" : device;
 }
 
-ExitCode bake_clips(const BakeArguments& arguments, Log& log) {
+ManyBakes bakes_of_clips(const BakeArguments& arguments) {
   if (arguments.scene.name.empty()) throw UsageError("--clips: say of which character");
   const scene::Scene scene = load(arguments.scene);
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
@@ -202,13 +201,26 @@ ExitCode bake_clips(const BakeArguments& arguments, Log& log) {
       .overwrite = arguments.output.overwrite,
       .resume = arguments.output.resume,
       .dry_run = arguments.dry_run};
+  const bool is_kept = !arguments.scene.no_cache && !scene::is_converted(scene);
   for (const scene::NamedClip& clip : scene::named_clips(*character, arguments.clips)) {
-    OneBake bake{clip.file_name,           arguments.scene.name,   clip.clip, arguments.scene.overrides.set,
-                 arguments.output.formats, {"--clip=" + clip.clip}};
+    SceneArguments one = arguments.scene;
+    one.overrides.clip = clip.clip;
+    try {
+      (void)load(one);  // what can be refused, before the first bake begins
+    } catch (const scene::SceneError& error) {
+      throw scene::SceneError("clip " + clip.file_name + ": " + error.what());
+    }
+    OneBake bake{clip.file_name,
+                 arguments.scene.name,
+                 clip.clip,
+                 one.overrides.set,
+                 arguments.output.formats,
+                 {"--clip=" + clip.clip},
+                 is_kept ? "the character's" : ""};
     bake.options.insert(bake.options.end(), arguments.options.begin(), arguments.options.end());
     many.bakes.push_back(std::move(bake));
   }
-  return bake_many(std::move(many), log);
+  return many;
 }
 
 // The command line's options as it gave them, without those that a bake among others has from bake_many.
@@ -222,10 +234,7 @@ std::vector<std::string> shared_options(const CLI::App& subcommand) {
     if (option->count() == 0 || !name.starts_with("--") ||
         std::find(own.begin(), own.end(), name) != own.end())
       continue;
-    if (option->get_expected_max() == 0)
-      options.push_back(name);
-    else
-      for (const std::string& value : option->results()) options.push_back(name + "=" + value);
+    for (const std::string& value : option->results()) options.push_back(name + "=" + value);
   }
   return options;
 }
@@ -323,8 +332,9 @@ void add_bake(CLI::App& app, Command& command) {
   auto* resume =
       subcommand->add_flag("--resume", arguments->output.resume, "Go on with the bake that is in the folder");
   overwrite->excludes(resume);
-  subcommand->add_flag("--dry-run", arguments->dry_run,
-                       "Print sizes, memory and an estimate of the time; write nothing");
+  subcommand->add_flag(
+      "--dry-run", arguments->dry_run,
+      "Print sizes, memory and an estimate of the time, with --clips each bake's command; write nothing");
   subcommand
       ->add_option("--first-frame", arguments->output.first_number,
                    "Number of the first frame in what other programs read, as 1001; without it the first "
@@ -333,12 +343,13 @@ void add_bake(CLI::App& app, Command& command) {
       ->option_text("N");
   add_glb_options(*subcommand, arguments->output.glb);
   add_usd_options(*subcommand, arguments->output.usd_skel);
-  add_many_bakes_options(*subcommand, arguments->at_once);
+  add_many_bakes_options(*subcommand, arguments->at_once)->needs("--clips");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, subcommand, &command] {
     arguments->options = shared_options(*subcommand);
     command.run = [arguments](Log& log) {
-      return arguments->clips.empty() ? bake_scene(*arguments, log) : bake_clips(*arguments, log);
+      return arguments->clips.empty() ? bake_scene(*arguments, log)
+                                      : bake_many(bakes_of_clips(*arguments), log);
     };
   });
 }

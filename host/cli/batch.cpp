@@ -7,6 +7,7 @@
 #include "host/base/nearest_name.h"
 #include "host/cli/command.h"
 #include "host/cli/many_bakes.h"
+#include "host/pipeline/device_choice.h"
 #include "host/scene/jobs.h"
 #include "host/scene/scene_table.h"
 
@@ -40,12 +41,15 @@ OneBake bake_of(const scene::Job& job) {
   if (!job.clip.empty()) bake.options = {"--clip", job.clip};
   for (const std::string& set : job.set) bake.options.push_back("--set=" + set);
   for (const std::string& format : job.formats) bake.options.push_back("--format=" + format);
+  bake.model = job.scene;
+  for (const std::string& set : job.set) bake.model += "\n" + set;
   return bake;
 }
 
 ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
   const scene::Jobs jobs = scene::read_jobs(arguments.jobs);
   ManyBakes many = arguments.many;
+  (void)parse_device_list(many.devices);  // refuses "auto"
   many.output = jobs.output;
   for (const scene::Job& job : jobs.jobs) {
     check(job);

@@ -3,8 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
-#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -61,21 +59,7 @@ pid_t spawn(const std::vector<std::string>& arguments, int error_output) {
   return process;
 }
 
-// The number behind a name in one of the kernel's files, there in kB; 0 where it is not there.
-std::uint64_t bytes_in(const std::string& file, const std::string& name) {
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);)
-    if (line.starts_with(name + ":"))
-      return 1024 * std::strtoull(line.c_str() + name.size() + 1, nullptr, 10);
-  return 0;
-}
-
 }  // namespace
-
-std::optional<std::uint64_t> available_memory() {
-  const std::uint64_t bytes = bytes_in("/proc/meminfo", "MemAvailable");
-  return bytes > 0 ? std::optional(bytes) : std::nullopt;
-}
 
 std::optional<LogLine> read_log_line(const std::string& line) {
   const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
@@ -142,12 +126,6 @@ void ChildBake::take_line(const std::string& line) {
     frame_ = said->frame.value_or(frame_);
     frames_ = said->frames.value_or(frames_);
   }
-}
-
-ChildBake::Memory ChildBake::memory() const {
-  if (ended_) return {};
-  const std::string file = "/proc/" + std::to_string(process_) + "/status";
-  return {bytes_in(file, "VmRSS"), bytes_in(file, "VmHWM")};
 }
 
 void ChildBake::interrupt() {

@@ -21,9 +21,6 @@ struct LogLine {
 // Nothing where the line is none: what drivers and libraries write is theirs, be it JSON or not.
 std::optional<LogLine> read_log_line(const std::string& line);
 
-// Bytes that new processes may take; nothing where the system does not say.
-std::optional<std::uint64_t> available_memory();
-
 class ChildBake {
  public:
   // Runs this executable with these arguments and `--log-format json`. Throws std::system_error.
@@ -43,12 +40,7 @@ class ChildBake {
   bool has_ended();
   int status() const { return status_; }
 
-  // Bytes that it holds, and the most that it held; 0 where the system does not say.
-  struct Memory {
-    std::uint64_t now = 0, most = 0;
-  };
-  Memory memory() const;
-
+  pid_t process() const { return process_; }
   std::uint64_t frame() const { return frame_; }
   std::uint64_t frames() const { return frames_; }
   // Its last error, else empty.

@@ -10,6 +10,7 @@
 #include "host/bake/outputs.h"
 #include "host/base/version.h"
 #include "host/cli/command.h"
+#include "host/cli/text.h"
 
 namespace fascicle::cli {
 namespace {
@@ -76,13 +77,6 @@ std::string roff_option(const Described& option) {
   if (option.names.empty()) line = "\\fI" + roff(option.positional) + "\\fR";
   if (!option.value.empty() && !option.names.empty()) line += " \\fI" + roff(option.value) + "\\fR";
   return ".TP\n" + line + "\n" + roff(option.text) + "\n";
-}
-
-// Within '...' of a POSIX shell, or of fish.
-std::string in_quotes(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 std::string first_sentence(const std::string& text) {

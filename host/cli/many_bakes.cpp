@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "host/base/part_file.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/memory.h"
 #include "host/cli/text.h"
 #include "host/pipeline/device_choice.h"
 #include "host/scene/jobs.h"
@@ -29,6 +31,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
+
+// A GPU waits for the threads that feed it for most of a bake. A driver that computes on the CPU takes all
+// cores for one.
+constexpr unsigned most_on_a_gpu = 8;
 
 // What has become of a job; of one that was never begun there is no status.
 struct Outcome {
@@ -75,7 +81,7 @@ class Batch {
           if (slot.bake) slot.bake->interrupt();
       }
       wait_for_words();
-      watch_memory();
+      watch();
       end_jobs();
       show();
     }
@@ -88,7 +94,8 @@ class Batch {
  private:
   struct Device {
     std::string label;
-    unsigned threads;  // of each bake; 0: as it takes by itself
+    unsigned threads = 0;      // of each bake; 0: as it takes by itself
+    std::uint64_t memory = 0;  // bytes of a GPU's own; 0: the machine's is its memory
   };
   struct Slot {
     Device device;
@@ -99,32 +106,35 @@ class Batch {
 
   // In turns, so that few jobs are shared by all devices.
   void fill_slots() {
-    std::vector<std::pair<Device, unsigned>> devices;
-    unsigned most = 0;
-    for (const std::string& label : split_device_list(asked_.devices)) {
-      const bool is_cpu = parse_device(label).kind == DeviceRequest::Kind::cpu;
-      const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-      const unsigned at_once = asked_.at_once > 0 ? asked_.at_once
-                               : is_cpu           ? cores
-                                                  : bakes_on_a_gpu(label, cores);
-      const auto bakes = static_cast<unsigned>(std::min<std::size_t>(at_once, asked_.bakes.size()));
-      const unsigned threads =
-          asked_.threads > 0 || !is_cpu || bakes <= 1 ? asked_.threads : std::max(1U, cores / bakes);
-      devices.push_back({{label, threads}, bakes});
+    const std::vector<std::string> labels = split_device_list(asked_.devices);
+    const auto is_cpu = [](const std::string& label) {
+      return parse_device(label).kind == DeviceRequest::Kind::cpu;
+    };
+    const auto on_cpu = static_cast<unsigned>(std::count_if(labels.begin(), labels.end(), is_cpu));
+    const unsigned cores = std::max(1U, std::thread::hardware_concurrency() / std::max(1U, on_cpu));
+    const std::vector<gpu::DeviceInfo> gpus =
+        on_cpu == labels.size() ? std::vector<gpu::DeviceInfo>() : gpu::list_devices();
+    std::vector<std::pair<Device, std::size_t>> devices;
+    std::size_t most = 0;
+    for (const std::string& label : labels) {
+      Device device{label, asked_.threads};
+      unsigned at_once = cores;
+      if (!is_cpu(label)) {
+        const std::vector<gpu::DeviceInfo> found = candidates(parse_device(label), gpus);
+        const bool is_real = !found.empty() && !found.front().software;
+        at_once = is_real ? std::clamp(cores / 2, 1U, most_on_a_gpu) : 1U;
+        device.memory = is_real ? found.front().memory : 0;
+      }
+      if (asked_.at_once > 0) at_once = asked_.at_once;
+      const std::size_t bakes = std::min<std::size_t>(at_once, asked_.bakes.size());
+      if (device.threads == 0 && is_cpu(label) && bakes > 1)
+        device.threads = std::max(1U, cores / static_cast<unsigned>(bakes));
+      devices.emplace_back(std::move(device), bakes);
       most = std::max(most, bakes);
     }
-    for (unsigned turn = 0; turn < most; ++turn)
+    for (std::size_t turn = 0; turn < most; ++turn)
       for (const auto& [device, bakes] : devices)
         if (turn < bakes) slots_.push_back({device, nullptr, 0, {}});
-  }
-
-  // A GPU waits for the thread that feeds it for most of a bake. A driver that computes on the CPU takes all
-  // cores for one.
-  static unsigned bakes_on_a_gpu(const std::string& label, unsigned cores) {
-    constexpr unsigned most = 8;
-    const std::vector<gpu::DeviceInfo> found = candidates(parse_device(label), gpu::list_devices());
-    if (found.empty() || found.front().software) return 1;
-    return std::clamp(cores / 2, 1U, most);
   }
 
   fs::path folder_of(const OneBake& job) const { return asked_.output / job.name; }
@@ -133,15 +143,16 @@ class Batch {
   void check_devices() const {
     const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
     const std::vector<std::string> labels = split_device_list(asked_.devices);
-    const std::vector<DeviceRequest> requests = parse_device_list(asked_.devices);
-    for (std::size_t k = 0; k < requests.size(); ++k) {
+    for (const std::string& label : labels) {
+      const DeviceRequest request = parse_device(label);
+      if (request.kind == DeviceRequest::Kind::automatic) continue;
       const std::vector<cpu_reference::Simd> levels = cpu_reference::available_simd();
-      const cpu_reference::Simd simd = requests[k].simd;
-      const bool is_there = requests[k].kind == DeviceRequest::Kind::cpu
+      const cpu_reference::Simd simd = request.simd;
+      const bool is_there = request.kind == DeviceRequest::Kind::cpu
                                 ? simd == cpu_reference::Simd::automatic ||
                                       std::find(levels.begin(), levels.end(), simd) != levels.end()
-                                : !candidates(requests[k], devices).empty();
-      if (!is_there) throw NoSuchDevice(labels[k] + ": there is no such device; fascicle devices lists them");
+                                : !candidates(request, devices).empty();
+      if (!is_there) throw NoSuchDevice(label + ": there is no such device; fascicle devices lists them");
     }
   }
 
@@ -169,7 +180,7 @@ class Batch {
 
   void begin_jobs() {
     for (Slot& slot : slots_) {
-      if (slot.bake || waiting_.empty()) continue;
+      if (slot.bake || waiting_.empty() || (is_busy() && !has_room(slot.device))) continue;
       const auto next =
           std::find_if(waiting_.begin(), waiting_.end(), [this](std::size_t job) { return may_begin(job); });
       if (next == waiting_.end()) return;
@@ -188,30 +199,37 @@ class Batch {
     }
   }
 
-  // The first bake of a scene goes alone until it has a frame: the others then find its model in the cache.
-  // And how much memory a bake takes is known of those that have frames only.
+  // Of bakes that share a model the first goes alone until it has a frame: the others then find the model in
+  // the cache.
   bool may_begin(std::size_t job) const {
-    if (!is_busy()) return true;
-    for (const Slot& slot : slots_)
-      if (slot.bake && slot.bake->frames() == 0 && asked_.bakes[slot.job].scene == asked_.bakes[job].scene)
-        return false;
-    return largest_memory_ > 0 && has_room();
+    const std::string& model = asked_.bakes[job].model;
+    if (model.empty() || built_.contains(model)) return true;
+    return std::none_of(slots_.begin(), slots_.end(),
+                        [&](const Slot& slot) { return slot.bake && asked_.bakes[slot.job].model == model; });
   }
 
-  // Whether one more bake as large as the largest fits beside those that run, each of which may grow to that.
-  bool has_room() const {
+  // Whether one more bake as large as the largest seen fits beside those that run, each of which may grow to
+  // that. How much a bake takes is known once one has a frame. On a GPU it takes no more than beside it.
+  bool has_room(const Device& device) const {
+    if (!one_had_frames_) return false;
+    std::uint64_t on_device = largest_memory_, wanted = largest_memory_ + largest_memory_ / 4;
+    for (const Slot& slot : slots_) {
+      if (!slot.bake) continue;
+      wanted += largest_memory_ - std::min(largest_memory_, memory_of(slot.bake->process()));
+      if (slot.device.label == device.label) on_device += largest_memory_;
+    }
+    if (device.memory > 0 && on_device > device.memory - device.memory / 4) return false;
     const std::optional<std::uint64_t> available = available_memory();
-    if (!available) return true;
-    std::uint64_t wanted = largest_memory_ + largest_memory_ / 4;
-    for (const Slot& slot : slots_)
-      if (slot.bake) wanted += largest_memory_ - std::min(largest_memory_, slot.bake->memory().now);
-    return wanted <= *available;
+    return !available || wanted <= *available;
   }
 
-  void watch_memory() {
-    for (const Slot& slot : slots_)
-      if (slot.bake && slot.bake->frames() > 0)
-        largest_memory_ = std::max({largest_memory_, slot.bake->memory().most, std::uint64_t{1}});
+  void watch() {
+    for (const Slot& slot : slots_) {
+      if (!slot.bake || slot.bake->frames() == 0) continue;
+      one_had_frames_ = true;
+      built_.insert(asked_.bakes[slot.job].model);
+      largest_memory_ = std::max(largest_memory_, memory_of(slot.bake->process()));
+    }
   }
 
   void wait_for_words() {
@@ -251,7 +269,14 @@ class Batch {
   void end_job(const Slot& slot, Outcome outcome) {
     const OneBake& job = asked_.bakes[slot.job];
     ++ended_;
-    for (const std::string& warning : outcome.warnings) log_.warning(job.name + ": " + warning);
+    one_had_frames_ = true;
+    // One character's clips have most of their warnings in common.
+    for (const std::string& warning : outcome.warnings) {
+      if (said_.insert(warning).second)
+        log_.warning(job.name + ": " + warning);
+      else
+        log_.detail(job.name + ": warning: " + warning);
+    }
     const std::string line = "[" + std::to_string(ended_) + "/" + std::to_string(asked_.bakes.size()) + "] " +
                              job.name + " on " + slot.device.label + ": " + word_of(outcome) + ", " +
                              duration_text(outcome.seconds);
@@ -308,8 +333,7 @@ class Batch {
     for (const OneBake& job : asked_.bakes) {
       std::cout << "  fascicle";
       for (const std::string& word : command_of(job, slots_.front().device))
-        std::cout << " "
-                  << (word.find_first_of(" |\"'[]{}()$&;*?") == std::string::npos ? word : "'" + word + "'");
+        std::cout << " " << shell_word(word);
       std::cout << "\n";
     }
   }
@@ -348,7 +372,10 @@ class Batch {
   std::vector<Slot> slots_;
   std::deque<std::size_t> waiting_;
   std::size_t ended_ = 0;
-  std::uint64_t largest_memory_ = 0;  // bytes, of a bake that had frames
+  std::set<std::string> built_;       // OneBake::model of those that had frames
+  bool one_had_frames_ = false;       // or ended
+  std::uint64_t largest_memory_ = 0;  // bytes, of bakes that had frames
+  std::set<std::string> said_;        // warnings
 };
 
 }  // namespace
@@ -357,8 +384,8 @@ ExitCode bake_many(ManyBakes asked, Log& log) {
   return Batch(std::move(asked), log).run();
 }
 
-void add_many_bakes_options(CLI::App& subcommand, unsigned& at_once) {
-  subcommand
+CLI::Option* add_many_bakes_options(CLI::App& subcommand, unsigned& at_once) {
+  return subcommand
       .add_option(
           "--at-once", at_once,
           "Bakes at once on each device; 0 takes one for each core on the CPU, where memory allows, and "

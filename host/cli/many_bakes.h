@@ -16,12 +16,14 @@ struct OneBake {
   std::string clip;   // for the summary, as what follows
   std::vector<std::string> set, formats;
   std::vector<std::string> options;  // of `fascicle bake`, all but its folder, its device and how it begins
+  // Alike of bakes whose model the first of them builds and keeps for the others; empty: nothing is kept.
+  std::string model = {};
 };
 
 struct ManyBakes {
   std::filesystem::path output = {};
   std::vector<OneBake> bakes = {};
-  std::string devices = "cpu";  // separated by commas
+  std::string devices = "cpu";  // separated by commas, or "auto"
   unsigned at_once = 0;         // on each device; 0: as many as help
   unsigned threads = 0;         // of each bake on a CPU; 0: the cores shared among those at once
   bool overwrite = false, resume = false, dry_run = false;
@@ -31,6 +33,6 @@ struct ManyBakes {
 ExitCode bake_many(ManyBakes asked, Log& log);
 
 // --at-once
-void add_many_bakes_options(CLI::App& subcommand, unsigned& at_once);
+CLI::Option* add_many_bakes_options(CLI::App& subcommand, unsigned& at_once);
 
 }  // namespace fascicle::cli

@@ -19,7 +19,8 @@ Progress::~Progress() {
 
 void Progress::update(std::uint64_t done) {
   const Clock::time_point now = Clock::now();
-  if (!started_) {
+  const bool is_first = !started_;
+  if (is_first) {
     // What led up to the first frame (its allocation, a driver's compiling, all that comes before frame 0)
     // says nothing of the others.
     started_ = true;
@@ -27,7 +28,7 @@ void Progress::update(std::uint64_t done) {
     start_ = now;
   }
   const std::chrono::duration<double> since_shown = now - shown_;
-  if (since_shown < (log_.draws_bar() ? between_bars : between_lines) && done != total_) return;
+  if (since_shown < (log_.draws_bar() ? between_bars : between_lines) && done != total_ && !is_first) return;
   shown_ = now;
 
   Advance advance{.what = what_, .done = done, .total = total_, .rate = 0.0, .seconds_left = -1.0};

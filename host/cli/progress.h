@@ -9,8 +9,9 @@
 
 namespace fascicle::cli {
 
-// Shows at most ten bars a second on a terminal and one line every few seconds elsewhere. The rate counts
-// from the first update, so that the frames a resumed bake finds done do not flatter it.
+// Shows the first update and the last one, and between them at most ten bars a second on a terminal and one
+// line every few seconds elsewhere. The rate counts from the first update, so that the frames a resumed bake
+// finds done do not flatter it.
 class Progress {
  public:
   Progress(Log& log, std::string what, std::uint64_t total);

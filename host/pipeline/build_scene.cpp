@@ -13,6 +13,8 @@ namespace fascicle::pipeline {
 namespace {
 
 constexpr std::size_t warning_vertices_shown = 8;
+// What is built in less is not kept: it would take as long to find.
+constexpr double least_kept_seconds = 0.2;
 
 }  // namespace
 
@@ -24,12 +26,14 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
     built.model = std::move(kept->model);
     built.report = std::move(kept->report);
     built.report.is_kept = true;
+    built.report.body_from_cache = false;
     built.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   } else {
     built.model = build::build_model(scene, built.report, options);
     // Solvers rely on it, and a fault of the build would show in them as a wild read.
     model::check_model(built.model);
-    if (key) keep_model(*key, built.model, built.report, options);
+    if (key && built.report.seconds >= least_kept_seconds)
+      keep_model(*key, built.model, built.report, options);
   }
   built.steps = build::choose_steps(scene, built.model, built.report);
   if (built.report.is_kept)

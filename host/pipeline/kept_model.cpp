@@ -16,19 +16,27 @@
 namespace fascicle::pipeline {
 namespace {
 
-constexpr double least_seconds = 0.2;
-
 // Every parameter but those that only say what moves the model, and when.
 scene::Json parameters_of(const scene::Scene& scene) {
   scene::Json parameters = json_of(scene);
-  for (const char* key : {"text", "fps", "start", "end", "frames", "gravity", "motion"})
-    parameters.erase(key);
-  // Muscles may be told by a channel of the clip, and several characters have one clip that joins theirs.
-  if (scene.muscles.empty() && scene.characters.empty()) {
+  // The values are there one by one.
+  parameters.erase("text");
+  // Several characters have one clip that joins theirs, and their bodies are filled by its poses.
+  if (!scene.characters.empty()) return parameters;
+  for (const char* key : {"fps", "start", "end", "frames", "gravity", "motion"}) parameters.erase(key);
+  // Muscles may be told by a channel of the clip.
+  if (scene.muscles.empty()) {
     parameters.erase("clip");
     parameters.erase("clip_name");
   }
   return parameters;
+}
+
+// Arrays of one entry an end.
+bool is_usable(const build::OpenEnds& ends) {
+  const std::size_t count = ends.vertex.size();
+  return ends.edges.size() == count && ends.joint.size() == count && ends.width.size() == count &&
+         ends.fate.size() == count;
 }
 
 }  // namespace
@@ -53,6 +61,7 @@ std::optional<KeptModel> find_kept_model(const std::string& key, const build::Bu
     KeptModel kept;
     build::ByteReader read(*bytes);
     read(kept.report);
+    if (!is_usable(kept.report.fill.cage.ends)) return std::nullopt;
     kept.model = bake::decode_model(read.rest());
     return kept;
   } catch (const build::ByteReader::Damaged&) {
@@ -64,7 +73,6 @@ std::optional<KeptModel> find_kept_model(const std::string& key, const build::Bu
 
 void keep_model(const std::string& key, const model::Model& model, const build::Report& report,
                 const build::BuildOptions& options) {
-  if (report.seconds < least_seconds) return;
   std::string bytes;
   build::ByteWriter write(bytes);
   write(report);

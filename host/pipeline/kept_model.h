@@ -24,7 +24,6 @@ std::optional<std::string> kept_model_key(const scene::Scene& scene, const build
 // Nothing where there is none, or none that this program can rely on.
 std::optional<KeptModel> find_kept_model(const std::string& key, const build::BuildOptions& options);
 
-// What is made in less than a fifth of a second is not kept: it would take as long to find.
 void keep_model(const std::string& key, const model::Model& model, const build::Report& report,
                 const build::BuildOptions& options);
 

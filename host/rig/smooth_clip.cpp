@@ -188,6 +188,24 @@ Channel smooth_channel(const Channel& channel, bool wraps) {
   return smooth;
 }
 
+Clip straight_clip(const Clip& clip) {
+  Clip straight{clip.name, clip.duration, clip.channels};
+  for (Channel& channel : straight.channels) {
+    const bool is_rotation = channel.path == ChannelPath::rotation;
+    const std::size_t width = is_rotation ? 4 : 3;
+    if (!channel.straight.empty()) {
+      // Of in-tangent, value and out-tangent the value.
+      std::vector<double> values;
+      for (std::size_t k = 0; k < channel.values.size(); ++k)
+        if (k / width % 3 == 1) values.push_back(channel.values[k]);
+      channel = {channel.joint, channel.path, Interpolation::linear, channel.times, values, {}};
+    } else if (channel.interpolation == Interpolation::linear && is_rotation) {
+      channel.values = aligned(channel.values);
+    }
+  }
+  return straight;
+}
+
 Clip smooth_clip(const Clip& clip, bool repeats, double start, double end) {
   Clip smooth{clip.name, clip.duration, {}};
   for (const Channel& channel : clip.channels) {

@@ -26,4 +26,8 @@ Channel smooth_channel(const Channel& channel, bool wraps = false);
 // from the one to the other that end as they begin then wrap.
 Clip smooth_clip(const Clip& clip, bool repeats, double start, double end);
 
+// The clip with straight lines between the keys of its linear channels, the same bits whether it was made
+// smooth before or not.
+Clip straight_clip(const Clip& clip);
+
 }  // namespace fascicle::rig

@@ -49,6 +49,15 @@ void add_hash(const std::filesystem::path& path, Scene& scene) {
   scene.input_hashes.emplace_back(path.string(), hash_of_file(path));
 }
 
+// Reads a file, whose hash stands for what was read: of one that is saved meanwhile it would not.
+template <class Read>
+void read_unchanged(const std::filesystem::path& path, const Read& read) {
+  const std::string before = hash_of_file(path);
+  read();
+  if (hash_of_file(path) != before)
+    throw InputFileError(path.string() + " changed while it was read; start again once it is saved");
+}
+
 }  // namespace
 
 std::string hash_of(std::string_view bytes) {
@@ -92,10 +101,10 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
     throw InputFileError(path.string() + " is a character; name it under [character]");
   if (mesh::is_tet_mesh_file(path)) {
     check_regular(path);
-    scene.geometry = mesh::read_tet_mesh(path);
+    read_unchanged(path, [&] { scene.geometry = mesh::read_tet_mesh(path); });
   } else if (mesh::is_surface_mesh_file(path)) {
     check_regular(path);
-    scene.geometry = mesh::read_surface_mesh(path);
+    read_unchanged(path, [&] { scene.geometry = mesh::read_surface_mesh(path); });
   } else {
     throw InputFileError(
         path.string() + " is not a mesh file; mesh files are .mesh .node .ele .msh .vtu .off .obj .ply .stl");
@@ -120,7 +129,7 @@ void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still
                          " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
-  scene.geometry = gltf::read_gltf(path, &files, scene.converter, still);
+  read_unchanged(path, [&] { scene.geometry = gltf::read_gltf(path, &files, scene.converter, still); });
   for (const auto& file : files) add_hash(file, scene);
 }
 

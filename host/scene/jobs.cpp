@@ -17,6 +17,8 @@ namespace {
 // More are a slip, and would take weeks.
 constexpr std::size_t most_jobs = 10'000;
 constexpr std::size_t longest_job_name = 200;
+// Of a folder that may get the name of a job before it and numbers behind it.
+constexpr std::size_t longest_clip_name = 80;
 
 void check_keys(const toml::table& table, const std::string& path, const std::vector<std::string>& names) {
   for (const auto& [key, node] : table)
@@ -56,6 +58,11 @@ std::string value_text(const toml::node& value) {
   std::ostringstream out;
   value.visit([&out](const auto& v) { out << toml::toml_formatter{v}; });
   return one_line(out.str());
+}
+
+std::string in_lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 // What can stand in a file's name on any system.
@@ -105,12 +112,15 @@ std::vector<NamedClip> clips_of(const toml::table& table, const std::string& pat
   }
   SceneOverrides overrides;
   overrides.set = job.set;
-  const Scene scene = load_scene(job.scene, overrides);
-  const auto* character = std::get_if<rig::Character>(&scene.geometry);
-  if (character == nullptr || !scene.characters.empty())
-    fail(node->source(), join_path(path, "clips"),
-         "all are of one character, and " + job.scene + " is not one");
-  return named_clips(*character, wanted);
+  try {
+    const Scene scene = load_scene(job.scene, overrides);
+    const auto* character = std::get_if<rig::Character>(&scene.geometry);
+    if (character == nullptr || !scene.characters.empty())
+      throw SceneError("all are of one character, and " + job.scene + " is not one");
+    return named_clips(*character, wanted);
+  } catch (const SceneError& error) {
+    fail(node->source(), join_path(path, "clips"), error.what());
+  }
 }
 
 std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
@@ -173,9 +183,7 @@ Jobs read_jobs(const std::filesystem::path& file) {
         fail(name->source(), path,
              "makes a bake called " + job.name +
                  ", which cannot be the name of its folder; choose another, of at most 200 letters");
-      std::string lower = job.name;
-      for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-      if (!names.insert(lower).second)
+      if (!names.insert(in_lower_case(job.name)).second)
         fail(name->source(), path, "makes a second bake called " + job.name + "; name it otherwise");
       jobs.jobs.push_back(std::move(job));
     }
@@ -186,7 +194,7 @@ Jobs read_jobs(const std::filesystem::path& file) {
 }
 
 std::vector<NamedClip> named_clips(const rig::Character& character, const std::vector<std::string>& wanted) {
-  if (character.clips.empty()) throw SceneError("clips: the character has none; leave them out");
+  if (character.clips.empty()) throw SceneError("clips: the character has none");
   std::vector<const rig::Clip*> clips;
   if (wanted == std::vector<std::string>{"all"})
     for (const rig::Clip& clip : character.clips) clips.push_back(&clip);
@@ -202,28 +210,27 @@ std::vector<NamedClip> named_clips(const rig::Character& character, const std::v
   };
   // By name where that finds it again: another clip may have the same one, or a number for a name.
   const auto text_of = [&](const rig::Clip* clip) {
-    return !clip->name.empty() && rig::find_clip(character, clip->name) == clip ? clip->name
-                                                                                : number_of(clip);
+    const bool is_plain = std::none_of(clip->name.begin(), clip->name.end(), [](char c) {
+      return std::iscntrl(static_cast<unsigned char>(c)) != 0;
+    });
+    return !clip->name.empty() && is_plain && rig::find_clip(character, clip->name) == clip ? clip->name
+                                                                                            : number_of(clip);
   };
   const auto short_name = [](const rig::Clip* clip) {
     return file_name(clip->name.substr(clip->name.find_last_of("|:/") + 1));
   };
-  const auto in_lower_case = [](std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-  };
   std::map<std::string, std::size_t> count;
   for (const rig::Clip* clip : clips) ++count[in_lower_case(short_name(clip))];
+  std::set<std::string> taken{batch_summary};
   std::vector<NamedClip> named;
   for (const rig::Clip* clip : clips) {
-    std::string name = short_name(clip);
-    // The number tells it from the others of its name, and stands for one that can be no file's.
-    const bool is_good = !name.empty() && name.front() != '.' && name.size() <= longest_job_name &&
-                         count[in_lower_case(name)] == 1;
-    if (!is_good)
-      name = name.substr(0, longest_job_name / 2) + (name.empty() ? "clip-" : "-") + number_of(clip);
-    if (name.front() == '.') name.insert(0, "clip");
-    named.push_back({text_of(clip), name});
+    std::string name = short_name(clip).substr(0, longest_clip_name);
+    if (name.empty() || name.front() == '.') name.insert(0, "clip");
+    // The number tells it from the others of its name, and stands for a name that can be no file's.
+    std::string folder = name;
+    if (name != short_name(clip) || count[in_lower_case(name)] > 1) folder += "-" + number_of(clip);
+    while (!taken.insert(in_lower_case(folder)).second) folder += "-" + number_of(clip);
+    named.push_back({text_of(clip), folder});
   }
   return named;
 }

@@ -138,13 +138,24 @@ TEST(Batch, RefusesBeforeItBegins) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
 }
 
-// Side by side and one after the other, each is the bake that it is alone.
+// Side by side each is the bake that it is alone. They take longer than it takes to see that one has begun.
 TEST(Batch, BakesAtOnceAsOneAfterTheOther) {
   const TemporaryFolder folder;
-  const Outcome outcome =
-      fascicle({"batch", list_in(folder, three_bars), "--at-once", "3", "--threads", "1"});
+  const std::string list = list_in(folder,
+                                   "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=20\"]\n"
+                                   "[job.bar.vary]\n\"layers.body.alpha\" = [0.4, 0.8]\n");
+  const Outcome outcome = fascicle({"batch", list, "--at-once", "2", "--threads", "1", "--verbose"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  expect_what_bake_makes(folder);
+  const std::size_t second = outcome.err.find("bar-0.8 begins"), first_end = outcome.err.find("[1/2]");
+  ASSERT_NE(second, std::string::npos) << outcome.err;
+  EXPECT_LT(second, first_end) << outcome.err;
+  const std::vector<std::string> one_by_one{"batch", list, "--at-once", "1", "--overwrite", "--verbose"};
+  const json hashes = summary_of(folder);
+  const Outcome slow = fascicle(one_by_one);
+  ASSERT_EQ(slow.status, 0) << slow.err;
+  EXPECT_GT(slow.err.find("bar-0.8 begins"), slow.err.find("[1/2]")) << slow.err;
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_EQ(hashes.at(k).at("last_position_hash"), summary_of(folder).at(k).at("last_position_hash"));
 }
 
 const std::vector<std::string> coarse_bear{
@@ -158,7 +169,8 @@ std::vector<std::string> coarse_bear_with(const std::vector<std::string>& more) 
 
 TEST(BakeClips, MakesWhatBakeMakesOfEach) {
   const TemporaryFolder folder;
-  const std::vector<std::string> options{"--format", "pc2,obj", "--fps=48"};
+  const std::vector<std::string> options{
+      "--format", "pc2,obj", "--fps=48", "--set=scene.gravity=[0.0,-3.0,0.0]", "--softness", "1.5"};
   std::vector<std::string> all =
       coarse_bear_with({"--clips", "all", "-o", folder / "out", "--device", "cpu"});
   all.insert(all.end(), options.begin(), options.end());
@@ -197,6 +209,7 @@ TEST(BakeClips, RefusesBeforeItBegins) {
   EXPECT_TRUE(contains(refusal({"bake", "bar-beta-1", "--clips", "all"}, 2), "bar-beta-1"));
   EXPECT_TRUE(contains(refusal({"bake", "two-bears", "--clips", "all"}, 2), "two-bears"));
   EXPECT_TRUE(contains(refusal({"bake", "--clips", "all"}, 2), "character"));
+  EXPECT_TRUE(contains(refusal({"bake", "bar-beta-1", "--at-once", "2"}, 2), "--clips"));
   EXPECT_TRUE(
       contains(refusal(coarse_bear_with({"--clips", "all", "--device", "cpu,vulkan:99"}), 4), "vulkan:99"));
   std::vector<std::string> plan = coarse_bear_with({"--clips", "all", "--dry-run"});

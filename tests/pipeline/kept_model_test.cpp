@@ -2,6 +2,7 @@
 #include "host/pipeline/kept_model.h"
 
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -65,8 +66,13 @@ const std::vector<std::string> coarse_bear{"character.resolution=0.12"};
 
 TEST_F(KeptModelTest, IsWhatWouldBeBuilt) {
   const scene::Scene scene = scene_of("crouch", coarse_bear);
-  const pipeline::Built built = pipeline::build_scene(scene, options_, {});
+  build::BuildOptions without_cache = options_;
+  without_cache.cache.clear();
+  const pipeline::Built built = pipeline::build_scene(scene, without_cache, {});
   ASSERT_FALSE(built.report.is_kept);
+  build::Report report;
+  keep_model(kept_model_key(scene, options_).value(), build::build_model(scene, report, options_), report,
+             options_);
   const pipeline::Built kept = pipeline::build_scene(scene, options_, {});
   ASSERT_TRUE(kept.report.is_kept);
   EXPECT_EQ(bake::model_hash(kept.model), bake::model_hash(built.model));
@@ -78,23 +84,31 @@ TEST_F(KeptModelTest, IsWhatWouldBeBuilt) {
 
 // What may differ between scenes of one key changes no model.
 TEST_F(KeptModelTest, IsTheSameForAllClipsRatesAndTimes) {
-  const std::vector<std::string> others{
-      "character.clip=\"bump\"", "scene.end=0.5",      "scene.start=0.1", "scene.fps=24",
-      "scene.gravity=[0,0,-3]",  "motion.preroll=0.5", "motion.loop=3",   "motion.rest=\"weightless\""};
+  const std::vector<std::vector<std::string>> others{
+      {"character.clip=\"bump\""},
+      {"scene.end=0.5", "scene.start=0.1"},
+      {"scene.fps=24"},
+      {"scene.gravity=[0,0,-3]"},
+      {"motion.preroll=0.5", "motion.rest=\"weightless\""},
+      {"motion.interpolation=\"smooth\""},
+      {"motion.interpolation=\"smooth\"", "motion.hold=0.0", "motion.loop=3"},
+      {"character.clip=\"bump\"", "motion.interpolation=\"smooth\"", "motion.hold=0.0",
+       "motion.seamless=true"}};
   const scene::Scene first = scene_of("crouch", coarse_bear);
   const std::string key = kept_model_key(first, options_).value();
-  build::BuildOptions only_bodies = options_;
+  build::BuildOptions without_cache = options_;
+  without_cache.cache.clear();
   build::Report report;
-  const model::Model model = build::build_model(first, report, only_bodies);
-  for (const std::string& set : others) {
+  const model::Model model = build::build_model(first, report, without_cache);
+  for (const std::vector<std::string>& set : others) {
     std::vector<std::string> sets = coarse_bear;
-    sets.push_back(set);
+    sets.insert(sets.end(), set.begin(), set.end());
     const scene::Scene other = scene_of("crouch", sets);
-    EXPECT_EQ(kept_model_key(other, options_), key) << set;
+    EXPECT_EQ(kept_model_key(other, options_), key) << set.front() << " and " << set.size() - 1 << " more";
     build::Report found;
-    EXPECT_EQ(bake::model_hash(build::build_model(other, found, only_bodies)), bake::model_hash(model))
-        << set;
-    EXPECT_EQ(words_of(found), words_of(report)) << set;
+    EXPECT_EQ(bake::model_hash(build::build_model(other, found, without_cache)), bake::model_hash(model))
+        << set.front() << " and " << set.size() - 1 << " more";
+    EXPECT_EQ(words_of(found), words_of(report)) << set.front() << " and " << set.size() - 1 << " more";
   }
 }
 
@@ -118,7 +132,20 @@ TEST_F(KeptModelTest, AnotherModelHasAnotherKey) {
     const auto [place, is_new] = seen.emplace(key_of("crouch", {set}), set);
     EXPECT_TRUE(is_new) << set << " has the key of " << place->second;
   }
-  EXPECT_NE(key_of("jump"), key_of("crouch"));
+}
+
+// A file that is saved over is another one, whatever it is called.
+TEST_F(KeptModelTest, AnotherContentHasAnotherKey) {
+  fs::create_directories(options_.cache);
+  const fs::path mesh = options_.cache / "tetrahedron.obj";
+  const auto key_with_top_at = [&](const std::string& height) {
+    std::ofstream(mesh) << "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 " << height
+                        << " 0\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n";
+    return key_of(mesh.string());
+  };
+  const std::string low = key_with_top_at("1.0");
+  EXPECT_NE(key_with_top_at("1.5"), low);
+  EXPECT_EQ(key_with_top_at("1.0"), low);
 }
 
 // A muscle may be told by the clip, and where several characters are joined, so are their clips.
@@ -149,10 +176,6 @@ TEST_F(KeptModelTest, IsNotBelievedWhereItIsNotWhole) {
   const model::Model model = build::build_model(scene, report, options_);
   report.warnings.push_back({"a word", {1, 2}, true});
   report.layers.front().youngs_modulus = 2.0;
-  report.seconds = 0.1;
-  keep_model(key, model, report, options_);
-  EXPECT_FALSE(find_kept_model(key, options_)) << "it was made at once";
-  report.seconds = 1.0;
   keep_model(key, model, report, options_);
   const auto kept = find_kept_model(key, options_);
   ASSERT_TRUE(kept);
@@ -165,6 +188,10 @@ TEST_F(KeptModelTest, IsNotBelievedWhereItIsNotWhole) {
     cache.put(key, std::string_view(whole).substr(0, size));
     EXPECT_FALSE(find_kept_model(key, options_)) << size << " of " << whole.size() << " bytes";
   }
+  build::Report crooked = report;
+  crooked.fill.cage.ends.vertex.push_back(3);
+  keep_model(key, model, crooked, options_);
+  EXPECT_FALSE(find_kept_model(key, options_)) << "an end without a joint";
   cache.put(key, whole + "x");
   EXPECT_FALSE(find_kept_model(key, options_));
   for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 61) {

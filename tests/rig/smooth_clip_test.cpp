@@ -196,5 +196,41 @@ TEST(SmoothClip, AClipThatRepeatsIsSmoothAtItsSeam) {
   EXPECT_EQ(rig::smooth_clip(clip, true, 0.5, 1.0).channels[0].values, once.channels[0].values);
 }
 
+// Keys of rotations that are not quite of length 1, and on either side.
+Channel turning(const std::vector<double>& times) {
+  Channel turn{1, rig::ChannelPath::rotation, Interpolation::linear, times, {}, {}};
+  for (const double t : times) {
+    const double sign = turn.values.size() % 8 == 0 ? 1.0 : -1.0;
+    for (const double part : {0.0, std::sin(t), 0.0, std::cos(t)}) turn.values.push_back(sign * 1.001 * part);
+  }
+  return turn;
+}
+
+// Whether it repeats or not, and sparse keys too: a body is filled by such poses, whichever clip is played.
+TEST(StraightClip, IsTheSameOfAClipThatWasMadeSmooth) {
+  rig::Clip clip{"walk", 1.0, {sampled(wave, frames(24)), turning(frames(24)), turning({0.0, 0.5, 1.0})}};
+  Channel held = turning({0.0, 0.5, 1.0});
+  held.interpolation = Interpolation::step;
+  clip.channels.push_back(held);
+  const rig::Clip straight = rig::straight_clip(clip);
+  for (const bool repeats : {false, true}) {
+    const rig::Clip smooth = rig::smooth_clip(clip, repeats, 0.0, 1.0);
+    ASSERT_EQ(smooth.channels[0].interpolation, Interpolation::cubic_spline);
+    ASSERT_EQ(smooth.channels[1].interpolation, Interpolation::cubic_spline);
+    const rig::Clip again = rig::straight_clip(smooth);
+    ASSERT_EQ(again.channels.size(), straight.channels.size());
+    for (std::size_t c = 0; c < straight.channels.size(); ++c) {
+      EXPECT_EQ(again.channels[c].interpolation, straight.channels[c].interpolation) << c;
+      EXPECT_EQ(again.channels[c].times, straight.channels[c].times) << c;
+      EXPECT_EQ(again.channels[c].values, straight.channels[c].values) << c;
+      EXPECT_TRUE(again.channels[c].straight.empty()) << c;
+    }
+  }
+  // What an artist drew as curves stays that.
+  rig::Clip drawn{"drawn", 1.0, {rig::smooth_channel(sampled(wave, frames(24)))}};
+  drawn.channels[0].straight.clear();
+  EXPECT_EQ(rig::straight_clip(drawn).channels[0].values, drawn.channels[0].values);
+}
+
 }  // namespace
 }  // namespace fascicle::tests

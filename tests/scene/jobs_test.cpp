@@ -121,8 +121,26 @@ TEST(NamedClips, AreCalledAfterTheLastPartOfTheirNames) {
 
 // Some file systems have one folder for walk and Walk, and none should have a hidden one.
 TEST(NamedClips, HaveFoldersUnlikeEachOther) {
-  const Names hostile{"a|walk", "b|Walk", "../..", "",   "\xff\x01/", ".hidden", std::string(500, 'x'),
-                      "a|walk", "1",      "|",     "..", "\"$(id)\""};
+  const Names hostile{"a|walk",
+                      "b|Walk",
+                      "../..",
+                      "",
+                      "\xff\x01/",
+                      ".hidden",
+                      std::string(500, 'x'),
+                      "a|walk",
+                      "1",
+                      "|",
+                      "..",
+                      "\"$(id)\"",
+                      "walk-0",
+                      "clip-3",
+                      "clip.hidden-5",
+                      "batch.json",
+                      "walk-0-12",
+                      "two\nlines",
+                      std::string("nul\0byte", 8),
+                      std::string("nul\0bytes", 9)};
   const rig::Character character = with_clips(hostile);
   const auto clips = scene::named_clips(character, {"all"});
   ASSERT_EQ(clips.size(), hostile.size());

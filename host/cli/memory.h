@@ -1,0 +1,18 @@
+// How much memory there is, and how much a process has.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include <sys/types.h>
+
+namespace fascicle::cli {
+
+// Bytes that new processes may take, of the machine and of the control group that this one is in; nothing
+// where the system does not say.
+std::optional<std::uint64_t> available_memory();
+
+// Bytes that the process holds; 0 where the system does not say.
+std::uint64_t memory_of(pid_t process);
+
+}  // namespace fascicle::cli
