@@ -17,7 +17,7 @@ std::optional<std::uint64_t> number_in(const std::string& file, const std::strin
 }
 
 // The only number in a file; nothing where there is another word, such as "max".
-std::optional<std::uint64_t> number_in(const std::string& file) {
+std::optional<std::uint64_t> only_number_in(const std::string& file) {
   std::uint64_t number = 0;
   std::ifstream in(file);
   return in >> number ? std::optional(number) : std::nullopt;
@@ -30,8 +30,8 @@ std::optional<std::uint64_t> left_in_group() {
   while (std::getline(in, line))
     if (line.starts_with("0::")) folder = "/sys/fs/cgroup" + line.substr(3);
   if (folder.empty()) return std::nullopt;
-  const std::optional<std::uint64_t> most = number_in(folder + "/memory.max");
-  const std::optional<std::uint64_t> taken = number_in(folder + "/memory.current");
+  const std::optional<std::uint64_t> most = only_number_in(folder + "/memory.max");
+  const std::optional<std::uint64_t> taken = only_number_in(folder + "/memory.current");
   if (!most || !taken) return std::nullopt;
   const std::uint64_t files = number_in(folder + "/memory.stat", "inactive_file ").value_or(0);
   const std::uint64_t held = *taken - std::min(*taken, files);
