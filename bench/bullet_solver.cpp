@@ -57,8 +57,8 @@ Lame lame_of(double E, double poisson) {
 std::unique_ptr<btDeformableLagrangianForce> make_force(double E, const BulletSettings& settings) {
   Lame lame = lame_of(E, settings.poisson);
   if (settings.linear)
-    return std::make_unique<btDeformableLinearElasticityForce>(
-        btScalar(lame.mu), btScalar(lame.lambda), btScalar(0), btScalar(settings.viscosity));
+    return std::make_unique<btDeformableLinearElasticityForce>(btScalar(lame.mu), btScalar(lame.lambda),
+                                                               btScalar(0), btScalar(settings.viscosity));
   // Smith, de Goes and Kim 2018, "Stable Neo-Hookean flesh simulation", section 3.4: at rest the law is as
   // stiff as linear elasticity is with three quarters of its mu.
   if (settings.converts) lame = {lame.mu * 4.0 / 3.0, lame.lambda + lame.mu * 5.0 / 6.0};
@@ -89,8 +89,8 @@ struct BulletSolver::Impl {
 
   const model::Model& model;
   const BulletSettings settings;
-  std::vector<int> node_of;              // of each vertex
-  Point origin{0, 0, 0}, last_origin{};  // metres: of Bullet's world; of the last frame
+  std::vector<int> node_of;                                    // of each vertex
+  Point origin{0, 0, 0}, last_origin{};                        // metres: of Bullet's world; of the last frame
   std::vector<Point> skinned, carried_velocity, acceleration;  // m, m/s, m/s^2 of each vertex
   std::uint64_t frame = 0;
   bool has_plates = false;
@@ -153,15 +153,29 @@ void BulletSolver::Impl::make_body() {
     for (std::size_t axis = 0; axis < 3; ++axis)
       rest[static_cast<std::size_t>(node_of[i])][static_cast<int>(axis)] =
           btScalar(model.unit * double{model.rest[3 * i + axis]});
-  body = std::make_unique<btSoftBody>(&world->getWorldInfo(), static_cast<int>(rest.size()), rest.data(), nullptr);
+  body = std::make_unique<btSoftBody>(&world->getWorldInfo(), static_cast<int>(rest.size()), rest.data(),
+                                      nullptr);
+  // Tetrahedra that move by themselves first: of the others only the faces are needed.
+  std::vector<std::size_t> entries;
+  std::size_t free_count = 0;
+  for (const bool is_held : {false, true}) {
+    for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+      const bool held = std::all_of(&model.tetrahedron[t], &model.tetrahedron[t] + 4,
+                                    [&](std::uint32_t i) { return model.is_kinematic(i); });
+      if (held == is_held) entries.push_back(t);
+    }
+    if (!is_held) free_count = entries.size();
+  }
   const auto corner = [&](std::size_t entry) { return node_of[model.tetrahedron[entry]]; };
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4)
+  for (const std::size_t t : entries)
     body->appendTetra(corner(t), corner(t + 1), corner(t + 2), corner(t + 3));
   // Nobody asks links for forces, but Bullet joins nodes by them into its tree, and without them never ends.
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     for (std::uint32_t e = model.ring_offset[i]; e < model.ring_offset[i + 1]; ++e)
       if (i < model.ring[e]) body->appendLink(node_of[i], node_of[model.ring[e]]);
   btSoftBodyHelpers::generateBoundaryFaces(body.get());
+  entries.resize(free_count);
+  body->m_tetras.resize(static_cast<int>(free_count));
   body->initializeDmInverse();
   body->m_tetraScratches.resize(body->m_tetras.size());
   body->m_tetraScratchesTn.resize(body->m_tetras.size());
@@ -170,10 +184,10 @@ void BulletSolver::Impl::make_body() {
   // A world has one law of a kind for all tetrahedra. What they weigh in it is their volume, and as the nodes
   // have their masses already, nothing else asks for that: so a tetrahedron's modulus goes there.
   const double E = *std::ranges::max_element(model.youngs_modulus);
-  for (std::size_t t = 0; t < model.tetrahedron.size(); t += 4) {
+  for (std::size_t t = 0; t < entries.size(); ++t) {
     double own = 0.0;
-    for (std::size_t k = 0; k < 4; ++k) own += model.youngs_modulus[model.tetrahedron[t + k]] / 4.0;
-    body->m_tetras[static_cast<int>(t / 4)].m_element_measure *= btScalar(own / E);
+    for (std::size_t k = 0; k < 4; ++k) own += model.youngs_modulus[model.tetrahedron[entries[t] + k]] / 4.0;
+    body->m_tetras[static_cast<int>(t)].m_element_measure *= btScalar(own / E);
   }
   force = make_force(E, settings);
   using Collision = btSoftBody::fCollision;
@@ -220,7 +234,8 @@ void BulletSolver::Impl::place_plates(const model::Drive& drive, std::uint32_t s
       world->addRigidBody(&plate);
     }
     // Bullet takes the way from the last place for its velocity.
-    plate.setWorldTransform(place({c.xx, c.xy, c.xz, c.yx, c.yy, c.yz, c.zx, c.zy, c.zz}, {c.xt, c.yt, c.zt}));
+    plate.setWorldTransform(
+        place({c.xx, c.xy, c.xz, c.yx, c.yy, c.yz, c.zx, c.zy, c.zz}, {c.xt, c.yt, c.zt}));
     plate.setFriction(body->m_cfg.kDF > 0 ? btScalar(double{c.friction} / double{body->m_cfg.kDF}) : 0);
   }
   has_plates = has_plates || model.collider_count > 0;
@@ -234,7 +249,8 @@ void BulletSolver::Impl::skin(const model::Drive& drive, std::uint32_t substep) 
   if (!model.has_skeleton()) return;
   const shader::Bone* bones = drive.bones.data() + std::size_t{substep} * model.joint_count;
   for (std::size_t i = 0; i < model.vertex_count; ++i) {
-    const double x = double{model.rest[3 * i]}, y = double{model.rest[3 * i + 1]}, z = double{model.rest[3 * i + 2]};
+    const double x = double{model.rest[3 * i]}, y = double{model.rest[3 * i + 1]},
+                 z = double{model.rest[3 * i + 2]};
     Point place{0, 0, 0};
     for (std::uint32_t e = model.skin_offset[i]; e < model.skin_offset[i + 1]; ++e) {
       const shader::Bone& b = bones[model.skin_joint[e]];
@@ -305,8 +321,11 @@ void BulletSolver::submit(const model::Drive& drive, model::Read what, model::Pr
   model::check_drive(impl_->model, drive);
   for (std::uint32_t s = 0; s < drive.substeps; ++s) impl_->step(drive, s);
   impl_->last_origin = drive.origin;
-  model::Frame frame{.index = ++impl_->frame, .origin = drive.origin, .positions = impl_->positions(drive.origin),
-                     .velocities = {}, .surface = {}};
+  model::Frame frame{.index = ++impl_->frame,
+                     .origin = drive.origin,
+                     .positions = impl_->positions(drive.origin),
+                     .velocities = {},
+                     .surface = {}};
   if (what.velocities) frame.velocities = impl_->velocities();
   if (what.surface) frame.surface = formats::embed(impl_->model, frame.positions);
   if (what.skinned) frame.skinned = impl_->skinned_positions(drive.origin);
@@ -351,15 +370,15 @@ void BulletSolver::load(const model::State& state) {
 }
 
 std::vector<double> BulletSolver::flesh_forces() {
-  for (int k = 0; k < impl_->body->m_nodes.size(); ++k) impl_->body->m_nodes[k].m_q = impl_->body->m_nodes[k].m_x;
+  for (int k = 0; k < impl_->body->m_nodes.size(); ++k)
+    impl_->body->m_nodes[k].m_q = impl_->body->m_nodes[k].m_x;
   impl_->body->updateDeformation();
   Forces forces;
   forces.resize(impl_->body->m_nodes.size(), btVector3(0, 0, 0));
   impl_->force->addScaledForces(1, forces);
   std::vector<double> values;
   for (std::size_t i = 0; i < impl_->model.vertex_count; ++i)
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      values.push_back(component(forces[impl_->node_of[i]], axis));
+    for (std::size_t axis = 0; axis < 3; ++axis) values.push_back(component(forces[impl_->node_of[i]], axis));
   return values;
 }
 

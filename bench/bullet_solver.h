@@ -17,20 +17,20 @@
 namespace fascicle::bench {
 
 struct BulletSettings {
-  bool implicit = true;            // backward Euler; else elastic forces are explicit
-  bool projects = true;            // contacts by projection; else by Lagrange multipliers
-  bool line_search = false;        // of Newton's steps
-  int newton_steps = 1;            // most, a substep
-  bool linear = false;             // corotated linear elasticity; else Neo-Hookean
-  bool converts = true;            // moduli to what Bullet's Neo-Hookean law takes for them
-  double poisson = 0.3;            // Poisson's ratio
-  double viscosity = 0.0;          // s: stress by rate of strain, over the moduli
-  double margin = 0.001;           // m: how far from faces and planes contact begins
-  double repulsion = 1e4;          // N/m: springs between flesh that meets flesh
-  double self_friction = 0.5;      // of flesh on flesh
-  bool self = true;                // flesh meets flesh
-  double error_reduction = 0.2;    // share of a depth in a plane that is taken back in a substep
-  int contact_iterations = 10;     // with solids, a substep
+  bool implicit = false;          // elastic forces, by backward Euler; viscosity always is
+  bool projects = true;           // contacts by projection; else by Lagrange multipliers
+  bool line_search = false;       // of Newton's steps
+  int newton_steps = 1;           // most, a substep
+  bool linear = false;            // corotated linear elasticity; else Neo-Hookean
+  bool converts = true;           // moduli to what Bullet's Neo-Hookean law takes for them
+  double poisson = 0.3;           // Poisson's ratio
+  double viscosity = 0.01;        // s: stress by rate of strain, over the moduli
+  double margin = 0.001;          // m: how far from faces and planes contact begins
+  double repulsion = 1e4;         // N/m: springs between flesh that meets flesh
+  double self_friction = 0.5;     // of flesh on flesh
+  bool self = true;               // flesh meets flesh
+  double error_reduction = 0.06;  // share of a depth in a plane that is taken back in a substep
+  int contact_iterations = 10;    // with solids, a substep
 };
 
 // Forces beside gravity, muscles, cuts and solids other than planes are not there: std::invalid_argument.
