@@ -24,7 +24,7 @@ struct BulletSettings {
   bool linear = false;            // corotated linear elasticity; else Neo-Hookean
   bool converts = true;           // moduli to what Bullet's Neo-Hookean law takes for them
   double poisson = 0.3;           // Poisson's ratio
-  double viscosity = 0.01;        // s: stress by rate of strain, over the moduli
+  double viscosity = 0.003;       // s: stress by rate of strain, over the moduli
   double margin = 0.001;          // m: how far from faces and planes contact begins
   double repulsion = 1e4;         // N/m: springs between flesh that meets flesh
   double self_friction = 0.5;     // of flesh on flesh

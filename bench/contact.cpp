@@ -138,10 +138,12 @@ class Comparison {
   double milliseconds_ = 0.0;  // a frame, of the last bake
 };
 
-// The settings that a scene has with Bullet, where the caller says nothing else.
+// Of a frame. With fewer more of a bear's flesh passes through its flesh.
+constexpr double bullet_contact_rate = 960.0;
 std::uint32_t bullet_substeps(const Subject& subject, const Arguments& arguments) {
-  if (arguments.rate == 0) return subject.built.steps.substeps;
-  return static_cast<std::uint32_t>(std::max(1l, std::lround(arguments.rate / subject.scene.fps)));
+  if (arguments.rate == 0 && !subject.model().has_contact()) return subject.built.steps.substeps;
+  const double rate = arguments.rate == 0 ? bullet_contact_rate : arguments.rate;
+  return static_cast<std::uint32_t>(std::max(1l, std::lround(rate / subject.scene.fps)));
 }
 
 Frames Comparison::bake(const Subject& subject, model::Solver& solver, std::uint32_t substeps,
@@ -282,7 +284,8 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--json", a.json, "file for the figures and the machine");
   app.add_option("--bakes", a.bakes, "folder for the bakes, which `fascicle render` draws");
   app.add_flag("--only-bullet", a.only_bullet, "leave fascicle out");
-  app.add_option("--rate", a.rate, "Bullet: substeps a second; as many as fascicle takes where 0");
+  app.add_option("--rate", a.rate,
+                 "Bullet: substeps a second; 0: as many as fascicle takes, and 960 in crouch");
   app.add_flag("--implicit", b.implicit, "Bullet: implicit elastic forces");
   app.add_flag("!--lagrange", b.projects, "Bullet: contacts with solids by Lagrange multipliers");
   app.add_flag("--line-search", b.line_search, "Bullet: line search in Newton's steps");
