@@ -41,22 +41,52 @@ double deepest_in_solids(const model::Model& model, drive::DriveSource& drives, 
   return deepest;
 }
 
-// m/s, of the free vertices over the last frames.
+// m/s, of these vertices over the last frames.
 struct Speed {
   double mean_square_root = 0.0, fastest = 0.0;
 };
-Speed last_speed(const model::Model& model, const Frames& frames, double seconds, double fps) {
+Speed last_speed(const model::Model& model, const std::vector<std::uint32_t>& vertices, const Frames& frames,
+                 double seconds, double fps) {
   const auto count = std::min(frames.size(), static_cast<std::size_t>(std::lround(seconds * fps)));
   double sum = 0.0, number = 0.0, most = 0.0;
   for (std::size_t k = frames.size() - count; k < frames.size(); ++k)
-    for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-      if (model.is_kinematic(i)) continue;
+    for (const std::uint32_t i : vertices) {
       const double square = (model.unit * vertex(frames[k].velocities, i)).squaredNorm();
       sum += square;
       most = std::max(most, square);
       number += 1.0;
     }
   return {std::sqrt(sum / number), std::sqrt(most)};
+}
+
+std::vector<std::uint32_t> free_vertices(const model::Model& model) {
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (!model.is_kinematic(i)) vertices.push_back(i);
+  return vertices;
+}
+
+// m/s, of these vertices by how far they go from frame to frame: what trembles faster does not count.
+Speed last_way(const model::Model& model, const std::vector<std::uint32_t>& vertices, const Frames& frames,
+               double seconds, double fps) {
+  const auto count = std::min(frames.size() - 1, static_cast<std::size_t>(std::lround(seconds * fps)));
+  double sum = 0.0, most = 0.0;
+  for (std::size_t k = frames.size() - count; k < frames.size(); ++k)
+    for (const std::uint32_t i : vertices) {
+      const double square =
+          (fps * (place(model, frames[k], i) - place(model, frames[k - 1], i))).squaredNorm();
+      sum += square;
+      most = std::max(most, square);
+    }
+  return {std::sqrt(sum / static_cast<double>(count * vertices.size())), std::sqrt(most)};
+}
+
+// Those on the surface that may meet flesh.
+std::vector<std::uint32_t> free_skin(const model::Model& model) {
+  std::vector<std::uint32_t> vertices;
+  for (const shader::ContactPoint& point : model.contact)
+    if (!model.is_kinematic(point.vertex)) vertices.push_back(point.vertex);
+  return vertices;
 }
 
 std::size_t inverted(const model::Model& model, const std::vector<float>& positions) {
@@ -125,7 +155,7 @@ Measures measure_squeeze(const scene::Scene& scene, const model::Model& model, d
   return {{force_name, force},
           {"deepest vertex behind a plane, um", 1e6 * deepest_in_solids(model, drives, frames)},
           {"RMS speed, last half second, mm/s",
-           1e3 * last_speed(model, frames, 0.5, scene.fps).mean_square_root}};
+           1e3 * last_speed(model, free_vertices(model), frames, 0.5, scene.fps).mean_square_root}};
 }
 
 Measures measure_drop(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
@@ -143,7 +173,7 @@ Measures measure_drop(const scene::Scene& scene, const model::Model& model, driv
       static_cast<double>(rest);
   const double highest =
       *std::max_element(heights.begin() + static_cast<std::ptrdiff_t>(landed), heights.end());
-  const Speed speed = last_speed(model, frames, 0.5, scene.fps);
+  const Speed speed = last_speed(model, free_vertices(model), frames, 0.5, scene.fps);
   const Vector3d creep = mean_by_mass(
       model, [&](std::size_t i) -> Vector3d { return model.unit * vertex(frames.back().velocities, i); });
   return {{"centre of mass at rest, mm above the floor", 1e3 * at_rest},
@@ -180,7 +210,10 @@ Measures measure_overlap(const model::Model& model, const Frames& frames,
 
 Measures measure_crouch(const scene::Scene& scene, const model::Model& model, const Frames& frames) {
   Measures found = measure_overlap(model, frames, &model::Frame::positions);
-  const Speed speed = last_speed(model, frames, 1.0, scene.fps);
+  const Speed speed = last_speed(model, free_vertices(model), frames, 1.0, scene.fps);
+  const Speed skin = last_way(model, free_skin(model), frames, 1.0, scene.fps);
+  found.emplace_back("RMS speed of the skin from frame to frame, mm/s", 1e3 * skin.mean_square_root);
+  found.emplace_back("fastest vertex of the skin, the same, mm/s", 1e3 * skin.fastest);
   found.emplace_back("RMS speed, last second, mm/s", 1e3 * speed.mean_square_root);
   found.emplace_back("fastest vertex, last second, mm/s", 1e3 * speed.fastest);
   return found;
