@@ -7,6 +7,7 @@
 #   ./do characters [ASSETS]   bake characters, draw their worst frames beside skinning into docs/characters (minutes)
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
+#   ./do peers [ARGS...]  contact beside Bullet's: build and run `fascicle-bench-contact ARGS...` (minutes)
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
 #   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
@@ -98,6 +99,13 @@ case $command in
     build release ${set_tests:-} -DFASCICLE_BENCH=ON
     [ "$command" = bench ] || exec build/release/fascicle-bench-kernels "$@"
     exec build/release/fascicle bench "$@"
+    ;;
+  peers)
+    need $build_packages $run_packages $bench_packages
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    cmake --preset release ${set_tests:-} -DFASCICLE_BENCH=ON ${FASCICLE_CMAKE:-} >&2
+    cmake --build --preset release --target fascicle fascicle-bench-contact >&2
+    exec build/release/fascicle-bench-contact "$@"
     ;;
   paper)
     need $build_packages $run_packages python3
@@ -211,7 +219,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,18s/^# \{0,1\}//p' "$0"
+    sed -n '2,21s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -77,7 +77,7 @@ const std::vector<Room>& rooms() {
       {"cpu_reference/oracle/", {"host/model/"}, {"Eigen"}},
       {"gpu/", {"host/base/fields.h", "host/model/", "shaders/"}, {"Vulkan"}},
       {"tests/", every_room, every_library},
-      {"bench/", every_room, {"Bullet", "Google Benchmark"}},
+      {"bench/", every_room, {"Bullet", "Google Benchmark", "CLI11", "JSON", "Eigen"}},
   };
   return table;
 }

@@ -1,0 +1,43 @@
+// What is measured of a scene that a solver has baked, whichever solver that was.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/drive/drive_source.h"
+#include "host/model/model.h"
+#include "host/model/solver.h"
+#include "host/scene/scene.h"
+
+namespace fascicle::bench {
+
+// With positions, velocities and, of a character, skinned positions.
+using Frames = std::vector<model::Frame>;
+// Numbers by what they are, with the unit.
+using Measures = std::vector<std::pair<std::string, double>>;
+
+inline constexpr const char* force_name = "force on the upper plane, N";
+
+// `force`: force_on_top.
+Measures measure_squeeze(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
+                         const Frames& frames, double force);
+Measures measure_drop(const scene::Scene& scene, const model::Model& model, drive::DriveSource& drives,
+                      const Frames& frames);
+Measures measure_crouch(const scene::Scene& scene, const model::Model& model, const Frames& frames);
+// `places`: of each frame, Frame::positions or Frame::skinned.
+Measures measure_overlap(const model::Model& model, const Frames& frames,
+                         std::vector<float> model::Frame::*places);
+
+// Of an implicit solver of fascicle's, N: mass x stiffness x (goal - place) of each vertex, in one more
+// frame.
+std::vector<double> flesh_forces(const model::Model& model, model::Solver& solver, const model::Drive& drive);
+// What a bar presses its upper plane with, N.
+double force_on_top(const model::Model& model, const std::vector<double>& forces);
+// The same by rod theory: E x area x strain.
+double rod_force(const scene::Scene& scene);
+
+// m: the furthest that a vertex which follows the skeleton is from it, in any frame.
+double furthest_from_skeleton(const model::Model& model, const Frames& frames);
+
+}  // namespace fascicle::bench
