@@ -23,6 +23,8 @@ void main() {
                                    vector_of(velocity_before[corners.w]));
   float load = part_of(s) + contact_mean(w, part_of(corners.x), part_of(corners.y), part_of(corners.z),
                                          part_of(corners.w));
+  load = contact_settled_load(load, w, mobility[corners.x], mobility[corners.y], mobility[corners.z],
+                              mobility[corners.w]);
   contact_impulse_of[p] = record_of(contact_settling(vector_of(contact_impulse_of[p]), normal_of(p), u, before,
                                                      push.implicit.history, load));
 }

@@ -22,6 +22,8 @@ constexpr double least_gradient = 0.1;
 // A vertex shares its mass between as many contacts as its coefficients add up to, in an explicit pass
 // between at least two.
 constexpr double least_crowd = 2.0;
+// What settling changes a corner's velocity by, at most, in parts of the contact's.
+constexpr double most_settling = 4.0;
 // What an iteration of the implicit integrator takes out of the depth: a share at the most, and a share a
 // second.
 constexpr double most_depth_share = 0.5, depth_rate = 180.0;
@@ -177,7 +179,9 @@ Points Contacts::settling_gains(const std::vector<Pair>& pairs, const Points& v,
   const std::vector<double> all = loads(pairs, mobility_, 0.0);
   Points gains(v.size(), Vector3d::Zero());
   for (const Pair& pair : pairs) {
-    const double load = load_of(pair, all);
+    double load = load_of(pair, all);
+    for (int k = 0; k < 4; ++k)
+      load = std::max(load, pair.weights[k] * mobility_[pair.corners[std::size_t(k)]] / most_settling);
     if (!pair.presses || !(load > 0.0)) continue;
     // The next substep goes on with v + history (v - v_before).
     const double rest = history / (1.0 + history) * difference(pair, v_before).dot(pair.normal);

@@ -236,10 +236,12 @@ void contact_settle(const Model& model, const SubstepInput& in, Fields& fields, 
     if (!is_found(model, fields, p)) continue;
     const Pair pair = pair_of(model, fields, p);
     const Place velocity = between(pair, [&](std::uint32_t i) { return velocity_of(fields, i); });
+    const float load = kernel::contact_settled_load<float>(
+        load_of_all(pair, part), pair.weights, model.mobility[pair.corner[0]], model.mobility[pair.corner[1]],
+        model.mobility[pair.corner[2]], model.mobility[pair.corner[3]]);
     put_impulse(fields, p,
                 kernel::contact_settling<float>(impulse_of(fields, p), pair.normal, velocity,
-                                                between(pair, velocity_before), in.implicit.history,
-                                                load_of_all(pair, part)));
+                                                between(pair, velocity_before), in.implicit.history, load));
   }
 }
 

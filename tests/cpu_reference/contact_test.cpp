@@ -221,6 +221,38 @@ TEST(Contact, MeetsWhatIsFarOrAcrossAGap) {
   EXPECT_FALSE(is_pressed());
 }
 
+// Three corners are held, the fourth bears a 64th of the contact, and what comes in is a million times as
+// heavy. To bring the place to rest the fourth would need 64 times the speed: settling gives it four times at
+// most. Each of the iterations moves it by no more than what it takes out of the depth, which is 180 H of it.
+TEST(Contact, DoesNotThrowACornerThatBearsLittleOfIt) {
+  PointInTetrahedron c(true);
+  for (std::uint32_t i = 4; i < 8; ++i) c.model.mass[i] = 1e6;
+  for (const std::uint32_t i : {1u, 2u, 3u}) make_kinematic(c.model, i);
+  fill_weights(c.model);
+  finish_contact(c.model);
+  constexpr double share = 1.0 / 64.0, speed = 2.0, h = 1.0 / 480.0;
+  State state = c.meeting(Vector3d::Zero());
+  const Points corners = points_in(state.positions);
+  const Vector3d place = share * corners[0] + (1.0 - share) / 3.0 * (corners[1] + corners[2] + corners[3]);
+  const Vector3d shift = place - corners[4];
+  const Vector3d inward = (corners[0] - (corners[1] + corners[2] + corners[3]) / 3.0).normalized();
+  for (std::uint32_t i = 4; i < 8; ++i)
+    for (int a = 0; a < 3; ++a) {
+      state.positions[3 * i + std::uint32_t(a)] += float(shift[a]);
+      state.velocities[3 * i + std::uint32_t(a)] = float(speed * inward[a]);
+    }
+  ASSERT_EQ(cpu_reference::Contacts(c.model).found_at(points_in(state.positions)).size(), 1u);
+  const auto solver = make_cpu_solver(c.model, contact_options(c.model), 1);
+  solver->load(state);
+  TestDrive quiet = quiet_drive(c.model, h);
+  solver->submit(quiet.get(), {});
+  solver->collect();
+  const double thrown = points_in(solver->save().velocities)[0].norm();
+  const double depth = share * 0.25, iterations = contact_options(c.model).iterations;
+  EXPECT_GT(thrown, speed) << "it was pushed";
+  EXPECT_LT(thrown, 4.0 * speed + iterations * 180.0 * depth);
+}
+
 // A point of a group meets nothing of the groups that it ignores; of others it does, and without groups.
 TEST(Contact, DoesNotMeetWhatItIgnores) {
   for (const bool implicit : {false, true}) {
