@@ -5,6 +5,7 @@
 #   ./do build [PRESET]   build a preset (release)
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
 #   ./do characters [ASSETS]   bake characters, draw their worst frames beside skinning into docs/characters (minutes)
+#   ./do accuracy [ASSETS]   measure what each quality costs and how near it comes: docs/design/accuracy.md (minutes)
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do peers [ARGS...]  contact beside Bullet's: build and run `fascicle-bench-contact ARGS...` (minutes)
@@ -112,13 +113,15 @@ case $command in
     build release
     exec python3 -B docs/paper.py build/release/fascicle "${1:-../shared/assets}"
     ;;
-  characters)
+  characters | accuracy)
     need $build_packages $run_packages python3
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
     build release ${set_tests:-}
     assets=../shared/assets
     [ $# -eq 0 ] || { assets=$1; shift; }
-    exec python3 -B docs/character_sheets.py build/release/fascicle "$assets" "$@"
+    script=accuracy
+    [ "$command" = accuracy ] || script=character_sheets
+    exec python3 -B docs/$script.py build/release/fascicle "$assets" "$@"
     ;;
   scene-reference)
     need $build_packages $run_packages

@@ -8,6 +8,7 @@
 #include "host/base/text.h"
 #include "host/cli/command.h"
 #include "host/cli/compare_devices.h"
+#include "host/cli/convergence.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
 #include "host/pipeline/device_choice.h"
@@ -22,7 +23,7 @@ struct ValidateArguments {
   std::string devices = "cpu,vulkan";
   std::uint64_t frames = 0;  // 0: all of the scene's
   unsigned threads = 0;
-  bool json = false, oracle = true;
+  bool json = false, oracle = true, converged = false;
 };
 
 // Where a stage's output names a vertex of the model, its number in the tetrahedral mesh.
@@ -174,13 +175,58 @@ void print_text(const model::Model& model, const Validation& validation) {
                  "  moves the body by percents)\n";
 }
 
+// One bar after the other, each called after what is running.
+class ShownProgress {
+ public:
+  explicit ShownProgress(Log& log) : log_(log) {}
+  void update(const std::string& what, std::uint64_t frame, std::uint64_t last) {
+    if (what != running_) {
+      running_ = what;
+      progress_.emplace(log_, what, last);
+    }
+    progress_->update(frame);
+  }
+  void end() { progress_.reset(); }
+
+ private:
+  Log& log_;
+  std::string running_;
+  std::optional<Progress> progress_;
+};
+
+std::uint64_t frames_of(const ValidateArguments& arguments, const scene::Scene& scene) {
+  const std::uint64_t all = scene::frame_count(scene);
+  return arguments.frames == 0 ? all : std::min(arguments.frames, all);
+}
+
+// --converged
+ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& scene,
+                        const DeviceRequest& request, Log& log) {
+  // The lowest modes are known of a model that is built for automatic substeps; nothing else in it differs.
+  scene::Scene automatic = scene;
+  automatic.solver.auto_substeps = true;
+  Built built = build(automatic, log, arguments.scene.no_cache);
+  built.steps = build::choose_steps(scene, built.model, built.report);
+  log_warnings(built.report, log);
+  const ChosenDevice device = choose_device(request, arguments.threads, say_on(log));
+  log.info("device: " + device.text());
+  ShownProgress progress(log);
+  const Convergence convergence =
+      measure_convergence(scene, built, device, frames_of(arguments, scene),
+                          [&progress](const auto&... at) { progress.update(at...); });
+  progress.end();
+  std::cout << (arguments.json ? json_text(convergence, scene.name) : table_text(convergence));
+  return ExitCode::done;
+}
+
 ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   std::vector<DeviceRequest> requests = parse_device_list(arguments.devices);
   for (DeviceRequest& request : requests) request.keeps_pipelines = !arguments.scene.no_cache;
-  if (requests.size() < 2 && !arguments.oracle)
+  if (requests.size() < 2 && !arguments.oracle && !arguments.converged)
     throw UsageError("--devices " + arguments.devices +
                      " with --no-oracle leaves nothing to compare; name two devices");
   const scene::Scene scene = load(arguments.scene);
+  if (arguments.converged) return validate_steps(arguments, scene, requests.front(), log);
   const Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   std::vector<ChosenDevice> devices;
@@ -188,23 +234,12 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
     devices.push_back(choose_device(request, arguments.threads, say_on(log)));
     log.info("device: " + devices.back().text());
   }
-  const std::uint64_t all = scene::frame_count(scene);
-  const std::uint64_t frames = arguments.frames == 0 ? all : std::min(arguments.frames, all);
-
-  const std::uint64_t oracle_frames = arguments.oracle ? frames : 0;
-
-  std::optional<Progress> progress;
-  std::string running;
-  const auto on_frame = [&](const std::string& what, std::uint64_t frame, std::uint64_t last) {
-    if (what != running) {
-      running = what;
-      progress.emplace(log, what, last);
-    }
-    progress->update(frame);
-  };
+  const std::uint64_t frames = frames_of(arguments, scene);
+  ShownProgress progress(log);
   const Validation validation =
-      validate(scene, built, solver_options(scene, built.steps), devices, frames, oracle_frames, on_frame);
-  progress.reset();
+      validate(scene, built, solver_options(scene, built.steps), devices, frames,
+               arguments.oracle ? frames : 0, [&progress](const auto&... at) { progress.update(at...); });
+  progress.end();
 
   if (arguments.json)
     print_json(scene, built, devices, validation);
@@ -236,6 +271,9 @@ void add_validate(CLI::App& app, Command& command) {
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
   subcommand->add_flag("--oracle,!--no-oracle", arguments->oracle,
                        "Measure the distance to the oracle, or not; default: on");
+  subcommand->add_flag(
+      "--converged", arguments->converged,
+      "Instead of devices compare qualities: how far the skin is from that of many more substeps");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
     command.run = [arguments](Log& log) { return validate_scene(*arguments, log); };

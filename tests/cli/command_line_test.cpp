@@ -36,7 +36,8 @@ TEST(CommandLine, HelpListsEveryFlag) {
   std::map<std::string, std::vector<std::string>> flags{
       {"bake", {"--output", "--format", "--device", "--threads", "--overwrite", "--resume", "--dry-run"}},
       {"batch", {"--device", "--threads", "--overwrite", "--resume", "--dry-run"}},
-      {"validate", {"--devices", "--frames", "--threads", "--json", "--oracle", "--no-oracle"}},
+      {"validate",
+       {"--devices", "--frames", "--threads", "--json", "--oracle", "--no-oracle", "--converged"}},
       {"render",
        {"--output", "--frame", "--mode", "--tets", "--clip", "--view", "--turn", "--zoom", "--size"}},
       {"inspect", {"--model", "--json"}},

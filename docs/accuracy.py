@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Measures what each quality costs and how far its skin is from that of many more substeps, for two rods and a clip of
+each character, and writes docs/design/accuracy.md and the numbers in it, docs/design/accuracy.json.
+
+    python3 docs/accuracy.py PROGRAM ASSETS [--only WORD] [--docs FOLDER]
+
+ASSETS is a folder with the characters, which are not part of the project; those that are missing keep what was written
+of them. --only measures only those whose file or scene has the word in its name. Only Python's standard library is used.
+"""
+import json
+import os
+import subprocess
+import sys
+
+import bakes
+import character_sheets
+import figures
+import page
+
+RODS = ("rod-hang", "rod-cantilever")
+ROD_FRAMES = 120
+
+HEAD = """# What a quality costs, and how near it comes
+
+Written by `./do accuracy`, from what `fascicle validate SCENE --converged` measures: the same motion stepped in each
+quality and, beside them, with twice the substeps and iterations of the finest. Error is the root mean square of the
+skin's distance from that, over all frames of the clip; the worst is that of one vertex in one frame. The reference
+errs too, by about a third of what is measured of `final`. Time is the solver's for the clip, beside that of `normal`.
+"""
+FOOT = "[integrators.md](integrators.md#substeps-and-iterations) says how substeps and iterations are chosen.\n"
+
+
+def measured(program, scene, name, clip, options):
+    """A dictionary for the page."""
+    row = {"scene": scene, "name": name, "clip": clip}
+    try:
+        said = program.run("validate", options.pop("path", scene), "--converged", "--json", "--devices", "cpu", "-q",
+                           *options["arguments"])
+        row |= {key: json.loads(said)[key] for key in ("frames", "extent_m", "reference", "qualities")}
+    except subprocess.CalledProcessError as error:
+        row["failed"] = character_sheets.message_of(error, os.path.dirname(options.get("path", "")) or ".")
+    return row
+
+
+def cells(row):
+    """A line of the table for each quality."""
+    if "failed" in row:
+        return [[row["name"], row["clip"], "", "", "", "", "not measured: " + row["failed"]]]
+    usual = next(q["solver_seconds"] for q in row["qualities"] if q["quality"] == "normal")
+    lines = []
+    for quality in row["qualities"]:
+        first = not lines
+        lines.append([row["name"] if first else "", row["clip"] if first else "", quality["quality"],
+                      f"{quality['substeps']} x {quality['iterations']}", f"{1e3 * quality['rms_m']:.2f}",
+                      f"{100 * quality['rms_m'] / row['extent_m']:.3f} %", f"{1e3 * quality['largest_m']:.1f}",
+                      f"{quality['solver_seconds'] / usual:.2f}"])
+    return lines
+
+
+def text_of(rows):
+    head = ["scene or character", "clip", "quality", "substeps x iterations", "error, mm", "of the extent", "worst, mm", "time"]
+    return "\n".join([HEAD, page.table(head, [line for row in rows for line in cells(row)]), FOOT])
+
+
+def jobs(assets):
+    """Scene or file, its name, its clip, and how it is run; a file that is missing has no way."""
+    for rod in RODS:
+        yield rod, rod, "", {"arguments": ["--frames", str(ROD_FRAMES)]}
+    for name, file, ends, _, _ in character_sheets.CHARACTERS:
+        path = os.path.join(assets, file)
+        if not os.path.isfile(path):
+            yield file, name, "", None
+            continue
+        clips = character_sheets.clips_of(path)
+        index = character_sheets.clip_index(clips, ends[0])
+        yield file, name, clips[index].split("|")[-1], {"path": path, "arguments": ["--clip", str(index)]}
+
+
+def make(program, assets, docs, only):
+    folder = os.path.join(docs, "design")
+    record = os.path.join(folder, "accuracy.json")
+    kept = []
+    if os.path.exists(record):
+        with open(record, encoding="utf-8") as file:
+            kept = json.load(file)
+    rows = []
+    for scene, name, clip, way in jobs(assets):
+        if way is None or only.lower() not in scene.lower():
+            if way is None and only.lower() in scene.lower():
+                print(f"accuracy: {assets} has no {scene}: what was written of it stays", file=sys.stderr)
+            rows += [row for row in kept if row["scene"] == scene]
+            continue
+        rows.append(measured(program, scene, name, clip, way))
+        for line in cells(rows[-1]):
+            print(" ".join(line))
+    figures.save(folder, "accuracy.json", json.dumps(rows, indent=1) + "\n")
+    figures.save(folder, "accuracy.md", text_of(rows))
+
+
+def main(arguments):
+    docs = character_sheets.option(arguments, "--docs", os.path.dirname(os.path.abspath(__file__)))
+    only = character_sheets.option(arguments, "--only", "")
+    if len(arguments) != 2 or arguments[0].startswith("-"):
+        print(__doc__, file=sys.stderr)
+        return 2
+    if not os.path.isdir(arguments[1]):
+        print(f"accuracy: {arguments[1]}: there is no such folder of characters", file=sys.stderr)
+        return 3
+    make(bakes.Program(arguments[0], "out/accuracy"), arguments[1], docs, only)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
