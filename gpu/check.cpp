@@ -44,7 +44,7 @@ const char* name_of(VkResult result) {
 }
 
 void check(VkResult result, const char* call) {
-  if (result >= VK_SUCCESS) return;
+  if (result == VK_SUCCESS || result == VK_NOT_READY || result == VK_INCOMPLETE) return;
   const char* name = name_of(result);
   throw DeviceError(std::string(call) + ": " +
                     (name ? std::string(name) : "VkResult " + std::to_string(static_cast<int>(result))));

@@ -1,5 +1,7 @@
 #include "gpu/command.h"
 
+#include <limits>
+
 namespace fascicle::gpu {
 
 CommandPool::CommandPool(const Device::Impl& device) : device_(&device) {
@@ -17,7 +19,7 @@ void CommandPool::reset() {
   *this = CommandPool(*device_);
 }
 
-Fence::Fence(const Device::Impl& device) : device_(&device) {
+Fence::Fence(Device::Impl& device) : device_(&device) {
   VkFenceCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
   VkFence fence = VK_NULL_HANDLE;
@@ -27,7 +29,15 @@ Fence::Fence(const Device::Impl& device) : device_(&device) {
 
 void Fence::wait() const {
   const VkFence fence = fence_.get();
-  VULKAN_CHECK(device_->call.vkWaitForFences(device_->device, 1, &fence, VK_TRUE, UINT64_MAX));
+  const VkResult result = device_->call.vkWaitForFences(device_->device, 1, &fence, VK_TRUE,
+                                                        std::numeric_limits<std::uint64_t>::max());
+  if (result == VK_SUCCESS) return;
+  // What is under way uses what the caller destroys when this throws. A lost device has nothing under way.
+  try {
+    device_->wait_idle();
+  } catch (const DeviceError&) {
+  }
+  check(result, "vkWaitForFences");
 }
 
 void Fence::reset() const {

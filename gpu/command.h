@@ -25,13 +25,13 @@ class CommandPool {
 
 class Fence {
  public:
-  explicit Fence(const Device::Impl& device);
+  explicit Fence(Device::Impl& device);
   VkFence get() const { return fence_.get(); }
   void wait() const;
   void reset() const;
 
  private:
-  const Device::Impl* device_;
+  Device::Impl* device_;
   Owned<VkFence> fence_;
 };
 

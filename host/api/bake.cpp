@@ -43,7 +43,7 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
   request.output.usd_skel = options.usd_skel != 0;
   request.output.overwrite = options.overwrite != 0;
   request.output.resume = options.resume != 0;
-  request.device = pipeline::parse_device(options.device == nullptr ? "auto" : options.device);
+  request.devices = pipeline::parse_device_order(options.device == nullptr ? "auto" : options.device);
   check_threads(options.threads);
   request.threads = options.threads;
   request.build.mesher = text_of(options.mesher);
@@ -91,7 +91,7 @@ fascicle_status fascicle_bake_run(const fascicle_scene* scene, const fascicle_ba
     pipeline::refuse_unwritable("options.folder", (request.output.folder / "").string(), true);
     const auto prepared = pipeline::prepare_bake(scene->scene, request, say);
     auto made = std::make_unique<fascicle_bake>();
-    made->result = pipeline::run_bake(*prepared, request);
+    made->result = pipeline::run_bake(*prepared, request, say);
     for (const auto& file : made->result.files) made->files.push_back(file.string());
     pipeline::say_result(made->result, say);
     const bool interrupted = made->result.interrupted;

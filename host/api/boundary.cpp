@@ -3,6 +3,7 @@
 #include <new>
 #include <system_error>
 
+#include "gpu/device.h"
 #include "host/bake/bake.h"
 #include "host/base/version.h"
 #include "host/build/build.h"
@@ -61,6 +62,10 @@ fascicle_status failed_by_exception() noexcept {
     return failed(FASCICLE_BAD_INPUT, error.what());
   } catch (const pipeline::NoSuchDevice& error) {
     return failed(FASCICLE_NO_SUCH_DEVICE, error.what());
+  } catch (const pipeline::DeviceFailed& error) {
+    return failed(FASCICLE_DEVICE_FAILED, error.what());
+  } catch (const gpu::DeviceError& error) {
+    return failed(FASCICLE_DEVICE_FAILED, error.what());
   } catch (const bake::NotFinite& error) {
     return failed(FASCICLE_NOT_FINITE, error.what());
   } catch (const std::filesystem::filesystem_error& error) {
@@ -111,6 +116,8 @@ const char* fascicle_status_text(fascicle_status status) {
       return "bad input";
     case FASCICLE_NO_SUCH_DEVICE:
       return "no such device";
+    case FASCICLE_DEVICE_FAILED:
+      return "a device failed";
     case FASCICLE_NOT_FINITE:
       return "the simulation left the finite numbers";
     case FASCICLE_CANCELLED:

@@ -184,7 +184,8 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
 
 // "auto" where there is a GPU that it may take: each bake tests it, and goes on with the CPU where it must.
 std::string device_list(const std::string& device) {
-  return device == "auto" && candidates({}, gpu::list_devices()).empty() ? "cpu" : device;
+  const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
+  return device == "auto" && candidates({}, devices).empty() ? "cpu" : with_all_devices(device, devices);
 }
 
 ManyBakes bakes_of_clips(const BakeArguments& arguments) {
@@ -245,7 +246,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     if (arguments.output.formats.empty()) arguments.output.formats = {"pc2", "vtu"};
     log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
   }
-  const DeviceRequest device = parse_device(arguments.device);
+  const std::vector<DeviceRequest> devices = parse_device_order(arguments.device);
   scene::Scene scene = load(arguments.scene);
   if (const auto* character = std::get_if<rig::Character>(&scene.geometry);
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
@@ -258,14 +259,14 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   request.output = arguments.output;
   request.output.folder = arguments.folder;
   request.writes_nothing = arguments.dry_run;
-  request.device = device;
+  request.devices = devices;
   request.threads = arguments.threads;
   request.build = build_options(arguments.scene.no_cache);
   request.interrupted = &catch_interrupts();
   request.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   const Say say = say_on(log);
   const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
-  const PreparedBake& prepared = *made;
+  PreparedBake& prepared = *made;
   if (arguments.dry_run) {
     print_estimate(arguments, prepared.scene, prepared.built, prepared.simulation, prepared.expected,
                    prepared.tried);
@@ -274,7 +275,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
 
   if (const std::string size = glb_size_text(arguments, prepared.scene, prepared.built.model); !size.empty())
     log.info("surface.glb: " + size);
-  const bake::BakeResult result = run_bake(prepared, request);
+  const bake::BakeResult result = run_bake(prepared, request, say);
   log.clear_bar();
   say_result(result, say);
   if (result.interrupted) {
@@ -320,9 +321,11 @@ void add_bake(CLI::App& app, Command& command) {
       ->check(CLI::IsMember(bake::format_names()).description(""))
       ->option_text("LIST");
   subcommand
-      ->add_option("--device", arguments->device,
-                   "auto, cpu, cpu:LEVEL, vulkan or vulkan:N; auto takes a real GPU, else the CPU")
-      ->option_text("DEVICE");
+      ->add_option(
+          "--device", arguments->device,
+          "auto, all, cpu, cpu:LEVEL, vulkan or vulkan:N; auto takes a real GPU, else the CPU. Of several, "
+          "separated by commas, the next goes on where one fails; with --clips they share the bakes")
+      ->option_text("LIST");
   subcommand
       ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
       ->check(CLI::Range(0U, 1024U).description(""))

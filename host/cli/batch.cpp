@@ -49,6 +49,7 @@ OneBake bake_of(const scene::Job& job) {
 ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
   const scene::Jobs jobs = scene::read_jobs(arguments.jobs);
   ManyBakes many = arguments.many;
+  many.devices = with_all_devices(many.devices, gpu::list_devices());
   (void)parse_device_list(many.devices);  // refuses "auto"
   many.output = jobs.output;
   for (const scene::Job& job : jobs.jobs) {
@@ -72,9 +73,10 @@ void add_batch(CLI::App& app, Command& command) {
       ->required()
       ->option_text(" ");
   subcommand
-      ->add_option(
-          "--device", arguments->many.devices,
-          "Devices to share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; default: cpu")
+      ->add_option("--device", arguments->many.devices,
+                   "Devices to share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; all: "
+                   "every real GPU "
+                   "and the CPU; default: cpu. A job whose device fails goes to another")
       ->option_text("LIST");
   subcommand
       ->add_option("--threads", arguments->many.threads,

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <deque>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -52,6 +54,12 @@ std::string word_of(const Outcome& outcome) {
   return "failed";
 }
 
+// Of a process: what a driver's fault ends with.
+bool is_crash(int status) {
+  constexpr int of_signal = 128;
+  return status == of_signal + SIGSEGV || status == of_signal + SIGABRT || status == of_signal + SIGBUS;
+}
+
 std::string last_hash(const fs::path& folder) {
   const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
   return manifest ? manifest->last_position_hash : std::string();
@@ -59,7 +67,11 @@ std::string last_hash(const fs::path& folder) {
 
 class Batch {
  public:
-  Batch(ManyBakes asked, Log& log) : asked_(std::move(asked)), log_(log), outcomes_(asked_.bakes.size()) {}
+  Batch(ManyBakes asked, Log& log)
+      : asked_(std::move(asked)),
+        log_(log),
+        outcomes_(asked_.bakes.size()),
+        failed_on_(asked_.bakes.size()) {}
 
   ExitCode run() {
     check_devices();
@@ -74,7 +86,10 @@ class Batch {
     const std::atomic<bool>& interrupted = catch_interrupts();
     bool told = false;
     while (is_busy() || (!waiting_.empty() && !interrupted)) {
-      if (!interrupted) begin_jobs();
+      if (!interrupted) {
+        give_up_jobs();
+        begin_jobs();
+      }
       if (interrupted && !told) {
         told = true;
         for (const Slot& slot : slots_)
@@ -82,7 +97,7 @@ class Batch {
       }
       wait_for_words();
       watch();
-      end_jobs();
+      end_jobs(interrupted);
       show();
     }
     log_.clear_bar();
@@ -169,7 +184,9 @@ class Batch {
     std::vector<std::string> command{"bake",     job.scene,   "-o", folder_of(job).string(),
                                      "--device", device.label};
     if (device.threads > 0) command.insert(command.end(), {"--threads", std::to_string(device.threads)});
-    command.push_back(asked_.overwrite ? "--overwrite" : "--resume");
+    // What a device has done before it failed stays.
+    const bool is_begun = !failed_on_[static_cast<std::size_t>(&job - asked_.bakes.data())].empty();
+    command.push_back(asked_.overwrite && !is_begun ? "--overwrite" : "--resume");
     command.insert(command.end(), job.options.begin(), job.options.end());
     return command;
   }
@@ -181,9 +198,10 @@ class Batch {
   void begin_jobs() {
     for (Slot& slot : slots_) {
       if (slot.bake || waiting_.empty() || (is_busy() && !has_room(slot.device))) continue;
-      const auto next =
-          std::find_if(waiting_.begin(), waiting_.end(), [this](std::size_t job) { return may_begin(job); });
-      if (next == waiting_.end()) return;
+      const auto next = std::find_if(waiting_.begin(), waiting_.end(), [&](std::size_t job) {
+        return may_begin(job) && may_have(job, slot.device.label);
+      });
+      if (next == waiting_.end()) continue;
       slot.job = *next;
       waiting_.erase(next);
       const OneBake& job = asked_.bakes[slot.job];
@@ -192,9 +210,9 @@ class Batch {
         slot.bake = std::make_unique<ChildBake>(command_of(job, slot.device));
         log_.detail(job.name + " begins on " + slot.device.label);
       } catch (const std::system_error& error) {
-        end_job(slot, {.device = slot.device.label,
-                       .status = static_cast<int>(ExitCode::unforeseen),
-                       .error = error.what()});
+        end_job(slot.job, {.device = slot.device.label,
+                           .status = static_cast<int>(ExitCode::unforeseen),
+                           .error = error.what()});
       }
     }
   }
@@ -248,7 +266,57 @@ class Batch {
       log_.info(asked_.bakes[slot.job].name + ": " + line);
   }
 
-  void end_jobs() {
+  // A device that failed two bakes in a row gets no more, where another is left.
+  bool is_off(const std::string& label) const {
+    constexpr int most_failures = 2;
+    const auto is_failing = [&](const Slot& slot) {
+      const auto found = failures_.find(slot.device.label);
+      return found != failures_.end() && found->second >= most_failures;
+    };
+    if (std::all_of(slots_.begin(), slots_.end(), is_failing)) return false;
+    return std::any_of(slots_.begin(), slots_.end(),
+                       [&](const Slot& slot) { return slot.device.label == label && is_failing(slot); });
+  }
+  bool may_have(std::size_t job, const std::string& label) const {
+    return !failed_on_[job].contains(label) && !is_off(label);
+  }
+  bool has_a_device(std::size_t job) const {
+    return std::any_of(slots_.begin(), slots_.end(),
+                       [&](const Slot& slot) { return may_have(job, slot.device.label); });
+  }
+
+  // Whether it was the device that failed, and another takes the job: it goes on from the last whole frame.
+  bool hand_over(const Slot& slot, const Outcome& outcome) {
+    const bool is_gpu = parse_device(slot.device.label).kind != DeviceRequest::Kind::cpu;
+    const bool has_crashed = is_gpu && is_crash(*outcome.status);
+    const bool has_failed = has_crashed || *outcome.status == static_cast<int>(ExitCode::device_failed);
+    if (!has_failed && *outcome.status != static_cast<int>(ExitCode::no_such_device)) {
+      failures_[slot.device.label] = 0;
+      return false;
+    }
+    if (has_failed) ++failures_[slot.device.label];
+    failed_on_[slot.job].insert(slot.device.label);
+    if (!has_a_device(slot.job)) return false;
+    log_.warning(asked_.bakes[slot.job].name + " on " + slot.device.label + ": " +
+                 (has_crashed ? "its process crashed" : outcome.error) + "; it goes to another device");
+    if (is_off(slot.device.label))
+      log_.warning(slot.device.label + " failed two bakes in a row and gets no more");
+    outcomes_[slot.job] = outcome;
+    waiting_.push_front(slot.job);
+    return true;
+  }
+
+  // Jobs that waited for a device which has since been taken off.
+  void give_up_jobs() {
+    for (std::size_t k = waiting_.size(); k-- > 0;) {
+      const std::size_t job = waiting_[k];
+      if (has_a_device(job)) continue;
+      waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(k));
+      end_job(job, Outcome(outcomes_[job]));
+    }
+  }
+
+  void end_jobs(bool interrupted) {
     for (Slot& slot : slots_) {
       if (!slot.bake) continue;
       const bool has_ended = slot.bake->has_ended();
@@ -262,12 +330,13 @@ class Batch {
       // Of a bake that was refused the folder may hold an older one.
       if (word_of(outcome) != "failed") outcome.hash = last_hash(folder_of(asked_.bakes[slot.job]));
       slot.bake.reset();
-      end_job(slot, std::move(outcome));
+      if (!interrupted && hand_over(slot, outcome)) continue;
+      end_job(slot.job, std::move(outcome));
     }
   }
 
-  void end_job(const Slot& slot, Outcome outcome) {
-    const OneBake& job = asked_.bakes[slot.job];
+  void end_job(std::size_t number, Outcome outcome) {
+    const OneBake& job = asked_.bakes[number];
     ++ended_;
     one_had_frames_ = true;
     // One character's clips have most of their warnings in common.
@@ -278,14 +347,14 @@ class Batch {
         log_.detail(job.name + ": warning: " + warning);
     }
     const std::string line = "[" + std::to_string(ended_) + "/" + std::to_string(asked_.bakes.size()) + "] " +
-                             job.name + " on " + slot.device.label + ": " + word_of(outcome) + ", " +
+                             job.name + " on " + outcome.device + ": " + word_of(outcome) + ", " +
                              duration_text(outcome.seconds);
     if (word_of(outcome) == "failed")
       log_.error(line + ": " +
                  (outcome.error.empty() ? "status " + std::to_string(*outcome.status) : outcome.error));
     else
       log_.info(line);
-    outcomes_[slot.job] = std::move(outcome);
+    outcomes_[number] = std::move(outcome);
   }
 
   // One line for all devices: what each is at.
@@ -355,8 +424,8 @@ class Batch {
     for (const Outcome& outcome : outcomes_)
       if (word_of(outcome) == "failed") {
         const int status = *outcome.status;
-        return status <= static_cast<int>(ExitCode::difference) ? static_cast<ExitCode>(status)
-                                                                : ExitCode::unforeseen;
+        return status <= static_cast<int>(ExitCode::device_failed) ? static_cast<ExitCode>(status)
+                                                                   : ExitCode::unforeseen;
       }
     if (!interrupted) return ExitCode::done;
     log_.warning(asked_.overwrite
@@ -371,6 +440,8 @@ class Batch {
   std::vector<Outcome> outcomes_;
   std::vector<Slot> slots_;
   std::deque<std::size_t> waiting_;
+  std::vector<std::set<std::string>> failed_on_;  // of each job, labels of devices
+  std::map<std::string, int> failures_;           // of each device, in a row
   std::size_t ended_ = 0;
   std::set<std::string> built_;       // OneBake::model of those that had frames
   bool one_had_frames_ = false;       // or ended

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gpu/device.h"
 #include "host/bake/bake.h"
 #include "host/base/nearest_name.h"
 #include "host/base/version.h"
@@ -64,6 +65,10 @@ ExitCode run_command(const Command& command, Log& log) {
     return report(log, error.what(), ExitCode::bad_input);
   } catch (const NoSuchDevice& error) {
     return report(log, error.what(), ExitCode::no_such_device);
+  } catch (const DeviceFailed& error) {
+    return report(log, error.what(), ExitCode::device_failed);
+  } catch (const gpu::DeviceError& error) {
+    return report(log, error.what(), ExitCode::device_failed);
   } catch (const bake::NotFinite& error) {
     return report(log, error.what(), ExitCode::not_finite);
   } catch (const std::filesystem::filesystem_error& error) {
@@ -90,7 +95,9 @@ int run(int argc, const char* const* argv) {
   app.footer(
       "Exit status: 0 done, 2 bad usage, 3 bad input, 4 no such device, 5 positions are no longer finite "
       "numbers,\n"
-      "6 validation found a difference, 75 interrupted (go on with --resume), 1 anything else.");
+      "6 validation found a difference, 7 a device failed and 75 interrupted (go on with --resume), 1 "
+      "anything "
+      "else.");
   add_bake(app, command);
   add_batch(app, command);
   add_render(app, command);

@@ -65,11 +65,53 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
   };
 }
 
+// Takes the next of the request's devices that can run the model.
+void take_device(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
+  for (;;) {
+    DeviceRequest device = request.devices.at(prepared.devices_tried++);
+    device.keeps_pipelines = !request.build.cache.empty();
+    device.cache = request.build.cache;
+    try {
+      prepared.simulation = choose_simulation(device, request.threads, prepared.built.model,
+                                              solver_options(prepared.scene, prepared.built.steps), say);
+      return;
+    } catch (const NoSuchDevice& error) {
+      if (prepared.devices_tried == request.devices.size()) throw;
+      say_warning(say, error.what());
+    }
+  }
+}
+
+// Does it on the device that was taken; where that fails, on the next, until there is none.
+template <class Work>
+auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& say, const Work& work) {
+  for (;;) {
+    try {
+      return work();
+    } catch (const gpu::DeviceError& error) {
+      const ChosenDevice& device = prepared.simulation.device;
+      const std::string what =
+          device.label() + " (" + device.description().name + ") failed: " + error.what();
+      if (prepared.devices_tried == request.devices.size())
+        throw DeviceFailed(what +
+                           "; what is done is kept: --resume goes on with it, on this device or on another "
+                           "(--device cpu)");
+      say_warning(say, what + "; the next device goes on");
+      prepared.warnings.push_back(what + "; another device went on");
+      // The solver goes before the device that it is on.
+      prepared.simulation.solver.reset();
+      take_device(prepared, request, say);
+    }
+  }
+}
+
 }  // namespace
 
-std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest& request, const Say& say) {
+std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest& request, const Say& say) {
   auto made = std::make_unique<PreparedBake>();
   PreparedBake& prepared = *made;
+  prepared.scene = std::move(given);
+  const scene::Scene& scene = prepared.scene;
   // Both are refused before the work of building, not after it.
   bake::number_of_first(scene, request.output);
   const auto warn = [&](const std::string& text) {
@@ -91,42 +133,47 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest
   prepared.look_body = bake::look_body_of(scene, built.model);
   if (prepared.look_body)
     prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);
-  DeviceRequest device = request.device;
-  device.keeps_pipelines = !request.build.cache.empty();
-  device.cache = request.build.cache;
-  prepared.simulation =
-      choose_simulation(device, request.threads, built.model, solver_options(scene, built.steps), say);
+  take_device(prepared, request, say);
   if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
-    prepared.tried = bake::try_look(scene, built.model, *prepared.look_body, drives,
-                                    *prepared.simulation.solver, prepared.expected->frame);
+    prepared.tried = on_a_device(prepared, request, say, [&] {
+      return bake::try_look(scene, built.model, *prepared.look_body, drives, *prepared.simulation.solver,
+                            prepared.expected->frame);
+    });
     // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
     if (prepared.tried->worst.score > 1.0)
       warn(prepared.expected->score > 1.0
                ? bake::expected_look_warning(scene, built.model, *prepared.expected)
                : bake::tried_look_warning(scene, *prepared.tried));
   }
-  prepared.scene = std::move(scene);
   return made;
 }
 
-bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& request) {
-  bake::BakeOptions options;
-  static_cast<bake::BakeOutput&>(options) = request.output;
-  options.substeps = prepared.built.steps.substeps;
-  options.iterations = prepared.built.steps.iterations;
-  options.device = prepared.simulation.device.description();
-  for (const build::Warning& warning : prepared.built.report.warnings)
-    options.warnings.push_back(warning.text);
-  options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
-  options.expected_look = prepared.expected;
-  options.tried_look = prepared.tried;
-  if (prepared.look_body) options.look_body = &*prepared.look_body;
-  options.open_ends = open_ends_of(prepared.built.report);
-  options.interrupted = request.interrupted;
-  options.on_frame = request.on_frame;
-  options.on_lead_in = request.on_lead_in;
-  if (!request.build.cache.empty()) keep_starts(request.build, options);
-  return bake::bake(prepared.scene, prepared.built.model, *prepared.simulation.solver, options);
+bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
+  const std::size_t first_device = prepared.devices_tried;
+  return on_a_device(prepared, request, say, [&] {
+    bake::BakeOptions options;
+    static_cast<bake::BakeOutput&>(options) = request.output;
+    // What a device that failed has done stays.
+    if (prepared.devices_tried > first_device) {
+      options.overwrite = false;
+      options.resume = true;
+    }
+    options.substeps = prepared.built.steps.substeps;
+    options.iterations = prepared.built.steps.iterations;
+    options.device = prepared.simulation.device.description();
+    for (const build::Warning& warning : prepared.built.report.warnings)
+      options.warnings.push_back(warning.text);
+    options.warnings.insert(options.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
+    options.expected_look = prepared.expected;
+    options.tried_look = prepared.tried;
+    if (prepared.look_body) options.look_body = &*prepared.look_body;
+    options.open_ends = open_ends_of(prepared.built.report);
+    options.interrupted = request.interrupted;
+    options.on_frame = request.on_frame;
+    options.on_lead_in = request.on_lead_in;
+    if (!request.build.cache.empty()) keep_starts(request.build, options);
+    return bake::bake(prepared.scene, prepared.built.model, *prepared.simulation.solver, options);
+  });
 }
 
 void say_result(const bake::BakeResult& result, const Say& say) {

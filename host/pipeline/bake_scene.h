@@ -22,8 +22,10 @@ namespace fascicle::pipeline {
 struct BakeRequest {
   bake::BakeOutput output;
   bool writes_nothing = false;  // prepare_bake leaves the folder alone
-  DeviceRequest device = {};    // its cache is build.cache, and without one it keeps nothing
-  unsigned threads = 0;         // of the CPU solver; 0: one for each core
+  // The first takes the bake, and where it fails the next goes on from the last frame that is whole. Their
+  // cache is build.cache, and without one they keep nothing.
+  std::vector<DeviceRequest> devices = {DeviceRequest{}};
+  unsigned threads = 0;  // of the CPU solver; 0: one for each core
   build::BuildOptions build = {};
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};
@@ -39,14 +41,16 @@ struct PreparedBake {
   std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit or is over it
   std::vector<std::string> warnings;     // for the manifest; they have been said
   Simulation simulation;
+  std::size_t devices_tried = 0;  // of the request's; the last of them is the simulation's
 };
 
 // Refuses what would fail only at the end, builds, says what can be expected and takes a device. Throws
-// scene::SceneError, bake::BakeError, NoSuchDevice. In one place, because the solver looks at the model.
-std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest& request, const Say& say);
+// scene::SceneError, bake::BakeError, NoSuchDevice, DeviceFailed. In one place, because the solver looks at
+// the model.
+std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest& request, const Say& say);
 
-// Throws what bake::bake throws.
-bake::BakeResult run_bake(const PreparedBake& prepared, const BakeRequest& request);
+// Throws what bake::bake throws, and DeviceFailed where no device is left.
+bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, const Say& say);
 
 // What a bake found that its user should know.
 void say_result(const bake::BakeResult& result, const Say& say);

@@ -18,7 +18,7 @@ namespace {
 using cpu_reference::Simd;
 
 constexpr const char* known_devices =
-    "use auto, cpu, cpu:LEVEL, vulkan or vulkan:N (fascicle devices lists them)";
+    "use auto, all, cpu, cpu:LEVEL, vulkan or vulkan:N (fascicle devices lists them)";
 
 std::string yes_no(bool value) {
   return value ? "yes" : "no";
@@ -78,6 +78,23 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text) {
     if (requests.back().kind == DeviceRequest::Kind::automatic)
       throw UsageError("a list of devices names each: cpu, cpu:LEVEL, vulkan or vulkan:N, not auto");
   }
+  return requests;
+}
+
+std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices) {
+  if (list != "all") return list;
+  std::string all;
+  for (const gpu::DeviceInfo& device : candidates({}, devices))
+    all += "vulkan:" + std::to_string(device.index) + ",";
+  return all + "cpu";
+}
+
+std::vector<DeviceRequest> parse_device_order(const std::string& text) {
+  std::vector<DeviceRequest> requests;
+  const std::string list = text == "all" ? with_all_devices(text, gpu::list_devices()) : text;
+  for (const std::string& entry : split_device_list(list)) requests.push_back(parse_device(entry));
+  if (requests.back().kind == DeviceRequest::Kind::automatic)
+    requests.push_back({.kind = DeviceRequest::Kind::cpu});
   return requests;
 }
 

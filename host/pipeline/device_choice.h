@@ -34,6 +34,12 @@ std::vector<std::string> split_device_list(const std::string& text);
 // "cpu,vulkan:1". Throws UsageError, for an empty entry and for "auto" too.
 std::vector<DeviceRequest> parse_device_list(const std::string& text);
 
+// The devices of a bake: the first, and those that go on in turn where one fails: "cpu", "vulkan:0,cpu".
+// "auto" has the CPU behind it, and "all" is every real GPU and the CPU. Throws UsageError.
+std::vector<DeviceRequest> parse_device_order(const std::string& text);
+// "vulkan:0,vulkan:1,cpu" of "all"; other lists as they are.
+std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices);
+
 // The devices of a request in the order to try them. automatic: usable real GPUs; vulkan: usable real GPUs,
 // then usable software devices; with an index that one, usable or not.
 std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,

@@ -1,4 +1,4 @@
-// The two errors that are neither the scene's nor the disk's: of what was asked for.
+// The errors that are neither the scene's nor the disk's: of what was asked for, and of devices.
 #pragma once
 
 #include <stdexcept>
@@ -12,6 +12,11 @@ struct UsageError : std::runtime_error {
 
 // A device that was asked for and is not there, or will not do.
 struct NoSuchDevice : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A device that failed or was lost on the way, and none was left to go on.
+struct DeviceFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -63,12 +63,13 @@ extern "C" {
 /* The numbers are those of the program's exit status. */
 typedef enum fascicle_status {
   FASCICLE_OK = 0,
-  FASCICLE_FAILED = 1, /* disk full, out of memory, a device lost on the way */
+  FASCICLE_FAILED = 1, /* disk full, out of memory */
   FASCICLE_BAD_ARGUMENT =
       2, /* a null handle, a wrong size, an unknown name, a folder that holds a bake already */
   FASCICLE_BAD_INPUT = 3,      /* a scene, mesh, character or state that cannot be used */
   FASCICLE_NO_SUCH_DEVICE = 4, /* or one that cannot run this model */
   FASCICLE_NOT_FINITE = 5,     /* the simulation left the finite numbers */
+  FASCICLE_DEVICE_FAILED = 7,  /* or was lost on the way, and no other was named */
   FASCICLE_CANCELLED = 75      /* a progress callback asked for it */
 } fascicle_status;
 
@@ -172,7 +173,9 @@ typedef struct fascicle_bake_options {
   const char* const*
       formats; /* format_count of fascicle_format_name, beside frame cache, manifest and metrics */
   size_t format_count;
-  const char* device; /* see fascicle_device_open; NULL: "auto" */
+  /* See fascicle_device_open; NULL: "auto". Of several, separated by commas, the next goes on where one fails, with the
+   * same bits; "all": every real GPU, then the CPU. */
+  const char* device;
   uint32_t threads;   /* of the CPU solver, at most 1024; 0: one for each core */
   const char*
       mesher; /* the program fascicle-mesher; NULL: found beside the library, in its prefix or on PATH */

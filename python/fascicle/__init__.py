@@ -14,7 +14,7 @@ that are under way.
 
 import os as _os
 
-from ._errors import BadArgument, BadInput, Cancelled, Error, Failed, NoSuchDevice, NotFinite
+from ._errors import BadArgument, BadInput, Cancelled, DeviceFailed, Error, Failed, NoSuchDevice, NotFinite
 from ._fascicle import BakeResult, Device, Model, Scene, Solver, builtin_scenes, formats, solver_version
 from ._fascicle import run_bake as _run_bake
 from ._fascicle import version as __version__
@@ -23,7 +23,7 @@ from ._progress import log_to_logging as _log_to_logging
 from ._progress import progress_function as _progress_function
 
 __all__ = [
-    "BadArgument", "BadInput", "BakeResult", "Cancelled", "Device", "Error", "Failed", "Model", "NoSuchDevice",
+    "BadArgument", "BadInput", "BakeResult", "Cancelled", "Device", "DeviceFailed", "Error", "Failed", "Model", "NoSuchDevice",
     "NotFinite", "ProgressBar", "Scene", "Solver", "bake", "builtin_scenes", "formats", "solver_version",
 ]
 
@@ -38,7 +38,7 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     clip, fps, start, end, softness, exaggerate, converter, set, **tables
                    as Scene takes them: layers={"fat": {"material": "fat"}}. Not beside a Scene
     formats        what to write beside frame cache, manifest and metrics: see formats()
-    device         as Device takes it
+    device         as Device takes it; of several, "vulkan:0,cpu", the next goes on where one fails
     threads        of the CPU solver; 0: one for each core
     mesher         the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
     cache          folder for filled bodies, starts and compiled shaders; "": none; None: as the program's

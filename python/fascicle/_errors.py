@@ -8,7 +8,7 @@ class Error(Exception):
 
 
 class Failed(Error, RuntimeError):
-    """Disk full, out of memory, a device lost on the way."""
+    """Disk full, out of memory."""
 
     status = 1
 
@@ -37,6 +37,12 @@ class NotFinite(Error, ArithmeticError):
     status = 5
 
 
+class DeviceFailed(Error, RuntimeError):
+    """A device failed or was lost on the way, and no other was named. The same bake with resume=True goes on."""
+
+    status = 7
+
+
 class Cancelled(Error):
     """A progress callback returned False. The same bake with resume=True goes on."""
 
@@ -45,7 +51,7 @@ class Cancelled(Error):
 
 def error_of(status, message):
     """The error of a status of the C API."""
-    for kind in (BadArgument, BadInput, NoSuchDevice, NotFinite, Cancelled):
+    for kind in (BadArgument, BadInput, NoSuchDevice, NotFinite, DeviceFailed, Cancelled):
         if kind.status == status:
             return kind(message)
     return Failed(message)

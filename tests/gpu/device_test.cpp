@@ -29,6 +29,8 @@ TEST(DeviceList, IsEmptyWithAReasonOrNumbered) {
 TEST(Check, ThrowsTheCallsText) {
   EXPECT_NO_THROW(gpu::check(VK_SUCCESS, "vkSomething()"));
   EXPECT_NO_THROW(gpu::check(VK_NOT_READY, "vkSomething()"));
+  EXPECT_NO_THROW(gpu::check(VK_INCOMPLETE, "vkSomething()"));
+  EXPECT_THROW(gpu::check(VK_TIMEOUT, "vkSomething()"), gpu::DeviceError);
   try {
     gpu::check(VK_ERROR_DEVICE_LOST, "vkSomething(queue)");
     FAIL();

@@ -63,7 +63,7 @@ class Bake(InFolder):
     def test_every_kind_of_error_has_its_status(self):
         from fascicle._errors import error_of
         for status, kind in [(1, fascicle.Failed), (2, fascicle.BadArgument), (3, fascicle.BadInput),
-                             (4, fascicle.NoSuchDevice), (5, fascicle.NotFinite), (75, fascicle.Cancelled)]:
+                             (4, fascicle.NoSuchDevice), (5, fascicle.NotFinite), (7, fascicle.DeviceFailed), (75, fascicle.Cancelled)]:
             self.assertIs(type(error_of(status, "why")), kind)
             self.assertEqual(error_of(status, "why").status, status)
 

@@ -1,0 +1,174 @@
+// A Vulkan layer whose device's calls fail: FASCICLE_FAULT="K RESULT" returns the VkResult from the Kth call
+// that can fail, counted over all of the process. A device that is lost stays lost. FASCICLE_FAULT_COUNT
+// names a file that is told how many such calls there were.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include <vulkan/vk_layer.h>
+#include <vulkan/vulkan.h>
+
+namespace {
+
+constexpr std::array names{"vkAllocateCommandBuffers",
+                           "vkAllocateDescriptorSets",
+                           "vkAllocateMemory",
+                           "vkBeginCommandBuffer",
+                           "vkBindBufferMemory",
+                           "vkCreateBuffer",
+                           "vkCreateCommandPool",
+                           "vkCreateComputePipelines",
+                           "vkCreateDescriptorPool",
+                           "vkCreateDescriptorSetLayout",
+                           "vkCreateFence",
+                           "vkCreatePipelineCache",
+                           "vkCreatePipelineLayout",
+                           "vkCreateQueryPool",
+                           "vkCreateShaderModule",
+                           "vkEndCommandBuffer",
+                           "vkGetPipelineCacheData",
+                           "vkMapMemory",
+                           "vkQueueSubmit",
+                           "vkQueueWaitIdle",
+                           "vkResetFences",
+                           "vkWaitForFences"};
+
+// Vulkan's calls take no context, so there is one; the program has one driver, whose entry points do not
+// change.
+struct Faults {
+  PFN_vkGetInstanceProcAddr of_instance = nullptr;
+  PFN_vkGetDeviceProcAddr of_device = nullptr;
+  PFN_vkDestroyInstance destroy_instance = nullptr;
+  std::array<PFN_vkVoidFunction, names.size()> real{};
+  long failing = 0, calls = 0;
+  VkResult result = VK_SUCCESS;
+  bool is_lost = false;
+
+  Faults() {
+    const char* text = std::getenv("FASCICLE_FAULT");
+    int value = 0;
+    if (text != nullptr && std::istringstream(text) >> failing >> value)
+      result = static_cast<VkResult>(value);
+  }
+};
+
+Faults& faults() {
+  static Faults one;
+  return one;
+}
+
+VkResult next_result() {
+  Faults& all = faults();
+  if (++all.calls == all.failing) {
+    all.is_lost = all.result == VK_ERROR_DEVICE_LOST;
+    return all.result;
+  }
+  return all.is_lost ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;
+}
+
+template <std::size_t Index, class Function>
+struct Failing;
+template <std::size_t Index, class... Arguments>
+struct Failing<Index, VkResult (*)(Arguments...)> {
+  static VkResult call(Arguments... arguments) {
+    if (const VkResult result = next_result(); result != VK_SUCCESS) return result;
+    return reinterpret_cast<VkResult (*)(Arguments...)>(faults().real[Index])(arguments...);
+  }
+};
+
+template <std::size_t Index, class Function>
+PFN_vkVoidFunction failing() {
+  return reinterpret_cast<PFN_vkVoidFunction>(&Failing<Index, Function>::call);
+}
+
+PFN_vkVoidFunction failing_named(std::size_t index) {
+  static const std::array<PFN_vkVoidFunction, names.size()> all{
+      failing<0, PFN_vkAllocateCommandBuffers>(), failing<1, PFN_vkAllocateDescriptorSets>(),
+      failing<2, PFN_vkAllocateMemory>(),         failing<3, PFN_vkBeginCommandBuffer>(),
+      failing<4, PFN_vkBindBufferMemory>(),       failing<5, PFN_vkCreateBuffer>(),
+      failing<6, PFN_vkCreateCommandPool>(),      failing<7, PFN_vkCreateComputePipelines>(),
+      failing<8, PFN_vkCreateDescriptorPool>(),   failing<9, PFN_vkCreateDescriptorSetLayout>(),
+      failing<10, PFN_vkCreateFence>(),           failing<11, PFN_vkCreatePipelineCache>(),
+      failing<12, PFN_vkCreatePipelineLayout>(),  failing<13, PFN_vkCreateQueryPool>(),
+      failing<14, PFN_vkCreateShaderModule>(),    failing<15, PFN_vkEndCommandBuffer>(),
+      failing<16, PFN_vkGetPipelineCacheData>(),  failing<17, PFN_vkMapMemory>(),
+      failing<18, PFN_vkQueueSubmit>(),           failing<19, PFN_vkQueueWaitIdle>(),
+      failing<20, PFN_vkResetFences>(),           failing<21, PFN_vkWaitForFences>()};
+  return all.at(index);
+}
+
+template <class Link, class Info>
+Link* link_of(const Info* info, VkStructureType type) {
+  auto* next = static_cast<Link*>(const_cast<void*>(info->pNext));
+  while (next != nullptr && !(next->sType == type && next->function == VK_LAYER_LINK_INFO))
+    next = static_cast<Link*>(const_cast<void*>(next->pNext));
+  return next;
+}
+
+VkResult create_instance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocation,
+                         VkInstance* instance) {
+  auto* link = link_of<VkLayerInstanceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO);
+  if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
+  faults().of_instance = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  const auto create =
+      reinterpret_cast<PFN_vkCreateInstance>(faults().of_instance(nullptr, "vkCreateInstance"));
+  const VkResult result = create(info, allocation, instance);
+  if (result == VK_SUCCESS)
+    faults().destroy_instance =
+        reinterpret_cast<PFN_vkDestroyInstance>(faults().of_instance(*instance, "vkDestroyInstance"));
+  return result;
+}
+
+void destroy_instance(VkInstance instance, const VkAllocationCallbacks* allocation) {
+  if (const char* file = std::getenv("FASCICLE_FAULT_COUNT")) std::ofstream(file) << faults().calls << "\n";
+  faults().destroy_instance(instance, allocation);
+}
+
+VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
+                       const VkAllocationCallbacks* allocation, VkDevice* device) {
+  if (const VkResult result = next_result(); result != VK_SUCCESS) return result;
+  auto* link = link_of<VkLayerDeviceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
+  if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
+  const PFN_vkGetInstanceProcAddr of_instance = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  faults().of_device = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
+  link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateDevice>(of_instance(nullptr, "vkCreateDevice"));
+  const VkResult result = create(physical, info, allocation, device);
+  if (result == VK_SUCCESS)
+    for (std::size_t k = 0; k < names.size(); ++k) faults().real[k] = faults().of_device(*device, names[k]);
+  return result;
+}
+
+extern "C" {
+
+__attribute__((visibility("default"))) PFN_vkVoidFunction faults_of_device(VkDevice device,
+                                                                           const char* name) {
+  const auto found = std::find_if(names.begin(), names.end(),
+                                  [&](const char* known) { return std::strcmp(known, name) == 0; });
+  if (found != names.end()) return failing_named(static_cast<std::size_t>(found - names.begin()));
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
+    return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_device);
+  return faults().of_device(device, name);
+}
+
+__attribute__((visibility("default"))) PFN_vkVoidFunction faults_of_instance(VkInstance instance,
+                                                                             const char* name) {
+  if (std::strcmp(name, "vkCreateInstance") == 0)
+    return reinterpret_cast<PFN_vkVoidFunction>(&create_instance);
+  if (std::strcmp(name, "vkDestroyInstance") == 0)
+    return reinterpret_cast<PFN_vkVoidFunction>(&destroy_instance);
+  if (std::strcmp(name, "vkCreateDevice") == 0) return reinterpret_cast<PFN_vkVoidFunction>(&create_device);
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
+    return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_device);
+  if (std::strcmp(name, "vkGetInstanceProcAddr") == 0)
+    return reinterpret_cast<PFN_vkVoidFunction>(&faults_of_instance);
+  return faults().of_instance == nullptr ? nullptr : faults().of_instance(instance, name);
+}
+
+}  // extern "C"
+
+}  // namespace
