@@ -42,6 +42,8 @@ struct Faults {
   PFN_vkGetInstanceProcAddr of_instance = nullptr;
   PFN_vkGetDeviceProcAddr of_device = nullptr;
   PFN_vkDestroyInstance destroy_instance = nullptr;
+  VkDevice device = VK_NULL_HANDLE;
+  PFN_vkDeviceWaitIdle wait_idle = nullptr;
   std::array<PFN_vkVoidFunction, names.size()> real{};
   long failing = 0, calls = 0;
   VkResult result = VK_SUCCESS;
@@ -64,6 +66,8 @@ VkResult next_result() {
   Faults& all = faults();
   if (++all.calls == all.failing) {
     all.is_lost = all.result == VK_ERROR_DEVICE_LOST;
+    // Nothing is under way on a lost device.
+    if (all.is_lost && all.wait_idle != nullptr) all.wait_idle(all.device);
     return all.result;
   }
   return all.is_lost ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;
@@ -130,6 +134,7 @@ void destroy_instance(VkInstance instance, const VkAllocationCallbacks* allocati
 
 VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
                        const VkAllocationCallbacks* allocation, VkDevice* device) {
+  faults().wait_idle = nullptr;  // one device at a time: what was opened before is gone
   if (const VkResult result = next_result(); result != VK_SUCCESS) return result;
   auto* link = link_of<VkLayerDeviceCreateInfo>(info, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
   if (link == nullptr) return VK_ERROR_INITIALIZATION_FAILED;
@@ -138,8 +143,11 @@ VkResult create_device(VkPhysicalDevice physical, const VkDeviceCreateInfo* info
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
   const auto create = reinterpret_cast<PFN_vkCreateDevice>(of_instance(nullptr, "vkCreateDevice"));
   const VkResult result = create(physical, info, allocation, device);
-  if (result == VK_SUCCESS)
-    for (std::size_t k = 0; k < names.size(); ++k) faults().real[k] = faults().of_device(*device, names[k]);
+  if (result != VK_SUCCESS) return result;
+  faults().device = *device;
+  faults().wait_idle =
+      reinterpret_cast<PFN_vkDeviceWaitIdle>(faults().of_device(*device, "vkDeviceWaitIdle"));
+  for (std::size_t k = 0; k < names.size(); ++k) faults().real[k] = faults().of_device(*device, names[k]);
   return result;
 }
 
