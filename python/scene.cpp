@@ -69,8 +69,8 @@ constexpr const char* scene_text = R"(What an artist said, read and checked, wit
 Scene(name) reads a scene file (.toml), a mesh, a character (.glb .gltf .vrm, and .fbx .dae where
 fascicle-convert is installed) or a built-in scene.
 
-    set         changes of keys of the scene file: a mapping {"layers": {"fat": {"alpha": 0.2}}}, or a list
-                of texts as "layers.fat.alpha=0.2"
+    set         changes of keys of the scene file: a mapping {"layers.fat.alpha": 0.2}, whose values
+                may be mappings again, or a list of texts as "layers.fat.alpha=0.2"
     clip        the character's clip, by name, by the last part of its name or by number; None: the first
     fps         frames a second
     start, end  of the clip, s

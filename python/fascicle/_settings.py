@@ -34,9 +34,15 @@ def value_text(value, path):
     raise TypeError(f"{path}: {value!r} is no value of a scene file")
 
 
+def _is_key(key, path):
+    # "solver.substeps" names a key of a table; inside of a table a dot would be part of a name.
+    parts = key.split(".") if isinstance(key, str) and not path else [key]
+    return all(isinstance(part, str) and part and "." not in part and "=" not in part for part in parts)
+
+
 def _flat(table, path):
     for key, value in table.items():
-        if not isinstance(key, str) or not key or "." in key or "=" in key:
+        if not _is_key(key, path):
             raise ValueError(f"{path or 'set'}: {key!r} is no key of a scene file")
         inner = f"{path}.{key}" if path else key
         if isinstance(value, Mapping) and value:

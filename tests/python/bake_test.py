@@ -162,7 +162,8 @@ class Settings(unittest.TestCase):
     def test_paths_lead_through_tables(self):
         self.assertEqual(settings.settings(["a.b=1"], {"layers": {"fat": {"alpha": 0.2, "where": {}}}}),
                          ["a.b=1", "layers.fat.alpha=0.2", "layers.fat.where={}"])
-        for wrong in ({"a.b": 1}, {"a=b": 1}, {"": 1}, {1: 2}):
+        self.assertEqual(settings.settings({"a.b": 1, "c.d": {"e": 2}}, {}), ["a.b=1", "c.d.e=2"])
+        for wrong in ({"a": {"b.c": 1}}, {"a=b": 1}, {"": 1}, {"a..b": 1}, {"a.": 1}, {1: 2}):
             with self.assertRaises(ValueError):
                 settings.settings(wrong, {})
         with self.assertRaisesRegex(TypeError, "a.b"):
