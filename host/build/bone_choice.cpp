@@ -12,6 +12,7 @@
 #include "host/build/joint_skin.h"
 #include "host/build/measures.h"
 #include "host/build/message.h"
+#include "host/build/skin_inside.h"
 #include "host/build/surface_search.h"
 
 namespace fascicle::build {
@@ -73,15 +74,16 @@ class Chooser {
     wanted_ = named(settings_.bones, "skeleton.bones", false);
     refused_ = named(settings_.not_bones, "skeleton.not_bones", false);
     const SurfaceSearch search(surface_);
-    take_fitting(search);
+    const SkinInside inside(surface_);
+    take_fitting(search, inside);
     take_leading();
     meetings_ = meetings_of(surface_, character_);
     // What is dropped makes other joints ends, and others' parents.
     do {
       find_ways_over();
-    } while (!drop_outside(search));
+    } while (!drop_outside(inside));
     drop_twists();
-    write_bones(search);
+    write_bones(inside);
     write_uses();
     write_reasons();
     return std::move(choice_);
@@ -111,7 +113,7 @@ class Chooser {
            joint.share >= settings_.least_share && !is_control_[j];
   }
 
-  void take_fitting(const SurfaceSearch& search) {
+  void take_fitting(const SurfaceSearch& search, const SkinInside& inside) {
     is_bone_.resize(size());
     is_control_.resize(size());
     why_.assign(size(), "");
@@ -121,7 +123,7 @@ class Chooser {
       const bool is_root = parent < 0 || !character_.skeleton[static_cast<std::size_t>(parent)].skins ||
                            is_control_[static_cast<std::size_t>(parent)];
       is_control_[j] = is_root && skin_.own[j].area < control_share * skin_.whole &&
-                       !search.is_inside(place_[j]) &&
+                       !inside.contains(place_[j]) &&
                        search.nearest(place_[j]).distance > control_distance * extent_;
       if (wanted_[j])
         why_[j] = "asked for";
@@ -198,10 +200,10 @@ class Chooser {
     return all;
   }
 
-  static bool runs_inside(const SurfaceSearch& search, const Vector3d& from, const Vector3d& to) {
+  static bool runs_inside(const SkinInside& skin, const Vector3d& from, const Vector3d& to) {
     int inside = 0;
     for (int k = 0; k < axis_samples; ++k)
-      inside += search.is_inside(from + (k + 0.5) / axis_samples * (to - from)) ? 1 : 0;
+      inside += skin.contains(from + (k + 0.5) / axis_samples * (to - from)) ? 1 : 0;
     return 2 * inside >= axis_samples;
   }
 
@@ -268,12 +270,12 @@ class Chooser {
   }
 
   // Drops the joints whose axes all run outside the skin; true if there were none.
-  bool drop_outside(const SurfaceSearch& search) {
+  bool drop_outside(const SkinInside& inside) {
     std::vector<char> leads_on(size(), 0), has_axis(size(), 0);
     std::vector<char> is_cut(size(), 0);
     for (const Segment& s : segments()) {
       leads_on[s.from] = 1;
-      if (wanted_[s.from] || wanted_[s.to] || runs_inside(search, place_[s.from], place_[s.to]))
+      if (wanted_[s.from] || wanted_[s.to] || runs_inside(inside, place_[s.from], place_[s.to]))
         has_axis[s.from] = 1;
       else
         is_cut[s.to] = 1;
@@ -281,7 +283,7 @@ class Chooser {
     bool all_stay = true;
     for (std::size_t j = 0; j < size(); ++j) {
       if (!is_bone_[j] || wanted_[j] || has_axis[j] || is_met_[j]) continue;
-      if (!leads_on[j] && runs_inside(search, place_[j], tip_of(j, place_[j]))) continue;
+      if (!leads_on[j] && runs_inside(inside, place_[j], tip_of(j, place_[j]))) continue;
       is_bone_[j] = 0;
       why_[j] = "its axis runs outside the skin";
       refused_[j] = 1;
@@ -324,7 +326,7 @@ class Chooser {
 
   static std::int32_t index(std::size_t joint) { return static_cast<std::int32_t>(joint); }
 
-  void write_bones(const SurfaceSearch& search) {
+  void write_bones(const SkinInside& inside) {
     ends_chain_.assign(size(), 0);
     std::vector<char> is_reached(size(), 0);
     for (std::size_t j = 0; j < size(); ++j) ends_chain_[j] = is_bone_[j];
@@ -342,7 +344,7 @@ class Chooser {
           {place_[over.from], over.middle, {index(over.from), bone_above(over.from), index(over.to)}});
       if (ends_chain_[over.to])
         begin[over.to] = over.middle;
-      else if (runs_inside(search, over.middle, place_[over.to]))
+      else if (runs_inside(inside, over.middle, place_[over.to]))
         bones.push_back({over.middle, place_[over.to], {index(over.to), index(over.from), -1}});
       is_reached[over.to] = 1;
     }
@@ -351,7 +353,7 @@ class Chooser {
       const std::size_t from = meeting.from, to = meeting.to;
       if (!is_bone_[from] || !is_bone_[to] || is_reached[to] || ends_chain_[from]) continue;
       if (!((place_[to] - place_[from]).norm() > shortest_)) continue;
-      if (!runs_inside(search, place_[from], place_[to])) continue;
+      if (!runs_inside(inside, place_[from], place_[to])) continue;
       is_reached[to] = 1;
       bones.push_back({place_[from], place_[to], {index(from), bone_above(from), index(to)}});
     }

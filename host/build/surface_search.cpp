@@ -107,8 +107,8 @@ bool SurfaceSearch::is_nearer_than(const Vector3d& point, double distance) const
   return nearer;
 }
 
-SurfaceSearch::Crossings SurfaceSearch::crossings(const Vector3d& origin, const Vector3d& direction) const {
-  Crossings result;
+void SurfaceSearch::for_each_crossing(const Vector3d& origin, const Vector3d& direction,
+                                      const std::function<void(std::uint32_t, bool)>& visit) const {
   tree_.visit_ray(origin, direction, [&](std::uint32_t k) {
     // Moeller and Trumbore, 1997.
     const auto& t = surface_.triangles[k];
@@ -122,9 +122,16 @@ SurfaceSearch::Crossings SurfaceSearch::crossings(const Vector3d& origin, const 
     const Vector3d q = from_a.cross(ab);
     const double v = direction.dot(q) / determinant;
     if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(q) / determinant > 0.0)) return;
-    ++result.all;
     // The determinant is -direction . (ab x ac): negative where the ray leaves through an outward face.
-    result.outward += determinant < 0.0 ? 1 : -1;
+    visit(k, determinant < 0.0);
+  });
+}
+
+SurfaceSearch::Crossings SurfaceSearch::crossings(const Vector3d& origin, const Vector3d& direction) const {
+  Crossings result;
+  for_each_crossing(origin, direction, [&](std::uint32_t, bool is_outward) {
+    ++result.all;
+    result.outward += is_outward ? 1 : -1;
   });
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 
 #include "host/build/box_tree.h"
 #include "host/scene/scene.h"
@@ -38,6 +39,11 @@ class SurfaceSearch {
   // crosses an odd number of triangles, so their facing does not matter, and where two parts overlap is
   // outside.
   bool is_inside(const scene::Vector3d& point) const;
+
+  // Calls visit(triangle, is_outward) for each triangle that a ray crosses: outward where it leaves through
+  // the face. No component of the direction may be 0.
+  void for_each_crossing(const scene::Vector3d& origin, const scene::Vector3d& direction,
+                         const std::function<void(std::uint32_t, bool)>& visit) const;
 
   // How often a closed surface goes round a point, the middle one of three rays' answers: 1 inside, 0
   // outside, 2 where it overlaps itself; negative where triangles face inward.
