@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <numbers>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "host/build/message.h"
 #include "host/build/skin_inside.h"
 #include "host/build/surface_search.h"
+#include "host/build/turns.h"
 
 namespace fascicle::build {
 
@@ -34,6 +36,12 @@ constexpr double most_open_going_on = 0.75;
 constexpr double control_share = 5e-3;
 // So far outside, in parts of the skeleton's extent.
 constexpr double control_distance = 0.02;
+// Joints below the same parent, or below parents that are alike, are alike where their openness differs by at
+// most so much and their shares by this part of the larger.
+constexpr double alike_openness = 0.05, alike_share = 0.1;
+// A joint that a clip turns by so much against its parent is there to be seen turning: the skin on it is no
+// flesh that only lies on a trunk.
+constexpr double most_turn_of_flesh = 20.0 * std::numbers::pi / 180.0;
 // A joint that ends a chain leads to another where their skins meet this far out, in distances from it to the
 // middle of its own skin, off the way there by at most so much of that way; and that other's skin is so
 // large, of its own.
@@ -76,6 +84,8 @@ class Chooser {
     const SurfaceSearch search(surface_);
     const SkinInside inside(surface_);
     take_fitting(search, inside);
+    take_alike();
+    take_ends_of_limbs();
     take_leading();
     meetings_ = meetings_of(surface_, character_);
     // What is dropped makes other joints ends, and others' parents.
@@ -94,6 +104,7 @@ class Chooser {
 
   void measure() {
     skin_ = skin_of_joints(surface_, character_);
+    turns_ = turns_in_clips(character_);
     for (std::size_t j = 0; j < size(); ++j) {
       JointReport joint;
       joint.name = character_.skeleton[j].name;
@@ -131,6 +142,52 @@ class Chooser {
         why_[j] = "its skin closes around it";
       is_bone_[j] = !refused_[j] && !why_[j].empty();
     }
+  }
+
+  bool are_alike(std::size_t a, std::size_t b) const {
+    const JointReport &one = choice_.report[a], &other = choice_.report[b];
+    if (a == b || std::abs(one.openness - other.openness) > alike_openness ||
+        std::abs(one.share - other.share) > alike_share * std::max(one.share, other.share))
+      return false;
+    const std::int32_t p = character_.skeleton[a].parent, q = character_.skeleton[b].parent;
+    if (p == q || p < 0 || q < 0) return p == q;
+    return are_alike(static_cast<std::size_t>(p), static_cast<std::size_t>(q));
+  }
+
+  // Left and right: what is a little too small or too open on one side only.
+  void take_alike() {
+    for (std::size_t j = 0; j < size(); ++j) {
+      if (is_bone_[j] || refused_[j] || is_control_[j] || !character_.skeleton[j].skins) continue;
+      for (std::size_t k = 0; k < size(); ++k) {
+        if (!is_bone_[k] || wanted_[k] || !are_alike(j, k)) continue;
+        is_bone_[j] = 1;
+        why_[j] = "is like " + choice_.report[k].name;
+        break;
+      }
+    }
+  }
+
+  // A short limb, whose upper joint is too open and whose lower one too: the lower one is its end, where
+  // neither it nor what is between it and a bone that leads on closes around an axis.
+  void take_ends_of_limbs() {
+    const std::vector<char> leads_on = joints_that_lead_on();
+    for (std::size_t j = size(); j-- > 0;) {
+      if (is_bone_[j] || !can_be_bone(j) || choice_.report[j].openness > least_open_flesh) continue;
+      const std::int32_t parent = character_.skeleton[j].parent, above = bone_above(j);
+      if (parent == above || above < 0 || !leads_on[static_cast<std::size_t>(above)]) continue;
+      if (!can_be_bone(static_cast<std::size_t>(parent)) || has_bone_below(j)) continue;
+      is_bone_[j] = 1;
+      why_[j] = "ends the limb of " + choice_.report[static_cast<std::size_t>(parent)].name;
+    }
+  }
+
+  bool has_bone_below(std::size_t joint) const {
+    for (std::size_t j = 0; j < size(); ++j)
+      if (is_bone_[j])
+        for (std::int32_t k = character_.skeleton[j].parent; k >= 0;
+             k = character_.skeleton[static_cast<std::size_t>(k)].parent)
+          if (k == static_cast<std::int32_t>(joint)) return true;
+    return false;
   }
 
   // What lies between bones is one, and so is what goes on from one with most of its skin.
@@ -421,7 +478,7 @@ class Chooser {
     // A root whose axis lies outside: what it moves is trunk.
     if (bone < 0) return !is_large;
     const bool on_end = ends_chain_[static_cast<std::size_t>(bone)] != 0;
-    return joint.openness < least_open_flesh || (on_end && !is_large);
+    return joint.openness < least_open_flesh || (on_end && !is_large) || turns_[j] > most_turn_of_flesh;
   }
 
   const rig::Character& character_;
@@ -435,6 +492,7 @@ class Chooser {
   std::vector<char> is_bone_, ends_chain_, is_twist_, is_met_;
   std::vector<char> is_cut_;  // the bone that leads to this joint runs outside the skin
   std::vector<Meeting> meetings_, over_;
+  std::vector<double> turns_;             // of a joint in the clips, radians
   std::vector<std::string> why_;          // a joint is a bone, or none
   double extent_ = 0.0, shortest_ = 0.0;  // m
 };

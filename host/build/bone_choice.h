@@ -12,9 +12,12 @@
 // or oddly weighted skins are opener than limbs are, so that a joint of a large share is one, too,
 //   - between two bones (a shoulder, a thigh), whatever its openness;
 //   - where it goes on from a bone above with half of its skin or more (a head).
-// A root outside the skin that moves next to none of it is a control, and no bone. A joint that ends a chain
-// in the skeleton leads on where its skin goes over into that of a joint elsewhere in it (joint_skin.h,
-// Meeting): a shank to a foot that is an IK target of its own, which is a bone whatever its share.
+// Joints that are alike on both sides are alike in this too: one that is a little too small or too open is a
+// bone where its like is one. A short limb of two joints, both too open, ends in the lower one: it is a bone,
+// and so is what it hangs on. A root outside the skin that moves next to none of it is a control, and no
+// bone. A joint that ends a chain in the skeleton leads on where its skin goes over into that of a joint
+// elsewhere in it (joint_skin.h, Meeting): a shank to a foot that is an IK target of its own, which is a bone
+// whatever its share.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +45,8 @@ struct BoneChoice {
 //
 // Ends (head, hand, foot) are kinematic: their flesh follows the skeleton. So are joints that are no bones,
 // but for flesh that lies on a trunk: openness of at least least_open_flesh, and above it a bone that ends no
-// chain, or a share that a bone would have (jowls). A joint that ends a chain beside a bone of its parent's,
+// chain, or a share that a bone would have (jowls). A joint that a clip turns by more than 20 degrees against
+// its parent (a pig's ear) bears no such flesh. A joint that ends a chain beside a bone of its parent's,
 // around which its skin lies (a twist joint), is part of that bone.
 //
 // All of it can be overridden by `settings`. Throws scene::SceneError for names that no joint has, and for an

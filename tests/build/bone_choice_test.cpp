@@ -97,6 +97,116 @@ TEST(BoneChoice, MeasuresTheSkin) {
   EXPECT_LT(choice.report[lid].share, 0.01);
 }
 
+// The same column in clothes: a tube of one layer, open above and below, stands around hip and chest.
+rig::Character column_in_a_tube(double facing) {
+  rig::Character c = column_of_flesh();
+  constexpr std::uint32_t around = 32, up = 20;
+  constexpr double wide = 1.1 * radius, low = 0.1, high = 1.55;
+  const auto first = static_cast<std::uint32_t>(c.surface.vertices.size());
+  for (std::uint32_t k = 0; k <= up; ++k)
+    for (std::uint32_t a = 0; a < around; ++a) {
+      const double angle = 2.0 * std::numbers::pi * a / around, y = low + (high - low) * k / up;
+      c.surface.vertices.emplace_back(facing * wide * std::sin(angle), y, wide * std::cos(angle));
+      c.joints.push_back({y < 1.0 ? hip : chest});
+      c.weights.push_back({1.0});
+    }
+  const auto at = [&](std::uint32_t k, std::uint32_t a) { return first + k * around + a % around; };
+  for (std::uint32_t k = 0; k < up; ++k)
+    for (std::uint32_t a = 0; a < around; ++a) {
+      c.surface.triangles.push_back({at(k, a), at(k, a + 1), at(k + 1, a)});
+      c.surface.triangles.push_back({at(k, a + 1), at(k + 1, a + 1), at(k + 1, a)});
+    }
+  return c;
+}
+
+// A ray from the bone through body and tube crosses two triangles, as from outside of both.
+TEST(BoneChoice, BonesAreInsideOfClothesToo) {
+  for (const double facing : {1.0, -1.0}) {
+    const BoneChoice choice = build::choose_bones(column_in_a_tube(facing), {}, 1.0, "test");
+    for (const Joint joint : {hip, chest, head})
+      EXPECT_TRUE(choice.report[joint].is_bone)
+          << choice.report[joint].name << ": " << choice.report[joint].reason;
+    EXPECT_FALSE(choice.report[floor_root].is_bone);
+  }
+}
+
+TEST(BoneChoice, JointsThatClipsTurnBearNoFreeFlesh) {
+  rig::Character c = column_of_flesh();
+  const auto choice_with = [&](double degrees) {
+    const double half = degrees / 2.0 * std::numbers::pi / 180.0;
+    rig::Channel turn{
+        .joint = breast, .path = rig::ChannelPath::rotation, .times = {0.0, 0.5, 1.0}, .values = {}};
+    // From one side to the other, and in the middle at first.
+    for (const double angle : {0.0, half / 2.0, -half / 2.0})
+      for (const double value : {std::sin(angle), 0.0, 0.0, std::cos(angle)}) turn.values.push_back(value);
+    c.clips = {{.name = "flop", .duration = 1.0, .channels = {turn}}};
+    return build::choose_bones(c, {}, 1.0, "test");
+  };
+  EXPECT_FALSE(choice_with(15.0).report[breast].is_kinematic);
+  EXPECT_TRUE(choice_with(25.0).report[breast].is_kinematic);
+}
+
+// Short limbs before and behind the hip: a patch of the column, which is their thigh, and on it an open tube
+// with a cap, their foot. A tube of length l and the radius r leaves a hole of r / (r + 2 l) of its skin.
+rig::Character column_with_limbs(double before, double behind) {
+  rig::Character c = column_of_flesh();
+  constexpr double wide = 0.1;
+  constexpr std::uint32_t around = 32;
+  for (const auto& [length, side] : {std::pair{before, 1.0}, {behind, -1.0}}) {
+    const auto thigh = static_cast<std::uint32_t>(c.skeleton.size()), foot = thigh + 1;
+    const std::string end = side > 0.0 ? ".F" : ".B";
+    c.skeleton.push_back(joint_at(("thigh" + end).c_str(), hip, {0, 0.5, 0.1 * side}));
+    c.skeleton.push_back(joint_at(("foot" + end).c_str(), static_cast<int>(thigh), {0, 0.5, 0.2 * side}));
+    for (std::size_t v = 0; v < c.surface.vertices.size(); ++v) {
+      const Vector3d& p = c.surface.vertices[v];
+      if (std::abs(p[1] - 0.5) > 0.15 || side * p[2] < 0.1 || side * p[2] > radius + 1e-6) continue;
+      c.joints[v] = {thigh};
+      c.weights[v] = {1.0};
+    }
+    const auto first = static_cast<std::uint32_t>(c.surface.vertices.size());
+    for (const double along : {0.0, length})
+      for (std::uint32_t a = 0; a < around; ++a) {
+        const double angle = side * 2.0 * std::numbers::pi * a / around;
+        c.surface.vertices.emplace_back(wide * std::cos(angle), 0.5 + wide * std::sin(angle),
+                                        side * (0.2 + along));
+      }
+    c.surface.vertices.emplace_back(0, 0.5, side * (0.2 + length));
+    const std::uint32_t middle = first + 2 * around;
+    for (std::uint32_t a = 0; a < around; ++a) {
+      const std::uint32_t b = (a + 1) % around, low = first, high = first + around;
+      c.surface.triangles.push_back({low + a, low + b, high + a});
+      c.surface.triangles.push_back({low + b, high + b, high + a});
+      c.surface.triangles.push_back({high + a, high + b, middle});
+    }
+    c.joints.resize(c.surface.vertices.size(), {foot});
+    c.weights.resize(c.surface.vertices.size(), {1.0});
+  }
+  return c;
+}
+
+TEST(BoneChoice, ShortLimbsEndInTheirLowerJoint) {
+  const BoneChoice choice = build::choose_bones(column_with_limbs(0.06, 0.06), {}, 1.0, "test");
+  for (std::size_t thigh : {lid + 1u, lid + 3u}) {
+    const build::JointReport &upper = choice.report[thigh], &lower = choice.report[thigh + 1];
+    ASSERT_GT(upper.openness, build::least_open_flesh) << upper.reason;
+    ASSERT_GT(lower.openness, build::most_open_limb) << lower.reason;
+    EXPECT_TRUE(upper.is_bone) << upper.reason;
+    EXPECT_FALSE(upper.is_kinematic);
+    EXPECT_TRUE(lower.is_bone) << lower.reason;
+    EXPECT_TRUE(lower.ends_chain);
+  }
+}
+
+TEST(BoneChoice, WhatIsAlikeOnBothSidesIsTreatedAlike) {
+  // The holes are 0.345 and 0.323 of their feet's skin, on both sides of a third.
+  const BoneChoice choice = build::choose_bones(column_with_limbs(0.095, 0.105), {}, 1.0, "test");
+  const build::JointReport &before = choice.report[lid + 2], &behind = choice.report[lid + 4];
+  ASSERT_GT(before.openness, build::most_open_limb);
+  ASSERT_LT(behind.openness, build::most_open_limb);
+  EXPECT_NE(behind.reason.find("closes around it"), std::string::npos) << behind.reason;
+  EXPECT_NE(before.reason.find("is like foot.B"), std::string::npos) << before.reason;
+}
+
 TEST(BoneChoice, TakesWhatSkinSurroundsAndNothingElse) {
   const BoneChoice choice = choose();
   const std::vector<char> expected{0, 1, 1, 1, 0, 0, 0};
