@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "host/bake/folder.h"
+#include "host/bake/options.h"
 #include "host/base/content_hash.h"
 #include "host/build/cache.h"
 #include "host/build/filled_body.h"
@@ -70,8 +71,9 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
 std::unique_ptr<PreparedBake> prepare_bake(scene::Scene scene, const BakeRequest& request, const Say& say) {
   auto made = std::make_unique<PreparedBake>();
   PreparedBake& prepared = *made;
-  // Both are refused before the work of building, not after it.
+  // These are refused before the work of building, not after it.
   bake::number_of_first(scene, request.output);
+  (void)bake::formats_to_write(request.output);
   const auto warn = [&](const std::string& text) {
     if (text.empty()) return;
     say_warning(say, text);
