@@ -147,20 +147,23 @@ std::vector<DiskCall> traced(const std::string& command, const fs::path& folder)
     if (rest.starts_with("<... ")) rest = unfinished[process] + rest.substr(rest.find("resumed>") + 8);
     const std::optional<TracedLine> parsed = parse_line(rest);
     if (!parsed) continue;
-    const bool is_ours = [&] {
-      for (const std::string& argument : parsed->arguments)
-        for (const auto& [first, last] : {std::pair('"', '"'), std::pair('<', '>')})
-          if (between(argument, first, last).starts_with(folder.string())) return true;
-      return false;
-    }();
-    if (!is_ours) continue;
+    const auto is_ours = [&](const std::string& path) {
+      return path == folder.string() || path == folder.parent_path() ||
+             path.starts_with(folder.string() + '/');
+    };
+    const bool is_there =
+        std::any_of(parsed->arguments.begin(), parsed->arguments.end(), [&](const std::string& argument) {
+          return is_ours(between(argument, '"', '"')) || is_ours(between(argument, '<', '>'));
+        });
+    if (!is_there) continue;
     if (std::optional<DiskCall> call = call_of(*parsed)) calls.push_back(std::move(*call));
   }
   return calls;
 }
 
 Disk::Disk(fs::path folder) : folder_(folder.string()) {
-  latest_[folder_] = safe_[folder_] = std::make_shared<Inode>(Inode{true, false, {}, {}});
+  const std::string above = fs::path(folder_).parent_path().string();
+  latest_[above] = safe_[above] = std::make_shared<Inode>(Inode{true, false, {}, {}});
 }
 
 std::string Disk::relative(const std::string& path) const {
@@ -225,7 +228,7 @@ void Disk::apply(const DiskCall& call) {
 
 // A name is safe only in a folder whose own name is.
 bool Disk::is_below_safe(const std::string& path) const {
-  for (fs::path above = fs::path(path).parent_path(); above.string().size() > folder_.size();
+  for (fs::path above = fs::path(path).parent_path(); above.string().size() >= folder_.size();
        above = above.parent_path())
     if (!safe_.contains(above.string())) return false;
   return true;
@@ -243,6 +246,7 @@ std::vector<std::string> Disk::unsafe() const {
   std::vector<std::string> names;
   for (const auto& [path, inode] : latest_) {
     const auto known = safe_.find(path);
+    if (path.size() < folder_.size()) continue;
     if (inode->is_dirty || known == safe_.end() || known->second != inode || !is_below_safe(path))
       names.push_back(relative(path));
   }

@@ -32,6 +32,7 @@ std::vector<DiskCall> traced(const std::string& command, const std::filesystem::
 
 class Disk {
  public:
+  // The folder is made by the calls; the one above it is there.
   explicit Disk(std::filesystem::path folder);
   void apply(const DiskCall& call);
 
