@@ -57,6 +57,9 @@ struct Moment {
   double seconds_solver = 0.0;
 };
 
+// Below so many vertices a frame is written in less time than threads take to begin.
+constexpr std::uint32_t least_shared_vertices = 4000;
+
 class Run {
  public:
   Run(const scene::Scene& scene, const model::Model& model, model::Solver& solver, const BakeOptions& options)
@@ -205,12 +208,12 @@ BakeResult Run::go() {
     const model::State next = drives_.begun_again(solver_.save());
     progress_.loop_jump = drive::largest_distance(model_, initial_.positions, initial_.origin, next);
   }
-  if (!interrupted_)
-    for (const auto& sink : sinks_) {
-      const Stopwatch time(seconds_writing_);
-      sink->finish();
-      formats::append(report_, sink->report());
-    }
+  if (!interrupted_) {
+    const Stopwatch time(seconds_writing_);
+    base::for_each_in_parallel(sinks_.size(), sinks_.size(),
+                               [this](std::size_t k, std::size_t) { sinks_[k]->finish(); });
+    for (const auto& sink : sinks_) formats::append(report_, sink->report());
+  }
   if (!interrupted_) take_look();
   progress_.frames_kept = interrupted_ || options_.keep_frames;
   save_manifest(interrupted_ ? Status::interrupted : Status::complete, moment());
@@ -411,7 +414,8 @@ void Run::refuse_not_finite(const model::Frame& frame) {
 
 void Run::write(const model::Frame& frame) {
   const Stopwatch time(seconds_writing_);
-  for (const auto& sink : sinks_) sink->write(frame);
+  base::for_each_in_parallel(sinks_.size(), model_.vertex_count < least_shared_vertices ? 1 : sinks_.size(),
+                             [&](std::size_t k, std::size_t) { sinks_[k]->write(frame); });
   if (has_look(model_)) {
     skinned_[0] = std::move(skinned_[1]);
     skinned_[1] = frame.skinned;

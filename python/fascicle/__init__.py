@@ -29,8 +29,8 @@ __all__ = [
 
 def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softness=None, exaggerate=None, converter=None,
          set=None, formats=(), device="auto", threads=0, mesher=None, cache=None, overwrite=False, resume=False,
-         keep_frames=True, usd_skel=False, first_frame=None, glb_stride=1, glb_error=None, glb_tolerance=None, glb_compress=None, progress=None,
-         log=_log_to_logging, **tables):
+         keep_frames=True, usd_skel=False, first_frame=None, glb_stride=1, glb_error=None, glb_tolerance=None,
+         glb_compress=None, progress=None, log=_log_to_logging, **tables):
     """Builds, simulates and writes a scene, as `fascicle bake` does, with the same bytes.
 
     scene          a Scene, or what Scene takes: a scene file, a mesh, a character or a built-in scene
@@ -74,5 +74,5 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
     return _run_bake(
         scene, _os.path.join("out", scene.name) if folder is None else folder, formats=list(formats), device=device,
         threads=threads, mesher=mesher, cache=cache, overwrite=overwrite, resume=resume, keep_frames=keep_frames,
-        usd_skel=usd_skel, first_frame=first_frame, glb_stride=glb_stride, glb_error=glb_error, glb_tolerance=glb_tolerance,
-        glb_compress=glb_compress, progress=_progress_function(progress), log=log)
+        usd_skel=usd_skel, first_frame=first_frame, glb_stride=glb_stride, glb_error=glb_error,
+        glb_tolerance=glb_tolerance, glb_compress=glb_compress, progress=_progress_function(progress), log=log)

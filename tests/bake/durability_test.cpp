@@ -24,7 +24,6 @@ namespace fascicle::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = DiskCall::Kind;
 
 constexpr const char* folder_variable = "FASCICLE_TRACED_BAKE";
 constexpr std::uint64_t traced_frames = 9;
@@ -124,7 +123,7 @@ TEST(Durability, AWrongOrderIsSeen) {
   const auto without_syncs_of = [&](const std::string& name) {
     std::vector<DiskCall> left = calls;
     const std::size_t count = std::erase_if(left, [&](const DiskCall& call) {
-      return call.kind == Kind::sync && call.path == (folder / ("out" + name)).string();
+      return call.kind == DiskCall::Kind::sync && call.path == (folder / ("out" + name)).string();
     });
     EXPECT_GT(count, 0u) << name;
     return left;
@@ -136,10 +135,10 @@ TEST(Durability, AWrongOrderIsSeen) {
   // A name before the bytes.
   std::vector<DiskCall> swapped = calls;
   const auto sync = std::find_if(swapped.begin(), swapped.end(), [&](const DiskCall& call) {
-    return call.kind == Kind::sync && call.path.ends_with("frame_000004.obj.tmp");
+    return call.kind == DiskCall::Kind::sync && call.path.ends_with("frame_000004.obj.tmp");
   });
   const auto rename = std::find_if(swapped.begin(), swapped.end(), [&](const DiskCall& call) {
-    return call.kind == Kind::rename && call.path.ends_with("frame_000004.obj.tmp");
+    return call.kind == DiskCall::Kind::rename && call.path.ends_with("frame_000004.obj.tmp");
   });
   ASSERT_LT(sync - swapped.begin(), rename - swapped.begin());
   ASSERT_NE(rename, swapped.end());
@@ -150,16 +149,16 @@ TEST(Durability, AWrongOrderIsSeen) {
   // A checkpoint before the frames it counts on.
   std::vector<DiskCall> early = calls;
   const auto last_sync = std::find_if(early.rbegin(), early.rend(), [&](const DiskCall& call) {
-    return call.kind == Kind::rename && call.path.ends_with("checkpoint.tmp");
+    return call.kind == DiskCall::Kind::rename && call.path.ends_with("checkpoint.tmp");
   });
   const auto frame = std::find_if(early.begin(), early.end(), [&](const DiskCall& call) {
-    return call.kind == Kind::sync && call.path.ends_with("frames.fascicle");
+    return call.kind == DiskCall::Kind::sync && call.path.ends_with("frames.fascicle");
   });
   ASSERT_NE(last_sync, early.rend());
   const DiskCall moved = *frame;
   early.erase(frame);
   const auto checkpoint = std::find_if(early.begin(), early.end(), [&](const DiskCall& call) {
-    return call.kind == Kind::rename && call.path.ends_with("checkpoint.tmp");
+    return call.kind == DiskCall::Kind::rename && call.path.ends_with("checkpoint.tmp");
   });
   early.insert(checkpoint + 1, moved);
   EXPECT_TRUE(
@@ -197,7 +196,7 @@ TEST(Durability, ATornFileIsSeen) {
   std::vector<DiskCall> calls = traced_bake(folder / "out");
   const Cut cut(folder / "out");
   std::erase_if(calls, [](const DiskCall& call) {
-    return call.kind == Kind::sync && call.path.ends_with("frame_000004.obj.tmp");
+    return call.kind == DiskCall::Kind::sync && call.path.ends_with("frame_000004.obj.tmp");
   });
   Disk disk(folder / "out");
   std::size_t torn = 0;

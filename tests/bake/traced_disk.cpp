@@ -16,7 +16,6 @@ namespace fascicle::tests {
 namespace {
 
 namespace fs = std::filesystem;
-using Kind = DiskCall::Kind;
 
 // strace -xx writes every text as \xNN.
 std::string unescaped(std::string_view text) {
@@ -80,29 +79,39 @@ std::optional<DiskCall> call_of(const TracedLine& line) {
   if (name == "openat") {
     // What is opened anew or emptied; O_TRUNC of a file that is there empties it.
     if (arguments.at(2).find("O_CREAT") == std::string::npos) return std::nullopt;
-    return DiskCall{Kind::create, between(arguments.at(1), '"', '"'), {}, {}, 0};
+    return DiskCall{DiskCall::Kind::create, between(arguments.at(1), '"', '"'), {}, {}, 0};
   }
   const auto length = [&](const std::string& bytes) { return bytes.substr(0, number_in(result)); };
   if (name == "write")
-    return DiskCall{Kind::write, by_descriptor, {}, length(between(arguments.at(1), '"', '"')), append};
+    return DiskCall{
+        DiskCall::Kind::write, by_descriptor, {}, length(between(arguments.at(1), '"', '"')), append};
   if (name == "pwrite64")
-    return DiskCall{Kind::write,
+    return DiskCall{DiskCall::Kind::write,
                     by_descriptor,
                     {},
                     length(between(arguments.at(1), '"', '"')),
                     number_in(arguments.at(3))};
-  if (name == "ftruncate") return DiskCall{Kind::truncate, by_descriptor, {}, {}, number_in(arguments.at(1))};
-  if (name == "fsync" || name == "fdatasync") return DiskCall{Kind::sync, by_descriptor, {}, {}, 0};
+  if (name == "ftruncate")
+    return DiskCall{DiskCall::Kind::truncate, by_descriptor, {}, {}, number_in(arguments.at(1))};
+  if (name == "fsync" || name == "fdatasync") return DiskCall{DiskCall::Kind::sync, by_descriptor, {}, {}, 0};
   if (name == "rename")
-    return DiskCall{
-        Kind::rename, between(arguments.at(0), '"', '"'), between(arguments.at(1), '"', '"'), {}, 0};
+    return DiskCall{DiskCall::Kind::rename,
+                    between(arguments.at(0), '"', '"'),
+                    between(arguments.at(1), '"', '"'),
+                    {},
+                    0};
   if (name == "renameat" || name == "renameat2")
-    return DiskCall{
-        Kind::rename, between(arguments.at(1), '"', '"'), between(arguments.at(3), '"', '"'), {}, 0};
+    return DiskCall{DiskCall::Kind::rename,
+                    between(arguments.at(1), '"', '"'),
+                    between(arguments.at(3), '"', '"'),
+                    {},
+                    0};
   if (name == "unlink" || name == "rmdir")
-    return DiskCall{Kind::remove, between(arguments.at(0), '"', '"'), {}, {}, 0};
-  if (name == "unlinkat") return DiskCall{Kind::remove, between(arguments.at(1), '"', '"'), {}, {}, 0};
-  if (name == "mkdir") return DiskCall{Kind::make_folder, between(arguments.at(0), '"', '"'), {}, {}, 0};
+    return DiskCall{DiskCall::Kind::remove, between(arguments.at(0), '"', '"'), {}, {}, 0};
+  if (name == "unlinkat")
+    return DiskCall{DiskCall::Kind::remove, between(arguments.at(1), '"', '"'), {}, {}, 0};
+  if (name == "mkdir")
+    return DiskCall{DiskCall::Kind::make_folder, between(arguments.at(0), '"', '"'), {}, {}, 0};
   throw std::runtime_error("a call that the model of the disk does not know: " + name);
 }
 
@@ -177,7 +186,7 @@ void Disk::apply(const DiskCall& call) {
     return *found->second;
   };
   switch (call.kind) {
-    case Kind::create:
+    case DiskCall::Kind::create:
       // One that is there is emptied; its inode stays.
       if (const auto found = latest_.find(call.path); found != latest_.end()) {
         found->second->bytes.clear();
@@ -186,7 +195,7 @@ void Disk::apply(const DiskCall& call) {
         latest_[call.path] = std::make_shared<Inode>();
       }
       break;
-    case Kind::write: {
+    case DiskCall::Kind::write: {
       Inode& file = inode();
       const std::size_t at = call.offset == append ? file.bytes.size() : call.offset;
       file.bytes.resize(std::max(file.bytes.size(), at + call.bytes.size()));
@@ -194,11 +203,11 @@ void Disk::apply(const DiskCall& call) {
       file.is_dirty = true;
       break;
     }
-    case Kind::truncate:
+    case DiskCall::Kind::truncate:
       inode().bytes.resize(call.offset);
       inode().is_dirty = true;
       break;
-    case Kind::sync: {
+    case DiskCall::Kind::sync: {
       Inode& synced = inode();
       synced.safe_bytes = synced.bytes;
       synced.is_dirty = false;
@@ -211,16 +220,16 @@ void Disk::apply(const DiskCall& call) {
         if (is_in_it(entry)) safe_.insert(entry);
       break;
     }
-    case Kind::rename: {
+    case DiskCall::Kind::rename: {
       const auto node = latest_.extract(call.path);
       if (node.empty()) throw std::runtime_error("a rename of what has no name: " + call.path);
       latest_[call.to] = node.mapped();
       break;
     }
-    case Kind::remove:
+    case DiskCall::Kind::remove:
       latest_.erase(call.path);
       break;
-    case Kind::make_folder:
+    case DiskCall::Kind::make_folder:
       latest_[call.path] = std::make_shared<Inode>(Inode{true, false, {}, {}});
       break;
   }
@@ -268,9 +277,9 @@ std::vector<std::string> wrong_orders(const std::vector<DiskCall>& calls, const 
   Disk disk(folder);
   std::vector<std::string> wrong;
   for (const DiskCall& call : calls) {
-    if (call.kind == Kind::rename && disk.is_dirty(call.path))
+    if (call.kind == DiskCall::Kind::rename && disk.is_dirty(call.path))
       wrong.push_back(call.to + " has its name before its bytes are safe");
-    const std::string name = call.kind == Kind::rename ? fs::path(call.to).filename().string() : "";
+    const std::string name = call.kind == DiskCall::Kind::rename ? fs::path(call.to).filename().string() : "";
     if (name == "manifest.json" || name == "checkpoint") {
       const bool at_end = disk.content(call.path).find("\"status\": \"complete\"") != std::string::npos;
       for (const std::string& one : disk.unsafe()) {
