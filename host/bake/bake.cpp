@@ -57,9 +57,6 @@ struct Moment {
   double seconds_solver = 0.0;
 };
 
-// Below so many vertices a frame is written in less time than threads take to begin.
-constexpr std::uint32_t least_shared_vertices = 4000;
-
 class Run {
  public:
   Run(const scene::Scene& scene, const model::Model& model, model::Solver& solver, const BakeOptions& options)
@@ -414,8 +411,7 @@ void Run::refuse_not_finite(const model::Frame& frame) {
 
 void Run::write(const model::Frame& frame) {
   const Stopwatch time(seconds_writing_);
-  base::for_each_in_parallel(sinks_.size(), model_.vertex_count < least_shared_vertices ? 1 : sinks_.size(),
-                             [&](std::size_t k, std::size_t) { sinks_[k]->write(frame); });
+  for (const auto& sink : sinks_) sink->write(frame);
   if (has_look(model_)) {
     skinned_[0] = std::move(skinned_[1]);
     skinned_[1] = frame.skinned;
