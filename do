@@ -28,7 +28,7 @@ libeigen3-dev libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-de
 libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libassimp-dev \
 pybind11-dev python3-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
-test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy"
+test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace"
 bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
 site_packages="mkdocs"

@@ -22,9 +22,9 @@ struct BakeResult {
 
 BakeResult run_bake(const fascicle::scene& scene, const Path& folder, const std::vector<std::string>& formats,
                     const std::string& device, std::uint32_t threads, const std::optional<Path>& mesher,
-                    const std::optional<Path>& cache, bool overwrite, bool resume, bool usd_skel,
-                    std::optional<std::uint32_t> first_frame, std::uint64_t glb_stride, Length glb_error,
-                    Length glb_tolerance, Length glb_compress, const py::object& progress,
+                    const std::optional<Path>& cache, bool overwrite, bool resume, bool keep_frames,
+                    bool usd_skel, std::optional<std::uint32_t> first_frame, std::uint64_t glb_stride,
+                    Length glb_error, Length glb_tolerance, Length glb_compress, const py::object& progress,
                     const py::object& log) {
   fascicle::bake_options options;
   options.folder = folder.string();
@@ -35,6 +35,7 @@ BakeResult run_bake(const fascicle::scene& scene, const Path& folder, const std:
   options.cache = path_text(cache);
   options.overwrite = overwrite;
   options.resume = resume;
+  options.keep_frames = keep_frames;
   options.usd_skel = usd_skel;
   options.first_frame = first_frame;
   options.glb_stride = glb_stride;
@@ -79,9 +80,9 @@ void add_bake(py::module_& module) {
       });
   module.def("run_bake", &run_bake, "scene"_a, "folder"_a, py::kw_only(), "formats"_a, "device"_a,
              "threads"_a, "mesher"_a.none(true), "cache"_a.none(true), "overwrite"_a, "resume"_a,
-             "usd_skel"_a, "first_frame"_a.none(true), "glb_stride"_a, "glb_error"_a.none(true),
-             "glb_tolerance"_a.none(true), "glb_compress"_a.none(true), "progress"_a.none(true),
-             "log"_a.none(true), "See fascicle.bake.");
+             "keep_frames"_a, "usd_skel"_a, "first_frame"_a.none(true), "glb_stride"_a,
+             "glb_error"_a.none(true), "glb_tolerance"_a.none(true), "glb_compress"_a.none(true),
+             "progress"_a.none(true), "log"_a.none(true), "See fascicle.bake.");
 }
 
 void add_device(py::module_& module) {

@@ -5,6 +5,7 @@
 
 #include "host/api/boundary.h"
 #include "host/api/handles.h"
+#include "host/bake/options.h"
 #include "host/bake/outputs.h"
 #include "host/pipeline/bake_scene.h"
 
@@ -23,7 +24,7 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
     throw BadArgument("options.folder is empty; give the folder to write");
   request.output.folder = options.folder;
   request.output.formats = texts_of(options.formats, options.format_count, "options.formats");
-  const std::vector<std::string>& known = bake::format_names();
+  const std::vector<std::string> known = bake::accepted_formats();
   for (const std::string& format : request.output.formats)
     if (std::find(known.begin(), known.end(), format) == known.end())
       throw BadArgument("options.formats: there is no \"" + format + "\"; see fascicle_format_name");
@@ -40,6 +41,7 @@ pipeline::BakeRequest request_of(const fascicle_bake_options& options) {
   if (options.first_frame >= 0) request.output.first_number = static_cast<std::uint64_t>(options.first_frame);
   if (options.overwrite != 0 && options.resume != 0)
     throw BadArgument("options.overwrite and options.resume exclude each other; set one");
+  request.output.keep_frames = options.keep_frames != 0;
   request.output.usd_skel = options.usd_skel != 0;
   request.output.overwrite = options.overwrite != 0;
   request.output.resume = options.resume != 0;
@@ -59,6 +61,7 @@ using namespace fascicle;
 void fascicle_bake_options_init(fascicle_bake_options* options, size_t struct_size) {
   fascicle_bake_options defaults{};
   defaults.first_frame = -1;
+  defaults.keep_frames = 1;
   defaults.glb_stride = 1;
   defaults.glb_error = defaults.glb_tolerance = defaults.glb_compress = api::not_given;
   api::fill(options, struct_size, defaults);

@@ -56,6 +56,8 @@ fascicle_status failed_by_exception() noexcept {
     return failed(FASCICLE_BAD_ARGUMENT, error.what());
   } catch (const bake::FolderInUse& error) {
     return failed(FASCICLE_BAD_ARGUMENT, error.what());
+  } catch (const bake::ContradictingOptions& error) {
+    return failed(FASCICLE_BAD_ARGUMENT, error.what());
   } catch (const scene::SceneError& error) {
     return failed(FASCICLE_BAD_INPUT, error.what());
   } catch (const bake::BakeError& error) {

@@ -3,21 +3,22 @@
 //
 // What makes a bake survive being killed at any moment:
 //   1. the manifest is the first file and lists the others, so that they can be told from foreign ones;
-//   2. a checkpoint is replaced whole, after everything it counts on was synced;
+//   2. manifest and checkpoint are replaced whole, after everything they count on was synced, the checkpoint
+//      last;
 //   3. a resumed bake cuts every stream back to the checkpoint's frame, and steps the frames after it again,
-//   with the same
-//      bits.
+//      with the same bits.
 #include "host/bake/bake.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <chrono>
+#include <atomic>
 #include <memory>
 #include <new>
 #include <optional>
 
 #include "host/bake/checkpoint.h"
+#include "host/bake/checkpoint_pace.h"
+#include "host/bake/finite.h"
 #include "host/bake/folder.h"
 #include "host/bake/frame_writer.h"
 #include "host/bake/identity.h"
@@ -25,8 +26,11 @@
 #include "host/bake/look.h"
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
+#include "host/bake/options.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/stopwatch.h"
+#include "host/base/parallel.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/drive/drive_source.h"
@@ -47,49 +51,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Adds the time between its construction and its destruction.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds), start_(Clock::now()) {}
-  ~Stopwatch() { seconds_ += seconds_since(start_); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  Clock::time_point start_;
+// What the manifest says of the loop at one frame, while the loop is ahead of it.
+struct Moment {
+  ClampedMuscles clamped;
+  double seconds_solver = 0.0;
 };
-
-bool is_finite(float value) {
-  return (std::bit_cast<std::uint32_t>(value) & 0x7f800000u) != 0x7f800000u;
-}
-
-bool all_finite(const model::Frame& frame) {
-  return std::all_of(frame.positions.begin(), frame.positions.end(), is_finite);
-}
-
-// The options with each format once, in the order of format_names().
-BakeOptions checked(BakeOptions options, const model::Model& model) {
-  if (options.overwrite && options.resume)
-    throw BakeError("--overwrite and --resume exclude each other; give one");
-  if (options.checkpoint_frames == 0) throw BakeError("checkpoint_frames is 0; it must be at least 1");
-  std::vector<std::string> formats, left = formats::with_companions(options.formats, model);
-  std::string names;
-  for (const std::string& name : format_names()) {
-    names += (names.empty() ? "" : ", ") + name;
-    if (std::erase(left, name) > 0) formats.push_back(name);
-  }
-  if (!left.empty())
-    throw BakeError("--format " + left.front() + ": there is no such format; there are " + names);
-  options.formats = std::move(formats);
-  return options;
-}
 
 class Run {
  public:
@@ -110,17 +76,20 @@ class Run {
  private:
   void open_folder();
   std::optional<Checkpoint> checkpoint_to_resume();
+  std::optional<BakeResult> done_without_frames();
+  BakeResult summary() const;
   model::State lead_to_start();
   void begin_sinks(std::uint64_t first);
   std::vector<model::Frame> frames_before(std::uint64_t first) const;
   void step_frames(std::uint64_t first);
-  bool checkpoint_due(std::uint64_t frame) const;
+  Moment moment() const { return {clamped_, seconds_solver_}; }
   void note_clamped(const model::Drive& drive, std::uint64_t frame);
   [[noreturn]] void refuse_not_finite(const model::Frame& frame);
   void write(const model::Frame& frame);
-  void checkpoint(const model::State& state);
+  void checkpoint(const model::State& state, const Moment& moment);
+  bool manifest_due() const;
   void take_look();
-  void save_manifest(Status status);
+  void save_manifest(Status status, const Moment& moment);
   fs::path path_of(const char* name) const { return options_.folder / name; }
 
   const scene::Scene& scene_;
@@ -139,14 +108,16 @@ class Run {
   model::Read needs_;
   std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty where nobody looks
   Progress progress_;
+  ClampedMuscles clamped_;
   Timings before_;  // of earlier runs
   double seconds_solver_ = 0.0, seconds_writing_ = 0.0;
+  std::atomic<double> seconds_to_sync_ = 0.0;  // of the last checkpoint
+  std::size_t frames_in_manifest_ = 0;
   bool interrupted_ = false;
   bool has_begun_ = false;  // from here on the manifest in the folder is this run's
   formats::SinkReport report_;
   std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();
-  Clock::time_point last_checkpoint_ = Clock::now();
 };
 
 void Run::open_folder() {
@@ -175,19 +146,32 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   if (const auto manifest = read_manifest(options_.folder)) {
     before_ = manifest->timings;
     progress_.lead_in = manifest->lead_in;
-    progress_.clamped = manifest->clamped;
+    clamped_ = progress_.clamped = manifest->clamped;
     ++before_.runs;
   }
   return found;
 }
 
+// A bake that has come to its end and kept no frames cannot be gone on with, and need not.
+std::optional<BakeResult> Run::done_without_frames() {
+  const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
+  if (!manifest || manifest->frames_kept) return std::nullopt;
+  if (options_.keep_frames) throw BakeError(frames_not_kept_text(options_.folder));
+  remove_files(options_.folder, {cache_name});
+  BakeResult result = summary();
+  result.frames_done = frames_;
+  result.last_position_hash = manifest->last_position_hash;
+  return result;
+}
+
 BakeResult Run::go() {
   open_folder();
   const std::optional<Checkpoint> resumed = checkpoint_to_resume();
-  const std::vector<std::string> files = file_names(model_, options_.formats);
+  if (resumed)
+    if (std::optional<BakeResult> done = done_without_frames()) return std::move(*done);
   if (!resumed) {
-    refuse_foreign(options_.folder, files);
-    save_manifest(Status::running);
+    refuse_foreign(options_.folder, file_names(model_, options_.formats));
+    save_manifest(Status::running, moment());
   } else {
     set_status(options_.folder, Status::running, "");
   }
@@ -213,7 +197,7 @@ BakeResult Run::go() {
       if (!all_finite(initial_)) refuse_not_finite(initial_);
       shapes_->add_to(0, initial_.surface);
       write(initial_);
-      checkpoint(state);
+      checkpoint(state, moment());
     }
     step_frames(state.frame + 1);
   }
@@ -221,15 +205,21 @@ BakeResult Run::go() {
     const model::State next = drives_.begun_again(solver_.save());
     progress_.loop_jump = drive::largest_distance(model_, initial_.positions, initial_.origin, next);
   }
-  if (!interrupted_)
-    for (const auto& sink : sinks_) {
-      const Stopwatch time(seconds_writing_);
-      sink->finish();
-      formats::append(report_, sink->report());
-    }
+  if (!interrupted_) {
+    const Stopwatch time(seconds_writing_);
+    base::for_each_in_parallel(sinks_.size(), sinks_.size(),
+                               [this](std::size_t k, std::size_t) { sinks_[k]->finish(); });
+    for (const auto& sink : sinks_) formats::append(report_, sink->report());
+  }
   if (!interrupted_) take_look();
-  save_manifest(interrupted_ ? Status::interrupted : Status::complete);
+  progress_.frames_kept = interrupted_ || options_.keep_frames;
+  save_manifest(interrupted_ ? Status::interrupted : Status::complete, moment());
+  // The manifest no longer points at them.
+  if (!progress_.frames_kept) remove_files(options_.folder, {cache_name});
+  return summary();
+}
 
+BakeResult Run::summary() const {
   BakeResult result;
   result.frames_done = progress_.position_hashes.empty() ? 0 : progress_.position_hashes.size() - 1;
   result.lead_in = progress_.lead_in;
@@ -239,7 +229,7 @@ BakeResult Run::go() {
   result.report = report_;
   result.interrupted = interrupted_;
   result.missing_images = missing_images_;
-  for (const std::string& name : files)
+  for (const std::string& name : file_names(model_, options_.formats))
     if (fs::exists(options_.folder / name)) result.files.push_back(options_.folder / name);
   if (!progress_.position_hashes.empty())
     result.last_position_hash = base::hash_text(progress_.position_hashes.back());
@@ -346,7 +336,8 @@ void Run::begin_sinks(std::uint64_t first) {
 }
 
 // Frames are stepped while those before are written. Where a checkpoint is due no further frame may be in
-// flight, because the solver's state is that after the last frame submitted, and all before must be written.
+// flight while the solver's state is taken. What is due then is done after that frame's writing, beside the
+// solver.
 void Run::step_frames(std::uint64_t first) {
   if (first > frames_) return;
   const auto submit = [&](std::uint64_t frame) {
@@ -363,15 +354,16 @@ void Run::step_frames(std::uint64_t first) {
     interrupted_ = true;
     return;
   }
+  CheckpointPace pace(frames_, options_.checkpoint_frames, options_.checkpoint_seconds,
+                      seconds_since(start_));
   FrameWriter writer([this](model::Frame& frame) {
     if (!frame.surface.empty()) shapes_->add_to(frame.index, frame.surface);
     write(frame);
   });
-  submit(first);
-  for (std::uint64_t k = first; k <= frames_; ++k) {
+  const auto step = [&](std::uint64_t k) {
     interrupted_ = k < frames_ && stopped();
-    const bool drain = interrupted_ || checkpoint_due(k);
-    if (!drain) submit(k + 1);
+    const bool due = interrupted_ || pace.is_due(k, seconds_since(start_), seconds_to_sync_);
+    if (!due) submit(k + 1);
     model::Frame frame;
     {
       const Stopwatch time(seconds_solver_);
@@ -384,43 +376,36 @@ void Run::step_frames(std::uint64_t first) {
       writer.finish();
       refuse_not_finite(frame);
     }
-    writer.put(std::move(frame));
-    if (drain) writer.finish();
+    std::function<void()> then;
+    if (due) {
+      then = [this, state = solver_.save(), at = moment()] { checkpoint(state, at); };
+      pace.is_taken(seconds_since(start_));
+      if (!interrupted_ && k < frames_) submit(k + 1);
+    }
+    writer.put(std::move(frame), std::move(then));
+    pace.frame_has_ended(seconds_since(start_));
+    if (interrupted_ || k == frames_) writer.finish();
     if (options_.on_frame) options_.on_frame(k, frames_);
-    if (!drain) continue;
-    checkpoint(solver_.save());
-    if (interrupted_) return;
-    if (k < frames_) submit(k + 1);
+  };
+  try {
+    submit(first);
+    for (std::uint64_t k = first; k <= frames_ && !interrupted_; ++k) step(k);
+  } catch (...) {
+    writer.finish();  // what was simulated before is kept; its own failure is the one that counts
+    throw;
   }
-}
-
-bool Run::checkpoint_due(std::uint64_t frame) const {
-  return frame == frames_ || frame % options_.checkpoint_frames == 0 ||
-         seconds_since(last_checkpoint_) >= options_.checkpoint_seconds;
 }
 
 void Run::note_clamped(const model::Drive& drive, std::uint64_t frame) {
   if (model_.muscle_count == 0) return;
   const std::uint64_t regions = drive::clamped_regions(model_, drive.muscles.last(model_.muscle_count));
-  if (regions > progress_.clamped.regions) progress_.clamped = {regions, frame};
+  if (regions > clamped_.regions) clamped_ = {regions, frame};
 }
 
 // All frames before are written.
 void Run::refuse_not_finite(const model::Frame& frame) {
-  std::uint32_t count = 0, first = 0;
-  for (std::uint32_t i = 0; i < model_.vertex_count; ++i) {
-    const float* p = &frame.positions[std::size_t{3} * i];
-    if (is_finite(p[0]) && is_finite(p[1]) && is_finite(p[2])) continue;
-    if (count == 0 || model_.source_vertex[i] < model_.source_vertex[first]) first = i;
-    ++count;
-  }
-  const double time = scene_.start + static_cast<double>(frame.index) / scene_.fps;
-  progress_.message = "frame " + base::number_text(frame.index) + " (" + base::number_text(time) +
-                      " s): vertex " + base::number_text(model_.source_vertex[first]) + " of layer " +
-                      model_.layers.at(model_.layer_of(first)).name +
-                      " has a position that is not a finite number, as have " + base::number_text(count) +
-                      " in all; try more substeps, a lower alpha or more damping";
-  save_manifest(Status::not_finite);
+  progress_.message = not_finite_text(scene_, model_, frame);
+  save_manifest(Status::not_finite, moment());
   throw NotFinite(progress_.message);
 }
 
@@ -434,12 +419,24 @@ void Run::write(const model::Frame& frame) {
   progress_.position_hashes.push_back(model::position_hash(frame));
 }
 
-void Run::checkpoint(const model::State& state) {
+void Run::checkpoint(const model::State& state, const Moment& moment) {
   const Stopwatch time(seconds_writing_);
-  for (const auto& sink : sinks_) sink->sync();
+  const Clock::time_point start = Clock::now();
+  base::for_each_in_parallel(sinks_.size(), sinks_.size(),
+                             [this](std::size_t k, std::size_t) { sinks_[k]->sync(); });
+  // The manifest first: it may know more than the checkpoint, whose frames are then stepped again.
+  const bool is_worse = moment.clamped.regions > progress_.clamped.regions;
+  if (is_worse || manifest_due()) save_manifest(Status::running, moment);
   write_checkpoint(path_of(checkpoint_name), {identity_, state, skinned_});
-  save_manifest(Status::running);
-  last_checkpoint_ = Clock::now();
+  seconds_to_sync_ = seconds_since(start);
+}
+
+// It has a line for each frame: written whole at every checkpoint, a long bake's would take longer and
+// longer.
+bool Run::manifest_due() const {
+  constexpr std::size_t share = 64;
+  const std::size_t frames = progress_.position_hashes.size();
+  return frames - frames_in_manifest_ > frames / share;
 }
 
 void Run::take_look() {
@@ -458,13 +455,15 @@ void Run::take_look() {
       });
 }
 
-void Run::save_manifest(Status status) {
+void Run::save_manifest(Status status, const Moment& moment) {
   progress_.status = status;
-  progress_.timings = {.solver = before_.solver + seconds_solver_,
+  progress_.clamped = moment.clamped;
+  progress_.timings = {.solver = before_.solver + moment.seconds_solver,
                        .writing = before_.writing + seconds_writing_,
                        .total = before_.total + seconds_since(start_),
                        .runs = before_.runs};
   base::write_whole(path_of(manifest_name), manifest_text(scene_, model_, options_, model_hash_, progress_));
+  frames_in_manifest_ = progress_.position_hashes.size();
 }
 
 void Run::note_failure(const std::string& reason) const {
@@ -492,27 +491,6 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
     run.note_failure(error.what());
     throw;
   }
-}
-
-std::uint64_t number_of_first(const scene::Scene& scene, const BakeOutput& output) {
-  const std::uint64_t handles = scene.motion.handles;
-  return first_written(output.first_number.value_or(handles), handles);
-}
-
-std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options) {
-  return options.substeps ? *options.substeps : scene::stated_substeps(scene);
-}
-
-std::uint32_t iterations_of(const scene::Scene& scene, const BakeOptions& options) {
-  return options.iterations.value_or(scene.solver.iterations.value_or(model::SolverOptions{}.iterations));
-}
-
-std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles) {
-  if (first_of_range < handles)
-    throw BakeError("--first-frame " + base::number_text(first_of_range) + ": " + base::number_text(handles) +
-                    " handles before it would have numbers below 0; give at least " +
-                    base::number_text(handles));
-  return first_of_range - handles;
 }
 
 }  // namespace fascicle::bake

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,10 @@ using base::BakeError;
 
 // The -o folder holds a bake and neither overwrite nor resume was given: bad usage.
 struct FolderInUse : BakeError {
+  using BakeError::BakeError;
+};
+// What was asked for cannot be meant: bad usage.
+struct ContradictingOptions : BakeError {
   using BakeError::BakeError;
 };
 // The positions are no longer finite; names the frame and the first vertex.
@@ -52,7 +57,9 @@ struct OpenEndEntry {
 // What is to be written and where to, from whoever asks for it to the formats.
 struct BakeOutput {
   std::filesystem::path folder;
-  std::vector<std::string> formats;  // of format_names()
+  std::vector<std::string> formats;  // of format_names(), or no_format alone (options.h)
+  // Without them nothing is exported or drawn later. While a bake is not complete it has them.
+  bool keep_frames = true;
   formats::GlbOptions glb = {};
   // Of the range's first frame, in what other programs read; without it what is written begins at 0. Our own
   // files count from 0.
@@ -65,8 +72,10 @@ struct BakeOutput {
 struct BakeOptions : BakeOutput {
   std::optional<std::uint32_t> substeps = {};    // of a frame; absent: as the scene states
   std::optional<std::uint32_t> iterations = {};  // of a substep; absent: as the scene states, else 20
-  std::uint64_t checkpoint_frames = 100;         // at least 1: a checkpoint after this many frames,
-  double checkpoint_seconds = 10.0;              // or after this time, whichever comes first
+  // A checkpoint after so many frames, at least 1, or so often that no more than this time's work is lost,
+  // whichever comes first; a frame that takes longer has its own.
+  std::uint64_t checkpoint_frames = std::numeric_limits<std::uint64_t>::max();
+  double checkpoint_seconds = 0.5;
   DeviceDescription device;
   std::vector<std::string> warnings;               // of the build, for the manifest
   std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest
@@ -74,7 +83,7 @@ struct BakeOptions : BakeOutput {
   std::optional<TriedLook> tried_look;             // for the manifest
   const LookBody* look_body = nullptr;             // look_body_of, where somebody has made it
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
-  // Called when a frame is simulated; up to the last checkpoint frames are written too.
+  // Called when a frame is simulated; it and the one before it may still be in the writing.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
   // Called before each frame that is stepped before frame 0.
   std::function<void()> on_lead_in;

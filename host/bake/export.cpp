@@ -53,10 +53,11 @@ std::vector<const formats::Format*> chosen(const std::vector<std::string>& names
 
 FrameCacheReader finished_cache(const fs::path& folder) {
   if (!holds_bake(folder)) throw BakeError(folder.string() + ": holds no bake");
+  const std::optional<ManifestSummary> manifest = read_manifest(folder);
+  if (manifest && !manifest->frames_kept) throw BakeError(frames_not_kept_text(folder));
   FrameCacheReader cache(folder / cache_name);
   const std::uint64_t wanted = cache.header().frames + 1;
   if (cache.frame_count() < wanted) {
-    const std::optional<ManifestSummary> manifest = read_manifest(folder);
     const bool failed = manifest && manifest->status == name_of(Status::failed);
     throw BakeError(folder.string() + ": the bake is not finished" +
                     (failed ? ", it failed (" + manifest->message + ")" : "") + ", " +

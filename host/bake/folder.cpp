@@ -96,7 +96,11 @@ void make_folder(const fs::path& folder) {
   if (folder.empty()) throw BakeError("no output folder given; use -o FOLDER");
   if (fs::exists(folder) && !fs::is_directory(folder))
     throw BakeError(folder.string() + ": is not a folder; choose another -o");
+  std::vector<fs::path> made;
+  for (fs::path path = fs::absolute(folder).lexically_normal(); !fs::exists(path); path = path.parent_path())
+    made.push_back(path);
   fs::create_directories(folder);
+  for (const fs::path& path : made) base::sync_folder(path.parent_path());
 }
 
 bool holds_bake(const fs::path& folder) {

@@ -19,7 +19,7 @@ class FolderLock {
   base::Descriptor descriptor_;
 };
 
-// Makes the folder and those above it. Throws BakeError if the path is something else.
+// Makes the folder and those above it, durably. Throws BakeError if the path is something else.
 void make_folder(const std::filesystem::path& folder);
 
 // Whether a bake was begun there: a manifest of fascicle, a frame cache or a checkpoint.

@@ -23,15 +23,21 @@ FrameWriter::~FrameWriter() {
   thread_.join();
 }
 
-void FrameWriter::put(model::Frame frame) {
+void FrameWriter::do_job(Job& job) const {
+  write_(job.frame);
+  if (job.then) job.then();
+}
+
+void FrameWriter::put(model::Frame frame, std::function<void()> then) {
+  Job job{std::move(frame), std::move(then)};
   if (!thread_.joinable()) {
-    write_(frame);
+    do_job(job);
     return;
   }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_.empty() || failure_; });
   rethrow();
-  waiting_.push_back(std::move(frame));
+  waiting_.push_back(std::move(job));
   changed_.notify_all();
 }
 
@@ -47,19 +53,19 @@ void FrameWriter::rethrow() {
 
 void FrameWriter::work() {
   for (;;) {
-    model::Frame frame;
+    Job job;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return !waiting_.empty() || stops_; });
       if (stops_) return;
-      frame = std::move(waiting_.front());
+      job = std::move(waiting_.front());
       waiting_.pop_front();
       is_writing_ = true;
     }
     changed_.notify_all();
     std::exception_ptr failure;
     try {
-      write_(frame);
+      do_job(job);
     } catch (...) {
       failure = std::current_exception();
     }

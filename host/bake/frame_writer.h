@@ -23,20 +23,26 @@ class FrameWriter {
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
-  // Waits while another frame waits. Throws what an earlier frame's writing threw; nothing is written after
-  // that.
-  void put(model::Frame frame);
+  // Waits while another frame waits. `then`, where it is given, is called once this frame is written and
+  // before the next is. Throws what an earlier frame's writing threw; nothing is written after that.
+  void put(model::Frame frame, std::function<void()> then = {});
   // Waits until all frames are written. Throws as put does.
   void finish();
 
  private:
+  struct Job {
+    model::Frame frame;
+    std::function<void()> then;
+  };
+
   void work();
+  void do_job(Job& job) const;
   void rethrow();
 
   std::function<void(model::Frame&)> write_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<model::Frame> waiting_;  // at most one
+  std::deque<Job> waiting_;  // at most one
   bool is_writing_ = false, stops_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses the others

@@ -8,6 +8,7 @@
 #include "host/bake/checkpoint.h"
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
+#include "host/bake/read_frame_cache.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/base/version.h"
@@ -214,7 +215,9 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   Json of_scene = json_of(scene);
   of_scene["solver"]["substeps"] = substeps_of(scene, options);
   of_scene["solver"]["iterations"] = iterations_of(scene, options);
-  const Json manifest{
+  std::vector<std::string> files = file_names(model, options.formats);
+  if (!progress.frames_kept) std::erase(files, cache_name);
+  Json manifest{
       {"kind", kind},
       {"version", 1},
       {"fascicle", {{"version", base::fascicle_version}, {"solver_version", base::solver_version}}},
@@ -222,7 +225,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
       {"message", progress.message},
       {"frames_done", frames_done},
       {"frames", scene::frame_count(scene)},
-      {"files", file_names(model, options.formats)},
+      {"files", std::move(files)},
       {"formats", options.formats},
       {"output",
        {{"fps", scene.fps},
@@ -258,7 +261,14 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
         {"total_seconds", progress.timings.total},
         {"runs", progress.timings.runs}}},
       {"position_hashes", std::move(hashes)}};
+  if (!progress.frames_kept) manifest["frames_kept"] = false;
   return scene::dump(manifest, 2) + '\n';
+}
+
+std::string frames_not_kept_text(const fs::path& folder) {
+  return folder.string() +
+         ": the frames of this bake were not kept (--keep-frames false); bake again with --overwrite and "
+         "without that option";
 }
 
 std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
@@ -274,6 +284,8 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   };
   summary.status = text_at(manifest, "status");
   summary.message = text_at(manifest, "message");
+  if (const auto kept = manifest.find("frames_kept"); kept != manifest.end() && kept->is_boolean())
+    summary.frames_kept = kept->get<bool>();
   if (const auto scene = manifest.find("scene"); scene != manifest.end() && scene->is_object()) {
     summary.scene_name = text_at(*scene, "name");
     summary.scene_source = text_at(*scene, "source");

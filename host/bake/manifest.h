@@ -27,7 +27,8 @@ struct Timings {
 
 struct Progress {
   Status status = Status::running;
-  std::string message;                         // of Status::not_finite and Status::failed
+  std::string message;  // of Status::not_finite and Status::failed
+  bool frames_kept = true;
   std::vector<std::uint64_t> position_hashes;  // of frames 0, 1, ... written so far (model::position_hash)
   Timings timings;
   drive::LeadInSummary lead_in;
@@ -48,6 +49,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
 struct ManifestSummary {
   std::vector<std::string> files;
   std::string status, message;
+  bool frames_kept = true;  // false only of a complete bake
   // Of the scene, as scene::Scene has them: enough to read it again while its inputs are where they were.
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;
@@ -58,6 +60,9 @@ struct ManifestSummary {
   drive::LeadInSummary lead_in;
   ClampedMuscles clamped;
 };
+// What is said where the frames of a bake are wanted and were not kept.
+std::string frames_not_kept_text(const std::filesystem::path& folder);
+
 // Nothing if there is no manifest in the folder or it is not one of fascicle.
 std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);
 

@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/base/parallel.h"
+
 namespace fascicle::base {
 
 namespace fs = std::filesystem;
@@ -29,19 +31,30 @@ fs::path with_suffix(const fs::path& path, const std::string& suffix) {
   return fs::path(path.string() + suffix);
 }
 
-// Writes beside `path`, then renames.
-void replace_file(const fs::path& path, const fs::path& temporary, std::string_view bytes, bool sync) {
+// Leaves nothing where it fails.
+void write_new(const fs::path& path, std::string_view bytes, bool sync) {
   try {
-    File file(temporary, FileMode::replace);
+    File file(path, FileMode::replace);
     file.write(bytes);
     if (sync) file.sync();
     file.close();
+  } catch (const std::system_error&) {
+    std::error_code ignored;
+    fs::remove(path, ignored);
+    throw;
+  }
+}
+
+void replace_file(const fs::path& path, const fs::path& temporary, std::string_view bytes) {
+  write_new(temporary, bytes, true);
+  try {
     rename_over(temporary, path);
   } catch (const std::system_error&) {
     std::error_code ignored;
     fs::remove(temporary, ignored);
     throw;
   }
+  sync_folder(path.parent_path());
 }
 
 }  // namespace
@@ -149,23 +162,27 @@ void sync_folder(const fs::path& folder) {
 }
 
 void write_whole(const fs::path& path, std::string_view bytes) {
-  replace_file(path, with_suffix(path, temporary_suffix), bytes, true);
-  sync_folder(path.parent_path());
+  replace_file(path, with_suffix(path, temporary_suffix), bytes);
 }
 
-void write_whole_unsynced(const fs::path& path, std::string_view bytes) {
-  replace_file(path, with_suffix(path, temporary_suffix), bytes, false);
+void stage(const fs::path& path, std::string_view bytes) {
+  write_new(with_suffix(path, temporary_suffix), bytes, false);
+}
+
+void publish(const fs::path& folder, std::span<const fs::path> paths) {
+  // A disk takes several at a time for hardly more than it takes one.
+  constexpr std::size_t most_at_once = 8;
+  for_each_in_parallel(paths.size(), most_at_once, [&](std::size_t k, std::size_t) {
+    File(with_suffix(paths[k], temporary_suffix), FileMode::modify).sync();
+  });
+  for (const fs::path& path : paths) rename_over(with_suffix(path, temporary_suffix), path);
+  sync_folder(folder);
 }
 
 void write_whole_beside_others(const fs::path& path, std::string_view bytes) {
   static std::atomic<std::uint64_t> count{0};
   const std::string own = "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + temporary_suffix;
-  replace_file(path, with_suffix(path, own), bytes, true);
-  sync_folder(path.parent_path());
-}
-
-void sync_file(const fs::path& path) {
-  File(path, FileMode::modify).sync();
+  replace_file(path, with_suffix(path, own), bytes);
 }
 
 }  // namespace fascicle::base

@@ -57,10 +57,10 @@ std::string lower_extension(const std::filesystem::path& path);
 inline constexpr const char* temporary_suffix = ".tmp";
 // `path` holds either its old content or all of `bytes`, whatever happens.
 void write_whole(const std::filesystem::path& path, std::string_view bytes);
-// The same as far as other processes see, also if this one is killed; durable only after sync_file and
-// sync_folder.
-void write_whole_unsynced(const std::filesystem::path& path, std::string_view bytes);
-void sync_file(const std::filesystem::path& path);
+// The same for several files of one folder: stage() writes the bytes beside `path`, and publish() makes them
+// durable before it gives them their names, in this order.
+void stage(const std::filesystem::path& path, std::string_view bytes);
+void publish(const std::filesystem::path& folder, std::span<const std::filesystem::path> paths);
 
 // The same through a temporary file of a name of its own, so that several may write one path at a time; the
 // last one's stays.

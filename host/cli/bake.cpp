@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/bake/folder.h"
+#include "host/bake/options.h"
 #include "host/bake/outputs.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
@@ -108,21 +109,21 @@ void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, c
   const double total = substep * static_cast<double>(frames) * built.steps.substeps;
   const std::string glb = glb_size_text(arguments, scene, built.model);
   std::cout << "dry run of " << scene.name << ": nothing is written\n"
-            << columns_text(
-                   {{"folder", arguments.folder},
-                    {"vertices", count_text(built.model.vertex_count)},
-                    {"tetrahedra", count_text(built.model.tetrahedron_count())},
-                    {"render vertices", count_text(built.model.surface_count())},
-                    {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
-                                   std::to_string(built.steps.substeps) + " substeps each"},
-                    {"device", simulation.device.text()},
-                    {"solver memory", bytes_text(model::solver_bytes(built.model))},
-                    {"output", bytes_text(bake::output_bytes(scene, built.model, arguments.output.formats,
-                                                             arguments.output.glb))},
-                    {"surface.glb", glb.empty() ? "not asked for" : glb},
-                    {"expected look", expected_look_text(scene, expected, tried)},
-                    {"time", "about " + duration_text(total) + ", the writing beside it (" +
-                                 number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
+            << columns_text({{"folder", arguments.folder},
+                             {"vertices", count_text(built.model.vertex_count)},
+                             {"tetrahedra", count_text(built.model.tetrahedron_count())},
+                             {"render vertices", count_text(built.model.surface_count())},
+                             {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
+                                            std::to_string(built.steps.substeps) + " substeps each"},
+                             {"device", simulation.device.text()},
+                             {"solver memory", bytes_text(model::solver_bytes(built.model))},
+                             {"output", bytes_text(bake::output_bytes(
+                                            scene, built.model, bake::formats_to_write(arguments.output),
+                                            arguments.output.glb))},
+                             {"surface.glb", glb.empty() ? "not asked for" : glb},
+                             {"expected look", expected_look_text(scene, expected, tried)},
+                             {"time", "about " + duration_text(total) + ", the writing beside it (" +
+                                          number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
 }
 
 // How to look at what was written, for each kind of file that can be looked at.
@@ -145,7 +146,9 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
   if (const fs::path* csv = with_extension(".csv"))
     std::cout << "  any plotter: " << csv->string()
               << "  (energy, volume, largest displacement, probes; a row a frame)\n";
-  if (arguments.output.formats.empty())
+  if (!arguments.output.keep_frames)
+    std::cout << "  the frames were not kept: nothing can be exported or drawn later\n";
+  else if (bake::formats_to_write(arguments.output).empty())
     std::cout << "  for Blender: fascicle export " << arguments.folder
               << " --to glb,pc2; for ParaView: the same command with --overwrite --format vtu\n";
 }
@@ -190,6 +193,7 @@ std::string device_list(const std::string& device) {
 
 ManyBakes bakes_of_clips(const BakeArguments& arguments) {
   if (arguments.scene.name.empty()) throw UsageError("--clips: say of which character");
+  const std::vector<std::string> formats = bake::formats_to_write(arguments.output);
   const scene::Scene scene = load(arguments.scene);
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr || !scene.characters.empty())
@@ -215,7 +219,7 @@ ManyBakes bakes_of_clips(const BakeArguments& arguments) {
                  arguments.scene.name,
                  clip.clip,
                  one.overrides.set,
-                 arguments.output.formats,
+                 formats,
                  {"--clip=" + clip.clip},
                  is_kept ? "the character's" : ""};
     bake.options.insert(bake.options.end(), arguments.options.begin(), arguments.options.end());
@@ -247,6 +251,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
     log.info(std::string("scene: ") + scene::default_scene + ", the default (fascicle scenes lists more)");
   }
   const std::vector<DeviceRequest> devices = parse_device_order(arguments.device);
+  (void)bake::formats_to_write(arguments.output);
   scene::Scene scene = load(arguments.scene);
   if (const auto* character = std::get_if<rig::Character>(&scene.geometry);
       character != nullptr && scene.clip.empty() && character->clips.size() > 1)
@@ -314,12 +319,17 @@ void add_bake(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--format", arguments->output.formats,
                    "What to write beside frame cache, manifest and metrics: any of " + formats +
-                       "; the default scene writes pc2,vtu")
+                       ", or none; without it none, and the default scene writes pc2,vtu")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->take_all()
-      ->check(CLI::IsMember(bake::format_names()).description(""))
+      ->check(CLI::IsMember(bake::accepted_formats()).description(""))
       ->option_text("LIST");
+  subcommand
+      ->add_option("--keep-frames", arguments->output.keep_frames,
+                   "false: frames.fascicle goes once the formats are whole; nothing can be exported or drawn "
+                   "later")
+      ->option_text("true|false");
   subcommand
       ->add_option(
           "--device", arguments->device,

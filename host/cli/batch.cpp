@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "host/bake/outputs.h"
+#include "host/bake/options.h"
 #include "host/base/nearest_name.h"
 #include "host/cli/command.h"
 #include "host/cli/many_bakes.h"
@@ -30,10 +30,18 @@ void check(const scene::Job& job) {
     throw scene::SceneError("job." + job.name + ": " + error.what());
   }
   for (const std::string& format : job.formats)
-    if (const std::vector<std::string>& names = bake::format_names();
+    if (const std::vector<std::string> names = bake::accepted_formats();
         std::find(names.begin(), names.end(), format) == names.end())
       throw scene::SceneError("job." + job.name + ": there is no format \"" + format + "\"" +
                               base::nearest_name_hint(format, names));
+  bake::BakeOutput output;
+  output.formats = job.formats;
+  output.keep_frames = job.keep_frames;
+  try {
+    (void)bake::formats_to_write(output);
+  } catch (const bake::ContradictingOptions& error) {
+    throw scene::SceneError("job." + job.name + ": " + error.what());
+  }
 }
 
 OneBake bake_of(const scene::Job& job) {
@@ -41,6 +49,7 @@ OneBake bake_of(const scene::Job& job) {
   if (!job.clip.empty()) bake.options = {"--clip", job.clip};
   for (const std::string& set : job.set) bake.options.push_back("--set=" + set);
   for (const std::string& format : job.formats) bake.options.push_back("--format=" + format);
+  if (!job.keep_frames) bake.options.push_back("--keep-frames=false");
   bake.model = job.scene;
   for (const std::string& set : job.set) bake.model += "\n" + set;
   return bake;
@@ -68,8 +77,8 @@ void add_batch(CLI::App& app, Command& command) {
   subcommand
       ->add_option(
           "JOBS", arguments->jobs,
-          "TOML: [job.NAME] with scene, clips = [...], set = [\"KEY=VALUE\", ...], format = [...] and "
-          "[job.NAME.vary] \"KEY\" = [values]; output and format for all")
+          "TOML: [job.NAME] with scene, clips = [...], set = [\"KEY=VALUE\", ...], format = [...], "
+          "keep_frames and [job.NAME.vary] \"KEY\" = [values]; output, format and keep_frames for all")
       ->required()
       ->option_text(" ");
   subcommand

@@ -24,7 +24,8 @@ bake::ManifestSummary manifest_of(const fs::path& folder) {
   return std::move(*manifest);
 }
 
-bake::FrameCacheReader cache_of(const fs::path& folder) {
+bake::FrameCacheReader cache_of(const fs::path& folder, const bake::ManifestSummary& manifest) {
+  if (!manifest.frames_kept) throw bake::BakeError(bake::frames_not_kept_text(folder));
   const fs::path path = folder / bake::cache_name;
   if (!fs::exists(path))
     throw bake::BakeError(path.string() + ": is not there; the bake has no frames yet, or lost them");
@@ -48,7 +49,7 @@ model::Model model_of(const fs::path& folder, const bake::CacheHeader& header) {
 OpenBake::OpenBake(const fs::path& folder)
     : folder_(folder),
       manifest_(manifest_of(folder)),
-      cache_(cache_of(folder)),
+      cache_(cache_of(folder, manifest_)),
       model_(model_of(folder, cache_.header())) {}
 
 const scene::Scene& OpenBake::scene() {

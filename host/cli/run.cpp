@@ -59,6 +59,8 @@ ExitCode run_command(const Command& command, Log& log) {
     return report(log, error.what(), ExitCode::bad_usage);
   } catch (const bake::FolderInUse& error) {
     return report(log, error.what(), ExitCode::bad_usage);
+  } catch (const bake::ContradictingOptions& error) {
+    return report(log, error.what(), ExitCode::bad_usage);
   } catch (const scene::SceneError& error) {
     return report(log, error.what(), ExitCode::bad_input);
   } catch (const bake::BakeError& error) {

@@ -51,14 +51,13 @@ fs::path FrameFiles::path_of(std::uint64_t frame) const {
 }
 
 void FrameFiles::write(std::uint64_t frame, std::string_view bytes) {
-  base::write_whole_unsynced(path_of(frame), bytes);
-  unsynced_.push_back(frame);
+  base::stage(path_of(frame), bytes);
+  staged_.push_back(path_of(frame));
 }
 
 void FrameFiles::sync() {
-  for (const std::uint64_t frame : unsynced_) base::sync_file(path_of(frame));
-  base::sync_folder(folder_);
-  unsynced_.clear();
+  base::publish(folder_, staged_);
+  staged_.clear();
 }
 
 }  // namespace fascicle::formats

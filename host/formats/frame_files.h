@@ -23,7 +23,7 @@ class FrameFiles {
   const std::filesystem::path& folder() const { return folder_; }
   std::uint64_t number_of(std::uint64_t frame) const { return first_number_ + frame; }
   void write(std::uint64_t frame, std::string_view bytes);
-  // What was written so far survives a power cut.
+  // Gives what was written so far its names; it survives a power cut.
   void sync();
 
  private:
@@ -32,7 +32,7 @@ class FrameFiles {
   std::filesystem::path folder_;
   std::string extension_;
   std::uint64_t first_number_ = 0;
-  std::vector<std::uint64_t> unsynced_;  // frames written since the last sync
+  std::vector<std::filesystem::path> staged_;  // written since the last sync
 };
 
 }  // namespace fascicle::formats

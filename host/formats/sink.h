@@ -62,10 +62,10 @@ struct BakeInfo {
 };
 
 // Writes one format, frame by frame; no sink holds more than a frame. Files appear whole: written beside
-// their place (NAME.part), synced and renamed in finish, or one whole file a frame. Only the frame cache
-// grows under its own name, in records that carry a checksum. A resumed bake calls begin with first > 0: the
-// sink drops what it has of that frame and later ones and goes on; it throws BakeError if frames before are
-// missing.
+// their place (NAME.part), synced and renamed in finish, or one whole file a frame, which sync names. Only
+// the frame cache grows under its own name, in records that carry a checksum. A resumed bake calls begin with
+// first > 0: the sink drops what it has of that frame and later ones and goes on; it throws BakeError if
+// frames before are missing.
 struct FrameSink {
   virtual ~FrameSink() = default;
   virtual std::string name() const = 0;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "host/bake/folder.h"
+#include "host/bake/options.h"
 #include "host/base/content_hash.h"
 #include "host/build/cache.h"
 #include "host/build/filled_body.h"
@@ -112,8 +113,9 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   PreparedBake& prepared = *made;
   prepared.scene = std::move(given);
   const scene::Scene& scene = prepared.scene;
-  // Both are refused before the work of building, not after it.
+  // These are refused before the work of building, not after it.
   bake::number_of_first(scene, request.output);
+  (void)bake::formats_to_write(request.output);
   const auto warn = [&](const std::string& text) {
     if (text.empty()) return;
     say_warning(say, text);

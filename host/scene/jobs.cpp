@@ -47,6 +47,14 @@ std::vector<std::string> texts_at(const toml::table& table, const std::string& p
   return texts;
 }
 
+bool flag_at(const toml::table& table, const std::string& path, const char* key, bool otherwise) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return otherwise;
+  const std::optional<bool> value = node->value_exact<bool>();
+  if (!value) fail(node->source(), join_path(path, key), "takes true or false");
+  return *value;
+}
+
 const toml::table& table_of(const toml::node& node, const std::string& path) {
   if (!node.is_table()) fail(node.source(), path, "is a table: [" + path + "]");
   return *node.as_table();
@@ -124,19 +132,20 @@ std::vector<NamedClip> clips_of(const toml::table& table, const std::string& pat
 }
 
 std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
-                         const std::filesystem::path& folder, const std::vector<std::string>& formats) {
+                         const std::filesystem::path& folder, const Job& of_all) {
   const std::string path = join_path("job", name);
-  check_keys(table, path, {"scene", "clips", "set", "format", "vary"});
+  check_keys(table, path, {"scene", "clips", "set", "format", "keep_frames", "vary"});
   Job job{.name = file_name(name),
           .scene = text_at(table, path, "scene"),
           .clip = {},
           .set = texts_at(table, path, "set"),
-          .formats = texts_at(table, path, "format")};
+          .formats = texts_at(table, path, "format"),
+          .keep_frames = flag_at(table, path, "keep_frames", of_all.keep_frames)};
   if (job.scene.empty()) fail(table.source(), path, "lacks scene");
   if (job.name.empty())
     fail(table.source(), path, "has a name that cannot be a file's; use letters and digits");
   if (std::filesystem::is_regular_file(folder / job.scene)) job.scene = (folder / job.scene).string();
-  if (job.formats.empty()) job.formats = formats;
+  if (job.formats.empty()) job.formats = of_all.formats;
 
   const std::vector<NamedClip> clips = clips_of(table, path, job);
   std::vector<Job> jobs;
@@ -168,17 +177,19 @@ toml::table parse(const std::filesystem::path& file) {
 
 Jobs read_jobs(const std::filesystem::path& file) {
   const toml::table root = parse(file);
-  check_keys(root, "", {"output", "format", "job"});
+  check_keys(root, "", {"output", "format", "keep_frames", "job"});
   Jobs jobs;
   jobs.output = text_at(root, "", "output");
   if (jobs.output.empty()) jobs.output = std::filesystem::path("out") / file.stem();
-  const std::vector<std::string> formats = texts_at(root, "", "format");
+  Job of_all;
+  of_all.formats = texts_at(root, "", "format");
+  of_all.keep_frames = flag_at(root, "", "keep_frames", true);
   const toml::node* list = root.get("job");
   if (list == nullptr) fail(root.source(), "job", "is missing; give at least one [job.NAME]");
   std::set<std::string> names;  // in lower case: some file systems have one folder for both
   for (const auto& [name, node] : in_order(table_of(*list, "job"))) {
     const std::string path = join_path("job", name->str());
-    for (Job& job : jobs_of(std::string(name->str()), table_of(*node, path), file.parent_path(), formats)) {
+    for (Job& job : jobs_of(std::string(name->str()), table_of(*node, path), file.parent_path(), of_all)) {
       if (job.name.front() == '.' || job.name.size() > longest_job_name || job.name == batch_summary)
         fail(name->source(), path,
              "makes a bake called " + job.name +

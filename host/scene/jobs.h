@@ -19,6 +19,7 @@ struct Job {
   std::string clip;   // empty: the first
   std::vector<std::string> set;
   std::vector<std::string> formats;
+  bool keep_frames = true;
 };
 
 struct Jobs {
@@ -29,7 +30,8 @@ struct Jobs {
 // TOML:
 //
 //   output = "out/walks"             without it out/ and the file's name; relative to the current folder
-//   format = ["pc2"]                 of jobs that say none
+//   format = ["pc2"]                 of jobs that say none, and so is
+//   keep_frames = false
 //   [job.fat-man]
 //   scene = "fat-man.glb"            relative to the file, or a built-in name
 //   clips = ["walk", "jump"]         a bake for each, "all": of all that there are; without it the first

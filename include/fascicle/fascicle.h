@@ -169,9 +169,9 @@ typedef struct fascicle_bake fascicle_bake;
 
 typedef struct fascicle_bake_options {
   size_t struct_size;
-  const char* folder; /* to write; must be given */
-  const char* const*
-      formats; /* format_count of fascicle_format_name, beside frame cache, manifest and metrics */
+  const char* folder;         /* to write; must be given */
+  const char* const* formats; /* format_count of fascicle_format_name, beside frame cache, manifest and
+                                 metrics; "none" alone: none, on purpose */
   size_t format_count;
   /* See fascicle_device_open; NULL: "auto". Of several, separated by commas, the next goes on where one fails, with the
    * same bits; "all": every real GPU, then the CPU. */
@@ -195,6 +195,7 @@ typedef struct fascicle_bake_options {
   void* log_user;
   fascicle_progress_function* progress; /* NULL: nobody watches */
   void* progress_user;
+  int keep_frames; /* 0: the frame cache goes once the formats are whole; takes a format, or "none" */
 } fascicle_bake_options;
 
 FASCICLE_API void fascicle_bake_options_init(fascicle_bake_options* options, size_t struct_size);

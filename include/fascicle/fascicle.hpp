@@ -168,7 +168,7 @@ struct bake_options {
   std::uint32_t threads = 0;
   std::optional<std::string> mesher = {};
   std::optional<std::string> cache = {};  // "": none
-  bool overwrite = false, resume = false, usd_skel = false;
+  bool overwrite = false, resume = false, usd_skel = false, keep_frames = true;
   std::optional<std::uint32_t> first_frame = {};
   std::uint64_t glb_stride = 1;
   std::optional<double> glb_error = {}, glb_tolerance = {}, glb_compress = {};  // m
@@ -208,6 +208,7 @@ inline bake_result bake(const scene& scene, const bake_options& options) {
   c.overwrite = options.overwrite ? 1 : 0;
   c.resume = options.resume ? 1 : 0;
   c.usd_skel = options.usd_skel ? 1 : 0;
+  c.keep_frames = options.keep_frames ? 1 : 0;
   if (options.first_frame) c.first_frame = *options.first_frame;
   c.glb_stride = options.glb_stride;
   c.glb_error = detail::number(options.glb_error);

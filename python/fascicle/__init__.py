@@ -28,22 +28,24 @@ __all__ = [
 ]
 
 def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softness=None, exaggerate=None, converter=None,
-         set=None, formats=(), device="auto", threads=0, mesher=None, cache=None, overwrite=False, resume=False, usd_skel=False,
-         first_frame=None, glb_stride=1, glb_error=None, glb_tolerance=None, glb_compress=None, progress=None,
-         log=_log_to_logging, **tables):
+         set=None, formats=(), device="auto", threads=0, mesher=None, cache=None, overwrite=False, resume=False,
+         keep_frames=True, usd_skel=False, first_frame=None, glb_stride=1, glb_error=None, glb_tolerance=None,
+         glb_compress=None, progress=None, log=_log_to_logging, **tables):
     """Builds, simulates and writes a scene, as `fascicle bake` does, with the same bytes.
 
     scene          a Scene, or what Scene takes: a scene file, a mesh, a character or a built-in scene
     folder         to write; None: out/ and the scene's name
     clip, fps, start, end, softness, exaggerate, converter, set, **tables
                    as Scene takes them: layers={"fat": {"material": "fat"}}. Not beside a Scene
-    formats        what to write beside frame cache, manifest and metrics: see formats()
+    formats        what to write beside frame cache, manifest and metrics: see formats(); "none": nothing
     device         as Device takes it; of several, "vulkan:0,cpu", the next goes on where one fails
     threads        of the CPU solver; 0: one for each core
     mesher         the program fascicle-mesher; None: found beside the library, in its prefix or on PATH
     cache          folder for filled bodies, starts and compiled shaders; "": none; None: as the program's
     overwrite      replaces the bake that is in the folder
     resume         goes on with the bake that is in the folder, to the same bytes
+    keep_frames    False: the frame cache goes once the formats are whole; nothing can be exported or drawn later. Takes
+                   a format, or formats="none" where the metrics are all you want
     usd_skel       in usda skinning alone stands beside the baked points
     first_frame    number of the first frame in what other programs read; None: what is written begins at 0
     glb_stride     glb: a morph target every so many frames
@@ -71,6 +73,6 @@ def bake(scene, folder=None, *, clip=None, fps=None, start=None, end=None, softn
         formats = formats.split(",")
     return _run_bake(
         scene, _os.path.join("out", scene.name) if folder is None else folder, formats=list(formats), device=device,
-        threads=threads, mesher=mesher, cache=cache, overwrite=overwrite, resume=resume, usd_skel=usd_skel,
-        first_frame=first_frame, glb_stride=glb_stride, glb_error=glb_error, glb_tolerance=glb_tolerance,
-        glb_compress=glb_compress, progress=_progress_function(progress), log=log)
+        threads=threads, mesher=mesher, cache=cache, overwrite=overwrite, resume=resume, keep_frames=keep_frames,
+        usd_skel=usd_skel, first_frame=first_frame, glb_stride=glb_stride, glb_error=glb_error,
+        glb_tolerance=glb_tolerance, glb_compress=glb_compress, progress=_progress_function(progress), log=log)

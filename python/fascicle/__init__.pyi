@@ -103,6 +103,7 @@ def bake(
     cache: _Path | None = None,
     overwrite: bool = False,
     resume: bool = False,
+    keep_frames: bool = True,
     usd_skel: bool = False,
     first_frame: int | None = None,
     glb_stride: int = 1,

@@ -1,4 +1,5 @@
 // fascicle bake as a user runs it.
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <signal.h>
 
+#include "tests/bake/traced_disk.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -108,6 +110,92 @@ TEST(Bake, SetReachesTheManifestAndTheMotion) {
   EXPECT_NE(plain.at("position_hashes"), set.at("position_hashes"));
   const json fps = bake("fps", {"--fps", "30"});
   EXPECT_EQ(fps.at("frames"), 3);
+}
+
+TEST(Bake, FramesThatAreNotKeptAreNotThere) {
+  const TemporaryFolder folder;
+  const auto bake = [&](const std::string& name, const std::vector<std::string>& extra) {
+    std::vector<std::string> arguments{"bake",  "bar-hang-none", "-o",       folder / name,
+                                       "--end", "0.05",          "--device", "cpu"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return fascicle(arguments);
+  };
+  const std::vector<std::string> pc2{"--format", "pc2", "--keep-frames", "false"};
+  const Outcome outcome = bake("a", pc2);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "surface.pc2") && contains(outcome.out, "the frames were not kept"));
+  EXPECT_FALSE(contains(outcome.out, "frames.fascicle")) << outcome.out;
+  ASSERT_EQ(bake("kept", {"--format", "pc2"}).status, 0);
+  for (const char* file : {"surface.pc2", "metrics.csv"})
+    EXPECT_TRUE(read_text(folder.path() / "a" / file) == read_text(folder.path() / "kept" / file)) << file;
+  EXPECT_FALSE(std::filesystem::exists(folder / "a/frames.fascicle"));
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"render", folder / "a", "-o", folder / "a.png"},
+        {"export", folder / "a", "--to", "mdd"}}) {
+    const Outcome refused = fascicle(command);
+    EXPECT_EQ(refused.status, 3);
+    EXPECT_TRUE(contains(refused.err, "were not kept (--keep-frames false); bake again with --overwrite"))
+        << refused.err;
+  }
+  EXPECT_EQ(fascicle({"bake", "bar-hang-none", "-o", folder / "a", "--end", "0.05", "--device", "cpu",
+                      "--format", "pc2", "--keep-frames", "false", "--resume"})
+                .status,
+            0);
+}
+
+TEST(Bake, WritesNoFormatWhereThatIsSaid) {
+  const TemporaryFolder folder;
+  const auto bake = [&](const std::string& name, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "bake");
+    arguments.insert(arguments.end(), {"-o", folder / name, "--end", "0.05", "--device", "cpu"});
+    return fascicle(arguments);
+  };
+  // Of the default scene too, which writes two formats where nothing is said.
+  const Outcome none = bake("none", {"--format", "none"});
+  ASSERT_EQ(none.status, 0) << none.err;
+  EXPECT_TRUE(manifest_of(folder.path() / "none").at("formats").empty());
+  EXPECT_TRUE(std::filesystem::exists(folder / "none/frames.fascicle"));
+  EXPECT_TRUE(contains(none.out, "fascicle export")) << none.out;
+  const Outcome metrics = bake("metrics", {"bar-hang-none", "--format", "none", "--keep-frames", "false"});
+  ASSERT_EQ(metrics.status, 0) << metrics.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "metrics/metrics.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "metrics/frames.fascicle"));
+  for (const auto& [arguments, reason] :
+       {std::pair{std::vector<std::string>{"bar-hang-none", "--keep-frames", "false"},
+                  "would leave no motion"},
+        {std::vector<std::string>{"bar-hang-none", "--format", "pc2,none"}, "exclude each other"},
+        {std::vector<std::string>{"crouch", "--clips", "all", "--keep-frames", "false"},
+         "would leave no motion"}}) {
+    const Outcome refused = bake("refused", arguments);
+    EXPECT_EQ(refused.status, 2) << refused.err;
+    EXPECT_TRUE(contains(refused.err, reason)) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "refused"));
+  }
+}
+
+// tests/bake/durability_test.cpp cuts the power; this is the program itself, with checkpoints by the clock.
+TEST(Bake, IsWrittenInASafeOrder) {
+  if (const std::string without = why_no_strace(); !without.empty())
+    GTEST_SKIP() << "SKIPPED, NOT TESTED: " << without;
+  const TemporaryFolder folder;
+  const std::vector<DiskCall> calls =
+      traced(FASCICLE_PROGRAM " bake arm --end 0.2 --format pc2,obj --device cpu --keep-frames false -o " +
+                 (folder / "out"),
+             folder / "out");
+  std::string wrong;
+  for (const std::string& one :
+       wrong_orders(calls, folder / "out", [](const std::string&, bool) { return true; }))
+    wrong += one + "\n";
+  EXPECT_EQ(wrong, "");
+  // The frames go after the manifest that says so.
+  const auto is_last = [&](DiskCall::Kind kind, const std::string& to) {
+    const auto found = std::find_if(calls.rbegin(), calls.rend(), [&](const DiskCall& call) {
+      return call.kind == kind && (kind == DiskCall::Kind::rename ? call.to : call.path) == to;
+    });
+    return calls.rend() - found;
+  };
+  EXPECT_LT(is_last(DiskCall::Kind::rename, folder / "out/manifest.json"),
+            is_last(DiskCall::Kind::remove, folder / "out/frames.fascicle"));
 }
 
 TEST(Bake, FolderInUseIsRefused) {

@@ -130,11 +130,18 @@ TEST(Batch, RefusesBeforeItBegins) {
   EXPECT_TRUE(
       contains(refusal(good + "[job.bad]\nscene = \"arm\"\nset = [\"layers.fat.alpa=1\"]\n", 3), "alpha"));
   EXPECT_TRUE(contains(refusal(good + "[job.bad]\nscene = \"arm\"\nformat = [\"pc3\"]\n", 3), "pc2"));
+  EXPECT_TRUE(contains(refusal(good + "[job.bad]\nscene = \"arm\"\nkeep_frames = false\n", 3),
+                       "job.bad: --keep-frames false without --format"));
   EXPECT_TRUE(contains(refusal(good, 2, {"--device", "cpu,gpu"}), "gpu"));
   EXPECT_TRUE(contains(refusal(good, 4, {"--device", "cpu,vulkan:99"}), "vulkan:99"));
   const Outcome plan = fascicle({"batch", list_in(folder, good), "--dry-run"});
   EXPECT_EQ(plan.status, 0) << plan.err;
   EXPECT_TRUE(contains(plan.out, "fascicle bake bar-beta-1")) << plan.out;
+  EXPECT_FALSE(contains(plan.out, "--keep-frames")) << plan.out;
+  const std::string metrics = "format = [\"none\"]\nkeep_frames = false\n";
+  const Outcome bare = fascicle({"batch", list_in(folder, metrics + good), "--dry-run"});
+  EXPECT_EQ(bare.status, 0) << bare.err;
+  EXPECT_TRUE(contains(bare.out, "--format=none") && contains(bare.out, "--keep-frames=false")) << bare.out;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
 }
 

@@ -316,6 +316,28 @@ TEST(CApi, ACancelledBakeGoesOnToTheSameBits) {
   fascicle_scene_destroy(scene);
 }
 
+TEST(CApi, ABakeNeedNotKeepFrames) {
+  const Folder folder;
+  fascicle_scene* scene = parsed();
+  const std::string out = folder / "out";
+  fascicle_bake_options options = options_for(out);
+  EXPECT_EQ(options.keep_frames, 1);
+  const char* formats[] = {"none"};
+  options.formats = formats;
+  options.format_count = 1;
+  options.keep_frames = 0;
+  ASSERT_EQ(fascicle_bake_run(scene, &options, nullptr), FASCICLE_OK) << message();
+  EXPECT_TRUE(std::filesystem::exists(out + "/metrics.csv"));
+  EXPECT_FALSE(std::filesystem::exists(out + "/frames.fascicle"));
+  // A program with headers from before the option keeps them.
+  const std::string old = folder / "old";
+  options = options_for(old);
+  options.struct_size = offsetof(fascicle_bake_options, keep_frames);
+  ASSERT_EQ(fascicle_bake_run(scene, &options, nullptr), FASCICLE_OK) << message();
+  EXPECT_TRUE(std::filesystem::exists(old + "/frames.fascicle"));
+  fascicle_scene_destroy(scene);
+}
+
 TEST(CApi, BadBakeOptionsAreRefused) {
   const Folder folder;
   fascicle_scene* scene = parsed();
@@ -330,6 +352,10 @@ TEST(CApi, BadBakeOptionsAreRefused) {
   using Options = fascicle_bake_options;
   refused(FASCICLE_BAD_ARGUMENT, "folder", [](Options& o) { o.folder = nullptr; });
   refused(FASCICLE_BAD_ARGUMENT, "mp3", [&](Options& o) { o.formats = formats, o.format_count = 1; });
+  refused(FASCICLE_BAD_ARGUMENT, "would leave no motion", [](Options& o) { o.keep_frames = 0; });
+  const char* both[] = {"none", "pc2"};
+  refused(FASCICLE_BAD_ARGUMENT, "exclude each other",
+          [&](Options& o) { o.formats = both, o.format_count = 2; });
   refused(FASCICLE_BAD_ARGUMENT, "formats is null", [](Options& o) { o.format_count = 1; });
   refused(FASCICLE_BAD_ARGUMENT, "exclude", [](Options& o) { o.overwrite = o.resume = 1; });
   refused(FASCICLE_BAD_ARGUMENT, "glb_stride", [](Options& o) { o.glb_stride = 0; });

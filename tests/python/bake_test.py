@@ -41,6 +41,16 @@ class Bake(InFolder):
         with self.assertRaisesRegex(TypeError, "end belongs to the scene"):
             fascicle.bake(scene, self.path("a"), end=0.1)
 
+    def test_keeps_no_frames_where_none_are_wanted(self):
+        scene = fascicle.Scene.parse(SMALL_BAR)
+        fascicle.bake(scene, self.path("a"), device="cpu", cache="", formats="pc2", keep_frames=False)
+        self.assertTrue(os.path.exists(self.path("a", "surface.pc2")))
+        self.assertFalse(os.path.exists(self.path("a", "frames.fascicle")))
+        with self.assertRaisesRegex(fascicle.BadArgument, "would leave no motion"):
+            fascicle.bake(scene, self.path("b"), device="cpu", cache="", keep_frames=False)
+        fascicle.bake(scene, self.path("b"), device="cpu", cache="", formats="none", keep_frames=False)
+        self.assertTrue(os.path.exists(self.path("b", "metrics.csv")))
+
     def test_errors_carry_the_message_of_the_program(self):
         with self.assertRaises(fascicle.BadInput) as caught:
             fascicle.Scene("no-such-scene")

@@ -63,6 +63,14 @@ TEST_F(ReadJobs, TakesEachCombinationOfClipsAndValues) {
   EXPECT_EQ(read.jobs[4].clip, "");
 }
 
+TEST_F(ReadJobs, KeepsFramesAsItSaysOrAsAllDo) {
+  const scene::Jobs read =
+      jobs("keep_frames = false\n[job.a]\nscene = \"jump\"\n[job.b]\nscene = \"arm\"\nkeep_frames = true\n");
+  EXPECT_FALSE(read.jobs[0].keep_frames);
+  EXPECT_TRUE(read.jobs[1].keep_frames);
+  EXPECT_TRUE(jobs("[job.a]\nscene = \"jump\"\n").jobs[0].keep_frames);
+}
+
 TEST_F(ReadJobs, FindsScenesBesideTheFile) {
   (void)write("", "mine.toml");
   const scene::Jobs read = jobs("[job.a]\nscene = \"mine.toml\"\n[job.b]\nscene = \"jump\"\n");
@@ -85,6 +93,7 @@ TEST_F(ReadJobs, RefusesWithLineAndKey) {
       {"[job.a]\nscen = \"jump\"\n", ":2: job.a.scen: unknown; did you mean scene?"},
       {"[job.a]\nscene = 3\n", ":2: job.a.scene: takes a text"},
       {"[job.a]\nscene = \"jump\"\nclips = \"walk\"\n", ":3: job.a.clips: takes a list of texts"},
+      {"[job.a]\nscene = \"jump\"\nkeep_frames = 1\n", ":3: job.a.keep_frames: takes true or false"},
       {"[job.a]\nscene = \"jump\"\nvary = 2\n", ":3: job.a.vary: is a table"},
       {"[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.fps\" = 3\n", "takes a list of values"},
       {"[job.\"***\"]\nscene = \"jump\"\n", "has a name that cannot be a file's"},
