@@ -96,8 +96,9 @@ std::vector<scene::Job> chosen_jobs(const std::vector<scene::Job>& jobs, const s
     }
     std::vector<std::string> names;
     for (const scene::Job& job : jobs) names.push_back(job.name);
+    const std::string hint = base::nearest_name_hint(word, names);
     throw UsageError("--job: there is no job \"" + word + "\" among the " + std::to_string(jobs.size()) +
-                     "; --dry-run lists them" + base::nearest_name_hint(word, names));
+                     (hint.empty() ? "; --dry-run lists them" : hint));
   }
   if (chosen.empty()) throw UsageError("--job: names no job");
   return chosen;

@@ -84,7 +84,7 @@ class Batch {
       show();
     }
     log_.clear_bar();
-    if (waiting_.empty()) log_.share(1.0);
+    if (!interrupted) log_.share(1.0);
     print_results();
     if (!asked_.is_part) write_summary();
     return code(interrupted);

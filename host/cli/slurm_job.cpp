@@ -61,7 +61,7 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
       "node\n"
       "# away. The bake ends its frame; a second signal would end it at once.\n"
       "warned=\n"
-          "trap 'warned=1; kill -TERM \"$bake\"; trap \"warned=1\" TERM' TERM\n"
+      "trap 'warned=1; kill -TERM \"$bake\"; trap \"warned=1\" TERM' TERM\n"
       "wait \"$bake\"\n"
       "status=$?\n"
       "# A signal ends the wait, not the bake.\n"
@@ -96,6 +96,14 @@ std::string merge_script(const fs::path& folder, const FarmBatch& batch, const s
   return text + settings(folder, batch) + "\nexec \"$fascicle\" batch status \"$folder\" --merge\n";
 }
 
+// Slurm reads a % in the name of a log's folder as one of its own: there the whole name is given with each
+// doubled.
+std::string log_option(const fs::path& folder, const std::string& name) {
+  std::string text;
+  for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
+  return text == folder.string() ? "" : "--output=" + in_quotes(text + "/log/" + name) + " ";
+}
+
 std::string submit_text(const fs::path& folder) {
   return "#!/bin/sh\n"
          "# Hands the bakes of array.sbatch to Slurm, and their merge after them; `submitted` keeps their "
@@ -103,10 +111,14 @@ std::string submit_text(const fs::path& folder) {
          "set -eu\ncd " +
          in_quotes(folder.string()) +
          "\nmkdir -p log\n"
-         "array=$(sbatch --parsable array.sbatch)\n"
+         "array=$(sbatch --parsable " +
+         log_option(folder, "%a.txt") +
+         "array.sbatch)\n"
          "array=${array%%;*}\n"
          "echo \"array $array\" > submitted\n"
-         "merge=$(sbatch --parsable --dependency=\"afterany:$array\" merge.sbatch)\n"
+         "merge=$(sbatch --parsable " +
+         log_option(folder, "merge.txt") +
+         "--dependency=\"afterany:$array\" merge.sbatch)\n"
          "merge=${merge%%;*}\n"
          "echo \"merge $merge\" >> submitted\n"
          "echo \"handed to Slurm: array $array, merge $merge\"\n";
