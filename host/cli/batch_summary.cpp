@@ -46,7 +46,8 @@ std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem:
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   try {
     std::vector<SummaryRow> rows;
-    for (const SummaryJson& row : SummaryJson::parse(text).at("jobs"))
+    const SummaryJson summary = SummaryJson::parse(text);
+    for (const SummaryJson& row : summary.at("jobs"))
       rows.push_back({.job = row.at("job"),
                       .folder = output / row.at("job").get<std::string>(),
                       .scene = row.at("scene"),

@@ -164,7 +164,9 @@ TEST(BatchFarm, JobsBesideEachOtherLeaveBatchJsonToTheMerge) {
     for (const char* key : {"job", "scene", "clip", "set", "format", "status", "exit_status",
                             "last_position_hash", "error", "warnings"})
       EXPECT_EQ(merged.at(k).at(key), whole.at(k).at(key)) << k << key;
-  EXPECT_EQ(fascicle({"batch", "status", farm.output()}).status, 0);
+  status = fascicle({"batch", "status", farm.output()});
+  EXPECT_EQ(status.status, 0) << status.err;
+  EXPECT_TRUE(contains(status.out, ": 4 done\n")) << status.out;
 }
 
 // Of a failure that left no manifest the record tells, of a process that was killed that it is gone.

@@ -86,7 +86,7 @@ class Slurm(unittest.TestCase):
         if IS_LONG:
             values = ", ".join(str(40000 + 1000 * k) for k in range(JOBS // 2))
             text += ('[job.bear]\nscene = "crouch"\nclips = "all"\n'
-                     'set = ["scene.end=1.0", "motion.hold=0.0", "character.resolution=0.12"]\n\n'
+                     'set = ["scene.end=0.5", "motion.hold=0.0", "character.resolution=0.12"]\n\n'
                      '[job.bear.vary]\n"layers.fat.youngs_modulus" = [%s]\n' % values)
         else:
             values = ", ".join("%.3f" % (0.3 + 0.5 * k / JOBS) for k in range(JOBS))
@@ -262,6 +262,7 @@ class Slurm(unittest.TestCase):
         self.hold_all()
         final = self.status("bakes")
         self.assertEqual(final.returncode, 0, final.stdout)
+        self.assertIn("%d jobs in bakes: %d done\n" % (JOBS, JOBS), final.stdout)
         transcript.add("fascicle batch status bakes", final.stdout, keep=4)
         if TRANSCRIPT:
             transcript.say("all files of all %d bakes have the bytes of `fascicle batch` unbroken" % JOBS)
