@@ -101,7 +101,7 @@ FarmBatch farm_batch(const BatchArguments& arguments) {
 }
 
 // What a person wants to know before it is handed over.
-void print_farm(const BatchArguments& arguments, const FarmBatch& batch, const fs::path& written) {
+void print_farm(const BatchArguments& arguments, const FarmBatch& batch) {
   std::size_t most = 0;
   for (const std::vector<std::string>& task : batch.tasks) most = std::max(most, task.size());
   std::vector<std::pair<std::string, std::string>> rows{
@@ -113,10 +113,11 @@ void print_farm(const BatchArguments& arguments, const FarmBatch& batch, const f
       {"bakes go to", batch.jobs.output.string()}};
   if (arguments.emit == "slurm") {
     rows.insert(rows.begin() + 3, {"its time limit", duration_text(batch.seconds)});
-    rows.emplace_back("hand it over", shell_word((written / "submit").string()));
-    rows.emplace_back("how it stands", "fascicle batch status " + shell_word(written.string()));
+    if (!arguments.submit)
+      rows.emplace_back("hand it over", shell_word((fs::path(arguments.output) / "submit").string()));
+    rows.emplace_back("how it stands", "fascicle batch status " + shell_word(arguments.output));
   }
-  std::cout << (arguments.many.dry_run ? "dry run: nothing is written\n" : "wrote " + written.string() + "\n")
+  std::cout << (arguments.many.dry_run ? "dry run: nothing is written\n" : "wrote " + arguments.output + "\n")
             << columns_text(rows);
 }
 
@@ -147,7 +148,7 @@ ExitCode emit_jobs(const BatchArguments& arguments, Log& log) {
         "fewer");
   if (!arguments.many.dry_run && is_slurm) write_slurm_job(written, batch, arguments.slurm_options);
   if (!arguments.many.dry_run && !is_slurm) write_openjd_template(written, batch);
-  print_farm(arguments, batch, written);
+  print_farm(arguments, batch);
   if (arguments.submit && !arguments.many.dry_run) {
     std::cout.flush();
     submit_slurm_job(written);

@@ -20,14 +20,6 @@ std::string directive(const std::string& option) {
   return "#SBATCH " + option + "\n";
 }
 
-// What both scripts begin with, after their own first lines.
-std::string settings(const fs::path& folder, const FarmBatch& batch) {
-  return "\nfascicle=" + in_quotes(batch.program.string()) + "\nlist=" + in_quotes(batch.list.string()) +
-         "\noutput=" + in_quotes(batch.jobs.output.string()) + "\nfolder=" + in_quotes(folder.string()) +
-         "\n# Names of scenes that are no absolute paths are relative to it.\ncd " +
-         in_quotes(batch.here.string()) + " || exit 1\n";
-}
-
 std::string array_script(const fs::path& folder, const FarmBatch& batch, const std::string& options) {
   const std::string count = std::to_string(batch.jobs.jobs.size());
   std::string text =
@@ -48,7 +40,9 @@ std::string array_script(const fs::path& folder, const FarmBatch& batch, const s
   text += directive("--open-mode=append");
   text += directive("--output=log/%a.txt");
   if (!options.empty()) text += directive(options);
-  text += settings(folder, batch);
+  text += "\nfascicle=" + in_quotes(batch.program.string()) + "\nlist=" + in_quotes(batch.list.string()) +
+          "\noutput=" + in_quotes(batch.jobs.output.string()) + "\nfolder=" + in_quotes(folder.string()) +
+          "\n# Scenes may be named from here.\ncd " + in_quotes(batch.here.string()) + " || exit 1\n";
   text +=
       "task=${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\n"
       "jobs=$(sed -n \"${SLURM_ARRAY_TASK_ID}p\" \"$folder/tasks\")\n"
@@ -93,7 +87,8 @@ std::string merge_script(const fs::path& folder, const FarmBatch& batch, const s
   text += directive("--requeue");
   text += directive("--output=log/merge.txt");
   if (!options.empty()) text += directive(options);
-  return text + settings(folder, batch) + "\nexec \"$fascicle\" batch status \"$folder\" --merge\n";
+  return text + "\nexec " + in_quotes(batch.program.string()) + " batch status " +
+         in_quotes(folder.string()) + " --merge\n";
 }
 
 // Slurm reads a % in the name of a log's folder as one of its own: there the whole name is given with each

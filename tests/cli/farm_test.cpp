@@ -1,6 +1,7 @@
 // A batch handed over: what the scripts say, that any shell reads them as they are meant, that tasks beside
 // each other write no file twice, and that status tells from the folders how each job stands. tests/farm runs
 // the scripts on a real Slurm.
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -125,7 +126,6 @@ TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
   EXPECT_TRUE(contains(status.out, "interrupted at frame ")) << status.out;
   // What its user cancelled is not queued again.
   fs::remove(farm.home / "asked");
-  fs::remove(farm.output() + "/bar/manifest.json.new");
   EXPECT_EQ(run_task(farm, "COMPLETING", "& sleep 0.7; kill -TERM $!; wait $!\n"), 75)
       << read_text(farm.home / "log");
   EXPECT_FALSE(fs::exists(farm.home / "asked"));

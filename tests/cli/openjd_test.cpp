@@ -4,8 +4,8 @@
 // The rules are those of "Template Schemas [Version: 2023-09]" and "How Jobs Are Run",
 // https://github.com/OpenJobDescription/openjd-specifications/wiki, as far as our template uses them: keys,
 // lengths, characters, and what may be referred to where.
+#include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <regex>
 #include <set>

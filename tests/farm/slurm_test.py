@@ -162,11 +162,11 @@ class Slurm(unittest.TestCase):
                 found[job] = record["process"]
         return found
 
-    def wait_for_end(self, merge):
+    def wait_for_end(self, merge, seconds=60 + 20 * JOBS):
         def has_ended():
             self.cluster.hurry()
             return self.cluster.tasks().get(merge) in ("COMPLETED", "FAILED")
-        self.cluster.wait_for(has_ended, 60 + 20 * JOBS, "the merge to end")
+        self.cluster.wait_for(has_ended, seconds, "the merge to end")
         return self.cluster.tasks()[merge]
 
     def jobs_of_tasks(self):
@@ -268,6 +268,19 @@ class Slurm(unittest.TestCase):
             transcript.say("all files of all %d bakes have the bytes of `fascicle batch` unbroken" % JOBS)
             transcript.write(TRANSCRIPT)
 
+    @unittest.skipUnless(IS_LONG, "Slurm's shortest time limit is a minute: ./do farm")
+    def test_a_bake_outlasts_its_time_limit(self):
+        """One bake that is warned 50 s before the end of each minute it is given, by Slurm itself."""
+        self.list = os.path.join(self.home, "jobs.toml")
+        with open(self.list, "w") as file:
+            file.write('output = "bakes"\n[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=%.1f"]\n'
+                       % (8.0 * self.pace() * 45.0 / SECONDS_OF_A_BAKE))
+        self.bake_plainly()
+        array, merge = self.emit("--slurm", "--time=1 --signal=B:TERM@50")
+        self.assertEqual(self.wait_for_end(merge, 600), "COMPLETED", self.logs())
+        self.assertGreater(self.restarts(array + "_1"), 0, "it was over before it was warned")
+        self.hold_all()
+
     def logs(self):
         text = ""
         folder = os.path.join(self.home, "job", "log")
@@ -292,7 +305,7 @@ class Slurm(unittest.TestCase):
             self.assertEqual(rows[job]["status"], "done", job)
             self.assertEqual(rows[job]["last_position_hash"], row["last_position_hash"], job)
         found, wanted = self.files(os.path.join(self.home, "bakes")), self.files(self.plain)
-        self.assertGreater(len(wanted), 3 * JOBS)
+        self.assertGreater(len(wanted), 2 * len(plain))
         self.assertEqual(found.keys(), wanted.keys())
         for path, content in wanted.items():
             self.assertTrue(found[path] == content, path + ": has other bytes")
