@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "host/bake/bake.h"
+#include "host/cli/exit_codes.h"
 #include "host/pipeline/bake_scene.h"
 
 namespace fascicle::cli {

@@ -4,9 +4,11 @@
 #include <cctype>
 #include <chrono>
 #include <map>
+#include <memory>
 
 #include "host/build/cache.h"
 #include "host/cli/estimate.h"
+#include "host/cli/exit_codes.h"
 #include "host/cli/memory.h"
 #include "host/cli/text.h"
 #include "host/pipeline/bake_scene.h"
