@@ -96,12 +96,16 @@ class Slurm(unittest.TestCase):
             file.write(text)
 
     def pace(self):
-        """How many times SECONDS_OF_A_BAKE a bake of 8 s of the scene fits into."""
-        begin = time.monotonic()
-        done = fascicle("bake", "bar-hang-none", "--end", "8", "--threads", "1", "--device", "cpu", "-o",
-                        os.path.join(self.folder, "pace"))
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return SECONDS_OF_A_BAKE / (time.monotonic() - begin)
+        """How many times a bake of 8 s of the scene fits into SECONDS_OF_A_BAKE, by the faster of two: a first run
+        reads the program from the disk, and bakes must be long enough to be caught at work."""
+        seconds = []
+        for name in ("first", "second"):
+            begin = time.monotonic()
+            done = fascicle("bake", "bar-hang-none", "--end", "8", "--threads", "1", "--device", "cpu", "-o",
+                            os.path.join(self.folder, name))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            seconds.append(time.monotonic() - begin)
+        return SECONDS_OF_A_BAKE / min(seconds)
 
     def bake_plainly(self):
         self.plain = os.path.join(self.folder, "plain")
