@@ -19,6 +19,8 @@
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do site             the pages as a web site in build/site (mkdocs)
+#   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
+#                         docs/farm-slurm.txt (root, minutes)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -28,7 +30,8 @@ libeigen3-dev libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-de
 libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libassimp-dev \
 pybind11-dev python3-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
-test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace"
+test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace \
+slurm-wlm munge"
 bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
 site_packages="mkdocs"
@@ -216,13 +219,21 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
       done
     exec mkdocs build --strict --clean
     ;;
+  farm)
+    need $build_packages $run_packages $test_packages
+    build release -DFASCICLE_TESTS=ON
+    program=$PWD/build/release/fascicle transcript=$PWD/docs/farm-slurm.txt
+    cd tests/farm
+    export FASCICLE_PROGRAM="$program" FASCICLE_FARM_TRANSCRIPT="$transcript" FASCICLE_REQUIRE_SLURM=1
+    FASCICLE_FARM_JOBS=${1:-60} exec python3 -B slurm_test.py
+    ;;
   soak)
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,22s/^# \{0,1\}//p' "$0"
+    sed -n '2,24s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -286,6 +286,13 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   summary.message = text_at(manifest, "message");
   if (const auto kept = manifest.find("frames_kept"); kept != manifest.end() && kept->is_boolean())
     summary.frames_kept = kept->get<bool>();
+  read_count(manifest, "frames_done", summary.frames_done);
+  read_count(manifest, "frames", summary.frames);
+  if (const auto device = manifest.find("device"); device != manifest.end() && device->is_object())
+    summary.device = text_at(*device, "solver") + ", " + text_at(*device, "name");
+  if (const auto warnings = manifest.find("warnings"); warnings != manifest.end() && warnings->is_array())
+    for (const Json& warning : *warnings)
+      if (warning.is_string()) summary.warnings.push_back(warning.get<std::string>());
   if (const auto scene = manifest.find("scene"); scene != manifest.end() && scene->is_object()) {
     summary.scene_name = text_at(*scene, "name");
     summary.scene_source = text_at(*scene, "source");

@@ -50,6 +50,9 @@ struct ManifestSummary {
   std::vector<std::string> files;
   std::string status, message;
   bool frames_kept = true;  // false only of a complete bake
+  std::string device;       // the solver and the device's name
+  std::uint64_t frames_done = 0, frames = 0;
+  std::vector<std::string> warnings;
   // Of the scene, as scene::Scene has them: enough to read it again while its inputs are where they were.
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;

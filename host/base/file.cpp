@@ -1,9 +1,9 @@
 #include "host/base/file.h"
 
-#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cstdio>
+#include <random>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "host/base/parallel.h"
+#include "host/base/text.h"
 
 namespace fascicle::base {
 
@@ -180,8 +181,10 @@ void publish(const fs::path& folder, std::span<const fs::path> paths) {
 }
 
 void write_whole_beside_others(const fs::path& path, std::string_view bytes) {
-  static std::atomic<std::uint64_t> count{0};
-  const std::string own = "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + temporary_suffix;
+  // On a shared file system the others run on other hosts too, where a process may have the same number.
+  std::random_device entropy;
+  const std::uint64_t number = std::uint64_t{entropy()} << 32 | entropy();
+  const std::string own = "." + hash_text(number) + temporary_suffix;
   replace_file(path, with_suffix(path, own), bytes);
 }
 

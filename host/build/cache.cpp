@@ -97,14 +97,15 @@ void Cache::make_room(const fs::path& newest) const {
   std::vector<Entry> entries;
   std::uint64_t total = 0;
   std::error_code ignored;
+  // The clock of the file system, which may be another host's: what is being written must not look forgotten.
+  const fs::file_time_type now = fs::last_write_time(newest);
   for (const fs::directory_entry& file : fs::directory_iterator(folder_, ignored)) {
     std::error_code gone;
     if (!file.is_regular_file(gone)) continue;
     const fs::file_time_type used = file.last_write_time(gone);
     const std::uint64_t size = file.file_size(gone);
     if (gone) continue;
-    if (file.path().extension() == base::temporary_suffix &&
-        used < fs::file_time_type::clock::now() - forgotten)
+    if (file.path().extension() == base::temporary_suffix && used < now - forgotten)
       fs::remove(file.path(), ignored);
     if (file.path().extension() != suffix) continue;
     total += size;

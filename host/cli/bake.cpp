@@ -2,7 +2,6 @@
 #include "host/bake/bake.h"
 
 #include <algorithm>
-#include <chrono>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -11,11 +10,11 @@
 #include "host/bake/options.h"
 #include "host/bake/outputs.h"
 #include "host/cli/command.h"
+#include "host/cli/estimate.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/many_bakes.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
-#include "host/drive/drive_source.h"
 #include "host/formats/blender_script.h"
 #include "host/formats/formats.h"
 #include "host/formats/vtk_xml.h"
@@ -41,38 +40,6 @@ struct BakeArguments {
   unsigned threads = 0;
   bool dry_run = false;
 };
-
-// The first `substeps` of a frame.
-model::Drive shortened(model::Drive drive, std::uint32_t substeps, const model::Model& model) {
-  drive.substeps = std::min(drive.substeps, substeps);
-  const std::size_t count = drive.substeps;
-  drive.bones = drive.bones.first(count * model.joint_count);
-  drive.muscles = drive.muscles.first(count * model.muscle_count);
-  drive.forces = drive.forces.first(count * model.force_count);
-  return drive;
-}
-
-// Seconds that a substep takes, positions brought back once a frame as in a bake. The first frame is not
-// counted: drivers compile in it.
-double measured_substep(const scene::Scene& scene, const Built& built, model::Solver& solver) {
-  constexpr std::uint32_t substeps = 8;
-  constexpr std::uint64_t frames = 4;
-  const model::Model& model = built.model;
-  const model::Read what{.positions = true, .velocities = true, .surface = model.surface_count() > 0};
-  drive::DriveSource source(scene, model, built.steps.substeps);
-  solver.load(source.initial_state());
-  std::uint64_t timed = 0;
-  std::chrono::steady_clock::time_point start;
-  for (std::uint64_t frame = 1; frame <= frames; ++frame) {
-    if (frame == 2) start = std::chrono::steady_clock::now();
-    const model::Drive drive = shortened(source.drive(frame), substeps, model);
-    solver.submit(drive, what);
-    solver.collect();
-    if (frame > 1) timed += drive.substeps;
-  }
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  return seconds.count() / static_cast<double>(timed);
-}
 
 bool wants(const BakeArguments& arguments, const std::string& format) {
   return std::find(arguments.output.formats.begin(), arguments.output.formats.end(), format) !=
@@ -101,29 +68,27 @@ std::string expected_look_text(const scene::Scene& scene, const std::optional<ba
   return text;
 }
 
-void print_estimate(const BakeArguments& arguments, const scene::Scene& scene, const Built& built,
-                    const Simulation& simulation, const std::optional<bake::ExpectedLook>& expected,
-                    const std::optional<bake::TriedLook>& tried) {
-  const std::uint64_t frames = scene::frame_count(scene);
-  const double substep = measured_substep(scene, built, *simulation.solver);
-  const double total = substep * static_cast<double>(frames) * built.steps.substeps;
-  const std::string glb = glb_size_text(arguments, scene, built.model);
+void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared) {
+  const scene::Scene& scene = prepared.scene;
+  const model::Model& model = prepared.built.model;
+  const Estimate estimate = estimate_of(prepared, arguments.output);
+  const std::string glb = glb_size_text(arguments, scene, model);
   std::cout << "dry run of " << scene.name << ": nothing is written\n"
-            << columns_text({{"folder", arguments.folder},
-                             {"vertices", count_text(built.model.vertex_count)},
-                             {"tetrahedra", count_text(built.model.tetrahedron_count())},
-                             {"render vertices", count_text(built.model.surface_count())},
-                             {"frames", count_text(frames) + " at " + number_text(scene.fps) + " a second, " +
-                                            std::to_string(built.steps.substeps) + " substeps each"},
-                             {"device", simulation.device.text()},
-                             {"solver memory", bytes_text(model::solver_bytes(built.model))},
-                             {"output", bytes_text(bake::output_bytes(
-                                            scene, built.model, bake::formats_to_write(arguments.output),
-                                            arguments.output.glb))},
-                             {"surface.glb", glb.empty() ? "not asked for" : glb},
-                             {"expected look", expected_look_text(scene, expected, tried)},
-                             {"time", "about " + duration_text(total) + ", the writing beside it (" +
-                                          number_text(substep * 1e3, 3) + " ms a substep, measured)"}});
+            << columns_text(
+                   {{"folder", arguments.folder},
+                    {"vertices", count_text(model.vertex_count)},
+                    {"tetrahedra", count_text(model.tetrahedron_count())},
+                    {"render vertices", count_text(model.surface_count())},
+                    {"frames", count_text(estimate.frames) + " at " + number_text(scene.fps) + " a second, " +
+                                   std::to_string(prepared.built.steps.substeps) + " substeps each"},
+                    {"device", prepared.simulation.device.text()},
+                    {"solver memory", bytes_text(estimate.solver_bytes)},
+                    {"output", bytes_text(estimate.output_bytes)},
+                    {"surface.glb", glb.empty() ? "not asked for" : glb},
+                    {"expected look", expected_look_text(scene, prepared.expected, prepared.tried)},
+                    {"time", "about " + duration_text(estimate.seconds) + ", the writing beside it (" +
+                                 number_text(estimate.seconds_substep * 1e3, 3) +
+                                 " ms a substep, measured)"}});
 }
 
 // How to look at what was written, for each kind of file that can be looked at.
@@ -273,8 +238,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
   PreparedBake& prepared = *made;
   if (arguments.dry_run) {
-    print_estimate(arguments, prepared.scene, prepared.built, prepared.simulation, prepared.expected,
-                   prepared.tried);
+    print_estimate(arguments, prepared);
     return ExitCode::done;
   }
 

@@ -1,12 +1,21 @@
-// fascicle batch: a list of bakes on several devices.
+// fascicle batch: a list of bakes on several devices, or handed over to a farm.
 #include <algorithm>
+#include <iostream>
 #include <memory>
 #include <utility>
 
+#include "host/bake/folder.h"
 #include "host/bake/options.h"
+#include "host/bake/outputs.h"
 #include "host/base/nearest_name.h"
+#include "host/cli/batch_plan.h"
+#include "host/cli/batch_status.h"
 #include "host/cli/command.h"
+#include "host/cli/farm_tasks.h"
 #include "host/cli/many_bakes.h"
+#include "host/cli/openjd_template.h"
+#include "host/cli/slurm_job.h"
+#include "host/cli/text.h"
 #include "host/pipeline/device_choice.h"
 #include "host/scene/jobs.h"
 #include "host/scene/scene_table.h"
@@ -14,18 +23,27 @@
 namespace fascicle::cli {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct BatchArguments {
   std::string jobs;
-  ManyBakes many;  // all but the jobs
+  ManyBakes many;      // all but the jobs
+  std::string chosen;  // some of the jobs, for this process
+  std::string output;  // with `emit` what is written; else the folder of the bakes
+  std::string emit;    // slurm, openjd or empty
+  std::string slurm_options;
+  unsigned group = 0;
+  bool submit = false;
 };
 
-// All that can be refused before the first bake begins.
-void check(const scene::Job& job) {
+// All that can be refused before the first bake begins; the number of frames.
+std::uint64_t check(const scene::Job& job) {
   scene::SceneOverrides overrides;
   overrides.set = job.set;
   if (!job.clip.empty()) overrides.clip = job.clip;
+  std::uint64_t frames = 0;
   try {
-    (void)scene::load_scene(job.scene, overrides);
+    frames = scene::frame_count(scene::load_scene(job.scene, overrides));
   } catch (const scene::SceneError& error) {
     throw scene::SceneError("job." + job.name + ": " + error.what());
   }
@@ -42,6 +60,7 @@ void check(const scene::Job& job) {
   } catch (const bake::ContradictingOptions& error) {
     throw scene::SceneError("job." + job.name + ": " + error.what());
   }
+  return frames;
 }
 
 OneBake bake_of(const scene::Job& job) {
@@ -56,11 +75,13 @@ OneBake bake_of(const scene::Job& job) {
 }
 
 ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
-  const scene::Jobs jobs = scene::read_jobs(arguments.jobs);
+  scene::Jobs jobs = scene::read_jobs(arguments.jobs);
   ManyBakes many = arguments.many;
   many.devices = with_all_devices(many.devices, gpu::list_devices());
   (void)parse_device_list(many.devices);  // refuses "auto"
-  many.output = jobs.output;
+  many.output = arguments.output.empty() ? jobs.output : fs::path(arguments.output);
+  many.is_part = !arguments.chosen.empty();
+  if (many.is_part) jobs.jobs = chosen_jobs(jobs.jobs, arguments.chosen);
   for (const scene::Job& job : jobs.jobs) {
     check(job);
     many.bakes.push_back(bake_of(job));
@@ -68,18 +89,123 @@ ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
   return bake_many(std::move(many), log);
 }
 
+FarmBatch farm_batch(const BatchArguments& arguments) {
+  // More threads help a bake less than another task beside it does.
+  constexpr unsigned threads = 4;
+  FarmBatch batch{.program = fs::read_symlink("/proc/self/exe"),
+                  .list = fs::absolute(arguments.jobs).lexically_normal(),
+                  .here = fs::current_path(),
+                  .jobs = scene::read_jobs(arguments.jobs),
+                  .device = arguments.many.devices,
+                  .threads = arguments.many.threads > 0 ? arguments.many.threads : threads,
+                  .at_once = arguments.many.at_once};
+  batch.jobs.output = fs::absolute(batch.jobs.output).lexically_normal();
+  const std::vector<DeviceRequest> devices = parse_device_list(batch.device);
+  if (devices.size() > 1)
+    throw UsageError("--emit: a task has one device; write a script for each of \"" + batch.device + "\"");
+  batch.is_gpu = devices.front().kind == DeviceRequest::Kind::vulkan;
+  refuse_control_characters("--slurm", arguments.slurm_options);
+  for (const fs::path& path :
+       {batch.program, batch.list, batch.here, batch.jobs.output, fs::absolute(arguments.output)})
+    refuse_control_characters(path.string(), path.string());
+  return batch;
+}
+
+// What a person wants to know before it is handed over.
+void print_farm(const BatchArguments& arguments, const FarmBatch& batch) {
+  std::size_t most = 0;
+  for (const std::vector<std::string>& task : batch.tasks) most = std::max(most, task.size());
+  std::vector<std::pair<std::string, std::string>> rows{
+      {"jobs", count_text(batch.jobs.jobs.size())},
+      {"tasks", count_text(batch.tasks.size()) + ", of at most " + std::to_string(most) +
+                    (most == 1 ? " job" : " jobs")},
+      {"each asks for", std::to_string(batch.threads) + (batch.threads == 1 ? " core" : " cores") +
+                            (batch.is_gpu ? ", a GPU" : "") + " and " + bytes_text(batch.memory)},
+      {"bakes go to", batch.jobs.output.string()}};
+  if (arguments.emit == "slurm") {
+    rows.insert(rows.begin() + 3, {"its time limit", duration_text(batch.seconds)});
+    if (!arguments.submit)
+      rows.emplace_back("hand it over", shell_word((fs::path(arguments.output) / "submit").string()));
+    rows.emplace_back("how it stands", "fascicle batch status " + shell_word(arguments.output));
+  }
+  std::cout << (arguments.many.dry_run ? "dry run: nothing is written\n" : "wrote " + arguments.output + "\n")
+            << columns_text(rows);
+}
+
+ExitCode emit_jobs(const BatchArguments& arguments, Log& log) {
+  if (arguments.output.empty())
+    throw UsageError(arguments.emit == "slurm"
+                         ? "--emit slurm: say into which folder, as in -o job"
+                         : "--emit openjd: say into which file, as in -o template.json");
+  FarmBatch batch = farm_batch(arguments);
+  const fs::path written = (fs::absolute(arguments.output) / "").lexically_normal().parent_path();
+  const bool is_slurm = arguments.emit == "slurm";
+  if (is_slurm && was_submitted(written) && !arguments.many.resume)
+    throw UsageError(arguments.output +
+                     ": was handed to Slurm already; --resume writes it again, for what is not done then");
+  std::vector<FarmJob> jobs;
+  for (const scene::Job& job : batch.jobs.jobs) {
+    jobs.push_back({bake_of(job).model, check(job)});
+    if (!arguments.many.resume && bake::holds_bake(batch.jobs.output / job.name))
+      throw bake::FolderInUse((batch.jobs.output / job.name).string() +
+                              ": holds a bake; --resume bakes what is not done, or choose another output");
+  }
+  cut_into_tasks(batch, jobs, arguments.group, log);
+  constexpr std::size_t most_of_slurm = 1000;
+  if (is_slurm && batch.tasks.size() > most_of_slurm)
+    log.warning(
+        count_text(batch.tasks.size()) +
+        " tasks are more than Slurm takes in one array by default (MaxArraySize); a larger --group makes "
+        "fewer");
+  if (!arguments.many.dry_run && is_slurm) write_slurm_job(written, batch, arguments.slurm_options);
+  if (!arguments.many.dry_run && !is_slurm) write_openjd_template(written, batch);
+  print_farm(arguments, batch);
+  if (arguments.submit && !arguments.many.dry_run) {
+    std::cout.flush();
+    submit_slurm_job(written);
+  }
+  return ExitCode::done;
+}
+
+void add_farm_options(CLI::App& subcommand, BatchArguments& arguments) {
+  auto* emit = subcommand
+                   .add_option("--emit", arguments.emit,
+                               "Bake nothing; write what a farm runs: an array script of Slurm, or a job "
+                               "template of Open Job Description")
+                   ->check(CLI::IsMember({"slurm", "openjd"}).description(""))
+                   ->option_text("slurm|openjd");
+  subcommand
+      .add_option("-o,--output", arguments.output,
+                  "With --emit the folder (slurm) or file (openjd: .json, .yaml) to write; without it the "
+                  "folder of the bakes, in place of the list's")
+      ->option_text("PATH");
+  subcommand
+      .add_option(
+          "--group", arguments.group,
+          "With --emit, jobs of one model in a task, at most; without it as many as take about two minutes")
+      ->check(CLI::Range(1U, 10000U).description(""))
+      ->needs(emit)
+      ->option_text("N");
+  subcommand
+      .add_option("--slurm", arguments.slurm_options,
+                  "More options for sbatch, which win over ours, as in \"--partition=x --account=y\"")
+      ->needs(emit)
+      ->option_text("OPTIONS");
+  subcommand.add_flag("--submit", arguments.submit, "Hand the script over to Slurm")->needs(emit);
+}
+
 }  // namespace
 
 void add_batch(CLI::App& app, Command& command) {
-  auto* subcommand =
-      app.add_subcommand("batch", "Bake a list of scenes, clips and variations, on several devices");
+  auto* subcommand = app.add_subcommand(
+      "batch", "Bake a list of scenes, clips and variations, on several devices or a farm");
   const auto arguments = std::make_shared<BatchArguments>();
+  // Not required, as `status` has none; the callback asks for it.
   subcommand
       ->add_option(
           "JOBS", arguments->jobs,
           "TOML: [job.NAME] with scene, clips = [...], set = [\"KEY=VALUE\", ...], format = [...], "
           "keep_frames and [job.NAME.vary] \"KEY\" = [values]; output, format and keep_frames for all")
-      ->required()
       ->option_text(" ");
   subcommand
       ->add_option("--device", arguments->many.devices,
@@ -88,8 +214,10 @@ void add_batch(CLI::App& app, Command& command) {
                    "and the CPU; default: cpu. A job whose device fails goes to another")
       ->option_text("LIST");
   subcommand
-      ->add_option("--threads", arguments->many.threads,
-                   "Threads of each CPU bake; 0 shares the cores among those at once")
+      ->add_option(
+          "--threads", arguments->many.threads,
+          "Threads of each CPU bake; 0 shares the cores among those at once. With --emit the cores of "
+          "a task; 0: 4")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
   auto* overwrite =
@@ -97,10 +225,29 @@ void add_batch(CLI::App& app, Command& command) {
   auto* resume = subcommand->add_flag("--resume", arguments->many.resume, "Go on with what is not done yet");
   overwrite->excludes(resume);
   subcommand->add_flag("--dry-run", arguments->many.dry_run, "Print each job's command; write nothing");
+  subcommand
+      ->add_option(
+          "--job", arguments->chosen,
+          "Bake some of the jobs, beside other processes that bake others: names, numbers from 1 on, "
+          "ranges as 3-7, separated by commas. batch.json is left to batch status --merge")
+      ->option_text("LIST");
   add_log_options(*subcommand, command.log);
-  add_many_bakes_options(*subcommand, arguments->many.at_once);
-  subcommand->callback(
-      [arguments, &command] { command.run = [arguments](Log& log) { return bake_jobs(*arguments, log); }; });
+  add_many_bakes_options(*subcommand, arguments->many.at_once)
+      ->description(
+          "Bakes at once on each device; 0 takes one for each core on the CPU, where memory allows, and "
+          "shares the cores among them. With --emit slurm tasks at once; 0: as many as Slurm likes");
+  add_farm_options(*subcommand, *arguments);
+  overwrite->excludes("--emit");
+  subcommand->get_option("--job")->excludes("--emit");
+  const CLI::App* status = add_batch_status(*subcommand, command);
+  subcommand->callback([arguments, status, &command] {
+    if (status->parsed()) return;
+    if (arguments->jobs.empty()) throw CLI::RequiredError("JOBS");
+    if (arguments->submit && arguments->emit != "slurm") throw CLI::RequiredError("--submit: --emit slurm");
+    command.run = [arguments](Log& log) {
+      return arguments->emit.empty() ? bake_jobs(*arguments, log) : emit_jobs(*arguments, log);
+    };
+  });
 }
 
 }  // namespace fascicle::cli

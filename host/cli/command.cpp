@@ -21,10 +21,14 @@ void add_log_options(CLI::App& subcommand, LogOptions& log) {
   auto* verbose = subcommand.add_flag_callback(
       "-v,--verbose", [&log] { log.verbosity = Verbosity::verbose; }, "Say more on stderr");
   quiet->excludes(verbose);
-  const std::map<std::string, LogFormat> formats{{"text", LogFormat::text}, {"json", LogFormat::json}};
-  subcommand.add_option("--log-format", log.format, "stderr as text or as JSON, one object a line")
+  const std::map<std::string, LogFormat> formats{
+      {"text", LogFormat::text}, {"json", LogFormat::json}, {"openjd", LogFormat::openjd}};
+  subcommand
+      .add_option("--log-format", log.format,
+                  "stderr as text, as JSON, one object a line, or with the lines that a farm of Open Job "
+                  "Description reads")
       ->transform(CLI::CheckedTransformer(formats).description(""))
-      ->option_text("text|json");
+      ->option_text("text|json|openjd");
 }
 
 void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb) {

@@ -15,7 +15,7 @@ namespace fascicle::cli {
 namespace {
 
 constexpr unsigned bar_cells = 24;
-constexpr std::chrono::seconds between_states{3};
+constexpr std::chrono::seconds between_states{3}, between_shares{1};
 
 // One write a line, so that lines of several processes on one stderr do not mix.
 void put(const std::string& text) {
@@ -62,7 +62,13 @@ void Log::line(const char* level, const std::string& prefix, const std::string& 
     put(json_line({{"time", since.count()}, {"level", level}, {"message", text}}));
     return;
   }
-  put(prefix + text + "\n");
+  const bool is_state = std::strcmp(level, "progress") == 0;
+  if (options_.format == LogFormat::openjd && is_state)
+    put("openjd_status: " + text + "\n");
+  else if (options_.format == LogFormat::openjd && std::strcmp(level, "error") == 0)
+    put("openjd_fail: " + text + "\n");
+  else
+    put(prefix + text + "\n");
 }
 
 void Log::error(const std::string& message) {
@@ -95,6 +101,12 @@ void Log::progress(const Advance& advance) {
     put(json_line(object));
     return;
   }
+  if (options_.format == LogFormat::openjd) {
+    line("progress", "", advance_text(advance, 0));
+    shared_ = {};
+    share(advance.total == 0 ? 1.0 : static_cast<double>(advance.done) / static_cast<double>(advance.total));
+    return;
+  }
   if (!bar_allowed_) {
     put(advance_text(advance, 0) + "\n");
     return;
@@ -119,6 +131,14 @@ void Log::state(const std::string& text) {
     draw(text);
   else
     line("progress", "", text);
+}
+
+void Log::share(double done) {
+  if (options_.verbosity == Verbosity::quiet || options_.format != LogFormat::openjd) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (done < 1.0 && now - shared_ < between_shares) return;
+  shared_ = now;
+  put("openjd_progress: " + number_text(std::clamp(done, 0.0, 1.0) * 100.0) + "\n");
 }
 
 void Log::clear_bar() {

@@ -10,7 +10,7 @@
 namespace fascicle::cli {
 
 enum class Verbosity { quiet, normal, verbose };
-enum class LogFormat { text, json };
+enum class LogFormat { text, json, openjd };
 
 struct LogOptions {
   Verbosity verbosity = Verbosity::normal;
@@ -26,8 +26,9 @@ struct Advance {
 };
 
 // In text, one line a message; in JSON, one object a line with the members time (s since the start), level
-// and message, and for level "progress" frame, frames, rate and eta. Errors are always shown, warnings and
-// information not under quiet, details only under verbose.
+// and message, and for level "progress" frame, frames, rate and eta. In openjd as in text, with what a farm
+// that speaks Open Job Description looks for: openjd_progress (percent), openjd_status, and openjd_fail of an
+// error. Errors are always shown, warnings and information not under quiet, details only under verbose.
 class Log {
  public:
   explicit Log(const LogOptions& options);
@@ -45,6 +46,8 @@ class Log {
   // The same of work that is no count of frames: one line that tells how things stand. May be called often:
   // where it draws no bar it says what is new every few seconds.
   void state(const std::string& text);
+  // The share of the whole that is done, for a farm; nothing in text and in JSON. May be called often.
+  void share(double done);
   // Takes the bar away, if there is one.
   void clear_bar();
   // True where progress redraws a line in place: text on a terminal that can.
@@ -57,7 +60,7 @@ class Log {
   LogOptions options_;
   bool bar_allowed_ = false, colour_ = false;
   std::size_t bar_width_ = 0;  // characters of the bar now on the terminal
-  std::chrono::steady_clock::time_point start_, stated_;
+  std::chrono::steady_clock::time_point start_, stated_, shared_;
   std::string last_state_;
 };
 

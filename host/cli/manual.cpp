@@ -30,6 +30,19 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
 }
 
+std::vector<Described> options_of(const CLI::App& app);
+
+// A command's options and, once each, those of its own subcommands: shells complete them alike.
+std::vector<Described> all_options_of(const CLI::App& app) {
+  std::vector<Described> result = options_of(app);
+  for (const CLI::App* command : commands_of(app))
+    for (Described& option : options_of(*command)) {
+      const auto has_its_name = [&](const Described& known) { return known.names == option.names; };
+      if (std::none_of(result.begin(), result.end(), has_its_name)) result.push_back(std::move(option));
+    }
+  return result;
+}
+
 std::vector<Described> options_of(const CLI::App& app) {
   std::vector<Described> result;
   for (const CLI::Option* option : app.get_options()) {
@@ -89,10 +102,15 @@ std::string joined(const std::vector<std::string>& words) {
   return line;
 }
 
-std::string names_of_options(const CLI::App& app) {
+std::string names_of_commands(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const Described& option : options_of(app))
-    names.insert(names.end(), option.names.begin(), option.names.end());
+  for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
+  return joined(names);
+}
+
+std::string names_of_options(const std::vector<Described>& options) {
+  std::vector<std::string> names;
+  for (const Described& option : options) names.insert(names.end(), option.names.begin(), option.names.end());
   return joined(names);
 }
 
@@ -115,6 +133,11 @@ std::string manual_page(const CLI::App& app) {
   for (const CLI::App* command : commands_of(app)) {
     page += ".SS fascicle " + roff(command->get_name()) + "\n" + roff(command->get_description()) + "\n";
     for (const Described& option : options_of(*command)) page += roff_option(option);
+    for (const CLI::App* own : commands_of(*command)) {
+      page += ".SS fascicle " + roff(command->get_name() + " " + own->get_name()) + "\n" +
+              roff(own->get_description()) + "\n";
+      for (const Described& option : options_of(*own)) page += roff_option(option);
+    }
   }
   page += ".SH EXIT STATUS\n" + roff(app.get_footer()) +
           "\n.SH ENVIRONMENT\n.TP\n.B FASCICLE_CACHE_DIR\n"
@@ -126,16 +149,14 @@ std::string manual_page(const CLI::App& app) {
 }
 
 std::string bash_completion(const CLI::App& app) {
-  std::vector<std::string> commands;
-  for (const CLI::App* command : commands_of(app)) commands.push_back(command->get_name());
   std::string text =
       "# bash completion of fascicle; made by `fascicle manual bash`.\n"
       "_fascicle() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options=\n"
+      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options= own=\n"
       "  COMPREPLY=()\n"
       "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
       "    COMPREPLY=($(compgen -W " +
-      in_quotes(joined(commands) + " " + names_of_options(app)) +
+      in_quotes(names_of_commands(app) + " " + names_of_options(options_of(app))) +
       " -- \"$word\"))\n    return\n  fi\n"
       "  case $before in\n    --format|--to)\n"
       "      local head=\n      [[ $word != *,* ]] || head=${word%,*},\n"
@@ -143,11 +164,13 @@ std::string bash_completion(const CLI::App& app) {
       in_quotes(joined(bake::format_names())) +
       " -- \"${word##*,}\"))\n      return;;\n  esac\n  case ${COMP_WORDS[1]} in\n";
   for (const CLI::App* command : commands_of(app))
-    text += "    " + command->get_name() + ") options=" + in_quotes(names_of_options(*command)) + ";;\n";
+    text += "    " + command->get_name() +
+            ") options=" + in_quotes(names_of_options(all_options_of(*command))) +
+            (commands_of(*command).empty() ? "" : " own=" + in_quotes(names_of_commands(*command))) + ";;\n";
   return text +
          "  esac\n"
          "  if [[ $word == -* ]]; then\n    COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
-         "  else\n    COMPREPLY=($(compgen -W " +
+         "  else\n    COMPREPLY=($(compgen -W \"$own \"" +
          in_quotes(scene_names()) +
          " -- \"$word\") $(compgen -f -- \"$word\"))\n  fi\n}\n"
          "complete -o filenames -F _fascicle fascicle\n";
@@ -177,12 +200,13 @@ std::string zsh_completion(const CLI::App& app) {
       "$words[2] in\n";
   for (const CLI::App* command : commands_of(app)) {
     text += "    " + command->get_name() + ") shift words; (( CURRENT-- )); _arguments";
-    for (const Described& option : options_of(*command)) {
+    const std::string own = commands_of(*command).empty() ? "" : names_of_commands(*command) + " ";
+    for (const Described& option : all_options_of(*command)) {
       for (const std::string& name : option.names) text += " \\\n      " + argument(option, name);
       if (option.names.empty())
         text +=
             " \\\n      " + in_quotes("*:" + escaped(option.positional) + ":_alternative 'scenes:scene:(" +
-                                      scene_names() + ")' 'files:file:_files'");
+                                      own + scene_names() + ")' 'files:file:_files'");
     }
     text += ";;\n";
   }
@@ -211,9 +235,10 @@ std::string fish_completion(const CLI::App& app) {
     text += "complete -c fascicle -f -n __fish_use_subcommand -a " + command->get_name() + " -d " +
             fish(command->get_description()) + "\n";
     const std::string here = "__fish_seen_subcommand_from " + command->get_name();
-    for (const Described& option : options_of(*command))
+    const std::string own = commands_of(*command).empty() ? "" : names_of_commands(*command) + " ";
+    for (const Described& option : all_options_of(*command))
       text += option.names.empty()
-                  ? "complete -c fascicle -n " + fish(here) + " -a " + fish(scene_names()) + "\n"
+                  ? "complete -c fascicle -n " + fish(here) + " -a " + fish(own + scene_names()) + "\n"
                   : line(here, option);
   }
   return text;

@@ -13,15 +13,16 @@
 #include <thread>
 #include <utility>
 
-#include <nlohmann/json.hpp>
 #include <poll.h>
+#include <unistd.h>
 
 #include "host/bake/bake.h"
 #include "host/bake/folder.h"
 #include "host/bake/manifest.h"
-#include "host/base/part_file.h"
+#include "host/cli/batch_summary.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/job_record.h"
 #include "host/cli/memory.h"
 #include "host/cli/text.h"
 #include "host/pipeline/device_choice.h"
@@ -31,7 +32,6 @@ namespace fascicle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 // A GPU waits for the threads that feed it for most of a bake. A driver that computes on the CPU takes all
@@ -48,10 +48,7 @@ struct Outcome {
 };
 
 std::string word_of(const Outcome& outcome) {
-  if (!outcome.status) return "not begun";
-  if (*outcome.status == static_cast<int>(ExitCode::done)) return "done";
-  if (*outcome.status == static_cast<int>(ExitCode::interrupted)) return "interrupted";
-  return "failed";
+  return outcome.status ? word_of_status(*outcome.status) : "not begun";
 }
 
 // Of a process: what a driver's fault ends with.
@@ -83,6 +80,7 @@ class Batch {
     }
     for (std::size_t job = 0; job < asked_.bakes.size(); ++job) waiting_.push_back(job);
     bake::make_folder(asked_.output);
+    if (!asked_.is_part) write_summary();
     const std::atomic<bool>& interrupted = catch_interrupts();
     bool told = false;
     while (is_busy() || (!waiting_.empty() && !interrupted)) {
@@ -101,8 +99,9 @@ class Batch {
       show();
     }
     log_.clear_bar();
+    if (!interrupted) log_.share(1.0);
     print_results();
-    write_summary();
+    if (!asked_.is_part) write_summary();
     return code(interrupted);
   }
 
@@ -206,6 +205,7 @@ class Batch {
       waiting_.erase(next);
       const OneBake& job = asked_.bakes[slot.job];
       slot.start = Clock::now();
+      keep_record(job, {.device = slot.device.label, .status = {}});
       try {
         slot.bake = std::make_unique<ChildBake>(command_of(job, slot.device));
         log_.detail(job.name + " begins on " + slot.device.label);
@@ -354,16 +354,32 @@ class Batch {
                  (outcome.error.empty() ? "status " + std::to_string(*outcome.status) : outcome.error));
     else
       log_.info(line);
+    keep_record(job, outcome);
     outcomes_[number] = std::move(outcome);
+  }
+
+  // What a job that is baked beside others' leaves for who merges them.
+  void keep_record(const OneBake& job, const Outcome& outcome) {
+    if (!asked_.is_part) return;
+    try {
+      write_job_record(asked_.output, job.name,
+                       {name_of_this_host(), static_cast<long>(::getpid()), outcome.device, outcome.status,
+                        outcome.error, outcome.warnings});
+    } catch (const std::system_error& error) {
+      log_.warning(job.name + ": its record cannot be kept: " + error.what());
+    }
   }
 
   // One line for all devices: what each is at.
   void show() {
     constexpr std::size_t most_shown = 4;
     std::size_t shown = 0;
+    auto done = static_cast<double>(ended_);
     std::string text = std::to_string(ended_) + " of " + std::to_string(asked_.bakes.size()) + " ended";
     for (const Slot& slot : slots_) {
       if (!slot.bake) continue;
+      if (slot.bake->frames() > 0)
+        done += static_cast<double>(slot.bake->frame()) / static_cast<double>(slot.bake->frames());
       if (++shown > most_shown) continue;
       text += "; " + slot.device.label + ": " + asked_.bakes[slot.job].name;
       if (slot.bake->frames() > 0)
@@ -371,29 +387,29 @@ class Batch {
     }
     if (shown > most_shown) text += "; and " + std::to_string(shown - most_shown) + " more";
     log_.state(text);
+    log_.share(std::min(done / static_cast<double>(asked_.bakes.size()), 0.999));
   }
 
   void write_summary() const {
-    Json rows = Json::array();
+    std::vector<SummaryRow> rows;
     for (std::size_t k = 0; k < outcomes_.size(); ++k) {
       const OneBake& job = asked_.bakes[k];
       const Outcome& outcome = outcomes_[k];
-      rows.push_back({{"job", job.name},
-                      {"folder", folder_of(job).string()},
-                      {"scene", job.scene},
-                      {"clip", job.clip},
-                      {"set", job.set},
-                      {"format", job.formats},
-                      {"device", outcome.device},
-                      {"status", word_of(outcome)},
-                      {"exit_status", outcome.status ? Json(*outcome.status) : Json()},
-                      {"seconds", outcome.seconds},
-                      {"last_position_hash", outcome.hash},
-                      {"error", outcome.error},
-                      {"warnings", outcome.warnings}});
+      rows.push_back({.job = job.name,
+                      .folder = folder_of(job),
+                      .scene = job.scene,
+                      .clip = job.clip,
+                      .set = job.set,
+                      .formats = job.formats,
+                      .device = outcome.device,
+                      .status = word_of(outcome),
+                      .exit_status = outcome.status,
+                      .seconds = outcome.seconds,
+                      .hash = outcome.hash,
+                      .error = outcome.error,
+                      .warnings = outcome.warnings});
     }
-    base::write_whole(asked_.output / scene::batch_summary,
-                      Json{{"jobs", rows}}.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_batch_summary(asked_.output, rows);
   }
 
   void print_plan() const {
@@ -416,7 +432,8 @@ class Batch {
       if (!outcome.hash.empty()) text += ", last frame " + outcome.hash;
       rows.emplace_back(asked_.bakes[k].name, text);
     }
-    std::cout << columns_text(rows) << "wrote " << (asked_.output / scene::batch_summary).string() << "\n";
+    std::cout << columns_text(rows);
+    if (!asked_.is_part) std::cout << "wrote " << (asked_.output / scene::batch_summary).string() << "\n";
   }
 
   // The first failure's, as the others may follow from it.

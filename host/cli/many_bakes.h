@@ -27,9 +27,13 @@ struct ManyBakes {
   unsigned at_once = 0;         // on each device; 0: as many as help
   unsigned threads = 0;         // of each bake on a CPU; 0: the cores shared among those at once
   bool overwrite = false, resume = false, dry_run = false;
+  // Other processes bake other jobs of the batch: each leaves a record of its own (job_record.h), and
+  // batch.json is written by who merges them.
+  bool is_part = false;
 };
 
-// Bakes all and writes batch.json. The status is that of the first failure. Throws where nothing can begin.
+// Bakes all and writes batch.json, first with nothing begun. The status is that of the first failure. Throws
+// where nothing can begin.
 ExitCode bake_many(ManyBakes asked, Log& log);
 
 // --at-once

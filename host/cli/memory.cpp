@@ -52,4 +52,8 @@ std::uint64_t memory_of(pid_t process) {
   return 1024 * number_in("/proc/" + std::to_string(process) + "/status", "VmRSS:").value_or(0);
 }
 
+std::uint64_t peak_memory() {
+  return 1024 * number_in("/proc/self/status", "VmHWM:").value_or(0);
+}
+
 }  // namespace fascicle::cli

@@ -15,4 +15,7 @@ std::optional<std::uint64_t> available_memory();
 // Bytes that the process holds; 0 where the system does not say.
 std::uint64_t memory_of(pid_t process);
 
+// The most bytes that this process has held so far; 0 where the system does not say.
+std::uint64_t peak_memory();
+
 }  // namespace fascicle::cli

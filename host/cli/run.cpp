@@ -1,5 +1,4 @@
 // The command line as a whole: parsing, and what each kind of error becomes.
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -21,10 +20,12 @@ namespace {
 LogOptions log_options_of_bad_usage(int argc, const char* const* argv) {
   LogOptions options;
   for (int k = 1; k < argc; ++k) {
-    const bool joined = std::strcmp(argv[k], "--log-format=json") == 0;
-    const bool split =
-        std::strcmp(argv[k], "--log-format") == 0 && k + 1 < argc && std::strcmp(argv[k + 1], "json") == 0;
-    if (joined || split) options.format = LogFormat::json;
+    const std::string word = argv[k];
+    std::string format;
+    if (word.starts_with("--log-format=")) format = word.substr(word.find('=') + 1);
+    if (word == "--log-format" && k + 1 < argc) format = argv[k + 1];
+    if (format == "json") options.format = LogFormat::json;
+    if (format == "openjd") options.format = LogFormat::openjd;
   }
   return options;
 }

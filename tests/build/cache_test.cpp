@@ -1,17 +1,23 @@
 // The cache of filled bodies: the same bits with and without it, whatever happened to its files.
 #include "host/build/cache.h"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "host/bake/identity.h"
+#include "host/base/file.h"
 #include "host/build/filled_body.h"
 #include "tests/build/scenes.h"
 #include "tests/build/surfaces.h"
@@ -160,6 +166,52 @@ TEST_F(CacheTest, ManyMayWriteAndReadAtATime) {
     });
   threads.clear();
   EXPECT_EQ(wrong, 0);
+  only_entry();
+}
+
+// Runs `work` in a process that is number 1, as it may be on another host that shares the folder; false where
+// the system allows no such process. `work` says whether all was well.
+bool start_as_on_another_host(const std::function<bool()>& work, pid_t& process) {
+  process = ::fork();
+  if (process != 0) return process > 0;
+  constexpr int not_allowed = 2;
+  if (::unshare(CLONE_NEWPID) != 0 && ::unshare(CLONE_NEWUSER | CLONE_NEWPID) != 0) ::_exit(not_allowed);
+  const pid_t first = ::fork();
+  if (first == 0) ::_exit(::getpid() == 1 && work() ? 0 : 1);
+  int status = 0;
+  if (first < 0 || ::waitpid(first, &status, 0) != first) ::_exit(1);
+  ::_exit(WIFEXITED(status) ? WEXITSTATUS(status) : 1);
+}
+
+// Written through temporary files of one name, one's bytes would be cut off or renamed by the other.
+TEST_F(CacheTest, HostsMayShareIt) {
+  fs::create_directories(folder_);
+  const fs::path path = folder_ / "entry";
+  std::array<pid_t, 2> hosts{};
+  for (pid_t& host : hosts)
+    ASSERT_TRUE(start_as_on_another_host(
+        [&] {
+          const std::string bytes(300000, static_cast<char>('a' + (&host - hosts.data())));
+          try {
+            for (int k = 0; k < 50; ++k) {
+              base::write_whole_beside_others(path, bytes);
+              const std::string found = content(path);
+              if (found.size() != bytes.size() || found.find_first_not_of(found[0]) != std::string::npos)
+                return false;
+            }
+          } catch (const std::system_error&) {
+            return false;
+          }
+          return true;
+        },
+        host));
+  for (const pid_t host : hosts) {
+    int status = 0;
+    ASSERT_EQ(::waitpid(host, &status, 0), host);
+    ASSERT_TRUE(WIFEXITED(status));
+    if (WEXITSTATUS(status) == 2) GTEST_SKIP() << "NO PROCESS NAMESPACES, HOSTS NOT TESTED";
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+  }
   only_entry();
 }
 

@@ -90,6 +90,19 @@ std::string completed(const std::string& words, int current) {
   return read_text(folder / "out");
 }
 
+// A subcommand of a subcommand has its part in the page, and its words in the shells.
+TEST(Manual, HasBatchStatus) {
+  const std::string page = manual("man");
+  const std::size_t at = page.find(".SS fascicle batch status\n");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_NE(page.find("\\-\\-merge", at), std::string::npos);
+  EXPECT_EQ(completed("fascicle batch statu", 2), "status\n");
+  EXPECT_EQ(completed("fascicle batch --merg", 2), "--merge\n");
+  EXPECT_EQ(completed("fascicle bake statu", 2), "\n");
+  EXPECT_NE(manual("fish").find(" -l merge "), std::string::npos);
+  EXPECT_NE(manual("zsh").find("'*--merge["), std::string::npos);
+}
+
 TEST(Manual, BashCompletes) {
   EXPECT_EQ(completed("fascicle ba", 1), "bake\nbatch\n");
   EXPECT_EQ(completed("fascicle bake --usd", 2), "--usd-skel\n");

@@ -224,7 +224,10 @@ std::set<std::string> words_of_help(const fs::path& folder) {
   std::string all = help;
   for (std::sregex_iterator found(help.begin(), help.end(), subcommand), end; found != end; ++found) {
     words.insert(found->str(1));
-    all += run_in(folder, "fascicle " + found->str(1) + " --help").output;
+    const std::string more = run_in(folder, "fascicle " + found->str(1) + " --help").output;
+    all += more;
+    for (std::sregex_iterator own(more.begin(), more.end(), subcommand); own != end; ++own)
+      all += run_in(folder, "fascicle " + found->str(1) + " " + own->str(1) + " --help").output;
   }
   for (std::sregex_iterator found(all.begin(), all.end(), option), end; found != end; ++found)
     words.insert(found->str());

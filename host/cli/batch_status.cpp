@@ -1,0 +1,227 @@
+// fascicle batch status: what became of each job, and the merge of it all.
+#include "host/cli/batch_status.h"
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <sys/stat.h>
+
+#include "host/bake/bake.h"
+#include "host/bake/manifest.h"
+#include "host/base/file.h"
+#include "host/cli/batch_plan.h"
+#include "host/cli/job_record.h"
+#include "host/cli/text.h"
+#include "host/scene/jobs.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// On another host a process cannot be asked for. Longer than a frame takes, and its building before.
+constexpr std::chrono::minutes a_sign_of_life_is_due(10);
+
+std::optional<fs::file_time_type> time_of(const fs::path& file) {
+  std::error_code none;
+  const fs::file_time_type time = fs::last_write_time(file, none);
+  return none ? std::nullopt : std::optional(time);
+}
+
+// Whether a process of this host keeps others out of the folder, as a bake does (bake::FolderLock). Asks the
+// kernel's table: to try the lock would keep a bake out that begins at that moment.
+bool is_locked_here(const fs::path& folder) {
+  struct stat about {};
+  if (::stat(folder.c_str(), &about) != 0) return false;
+  const std::string end = ":" + std::to_string(about.st_ino) + " ";
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);)
+    if (line.find("FLOCK") != std::string::npos && line.find(" WRITE ") != std::string::npos &&
+        line.find(end) != std::string::npos)
+      return true;
+  return false;
+}
+
+bool runs(const fs::path& output, const SummaryRow& job, const std::optional<JobRecord>& record) {
+  if (is_locked_here(job.folder)) return true;
+  if (!record || record->exit_status) return false;
+  if (record->host == name_of_this_host()) return is_there(record->process);
+  const std::optional<fs::file_time_type> begun = time_of(job_record_file(output, job.job));
+  const std::optional<fs::file_time_type> written = time_of(job.folder / bake::manifest_name);
+  const auto now = fs::file_time_type::clock::now();
+  return (begun && now - *begun < a_sign_of_life_is_due) ||
+         (written && now - *written < a_sign_of_life_is_due);
+}
+
+std::string frames_text(const bake::ManifestSummary& manifest) {
+  return std::to_string(manifest.frames_done) + " of " + std::to_string(manifest.frames);
+}
+
+// What the manifest says of a job whose record is older, or that has none.
+void take_manifest(const bake::ManifestSummary& manifest, JobState& state) {
+  SummaryRow& row = state.row;
+  if (manifest.status == name_of(bake::Status::complete)) {
+    row.exit_status = static_cast<int>(ExitCode::done);
+  } else if (manifest.status == name_of(bake::Status::interrupted)) {
+    row.exit_status = static_cast<int>(ExitCode::interrupted);
+  } else if (manifest.status == name_of(bake::Status::not_finite)) {
+    row.exit_status = static_cast<int>(ExitCode::not_finite);
+  } else if (manifest.status == name_of(bake::Status::failed)) {
+    row.exit_status = static_cast<int>(ExitCode::unforeseen);
+  } else {
+    row.exit_status.reset();
+  }
+  row.error = manifest.message;
+}
+
+void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool is_running, bool has_begun,
+                    JobState& state) {
+  SummaryRow& row = state.row;
+  const std::string at = manifest ? " at frame " + frames_text(*manifest) : ", no frame yet";
+  if (is_running) {
+    row.status = "running";
+    state.text = row.status + at;
+  } else if (row.exit_status) {
+    row.status = word_of_status(*row.exit_status);
+    state.text = row.status;
+    if (row.status == "done" && manifest)
+      state.text += ", " + std::to_string(manifest->frames) + " frames in " + duration_text(row.seconds) +
+                    ", last frame " + row.hash;
+    if (row.status == "interrupted" && manifest) state.text += at;
+    if (row.status == "failed")
+      state.text += ": " + (row.error.empty() ? "status " + std::to_string(*row.exit_status) : row.error);
+  } else if (has_begun) {
+    // Killed, or its host went down: nobody was left to say so.
+    row.status = "cut off";
+    state.text = row.status + at + "; --resume goes on";
+  } else {
+    row.status = state.text = "not begun";
+  }
+}
+
+}  // namespace
+
+JobState state_of(const fs::path& output, SummaryRow job) {
+  JobState state{std::move(job), {}};
+  SummaryRow& row = state.row;
+  const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(row.folder);
+  const std::optional<JobRecord> record = read_job_record(output, row.job);
+  const auto recorded = time_of(job_record_file(output, row.job));
+  const auto written = time_of(row.folder / bake::manifest_name);
+  if (manifest) {
+    row.seconds = manifest->timings.total;
+    row.hash = manifest->last_position_hash;
+    row.device = manifest->device;
+    row.warnings = manifest->warnings;
+  }
+  const bool record_is_newer = record && (!written || (recorded && *recorded >= *written));
+  if (record_is_newer && record->exit_status) {
+    row.exit_status = record->exit_status;
+    row.error = record->error;
+    row.device = record->device;
+  } else if (manifest) {
+    take_manifest(*manifest, state);
+  } else if (record) {
+    row.exit_status.reset();
+    row.device = record->device;
+  }
+  put_into_words(manifest, runs(output, row, record), manifest || record, state);
+  return state;
+}
+
+ExitCode code_of(const std::vector<JobState>& jobs) {
+  bool all_done = true;
+  for (const JobState& job : jobs) {
+    if (job.row.status == "failed" && job.row.exit_status) {
+      const int status = *job.row.exit_status;
+      return status <= static_cast<int>(ExitCode::difference) ? static_cast<ExitCode>(status)
+                                                              : ExitCode::unforeseen;
+    }
+    all_done = all_done && job.row.status == "done";
+  }
+  return all_done ? ExitCode::done : ExitCode::interrupted;
+}
+
+namespace {
+
+struct StatusArguments {
+  std::string batch;   // a folder, or the list of jobs
+  std::string output;  // in place of the batch's own
+  bool merge = false;
+};
+
+// "4 jobs in out/walks: 2 done, 1 running, 1 failed"
+std::string count_line(const fs::path& output, const std::vector<JobState>& jobs) {
+  std::map<std::string, std::size_t> count;
+  for (const JobState& job : jobs) ++count[job.row.status];
+  std::string line =
+      std::to_string(jobs.size()) + (jobs.size() == 1 ? " job in " : " jobs in ") + output.string() + ":";
+  const char* before = " ";
+  for (const char* word : {"done", "running", "interrupted", "cut off", "failed", "not begun"})
+    if (count[word] > 0) {
+      line += before + std::to_string(count[word]) + " " + word;
+      before = ", ";
+    }
+  return line;
+}
+
+ExitCode say_status(const StatusArguments& arguments, Log& log) {
+  BatchPlan plan = find_plan(arguments.batch);
+  if (!arguments.output.empty()) plan.output = arguments.output;
+  std::vector<JobState> jobs;
+  for (const scene::Job& job : plan.jobs) {
+    SummaryRow row{job.name, plan.output / job.name, job.scene, job.clip, job.set, job.formats};
+    for (const SummaryRow& known : plan.known)
+      if (known.job == job.name) {
+        row.exit_status = known.exit_status;
+        row.error = known.error;
+        row.device = known.device;
+      }
+    jobs.push_back(state_of(plan.output, std::move(row)));
+  }
+  std::vector<std::pair<std::string, std::string>> lines;
+  for (const JobState& job : jobs) lines.emplace_back(job.row.job, job.text);
+  const std::string report = count_line(plan.output, jobs) + "\n" + columns_text(lines);
+  std::cout << report;
+  if (arguments.merge) {
+    std::vector<SummaryRow> rows;
+    for (const JobState& job : jobs) rows.push_back(job.row);
+    fs::create_directories(plan.output);
+    write_batch_summary(plan.output, rows);
+    log.info("wrote " + (plan.output / scene::batch_summary).string());
+    if (!plan.folder.empty()) {
+      base::write_whole(plan.folder / "report.txt", report);
+      log.info("wrote " + (plan.folder / "report.txt").string());
+    }
+  }
+  return code_of(jobs);
+}
+
+}  // namespace
+
+CLI::App* add_batch_status(CLI::App& batch, Command& command) {
+  auto* subcommand = batch.add_subcommand("status", "Show what became of each job");
+  const auto arguments = std::make_shared<StatusArguments>();
+  subcommand
+      ->add_option("BATCH", arguments->batch,
+                   "The batch's folder of bakes, the folder that --emit wrote, or the list of jobs")
+      ->required()
+      ->option_text(" ");
+  subcommand
+      ->add_option("-o,--output", arguments->output, "Folder of the bakes, where it is not the list's own")
+      ->option_text("DIR");
+  subcommand->add_flag(
+      "--merge", arguments->merge,
+      "Write batch.json into the folder of the bakes, and report.txt into the one of --emit");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback(
+      [arguments, &command] { command.run = [arguments](Log& log) { return say_status(*arguments, log); }; });
+  return subcommand;
+}
+
+}  // namespace fascicle::cli

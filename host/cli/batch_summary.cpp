@@ -1,0 +1,74 @@
+#include "host/cli/batch_summary.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/errors.h"
+#include "host/base/file.h"
+#include "host/cli/exit_codes.h"
+#include "host/scene/jobs.h"
+
+namespace fascicle::cli {
+
+namespace {
+
+using SummaryJson = nlohmann::ordered_json;
+
+}  // namespace
+
+void write_batch_summary(const std::filesystem::path& output, const std::vector<SummaryRow>& rows) {
+  SummaryJson list = SummaryJson::array();
+  for (const SummaryRow& row : rows)
+    list.push_back({{"job", row.job},
+                    {"folder", row.folder.string()},
+                    {"scene", row.scene},
+                    {"clip", row.clip},
+                    {"set", row.set},
+                    {"format", row.formats},
+                    {"device", row.device},
+                    {"status", row.status},
+                    {"exit_status", row.exit_status ? SummaryJson(*row.exit_status) : SummaryJson()},
+                    {"seconds", row.seconds},
+                    {"last_position_hash", row.hash},
+                    {"error", row.error},
+                    {"warnings", row.warnings}});
+  // Not one name for all: whoever merges need not be alone.
+  base::write_whole_beside_others(
+      output / scene::batch_summary,
+      SummaryJson{{"jobs", list}}.dump(2, ' ', false, SummaryJson::error_handler_t::replace) + "\n");
+}
+
+std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem::path& output) {
+  std::ifstream file(output / scene::batch_summary, std::ios::binary);
+  if (!file) return std::nullopt;
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  try {
+    std::vector<SummaryRow> rows;
+    const SummaryJson summary = SummaryJson::parse(text);
+    for (const SummaryJson& row : summary.at("jobs"))
+      rows.push_back({.job = row.at("job"),
+                      .folder = output / row.at("job").get<std::string>(),
+                      .scene = row.at("scene"),
+                      .clip = row.at("clip"),
+                      .set = row.at("set"),
+                      .formats = row.at("format"),
+                      .device = row.at("device"),
+                      .exit_status = row.at("exit_status").is_null() ? std::optional<int>()
+                                                                     : row.at("exit_status").get<int>(),
+                      .error = row.at("error")});
+    return rows;
+  } catch (const SummaryJson::exception&) {
+    throw base::BakeError((output / scene::batch_summary).string() +
+                          ": is damaged; name the list of jobs in place of the folder");
+  }
+}
+
+std::string word_of_status(int exit_status) {
+  if (exit_status == static_cast<int>(ExitCode::done)) return "done";
+  if (exit_status == static_cast<int>(ExitCode::interrupted)) return "interrupted";
+  return "failed";
+}
+
+}  // namespace fascicle::cli

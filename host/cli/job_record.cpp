@@ -1,0 +1,62 @@
+#include "host/cli/job_record.h"
+
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+
+#include <nlohmann/json.hpp>
+#include <signal.h>
+#include <unistd.h>
+
+#include "host/base/file.h"
+
+namespace fascicle::cli {
+
+namespace fs = std::filesystem;
+
+fs::path job_record_file(const fs::path& output, const std::string& job) {
+  return output / ".outcomes" / (job + ".json");
+}
+
+void write_job_record(const fs::path& output, const std::string& job, const JobRecord& record) {
+  const fs::path file = job_record_file(output, job);
+  fs::create_directories(file.parent_path());
+  const nlohmann::ordered_json json{
+      {"host", record.host},
+      {"process", record.process},
+      {"device", record.device},
+      {"exit_status",
+       record.exit_status ? nlohmann::ordered_json(*record.exit_status) : nlohmann::ordered_json()},
+      {"error", record.error},
+      {"warnings", record.warnings}};
+  // A job that was handed over twice may run twice.
+  base::write_whole_beside_others(
+      file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+std::optional<JobRecord> read_job_record(const fs::path& output, const std::string& job) {
+  std::ifstream file(job_record_file(output, job), std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  try {
+    JobRecord record{json.at("host"),  json.at("process"), json.at("device"), {},
+                     json.at("error"), json.at("warnings")};
+    if (const nlohmann::json& status = json.at("exit_status"); !status.is_null())
+      record.exit_status = status.get<int>();
+    return record;
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string name_of_this_host() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+bool is_there(long process) {
+  return ::kill(static_cast<pid_t>(process), 0) == 0 || errno == EPERM;
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,259 @@
+// A batch handed over: what the scripts say, that any shell reads them as they are meant, that tasks beside
+// each other write no file twice, and that status tells from the folders how each job stands. tests/farm runs
+// the scripts on a real Slurm.
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+using FarmJson = nlohmann::json;
+namespace fs = std::filesystem;
+
+const std::string four_bars =
+    "[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.2\"]\n"
+    "[job.bar.vary]\n\"layers.body.alpha\" = [0.4, 0.5, 0.6, 0.7]\n";
+const std::string bars_and_bears =
+    "[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.2\"]\n"
+    "[job.bar.vary]\n\"layers.body.alpha\" = [0.4, 0.6]\n"
+    "[job.bear]\nscene = \"crouch\"\nclips = \"all\"\n"
+    "set = [\"character.resolution=0.12\", \"scene.end=0.05\", \"motion.hold=0.0\"]\n";
+
+// In a folder of a name that a script must quote.
+struct Farm {
+  explicit Farm(const std::string& jobs = four_bars) {
+    fs::create_directories(home);
+    write_text(home / "the jobs.toml", "output = '''" + output() + "'''\n" + jobs);
+  }
+  std::string list() const { return (home / "the jobs.toml").string(); }
+  std::string output() const { return (home / "out").string(); }
+  std::string job() const { return (home / "job").string(); }
+
+  TemporaryFolder folder;
+  fs::path home = folder.path() / "a farm's $HOME \\ `x`, 50%a";
+};
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+Outcome emit(const Farm& farm, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"batch", farm.list(), "--emit", "slurm", "-o", farm.job()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return fascicle(arguments);
+}
+
+TEST(BatchFarm, TheArrayScriptAsksForWhatABakeTakes) {
+  const Farm farm(bars_and_bears);
+  const Outcome outcome =
+      emit(farm, {"--threads", "2", "--at-once", "3", "--slurm", "--partition=x --account=y"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string script = read_text(farm.job() + "/array.sbatch");
+  // The bear's clips share their model, the bars do not.
+  for (const char* line : {"#!/bin/bash\n# ", "#SBATCH --array=1-3%3\n", "#SBATCH --cpus-per-task=2\n",
+                           "#SBATCH --requeue\n", "#SBATCH --signal=B:TERM@120\n",
+                           "#SBATCH --open-mode=append\n", "#SBATCH --partition=x --account=y\n"})
+    EXPECT_TRUE(contains(script, line)) << line << script;
+  EXPECT_FALSE(contains(script, "--gres"));
+  EXPECT_EQ(read_text(farm.job() + "/tasks"), "bar-0.4\nbar-0.6\nbear-jump,bear-bump\n");
+  const auto number_after = [&](const std::string& name) {
+    return std::atoi(script.c_str() + script.find(name) + name.size());
+  };
+  EXPECT_GE(number_after("--mem="), 256);
+  EXPECT_LE(number_after("--mem="), 4096);
+  EXPECT_GE(number_after("--time="), 10);
+  EXPECT_LE(number_after("--time="), 30);
+  EXPECT_FALSE(fs::exists(farm.output())) << "it baked something";
+  for (const char* file : {"array.sbatch", "merge.sbatch", "submit"})
+    EXPECT_EQ(std::system(("bash -n " + quoted(farm.job() + "/" + file)).c_str()), 0) << file;
+
+  ASSERT_EQ(emit(farm, {"--group", "1"}).status, 0);
+  EXPECT_TRUE(contains(read_text(farm.job() + "/array.sbatch"), "#SBATCH --array=1-4\n"));
+  EXPECT_TRUE(contains(read_text(farm.job() + "/array.sbatch"), "#SBATCH --cpus-per-task=4\n"));
+}
+
+TEST(BatchFarm, AGpuIsAskedForWhereOneIsNamed) {
+  const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.2\"]\n");
+  ASSERT_EQ(emit(farm, {"--device", "vulkan"}).status, 0);
+  const std::string script = read_text(farm.job() + "/array.sbatch");
+  EXPECT_TRUE(contains(script, "#SBATCH --gres=gpu:1\n")) << script;
+  EXPECT_TRUE(contains(script, "--device vulkan ")) << script;
+}
+
+// Programs of Slurm's names that note what they are asked, and the array's script run as Slurm would.
+int run_task(const Farm& farm, const std::string& state, const std::string& around) {
+  const fs::path programs = farm.home / "programs";
+  fs::create_directories(programs);
+  write_text(programs / "squeue", "#!/bin/sh\necho " + state + "\n");
+  write_text(programs / "scontrol",
+             "#!/bin/sh\necho \"$@\" >> " + quoted((farm.home / "asked").string()) + "\n");
+  for (const char* name : {"squeue", "scontrol"})
+    fs::permissions(programs / name, fs::perms::owner_all, fs::perm_options::add);
+  write_text(farm.home / "run", "PATH=" + quoted(programs.string()) +
+                                    ":$PATH\nexport PATH SLURM_ARRAY_JOB_ID=7 "
+                                    "SLURM_ARRAY_TASK_ID=1 SLURM_JOB_ID=7 FASCICLE_CACHE_DIR=" +
+                                    quoted((farm.home / "cache").string()) + "\nbash " +
+                                    quoted(farm.job() + "/array.sbatch") + " > " +
+                                    quoted((farm.home / "log").string()) + " 2>&1 " + around);
+  const int status = std::system(("bash " + quoted((farm.home / "run").string())).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// Slurm's warning goes to the script's shell alone. It waits for the bake's end and has the task queued
+// again, by the array's name for it: its own number may be the whole array's.
+TEST(BatchFarm, ATaskThatIsWarnedIsQueuedAgainAndGoesOn) {
+  const Farm farm("[job.bar]\nscene = \"bar-hang-none\"\nset = [\"scene.end=60\"]\n");
+  ASSERT_EQ(emit(farm, {"--threads", "1"}).status, 0);
+  const std::string warn_at_work = "&\nuntil [ -e " + quoted(farm.output() + "/bar/manifest.json") +
+                                   " ]; do sleep 0.05; done\n" + "kill -TERM $!; wait $!\n";
+  EXPECT_EQ(run_task(farm, "RUNNING", warn_at_work), 0) << read_text(farm.home / "log");
+  EXPECT_EQ(read_text(farm.home / "asked"), "requeue 7_1\n");
+  const Outcome status = fascicle({"batch", "status", farm.job()});
+  EXPECT_EQ(status.status, 75) << status.out;
+  EXPECT_TRUE(contains(status.out, "1 interrupted")) << status.out;
+  EXPECT_TRUE(contains(status.out, "interrupted at frame ")) << status.out;
+  // What its user cancelled is not queued again.
+  fs::remove(farm.home / "asked");
+  EXPECT_EQ(run_task(farm, "COMPLETING", "& sleep 0.7; kill -TERM $!; wait $!\n"), 75)
+      << read_text(farm.home / "log");
+  EXPECT_FALSE(fs::exists(farm.home / "asked"));
+  // Left alone it ends, with the bytes of a bake of its own.
+  EXPECT_EQ(run_task(farm, "RUNNING", "\n"), 0) << read_text(farm.home / "log");
+  ASSERT_EQ(fascicle({"bake", "bar-hang-none", "--set=scene.end=60", "--device", "cpu", "-o",
+                      farm.folder / "alone"})
+                .status,
+            0);
+  EXPECT_TRUE(read_text(farm.folder / "alone/frames.fascicle") ==
+              read_text(farm.output() + "/bar/frames.fascicle"));
+  EXPECT_EQ(fascicle({"batch", "status", farm.job()}).status, 0);
+}
+
+TEST(BatchFarm, JobsBesideEachOtherLeaveBatchJsonToTheMerge) {
+  const Farm farm;
+  const Outcome first = fascicle({"batch", farm.list(), "--job", "bar-0.6"});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_FALSE(fs::exists(farm.output() + "/batch.json"));
+  EXPECT_FALSE(fs::exists(farm.output() + "/bar-0.4"));
+  Outcome status = fascicle({"batch", "status", farm.list()});
+  EXPECT_EQ(status.status, 75);
+  EXPECT_TRUE(contains(status.out, "4 jobs in ")) << status.out;
+  EXPECT_TRUE(contains(status.out, ": 1 done, 3 not begun\n")) << status.out;
+
+  const Outcome others = fascicle({"batch", farm.list(), "--job", "1-2,4", "--at-once", "1"});
+  ASSERT_EQ(others.status, 0) << others.err;
+  status = fascicle({"batch", "status", farm.list(), "--merge"});
+  EXPECT_EQ(status.status, 0) << status.out;
+  const FarmJson merged = FarmJson::parse(read_text(farm.output() + "/batch.json")).at("jobs");
+  ASSERT_EQ(merged.size(), 4u);
+  // As one batch writes it, but for how long it took.
+  ASSERT_EQ(fascicle({"batch", farm.list(), "-o", farm.folder / "whole"}).status, 0);
+  const FarmJson whole = FarmJson::parse(read_text(farm.folder / "whole/batch.json")).at("jobs");
+  for (std::size_t k = 0; k < 4; ++k)
+    for (const char* key : {"job", "scene", "clip", "set", "format", "status", "exit_status",
+                            "last_position_hash", "error", "warnings"})
+      EXPECT_EQ(merged.at(k).at(key), whole.at(k).at(key)) << k << key;
+  status = fascicle({"batch", "status", farm.output()});
+  EXPECT_EQ(status.status, 0) << status.err;
+  EXPECT_TRUE(contains(status.out, ": 4 done\n")) << status.out;
+}
+
+// Of a failure that left no manifest the record tells, of a process that was killed that it is gone.
+TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
+  const Farm farm(
+      "[job.long]\nscene = \"bar-hang-none\"\nset = [\"scene.end=60\"]\n"
+      "[job.used]\nscene = \"bar-hang-none\"\nset = [\"scene.end=0.2\"]\n");
+  fs::create_directories(farm.output() + "/used");
+  write_text(farm.output() + "/used/metrics.csv", "mine\n");
+  EXPECT_EQ(fascicle({"batch", farm.list(), "--job", "used"}).status, 3);
+  Program task({"batch", farm.list(), "--job", "long", "--threads", "1"});
+  while (task.is_running() && !fs::exists(farm.output() + "/long/manifest.json")) {
+  }
+  const Outcome running = fascicle({"batch", "status", farm.list()});
+  EXPECT_TRUE(contains(running.out, "long  running at frame ")) << running.out;
+  EXPECT_TRUE(contains(running.out, "used  failed: ")) << running.out;
+  EXPECT_TRUE(contains(running.out, "metrics.csv")) << running.out;
+  EXPECT_EQ(running.status, 3);
+  const FarmJson record = FarmJson::parse(read_text(farm.output() + "/.outcomes/long.json"));
+  EXPECT_TRUE(record.at("exit_status").is_null());
+  const std::string process = std::to_string(record.at("process").get<long>());
+  const int bake = std::atoi(read_text("/proc/" + process + "/task/" + process + "/children").c_str());
+  ASSERT_GT(bake, 0);
+  task.send(SIGSTOP);  // it must not see its bake die
+  EXPECT_EQ(::kill(bake, SIGKILL), 0);
+  task.send(SIGKILL);
+  task.wait();
+  const Outcome gone = fascicle({"batch", "status", farm.list()});
+  EXPECT_TRUE(contains(gone.out, "long  cut off at frame ")) << gone.out;
+  EXPECT_TRUE(contains(gone.out, "--resume")) << gone.out;
+  // On another host nobody can be asked: it counts as running for a while.
+  std::string text = record.dump();
+  const std::string host = record.at("host").dump();
+  text.replace(text.find(host), host.size(), "\"another-host\"");
+  write_text(farm.output() + "/.outcomes/long.json", text);
+  EXPECT_TRUE(contains(fascicle({"batch", "status", farm.list()}).out, "1 running"));
+  const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  fs::last_write_time(farm.output() + "/.outcomes/long.json", long_ago);
+  fs::last_write_time(farm.output() + "/long/manifest.json", long_ago);
+  EXPECT_TRUE(contains(fascicle({"batch", "status", farm.list()}).out, "1 cut off"));
+}
+
+TEST(BatchFarm, RefusesWhatItCannotHandOver) {
+  const Farm farm;
+  const auto refusal = [&](std::vector<std::string> more, int status, const std::string& says) {
+    more.insert(more.begin(), {"batch", farm.list()});
+    const Outcome outcome = fascicle(more);
+    EXPECT_EQ(outcome.status, status) << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, says)) << outcome.err;
+    EXPECT_FALSE(fs::exists(farm.job())) << outcome.err;
+  };
+  refusal({"--emit", "slurm"}, 2, "-o job");
+  refusal({"--emit", "openjd", "-o", farm.job()}, 2, ".yaml");
+  refusal({"--emit", "slurm", "-o", farm.job(), "--device", "cpu,vulkan"}, 2, "one device");
+  refusal({"--emit", "slurm", "-o", farm.job() + "\nx"}, 2, "control character");
+  refusal({"--emit", "slurm", "-o", farm.job(), "--slurm", "--partition=x\nrm -rf"}, 2, "control character");
+  refusal({"--emit", "slurm", "-o", farm.job(), "--overwrite"}, 2, "--overwrite");
+  refusal({"--emit", "openjd", "-o", farm.job() + ".json", "--submit"}, 2, "--submit");
+  refusal({"--group", "2"}, 2, "--emit");
+  refusal({"--job", "bar-0.8"}, 2, "did you mean bar-0.4?");
+  refusal({"--job", "0"}, 2, "no job \"0\"");
+  refusal({"--job", "3-5"}, 2, "among the 4");
+  EXPECT_EQ(fascicle({"batch"}).status, 2);
+  const Outcome nothing = fascicle({"batch", "status", farm.folder / "."});
+  EXPECT_EQ(nothing.status, 3);
+  EXPECT_TRUE(contains(nothing.err, "batch.json")) << nothing.err;
+
+  // Where Slurm is not, it says how to go on.
+  const Outcome no_slurm =
+      fascicle({"batch", farm.list(), "--emit", "slurm", "-o", farm.job(), "--submit"}, {"PATH=/nowhere"});
+  EXPECT_EQ(no_slurm.status, 1);
+  EXPECT_TRUE(contains(no_slurm.err, "sbatch")) << no_slurm.err;
+  write_text(farm.job() + "/submitted", "array 7\nmerge 8\n");
+  EXPECT_EQ(emit(farm).status, 2);
+  EXPECT_EQ(emit(farm, {"--resume"}).status, 0);
+  EXPECT_FALSE(fs::exists(farm.job() + "/submitted"));
+}
+
+TEST(BatchFarm, ADryRunWritesNothing) {
+  const Farm farm(bars_and_bears);
+  const Outcome outcome = emit(farm, {"--dry-run"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contains(outcome.out, "nothing is written")) << outcome.out;
+  EXPECT_TRUE(contains(outcome.out, "3, of at most 2 jobs")) << outcome.out;
+  EXPECT_FALSE(fs::exists(farm.job()));
+  EXPECT_FALSE(fs::exists(farm.output()));
+}
+
+}  // namespace
+}  // namespace fascicle::tests
