@@ -171,7 +171,9 @@ Frames Comparison::bake(const Subject& subject, model::Solver& solver, std::uint
 Measures Comparison::measure(const Subject& subject, std::uint32_t substeps, const Frames& frames,
                              double force) const {
   drive::DriveSource drives(subject.scene, subject.model(), substeps);
-  if (subject.model().has_contact()) return measure_crouch(subject.scene, subject.model(), frames);
+  // What meets no solid meets itself.
+  if (drives.solids(frames.back().index).empty())
+    return measure_crouch(subject.scene, subject.model(), frames);
   if (std::holds_alternative<scene::Bar>(subject.scene.geometry))
     return measure_squeeze(subject.scene, subject.model(), drives, frames, force);
   return measure_drop(subject.scene, subject.model(), drives, frames);

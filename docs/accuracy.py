@@ -33,12 +33,13 @@ FOOT = "[integrators.md](integrators.md#substeps-and-iterations) says how subste
 def measured(program, scene, name, clip, options):
     """A dictionary for the page."""
     row = {"scene": scene, "name": name, "clip": clip}
+    path = options.get("path", scene)
     try:
-        said = program.run("validate", options.pop("path", scene), "--converged", "--json", "--devices", "cpu", "-q",
+        said = program.run("validate", path, "--converged", "--json", "--devices", "cpu", "-q",
                            *options["arguments"])
         row |= {key: json.loads(said)[key] for key in ("frames", "extent_m", "reference", "qualities")}
     except subprocess.CalledProcessError as error:
-        row["failed"] = character_sheets.message_of(error, os.path.dirname(options.get("path", "")) or ".")
+        row["failed"] = character_sheets.message_of(error, os.path.dirname(path) or ".")
     return row
 
 

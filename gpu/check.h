@@ -9,9 +9,9 @@ namespace fascicle::gpu {
 
 const char* name_of(VkResult result);
 
-// Throws DeviceError "CALL: RESULT" where the call has not done what it was asked: for every error, and for
-// VK_TIMEOUT, after which a fence that was waited for without end is not signalled. VK_NOT_READY and
-// VK_INCOMPLETE pass.
+// Throws DeviceError (DeviceLost) "CALL: RESULT" where the call has not done what it was asked: for every
+// error, and for VK_TIMEOUT, after which a fence that was waited for without end is not signalled.
+// VK_NOT_READY and VK_INCOMPLETE pass.
 void check(VkResult result, const char* call);
 
 }  // namespace fascicle::gpu

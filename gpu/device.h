@@ -16,6 +16,10 @@ namespace fascicle::gpu {
 struct DeviceError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+// The device is gone, whatever it was asked for.
+struct DeviceLost : DeviceError {
+  using DeviceError::DeviceError;
+};
 
 struct DeviceInfo {
   std::uint32_t index = 0;                      // for vulkan:N

@@ -233,9 +233,17 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   request.threads = arguments.threads;
   request.build = build_options(arguments.scene.no_cache);
   request.interrupted = &catch_interrupts();
+  request.build.is_cancelled = [stop = request.interrupted] { return stop->load(); };
   request.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   const Say say = say_on(log);
-  const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
+  std::unique_ptr<PreparedBake> made;
+  try {
+    made = prepare_bake(std::move(scene), request, say);
+  } catch (const build::Cancelled&) {
+    log.clear_bar();
+    log.warning("interrupted while the model was built; the same command begins again");
+    return ExitCode::interrupted;
+  }
   PreparedBake& prepared = *made;
   if (arguments.dry_run) {
     print_estimate(arguments, prepared);

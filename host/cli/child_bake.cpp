@@ -140,7 +140,7 @@ bool ChildBake::has_ended() {
   ended_ = true;
   listen();
   status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  // Before its first frame it does not catch the signal, and there is nothing to bring to an end.
+  // Until it catches the signal there is nothing to bring to an end.
   if (interrupted_ && WIFSIGNALED(status) && WTERMSIG(status) == SIGINT)
     status_ = static_cast<int>(ExitCode::interrupted);
   return true;

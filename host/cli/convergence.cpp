@@ -38,8 +38,8 @@ std::vector<SteppedSkin> skins_of(const scene::Scene& scene, const Built& built)
     SteppedSkin skin;
     skin.quality = scene::name_of(quality);
     skin.steps = steps_of_quality(scene, quality, built.model);
-    skin.is_scenes = skin.steps.substeps == built.steps.substeps &&
-                     skin.steps.iterations == built.steps.iterations && !is_scenes_among;
+    skin.is_scenes =
+        scene.solver.auto_substeps && !scene.solver.iterations && scene.solver.quality == quality;
     is_scenes_among = is_scenes_among || skin.is_scenes;
     skins.push_back(std::move(skin));
   }
@@ -94,6 +94,11 @@ const std::vector<float>& skin_in(const model::Frame& frame) {
   return frame.surface.empty() ? frame.positions : frame.surface;
 }
 
+bake::NotFinite not_finite(std::uint64_t frame, const std::string& how) {
+  return bake::NotFinite("positions are no longer finite numbers in frame " + std::to_string(frame) +
+                         ", stepped " + how + "; use more substeps");
+}
+
 // Adds a frame to a skin's distances; `squares` is their sum so far.
 void measure(const model::Frame& frame, const model::Frame& reference, double unit, std::uint64_t number,
              SteppedSkin& skin, double& squares) {
@@ -105,9 +110,7 @@ void measure(const model::Frame& frame, const model::Frame& reference, double un
           (double{a[3 * i + c]} - double{b[3 * i + c]}) * unit + frame.origin[c] - reference.origin[c];
       squared += d * d;
     }
-    if (!std::isfinite(squared))
-      throw bake::NotFinite("positions are no longer finite numbers in frame " + std::to_string(number) +
-                            ", stepped in quality \"" + skin.quality + "\"; use more substeps");
+    if (!std::isfinite(squared)) throw not_finite(number, "in quality \"" + skin.quality + '"');
     squares += squared;
     if (squared <= skin.largest * skin.largest) continue;
     skin.largest = std::sqrt(squared);
@@ -155,6 +158,8 @@ Convergence measure_convergence(
              frames);
     const model::Frame exact = reference.step(frame, what);
     values += skin_in(exact).size() / 3;
+    for (const float x : skin_in(exact))
+      if (!std::isfinite(x)) throw not_finite(frame, "as the reference");
     for (std::size_t k = 0; k < stepped.size(); ++k)
       measure(stepped[k].step(frame, what), exact, model.unit, frame, convergence.skins[k], squares[k]);
   }

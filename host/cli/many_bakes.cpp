@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <deque>
 #include <iostream>
 #include <map>
@@ -21,6 +22,7 @@
 #include "host/bake/manifest.h"
 #include "host/cli/batch_summary.h"
 #include "host/cli/child_bake.h"
+#include "host/cli/device_failures.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/job_record.h"
 #include "host/cli/memory.h"
@@ -37,6 +39,8 @@ using Clock = std::chrono::steady_clock;
 // A GPU waits for the threads that feed it for most of a bake. A driver that computes on the CPU takes all
 // cores for one.
 constexpr unsigned most_on_a_gpu = 8;
+// What a process's status is on top of the number of the signal that ended it.
+constexpr int of_signal = 128;
 
 // What has become of a job; of one that was never begun there is no status.
 struct Outcome {
@@ -53,7 +57,6 @@ std::string word_of(const Outcome& outcome) {
 
 // Of a process: what a driver's fault ends with.
 bool is_crash(int status) {
-  constexpr int of_signal = 128;
   return status == of_signal + SIGSEGV || status == of_signal + SIGABRT || status == of_signal + SIGBUS;
 }
 
@@ -68,7 +71,7 @@ class Batch {
       : asked_(std::move(asked)),
         log_(log),
         outcomes_(asked_.bakes.size()),
-        failed_on_(asked_.bakes.size()) {}
+        failures_(split_device_list(asked_.devices)) {}
 
   ExitCode run() {
     check_devices();
@@ -132,7 +135,7 @@ class Batch {
     std::size_t most = 0;
     for (const std::string& label : labels) {
       Device device{label, asked_.threads};
-      unsigned at_once = cores;
+      unsigned at_once = std::max(1U, cores / std::max(1U, asked_.threads));
       if (!is_cpu(label)) {
         const std::vector<gpu::DeviceInfo> found = candidates(parse_device(label), gpus);
         const bool is_real = !found.empty() && !found.front().software;
@@ -180,12 +183,12 @@ class Batch {
   }
 
   std::vector<std::string> command_of(const OneBake& job, const Device& device) const {
-    std::vector<std::string> command{"bake",     job.scene,   "-o", folder_of(job).string(),
-                                     "--device", device.label};
+    const auto number = static_cast<std::size_t>(&job - asked_.bakes.data());
+    const std::string label = failures_.device_of(number, device.label);
+    std::vector<std::string> command{"bake", job.scene, "-o", folder_of(job).string(), "--device", label};
     if (device.threads > 0) command.insert(command.end(), {"--threads", std::to_string(device.threads)});
     // What a device has done before it failed stays.
-    const bool is_begun = !failed_on_[static_cast<std::size_t>(&job - asked_.bakes.data())].empty();
-    command.push_back(asked_.overwrite && !is_begun ? "--overwrite" : "--resume");
+    command.push_back(asked_.overwrite && !begun_.contains(number) ? "--overwrite" : "--resume");
     command.insert(command.end(), job.options.begin(), job.options.end());
     return command;
   }
@@ -198,7 +201,7 @@ class Batch {
     for (Slot& slot : slots_) {
       if (slot.bake || waiting_.empty() || (is_busy() && !has_room(slot.device))) continue;
       const auto next = std::find_if(waiting_.begin(), waiting_.end(), [&](std::size_t job) {
-        return may_begin(job) && may_have(job, slot.device.label);
+        return may_begin(job) && failures_.may_have(job, slot.device.label);
       });
       if (next == waiting_.end()) continue;
       slot.job = *next;
@@ -243,10 +246,12 @@ class Batch {
 
   void watch() {
     for (const Slot& slot : slots_) {
-      if (!slot.bake || slot.bake->frames() == 0) continue;
+      if (!slot.bake) continue;
+      largest_memory_ = std::max(largest_memory_, memory_of(slot.bake->process()));
+      if (slot.bake->frames() == 0) continue;
       one_had_frames_ = true;
       built_.insert(asked_.bakes[slot.job].model);
-      largest_memory_ = std::max(largest_memory_, memory_of(slot.bake->process()));
+      begun_.insert(slot.job);
     }
   }
 
@@ -266,41 +271,24 @@ class Batch {
       log_.info(asked_.bakes[slot.job].name + ": " + line);
   }
 
-  // A device that failed two bakes in a row gets no more, where another is left.
-  bool is_off(const std::string& label) const {
-    constexpr int most_failures = 2;
-    const auto is_failing = [&](const Slot& slot) {
-      const auto found = failures_.find(slot.device.label);
-      return found != failures_.end() && found->second >= most_failures;
-    };
-    if (std::all_of(slots_.begin(), slots_.end(), is_failing)) return false;
-    return std::any_of(slots_.begin(), slots_.end(),
-                       [&](const Slot& slot) { return slot.device.label == label && is_failing(slot); });
-  }
-  bool may_have(std::size_t job, const std::string& label) const {
-    return !failed_on_[job].contains(label) && !is_off(label);
-  }
-  bool has_a_device(std::size_t job) const {
-    return std::any_of(slots_.begin(), slots_.end(),
-                       [&](const Slot& slot) { return may_have(job, slot.device.label); });
-  }
-
-  // Whether it was the device that failed, and another takes the job: it goes on from the last whole frame.
+  // Whether it was the device that failed, and another takes the job: it goes on from the last checkpoint.
   bool hand_over(const Slot& slot, const Outcome& outcome) {
-    const bool is_gpu = parse_device(slot.device.label).kind != DeviceRequest::Kind::cpu;
-    const bool has_crashed = is_gpu && is_crash(*outcome.status);
-    const bool has_failed = has_crashed || *outcome.status == static_cast<int>(ExitCode::device_failed);
-    if (!has_failed && *outcome.status != static_cast<int>(ExitCode::no_such_device)) {
-      failures_[slot.device.label] = 0;
+    const std::string& label = slot.device.label;
+    const bool is_gpu = parse_device(label).kind != DeviceRequest::Kind::cpu;
+    const bool cannot_run = *outcome.status == static_cast<int>(ExitCode::no_such_device);
+    if (!cannot_run && *outcome.status != static_cast<int>(ExitCode::device_failed) &&
+        !(is_gpu && is_crash(*outcome.status))) {
+      failures_.clear(label);
       return false;
     }
-    if (has_failed) ++failures_[slot.device.label];
-    failed_on_[slot.job].insert(slot.device.label);
-    if (!has_a_device(slot.job)) return false;
-    log_.warning(asked_.bakes[slot.job].name + " on " + slot.device.label + ": " +
-                 (has_crashed ? "its process crashed" : outcome.error) + "; it goes to another device");
-    if (is_off(slot.device.label))
-      log_.warning(slot.device.label + " failed two bakes in a row and gets no more");
+    const bool was_off = failures_.is_off(label);
+    failures_.add(slot.job, label, slot.start, cannot_run);
+    if (!failures_.has_a_device(slot.job)) return false;
+    const std::string what = "on " + label + ": " + outcome.error + "; it goes to another device";
+    log_.warning(asked_.bakes[slot.job].name + " " + what);
+    if (failures_.is_off(label) && !was_off)
+      log_.warning(label + " failed two bakes in a row and gets no more");
+    tries_[slot.job].push_back(what);
     outcomes_[slot.job] = outcome;
     waiting_.push_front(slot.job);
     return true;
@@ -310,7 +298,7 @@ class Batch {
   void give_up_jobs() {
     for (std::size_t k = waiting_.size(); k-- > 0;) {
       const std::size_t job = waiting_[k];
-      if (has_a_device(job)) continue;
+      if (failures_.has_a_device(job)) continue;
       waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(k));
       end_job(job, Outcome(outcomes_[job]));
     }
@@ -327,9 +315,16 @@ class Batch {
                       .seconds = std::chrono::duration<double>(Clock::now() - slot.start).count(),
                       .error = slot.bake->error(),
                       .warnings = slot.bake->warnings()};
+      if (*outcome.status >= of_signal && outcome.error.empty())
+        outcome.error =
+            "its process was ended by signal " + std::to_string(*outcome.status - of_signal) + " (" +
+            strsignal(*outcome.status - of_signal) + ")" +
+            (*outcome.status == of_signal + SIGKILL ? "; perhaps for want of memory: fewer --at-once" : "");
       // Of a bake that was refused the folder may hold an older one.
       if (word_of(outcome) != "failed") outcome.hash = last_hash(folder_of(asked_.bakes[slot.job]));
+      const bool is_begun = slot.bake->frames() > 0;
       slot.bake.reset();
+      if (is_begun) begun_.insert(slot.job);
       if (!interrupted && hand_over(slot, outcome)) continue;
       end_job(slot.job, std::move(outcome));
     }
@@ -338,7 +333,8 @@ class Batch {
   void end_job(std::size_t number, Outcome outcome) {
     const OneBake& job = asked_.bakes[number];
     ++ended_;
-    one_had_frames_ = true;
+    if (word_of(outcome) == "done") built_.insert(job.model);
+    outcome.warnings.insert(outcome.warnings.begin(), tries_[number].begin(), tries_[number].end());
     // One character's clips have most of their warnings in common.
     for (const std::string& warning : outcome.warnings) {
       if (said_.insert(warning).second)
@@ -444,7 +440,9 @@ class Batch {
         return status <= static_cast<int>(ExitCode::device_failed) ? static_cast<ExitCode>(status)
                                                                    : ExitCode::unforeseen;
       }
-    if (!interrupted) return ExitCode::done;
+    const bool are_done = std::all_of(outcomes_.begin(), outcomes_.end(),
+                                      [](const Outcome& outcome) { return word_of(outcome) == "done"; });
+    if (!interrupted && are_done) return ExitCode::done;
     log_.warning(asked_.overwrite
                      ? "interrupted; the same command with --resume (and without --overwrite) goes on with "
                        "what was begun, --overwrite starts all again"
@@ -457,11 +455,12 @@ class Batch {
   std::vector<Outcome> outcomes_;
   std::vector<Slot> slots_;
   std::deque<std::size_t> waiting_;
-  std::vector<std::set<std::string>> failed_on_;  // of each job, labels of devices
-  std::map<std::string, int> failures_;           // of each device, in a row
+  DeviceFailures failures_;
+  std::map<std::size_t, std::vector<std::string>> tries_;  // of each job, on devices that failed
+  std::set<std::size_t> begun_;                            // jobs that had frames here
   std::size_t ended_ = 0;
-  std::set<std::string> built_;       // OneBake::model of those that had frames
-  bool one_had_frames_ = false;       // or ended
+  std::set<std::string> built_;  // OneBake::model of those that had frames
+  bool one_had_frames_ = false;
   std::uint64_t largest_memory_ = 0;  // bytes, of bakes that had frames
   std::set<std::string> said_;        // warnings
 };

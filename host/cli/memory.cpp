@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string>
 
 namespace fascicle::cli {
@@ -23,27 +25,44 @@ std::optional<std::uint64_t> only_number_in(const std::string& file) {
   return in >> number ? std::optional(number) : std::nullopt;
 }
 
-// What the control group may still take; what it holds of files can be given back.
-std::optional<std::uint64_t> left_in_group() {
-  std::ifstream in("/proc/self/cgroup");
-  std::string line, folder;
-  while (std::getline(in, line))
-    if (line.starts_with("0::")) folder = "/sys/fs/cgroup" + line.substr(3);
-  if (folder.empty()) return std::nullopt;
-  const std::optional<std::uint64_t> most = only_number_in(folder + "/memory.max");
-  const std::optional<std::uint64_t> taken = only_number_in(folder + "/memory.current");
+// What a group may still take; what it holds of files can be given back.
+std::optional<std::uint64_t> left_in(const std::string& folder, const char* most_name, const char* taken_name,
+                                     const char* files_name) {
+  const std::optional<std::uint64_t> most = only_number_in(folder + most_name);
+  const std::optional<std::uint64_t> taken = only_number_in(folder + taken_name);
   if (!most || !taken) return std::nullopt;
-  const std::uint64_t files = number_in(folder + "/memory.stat", "inactive_file ").value_or(0);
+  const std::uint64_t files = number_in(folder + "/memory.stat", files_name).value_or(0);
   const std::uint64_t held = *taken - std::min(*taken, files);
   return *most - std::min(*most, held);
 }
 
 }  // namespace
 
+std::optional<std::uint64_t> left_in_groups(const std::string& groups, const std::string& root) {
+  std::optional<std::uint64_t> least;
+  std::istringstream lines(groups);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_old = line.find(":memory:") != std::string::npos;
+    if (!line.starts_with("0::") && !is_old) continue;
+    // A limit may stand on any group above: a job's, not its task's.
+    for (std::string group = line.substr(line.rfind(':') + 1); !group.empty();
+         group.erase(std::min(group.rfind('/'), group.size()))) {
+      const std::optional<std::uint64_t> left =
+          is_old ? left_in(root + "/memory" + group, "/memory.limit_in_bytes", "/memory.usage_in_bytes",
+                           "total_inactive_file ")
+                 : left_in(root + group, "/memory.max", "/memory.current", "inactive_file ");
+      if (left && (!least || *left < *least)) least = left;
+    }
+  }
+  return least;
+}
+
 std::optional<std::uint64_t> available_memory() {
   std::optional<std::uint64_t> available = number_in("/proc/meminfo", "MemAvailable:");
   if (available) *available *= 1024;
-  const std::optional<std::uint64_t> of_group = left_in_group();
+  std::ifstream in("/proc/self/cgroup");
+  const std::string groups{std::istreambuf_iterator<char>(in), {}};
+  const std::optional<std::uint64_t> of_group = left_in_groups(groups, "/sys/fs/cgroup");
   if (of_group && (!available || *of_group < *available)) available = of_group;
   return available;
 }

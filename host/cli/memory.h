@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include <sys/types.h>
 
@@ -11,6 +12,10 @@ namespace fascicle::cli {
 // Bytes that new processes may take, of the machine and of the control group that this one is in; nothing
 // where the system does not say.
 std::optional<std::uint64_t> available_memory();
+
+// The least that may still be taken in the control groups that /proc/self/cgroup lists as `groups` and in all
+// above them, of either version; `root` is where they are mounted. Nothing where none has a limit.
+std::optional<std::uint64_t> left_in_groups(const std::string& groups, const std::string& root);
 
 // Bytes that the process holds; 0 where the system does not say.
 std::uint64_t memory_of(pid_t process);

@@ -202,12 +202,14 @@ std::uint64_t frames_of(const ValidateArguments& arguments, const scene::Scene& 
 // --converged
 ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& scene,
                         const DeviceRequest& request, Log& log) {
-  // The lowest modes are known of a model that is built for automatic substeps; nothing else in it differs.
-  scene::Scene automatic = scene;
-  automatic.solver.auto_substeps = true;
-  Built built = build(automatic, log, arguments.scene.no_cache);
-  built.steps = build::choose_steps(scene, built.model, built.report);
+  Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
+  if (!scene.solver.auto_substeps && !built.model.has_skeleton()) {
+    // The lowest modes are known of a model that is built for automatic substeps; nothing else in it differs.
+    scene::Scene automatic = scene;
+    automatic.solver.auto_substeps = true;
+    built.model = build(automatic, log, arguments.scene.no_cache).model;
+  }
   const ChosenDevice device = choose_device(request, arguments.threads, say_on(log));
   log.info("device: " + device.text());
   ShownProgress progress(log);
@@ -220,7 +222,8 @@ ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& 
 }
 
 ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
-  std::vector<DeviceRequest> requests = parse_device_list(arguments.devices);
+  std::vector<DeviceRequest> requests =
+      parse_device_list(with_all_devices(arguments.devices, gpu::list_devices()));
   for (DeviceRequest& request : requests) request.keeps_pipelines = !arguments.scene.no_cache;
   if (requests.size() < 2 && !arguments.oracle && !arguments.converged)
     throw UsageError("--devices " + arguments.devices +
@@ -258,7 +261,7 @@ void add_validate(CLI::App& app, Command& command) {
   subcommand
       ->add_option("--devices", arguments->devices,
                    "What to compare with the first: cpu, cpu:LEVEL (its vector instructions), vulkan, "
-                   "vulkan:N, separated "
+                   "vulkan:N, all, separated "
                    "by commas; default: cpu,vulkan")
       ->option_text("LIST");
   subcommand->add_option("--frames", arguments->frames, "Frames to run; default: all of the scene's")

@@ -66,6 +66,9 @@ void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
   };
 }
 
+constexpr const char* how_to_go_on =
+    "; what is done is kept: --resume goes on with it, on this device or on another (--device cpu)";
+
 // Takes the next of the request's devices that can run the model.
 void take_device(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
   for (;;) {
@@ -78,6 +81,10 @@ void take_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
       return;
     } catch (const NoSuchDevice& error) {
       if (prepared.devices_tried == request.devices.size()) throw;
+      say_warning(say, error.what());
+    } catch (const gpu::DeviceLost& error) {
+      if (prepared.devices_tried == request.devices.size())
+        throw DeviceFailed(std::string("the device failed: ") + error.what() + how_to_go_on);
       say_warning(say, error.what());
     }
   }
@@ -93,15 +100,16 @@ auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
       const ChosenDevice& device = prepared.simulation.device;
       const std::string what =
           device.label() + " (" + device.description().name + ") failed: " + error.what();
-      if (prepared.devices_tried == request.devices.size())
-        throw DeviceFailed(what +
-                           "; what is done is kept: --resume goes on with it, on this device or on another "
-                           "(--device cpu)");
+      if (prepared.devices_tried == request.devices.size()) throw DeviceFailed(what + how_to_go_on);
       say_warning(say, what + "; the next device goes on");
       prepared.warnings.push_back(what + "; another device went on");
       // The solver goes before the device that it is on.
       prepared.simulation.solver.reset();
-      take_device(prepared, request, say);
+      try {
+        take_device(prepared, request, say);
+      } catch (const NoSuchDevice& none) {
+        throw DeviceFailed(what + "; and " + none.what() + how_to_go_on);
+      }
     }
   }
 }
@@ -152,13 +160,14 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
 
 bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, const Say& say) {
   const std::size_t first_device = prepared.devices_tried;
+  const bool was_exact = prepared.simulation.device.description().exact;
   return on_a_device(prepared, request, say, [&] {
     bake::BakeOptions options;
     static_cast<bake::BakeOutput&>(options) = request.output;
-    // What a device that failed has done stays.
+    // What a device that failed has done stays, unless the next would go on to other bits.
     if (prepared.devices_tried > first_device) {
-      options.overwrite = false;
-      options.resume = true;
+      options.resume = prepared.simulation.device.description().exact == was_exact;
+      options.overwrite = !options.resume;
     }
     options.substeps = prepared.built.steps.substeps;
     options.iterations = prepared.built.steps.iterations;

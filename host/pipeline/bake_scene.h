@@ -22,7 +22,7 @@ namespace fascicle::pipeline {
 struct BakeRequest {
   bake::BakeOutput output;
   bool writes_nothing = false;  // prepare_bake leaves the folder alone
-  // The first takes the bake, and where it fails the next goes on from the last frame that is whole. Their
+  // The first takes the bake, and where it fails the next goes on from the last checkpoint. Their
   // cache is build.cache, and without one they keep nothing.
   std::vector<DeviceRequest> devices = {DeviceRequest{}};
   unsigned threads = 0;  // of the CPU solver; 0: one for each core

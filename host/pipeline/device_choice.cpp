@@ -18,7 +18,7 @@ namespace {
 using cpu_reference::Simd;
 
 constexpr const char* known_devices =
-    "use auto, all, cpu, cpu:LEVEL, vulkan or vulkan:N (fascicle devices lists them)";
+    "use auto, cpu, cpu:LEVEL, vulkan or vulkan:N (fascicle devices lists them)";
 
 std::string yes_no(bool value) {
   return value ? "yes" : "no";
@@ -82,16 +82,24 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text) {
 }
 
 std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices) {
-  if (list != "all") return list;
-  std::string all;
-  for (const gpu::DeviceInfo& device : candidates({}, devices))
-    all += "vulkan:" + std::to_string(device.index) + ",";
-  return all + "cpu";
+  std::string text;
+  const auto add = [&text](const std::string& entry) { text += (text.empty() ? "" : ",") + entry; };
+  for (const std::string& entry : split_device_list(list)) {
+    if (entry != "all") {
+      add(entry);
+      continue;
+    }
+    for (const gpu::DeviceInfo& device : candidates({}, devices))
+      add("vulkan:" + std::to_string(device.index));
+    add("cpu");
+  }
+  return text;
 }
 
 std::vector<DeviceRequest> parse_device_order(const std::string& text) {
   std::vector<DeviceRequest> requests;
-  const std::string list = text == "all" ? with_all_devices(text, gpu::list_devices()) : text;
+  const bool asks_for_all = text.find("all") != std::string::npos;
+  const std::string list = asks_for_all ? with_all_devices(text, gpu::list_devices()) : text;
   for (const std::string& entry : split_device_list(list)) requests.push_back(parse_device(entry));
   if (requests.back().kind == DeviceRequest::Kind::automatic)
     requests.push_back({.kind = DeviceRequest::Kind::cpu});
@@ -186,6 +194,8 @@ std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& mod
     if (const std::string after = pipelines(); after != before)
       build::Cache(cache_).put(key_of_pipelines(device_->info()), after);
     return solver;
+  } catch (const gpu::DeviceLost&) {
+    throw;
   } catch (const gpu::DeviceError& error) {
     throw NoSuchDevice(label_ + " (" + description_.name + ") cannot run this scene: " + error.what() +
                        "; use --device cpu or a coarser mesh");
@@ -237,6 +247,11 @@ Simulation choose_simulation(const DeviceRequest& request, unsigned threads, con
   ChosenDevice device = choose_device(request, threads, say);
   std::unique_ptr<model::Solver> solver;
   try {
+    solver = device.make_solver(model, options);
+  } catch (const gpu::DeviceLost& error) {
+    if (request.kind != DeviceRequest::Kind::automatic) throw;
+    say_warning(say, device.label() + ": " + error.what());
+    device = ChosenDevice::cpu(threads, Simd::automatic, "auto: the GPU was lost");
     solver = device.make_solver(model, options);
   } catch (const NoSuchDevice& error) {
     if (request.kind != DeviceRequest::Kind::automatic) throw;

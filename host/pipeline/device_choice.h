@@ -37,7 +37,7 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text);
 // The devices of a bake: the first, and those that go on in turn where one fails: "cpu", "vulkan:0,cpu".
 // "auto" has the CPU behind it, and "all" is every real GPU and the CPU. Throws UsageError.
 std::vector<DeviceRequest> parse_device_order(const std::string& text);
-// "vulkan:0,vulkan:1,cpu" of "all"; other lists as they are.
+// The list with "all" in it as "vulkan:0,vulkan:1,cpu".
 std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices);
 
 // The devices of a request in the order to try them. automatic: usable real GPUs; vulkan: usable real GPUs,

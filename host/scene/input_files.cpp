@@ -49,13 +49,21 @@ void add_hash(const std::filesystem::path& path, Scene& scene) {
   scene.input_hashes.emplace_back(path.string(), hash_of_file(path));
 }
 
-// Reads a file, whose hash stands for what was read: of one that is saved meanwhile it would not.
+[[noreturn]] void fail_as_changed(const std::filesystem::path& path) {
+  throw InputFileError(path.string() + " changed while it was read; start again once it is saved");
+}
+
+// Reads files, and adds hashes that stand for what was read: of a file that is saved meanwhile they would
+// not.
 template <class Read>
-void read_unchanged(const std::filesystem::path& path, const Read& read) {
-  const std::string before = hash_of_file(path);
+void read_unchanged(const std::vector<std::filesystem::path>& files, Scene& scene, const Read& read) {
+  std::vector<std::string> before;
+  for (const auto& file : files) before.push_back(hash_of_file(file));
   read();
-  if (hash_of_file(path) != before)
-    throw InputFileError(path.string() + " changed while it was read; start again once it is saved");
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (hash_of_file(files[k]) != before[k]) fail_as_changed(files[k]);
+    scene.input_hashes.emplace_back(files[k].string(), before[k]);
+  }
 }
 
 }  // namespace
@@ -99,25 +107,24 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t mos
 void load_mesh(const std::filesystem::path& path, Scene& scene) {
   if (reads_as_character(path))
     throw InputFileError(path.string() + " is a character; name it under [character]");
+  std::vector<std::filesystem::path> files{path};
+  if (const std::string extension = base::lower_extension(path);
+      extension == ".node" || extension == ".ele") {
+    // The reader takes both, in the given extension's case.
+    const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
+    files.clear();
+    for (const char* each : {upper ? ".NODE" : ".node", upper ? ".ELE" : ".ele"})
+      files.push_back(std::filesystem::path(path).replace_extension(each));
+  }
   if (mesh::is_tet_mesh_file(path)) {
     check_regular(path);
-    read_unchanged(path, [&] { scene.geometry = mesh::read_tet_mesh(path); });
+    read_unchanged(files, scene, [&] { scene.geometry = mesh::read_tet_mesh(path); });
   } else if (mesh::is_surface_mesh_file(path)) {
     check_regular(path);
-    read_unchanged(path, [&] { scene.geometry = mesh::read_surface_mesh(path); });
+    read_unchanged(files, scene, [&] { scene.geometry = mesh::read_surface_mesh(path); });
   } else {
     throw InputFileError(
         path.string() + " is not a mesh file; mesh files are .mesh .node .ele .msh .vtu .off .obj .ply .stl");
-  }
-  const std::string extension = base::lower_extension(path);
-  if (extension == ".node" || extension == ".ele") {
-    // The reader took both, in the given extension's case.
-    const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
-    for (const char* each : {upper ? ".NODE" : ".node", upper ? ".ELE" : ".ele"}) {
-      add_hash(std::filesystem::path(path).replace_extension(each), scene);
-    }
-  } else {
-    add_hash(path, scene);
   }
 }
 
@@ -129,8 +136,15 @@ void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still
                          " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
   check_regular(path);
   std::vector<std::filesystem::path> files{path};
-  read_unchanged(path, [&] { scene.geometry = gltf::read_gltf(path, &files, scene.converter, still); });
-  for (const auto& file : files) add_hash(file, scene);
+  const auto start = std::filesystem::file_time_type::clock::now();
+  read_unchanged({path}, scene,
+                 [&] { scene.geometry = gltf::read_gltf(path, &files, scene.converter, still); });
+  // Buffers and images, whose names stand in the file. Of one that was saved since the reading began nobody
+  // knows which of both was read.
+  for (std::size_t k = 1; k < files.size(); ++k) {
+    if (std::filesystem::last_write_time(files[k]) >= start) fail_as_changed(files[k]);
+    add_hash(files[k], scene);
+  }
 }
 
 std::filesystem::path character_file(const Scene& scene) {

@@ -1,5 +1,6 @@
 // A device that fails at any call: what was done is kept, and the next device goes on to the same bits.
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
@@ -115,8 +116,10 @@ TEST_F(DeviceFaults, WithoutAnotherDeviceResumingGoesOn) {
     EXPECT_TRUE(outcome.status == 7 || outcome.status == 4) << outcome.status << ": " << outcome.err;
     EXPECT_TRUE(contains(outcome.err, name)) << outcome.err;
     if (outcome.status == 7) {
-      ++begun;
       EXPECT_TRUE(contains(outcome.err, "--resume")) << outcome.err;
+    }
+    if (std::filesystem::exists(folder / (baked + "/manifest.json"))) {
+      ++begun;
       EXPECT_EQ(manifest_in(folder / baked).at("status"), "failed");
     }
     const Outcome resumed = fascicle(bake(folder / baked, "cpu", {"--resume"}));
@@ -125,6 +128,26 @@ TEST_F(DeviceFaults, WithoutAnotherDeviceResumingGoesOn) {
   });
   EXPECT_GT(failed, wanted_points() / 2);
   EXPECT_GT(begun, 0);
+}
+
+// A bake of before is replaced, though the device fails before it has begun.
+TEST_F(DeviceFaults, WhatIsOverwrittenIsNotGoneOnWith) {
+  const auto write_jobs = [&](const std::string& end) {
+    write_text(folder / "jobs.toml", "output = \"" + folder / "batch" +
+                                         "\"\nformat = [\"pc2\"]\n[job.one]\nscene = \"bar-hang-along\"\n"
+                                         "set = [\"scene.end=" +
+                                         end + "\"]\n");
+  };
+  write_jobs("0.05");
+  ASSERT_EQ(fascicle({"batch", folder / "jobs.toml"}).status, 0);
+  write_jobs("0.1");
+  const Outcome outcome =
+      fascicle({"batch", folder / "jobs.toml", "--overwrite", "--device", "vulkan:0,cpu"}, layer("1 -3"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  expect_same("batch/one");
+  const json job = json::parse(read_text(folder / "batch/batch.json")).at("jobs").at(0);
+  EXPECT_EQ(job.at("device"), "cpu");
+  EXPECT_TRUE(contains(job.at("warnings").dump(), "it goes to another device")) << job.dump();
 }
 
 TEST_F(DeviceFaults, ABatchGivesTheJobToAnotherDevice) {
