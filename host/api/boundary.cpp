@@ -3,11 +3,11 @@
 #include <new>
 #include <system_error>
 
-#include "gpu/device.h"
 #include "host/bake/bake.h"
 #include "host/base/version.h"
 #include "host/build/build.h"
 #include "host/build/cache.h"
+#include "host/pipeline/device_choice.h"
 #include "host/pipeline/errors.h"
 #include "host/scene/scene.h"
 

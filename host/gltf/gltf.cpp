@@ -13,6 +13,7 @@
 #include "host/gltf/gltf_parts.h"
 #include "host/gltf/gltf_shapes.h"
 #include "host/gltf/gltf_skeleton.h"
+#include "host/gltf/weightless.h"
 #include "host/rig/pose.h"
 #include "host/rig/rig_math.h"
 
@@ -98,6 +99,7 @@ class Reader {
     }
     if (character_.surface.triangles.empty()) fail("/meshes", "the character's meshes have no triangles");
     note(normalised_, "had weights that do not sum to 1; they were normalised");
+    note(weightless_, "followed no joint; they have the weights of what they are connected to");
     note(cut_, "followed more than 8 joints; the 8 of largest weight were kept");
     return std::move(character_);
   }
@@ -290,10 +292,7 @@ class Reader {
     }
     for (std::size_t i = 0; i < count; ++i) {
       std::vector<Influence>& all = influences[i];
-      if (all.empty()) {
-        fail(pointer + "/attributes/WEIGHTS_0",
-             "vertex " + std::to_string(i) + " follows no joint; give it a weight");
-      }
+      if (all.empty()) continue;  // see give_weights
       std::sort(all.begin(), all.end(), [](const Influence& a, const Influence& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
       });
@@ -310,6 +309,25 @@ class Reader {
       for (Influence& x : all) x.weight /= sum;
     }
     return influences;
+  }
+
+  // Exporters leave vertices without weights in a skinned mesh. They go with what they are connected to.
+  void give_weights(std::vector<std::vector<Influence>>& influences,
+                    std::span<const std::array<std::uint32_t, 3>> triangles, const std::string& pointer) {
+    std::vector<bool> has_weights;
+    for (const std::vector<Influence>& all : influences) has_weights.push_back(!all.empty());
+    const std::vector<std::uint32_t> source = weighted_neighbours(has_weights, triangles);
+    if (const auto lost = std::count(source.begin(), source.end(), no_vertex); lost > 0)
+      fail(pointer + "/attributes/WEIGHTS_0",
+           "vertex " + std::to_string(std::find(source.begin(), source.end(), no_vertex) - source.begin()) +
+               (lost > 1 ? " and " + std::to_string(lost - 1) + " more follow" : " follows") +
+               " no joint, nor does anything connected with " + (lost > 1 ? "them" : "it") + "; give " +
+               (lost > 1 ? "them weights" : "it a weight"));
+    for (std::size_t i = 0; i < influences.size(); ++i) {
+      if (has_weights[i]) continue;
+      influences[i] = influences[source[i]];
+      ++weightless_;
+    }
   }
 
   std::vector<std::uint32_t> read_corners(const tinygltf::Primitive& primitive, const std::string& pointer,
@@ -402,9 +420,11 @@ class Reader {
     }
     const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
                                             a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
-    const std::vector<std::vector<Influence>> influences =
+    const auto triangles = expand(read_corners(primitive, pointer, a.count), primitive.mode);
+    std::vector<std::vector<Influence>> influences =
         source.skin >= 0 ? read_influences(primitive, skin, pointer, a.count)
                          : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
+    give_weights(influences, triangles, pointer);
 
     std::vector<Vector3d> points;
     for (std::size_t i = 0; i < a.count; ++i) points.emplace_back(raw[3 * i], raw[3 * i + 1], raw[3 * i + 2]);
@@ -436,7 +456,7 @@ class Reader {
 
     read_painted(primitive, pointer, skin, influences);
 
-    for (std::array<std::uint32_t, 3> t : expand(read_corners(primitive, pointer, a.count), primitive.mode)) {
+    for (std::array<std::uint32_t, 3> t : triangles) {
       // A mirroring transform turns triangles inside out.
       if (is_mirrored[t[0]]) std::swap(t[1], t[2]);
       surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
@@ -453,8 +473,9 @@ class Reader {
   std::vector<std::int32_t> joint_of_;  // of a node
   std::vector<Eigen::Matrix4d> bind_;   // of a joint: its space to the bind pose, metres
   std::size_t targets_left_ = most_target_positions;
-  std::size_t normalised_ = 0, cut_ = 0;  // vertices whose weights were not taken as they are
-  std::vector<bool> is_bound_;            // of a joint: whether a skin has said where it stands
+  std::size_t normalised_ = 0, cut_ = 0,
+              weightless_ = 0;  // vertices whose weights were not taken as they are
+  std::vector<bool> is_bound_;  // of a joint: whether a skin has said where it stands
 };
 
 }  // namespace

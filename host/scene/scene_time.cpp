@@ -45,8 +45,9 @@ void read_time(const toml::table& root, Scene& scene) {
   const rig::Clip* clip = clip_of(root, scene);
   const toml::node* end = table.get("end");
   if (end == nullptr) {
+    // A clip of one key is a pose: it is baked in one frame.
     if (clip != nullptr)
-      scene.end = clip->duration;
+      scene.end = clip->duration * scene.fps < 0.5 ? scene.start + 1.0 / scene.fps : clip->duration;
     else if (is_rest_bake(root, scene))
       scene.end = scene.start + 1.0 / scene.fps;
     else

@@ -1,5 +1,6 @@
 #include "host/gltf/gltf.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -181,6 +182,29 @@ TEST(Gltf, what_is_done_to_weights_is_noted) {
   ASSERT_EQ(c.notes.size(), 1u);
   EXPECT_EQ(c.notes[0],
             "skin weights: 2 of 12 vertices had weights that do not sum to 1; they were normalised");
+}
+
+TEST(Gltf, vertices_without_weights_go_with_what_they_are_connected_to) {
+  GltfBuilder b = column();
+  const Character whole = read(b);
+  std::vector<float> weights(48, 0.0f);
+  for (std::size_t i = 0; i < 48; i += 4)
+    weights[i] = i == 8 || i == 20 ? 0.0f : 1.0f;  // of vertices 2 and 5
+  b.document["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = b.add("VEC4", weights);
+  const Character c = read(b);
+  ASSERT_EQ(c.notes.size(), 1u);
+  EXPECT_EQ(c.notes[0],
+            "skin weights: 2 of 12 vertices followed no joint; they have the weights of what they are "
+            "connected to");
+  for (const std::uint32_t v : {2u, 5u}) {
+    bool has_neighbour = false;
+    for (const auto& t : c.surface.triangles)
+      if (std::ranges::find(t, v) != t.end())
+        for (const std::uint32_t other : t)
+          has_neighbour = has_neighbour ||
+                          (other != v && c.joints[other] == c.joints[v] && c.weights[other] == c.weights[v]);
+    EXPECT_TRUE(has_neighbour) << v;
+  }
 }
 
 TEST(Gltf, strips_and_fans_become_triangles) {

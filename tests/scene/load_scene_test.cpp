@@ -486,6 +486,24 @@ TEST(LoadScene, TakesABareCharacterAsAScene) {
   EXPECT_EQ(scene.input_hashes.size(), 1u);
 }
 
+// A pose, as an artist keys it: every sampler of the clip has one key.
+TEST(LoadScene, AClipOfOneKeyIsBakedInOneFrame) {
+  const TemporaryFolder folder;
+  GltfBuilder builder = column();
+  for (auto& sampler : builder.document["animations"][0]["samplers"]) {
+    const std::string type =
+        builder.document["accessors"][sampler["output"].get<std::size_t>()]["type"].get<std::string>();
+    const std::vector<float> value =
+        type == "VEC4" ? std::vector<float>{0, 0, 0, 1} : std::vector<float>{0, 0, 0};
+    sampler["input"] = builder.add("SCALAR", std::vector<float>{0.0f});
+    sampler["output"] = builder.add(type, value);
+    sampler["interpolation"] = "LINEAR";
+  }
+  const std::string file = folder.write("pose.glb", builder.glb()).string();
+  EXPECT_EQ(frame_count(load_scene(file)), 1u);
+  EXPECT_EQ(frame_count(load_scene(file, {.end = 0.5})), 30u);
+}
+
 // Nothing moves a character without a clip, but forces and its own weight do.
 TEST(LoadScene, ACharacterWithoutAClipIsBakedInOneFrame) {
   const TemporaryFolder folder;
