@@ -46,8 +46,9 @@ const char* name_of(VkResult result) {
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_NOT_READY || result == VK_INCOMPLETE) return;
   const char* name = name_of(result);
-  const std::string text = std::string(call) + ": " +
-                           (name ? std::string(name) : "VkResult " + std::to_string(static_cast<int>(result)));
+  const std::string text =
+      std::string(call) + ": " +
+      (name ? std::string(name) : "VkResult " + std::to_string(static_cast<int>(result)));
   if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
   throw DeviceError(text);
 }

@@ -173,10 +173,10 @@ typedef struct fascicle_bake_options {
   const char* const* formats; /* format_count of fascicle_format_name, beside frame cache, manifest and
                                  metrics; "none" alone: none, on purpose */
   size_t format_count;
-  /* See fascicle_device_open; NULL: "auto". Of several, separated by commas, the next goes on where one fails, with the
-   * same bits; "all": every real GPU, then the CPU. */
+  /* See fascicle_device_open; NULL: "auto". Of several, separated by commas, the next goes on where one
+   * fails, with the same bits; "all": every real GPU, then the CPU. */
   const char* device;
-  uint32_t threads;   /* of the CPU solver, at most 1024; 0: one for each core */
+  uint32_t threads; /* of the CPU solver, at most 1024; 0: one for each core */
   const char*
       mesher; /* the program fascicle-mesher; NULL: found beside the library, in its prefix or on PATH */
   const char*

@@ -55,6 +55,10 @@ PartitionName=urgent Nodes=farm MaxTime=INFINITE State=UP PriorityTier=10 Preemp
 """
 
 
+class TooLate(Exception):
+    """What a test waited for did not come: a machine that is busy or slow, and no word about the result."""
+
+
 def missing():
     """The programs that are not there."""
     paths = os.environ["PATH"] + ":/usr/sbin:/usr/local/sbin"
@@ -129,6 +133,13 @@ class Cluster:
             process.kill()
             process.wait()
 
+    def cancel_all(self):
+        """Also what runs, and waits until it is gone."""
+        self.try_to("scancel", "--user=root")
+        end = time.monotonic() + 20
+        while time.monotonic() < end and self.try_to("squeue", "--noheader").stdout.strip():
+            time.sleep(0.1)
+
     def stop(self):
         for name in ("slurmd", "slurmctld", "munged"):
             self.end(name)
@@ -162,5 +173,5 @@ class Cluster:
         end = time.monotonic() + seconds
         while not holds():
             if time.monotonic() > end:
-                raise RuntimeError("waited %d s for %s; the logs of Slurm are in %s" % (seconds, what, self.folder))
+                raise TooLate("waited %d s for %s" % (seconds, what))
             time.sleep(0.1)
