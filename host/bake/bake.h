@@ -23,7 +23,8 @@ namespace fascicle::bake {
 
 using base::BakeError;
 
-// The -o folder holds a bake and neither overwrite nor resume was given: bad usage.
+// The -o folder holds a bake and neither overwrite nor resume was given, or another process writes there: bad
+// usage.
 struct FolderInUse : BakeError {
   using BakeError::BakeError;
 };

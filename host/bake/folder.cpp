@@ -88,8 +88,8 @@ FolderLock::FolderLock(const fs::path& folder)
     throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
   // File systems without locks answer something else; there the folder is used unlocked.
   if (::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    throw BakeError(folder.string() +
-                    ": another fascicle is writing there; wait for it or choose another -o");
+    throw FolderInUse(folder.string() +
+                      ": another fascicle is writing there; wait for it or choose another -o");
 }
 
 void make_folder(const fs::path& folder) {

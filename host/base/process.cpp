@@ -37,8 +37,12 @@ struct Launch {
   int error_output;  // becomes stderr
   int report;        // gets errno if exec() fails
   pid_t parent;
-  rlimit memory, processor, core;
+  std::optional<rlimit> memory, processor, core;
 };
+
+bool limit(decltype(RLIMIT_AS) resource, const std::optional<rlimit>& to) {
+  return !to || ::setrlimit(resource, &*to) == 0;
+}
 
 [[noreturn]] void start_child(const Launch& launch) {
   const auto give_up = [&] {
@@ -58,13 +62,39 @@ struct Launch {
       ::dup2(launch.error_output, STDERR_FILENO) < 0) {
     give_up();
   }
-  if (::setrlimit(RLIMIT_CORE, &launch.core) != 0 || ::setrlimit(RLIMIT_CPU, &launch.processor) != 0 ||
-      ::setrlimit(RLIMIT_AS, &launch.memory) != 0) {
+  if (!limit(RLIMIT_CORE, launch.core) || !limit(RLIMIT_CPU, launch.processor) ||
+      !limit(RLIMIT_AS, launch.memory)) {
     give_up();
   }
   ::execv(launch.program, launch.arguments);
   give_up();
   ::_exit(127);
+}
+
+// The pointers that exec() takes; good as long as the words are.
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+// errno of a child that could not become the program, else 0. Waits until it has, or has not.
+int error_of_launch(const Descriptor& report) {
+  int error = 0;
+  ssize_t reported = 0;
+  do {
+    reported = ::read(report.get(), &error, sizeof error);  // ends when exec() closes the child's end
+  } while (reported < 0 && errno == EINTR);
+  return reported == static_cast<ssize_t>(sizeof error) ? error : 0;
+}
+
+pid_t start(const Launch& launch) {
+  const pid_t child = ::fork();
+  if (child < 0) throw_error(errno, "fork");
+  if (child == 0) start_child(launch);
+  ::setpgid(child, child);  // here too: whichever of the two comes first
+  return child;
 }
 
 // A limit of ours, or the one that holds already if that is lower.
@@ -135,11 +165,10 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
                           const ProcessLimits& limits) {
   auto [error_output, child_error] = make_pipe();
   auto [report, child_report] = make_pipe();
-  std::string name = program.string();
+  const std::string name = program.string();
   std::vector<std::string> words = arguments;
-  std::vector<char*> pointers = {name.data()};
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
+  words.insert(words.begin(), name);
+  const std::vector<char*> pointers = pointers_to(words);
   const auto seconds = static_cast<rlim_t>(std::ceil(std::clamp(limits.seconds, 0.0, 1e9)));
   Launch launch{};
   launch.program = name.c_str();
@@ -149,21 +178,12 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
   launch.parent = ::getpid();
   launch.memory = limit_of(RLIMIT_AS, limits.bytes, limits.bytes);
   launch.processor = limit_of(RLIMIT_CPU, seconds + 1, seconds + 2);
-  launch.core = {0, 0};
+  launch.core = rlimit{0, 0};
 
-  const pid_t child = ::fork();
-  if (child < 0) throw_error(errno, "fork");
-  if (child == 0) start_child(launch);
-  ::setpgid(child, child);  // here too: whichever of the two comes first
+  const pid_t child = start(launch);
   child_error.close();
   child_report.close();
-
-  int exec_error = 0;
-  ssize_t reported = 0;
-  do {
-    reported =
-        ::read(report.get(), &exec_error, sizeof exec_error);  // ends when exec() closes the child's end
-  } while (reported < 0 && errno == EINTR);
+  const int launch_error = error_of_launch(report);
 
   ProcessResult result;
   ::fcntl(error_output.get(), F_SETFL, O_NONBLOCK);
@@ -180,7 +200,7 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
   }
   for (int i = 0; i < 16 && read_some(error_output.get(), result.last_words); ++i) {
   }
-  if (reported == static_cast<ssize_t>(sizeof exec_error)) throw_error(exec_error, name);
+  if (launch_error != 0) throw_error(launch_error, name);
   if (!waited)
     throw std::runtime_error(name +
                              ": a child of this process was reaped by others; the program that uses fascicle "
@@ -196,6 +216,25 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
     result.code = WEXITSTATUS(status);
   }
   return result;
+}
+
+pid_t start_process(const std::vector<std::string>& arguments, int error_output) {
+  auto [report, child_report] = make_pipe();
+  std::vector<std::string> words = arguments;
+  const std::vector<char*> pointers = pointers_to(words);
+  Launch launch{};
+  launch.program = pointers.front();
+  launch.arguments = pointers.data();
+  launch.error_output = error_output;
+  launch.report = child_report.get();
+  launch.parent = ::getpid();
+  const pid_t child = start(launch);
+  child_report.close();
+  if (const int error = error_of_launch(report); error != 0) {
+    ::waitpid(child, nullptr, 0);
+    throw_error(error, arguments.front());
+  }
+  return child;
 }
 
 }  // namespace fascicle::base

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 namespace fascicle::base {
 
 struct ProcessLimits {
@@ -32,5 +34,10 @@ struct ProcessResult {
 // children), for then its end is lost.
 ProcessResult run_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                           const ProcessLimits& limits);
+
+// Starts a program (its path is the first of `arguments`) in a process group of its own and does not wait for
+// it; stdin and stdout are /dev/null, stderr is `error_output`, signals are as a shell would have them. It is
+// killed when the thread that started it ends, however that ends. Throws std::system_error.
+pid_t start_process(const std::vector<std::string>& arguments, int error_output);
 
 }  // namespace fascicle::base

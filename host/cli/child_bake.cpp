@@ -3,63 +3,16 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <system_error>
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/base/process.h"
 #include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
-namespace {
-
-void check(int error, const char* what) {
-  if (error != 0) throw std::system_error(error, std::generic_category(), what);
-}
-
-struct FileActions {
-  FileActions() { check(::posix_spawn_file_actions_init(&value), "posix_spawn_file_actions_init"); }
-  ~FileActions() { ::posix_spawn_file_actions_destroy(&value); }
-  FileActions(const FileActions&) = delete;
-  FileActions& operator=(const FileActions&) = delete;
-  posix_spawn_file_actions_t value{};
-};
-
-struct Attributes {
-  Attributes() { check(::posix_spawnattr_init(&value), "posix_spawnattr_init"); }
-  ~Attributes() { ::posix_spawnattr_destroy(&value); }
-  Attributes(const Attributes&) = delete;
-  Attributes& operator=(const Attributes&) = delete;
-  posix_spawnattr_t value{};
-};
-
-pid_t spawn(const std::vector<std::string>& arguments, int error_output) {
-  FileActions actions;
-  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO})
-    check(::posix_spawn_file_actions_addopen(&actions.value, descriptor, "/dev/null", O_RDWR, 0),
-          "posix_spawn_file_actions_addopen");
-  check(::posix_spawn_file_actions_adddup2(&actions.value, error_output, STDERR_FILENO),
-        "posix_spawn_file_actions_adddup2");
-  Attributes attributes;
-  // Signals as a program from a shell has them, whatever this process ignores or catches.
-  sigset_t all;
-  ::sigemptyset(&all);
-  for (const int number : {SIGINT, SIGTERM, SIGPIPE}) ::sigaddset(&all, number);
-  check(::posix_spawnattr_setsigdefault(&attributes.value, &all), "posix_spawnattr_setsigdefault");
-  check(::posix_spawnattr_setflags(&attributes.value, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF),
-        "posix_spawnattr_setflags");
-  std::vector<char*> list;
-  for (const std::string& argument : arguments) list.push_back(const_cast<char*>(argument.c_str()));
-  list.push_back(nullptr);
-  pid_t process = -1;
-  check(::posix_spawn(&process, list[0], &actions.value, &attributes.value, list.data(), environ), list[0]);
-  return process;
-}
-
-}  // namespace
 
 std::optional<LogLine> read_log_line(const std::string& line) {
   const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
@@ -82,7 +35,7 @@ ChildBake::ChildBake(std::vector<std::string> arguments) {
   arguments.insert(arguments.end(), {"--log-format", "json"});
   auto [heard, spoken] = base::make_pipe();
   ::fcntl(heard.get(), F_SETFL, O_NONBLOCK);
-  process_ = spawn(arguments, spoken.get());
+  process_ = base::start_process(arguments, spoken.get());
   descriptor_ = std::move(heard);
 }
 

@@ -23,7 +23,8 @@ std::optional<LogLine> read_log_line(const std::string& line);
 
 class ChildBake {
  public:
-  // Runs this executable with these arguments and `--log-format json`. Throws std::system_error.
+  // Runs this executable with these arguments and `--log-format json`. It does not outlive this process, also
+  // where that is killed. Throws std::system_error.
   explicit ChildBake(std::vector<std::string> arguments);
   // Kills it where it still runs.
   ~ChildBake();

@@ -1,13 +1,16 @@
 // Programs that are run under limits, also where the process that runs them does not keep its children.
 #include "host/base/process.h"
 
+#include <array>
 #include <chrono>
+#include <fstream>
 #include <string>
 #include <system_error>
 
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace fascicle::tests {
 namespace {
@@ -70,6 +73,38 @@ TEST(Process, EndsAtOnceWhereItIsCancelled) {
 }
 
 // The kernel reaps such children itself, and how they ended is lost.
+// R, S and so on; Z and nothing where it is over.
+char state_of(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string line;
+  std::getline(in, line);
+  const std::size_t name = line.rfind(')');
+  return name == std::string::npos || name + 2 >= line.size() ? 'Z' : line[name + 2];
+}
+
+TEST(Process, DoesNotOutliveWhoeverStartedIt) {
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe(pipe.data()), 0);
+  const pid_t parent = ::fork();
+  if (parent == 0) {
+    const pid_t child = base::start_process({"/bin/sleep", "600"}, STDERR_FILENO);
+    if (::write(pipe[1], &child, sizeof child) != sizeof child) ::_exit(1);
+    ::pause();
+  }
+  pid_t child = 0;
+  ASSERT_EQ(::read(pipe[0], &child, sizeof child), static_cast<ssize_t>(sizeof child));
+  EXPECT_NE(state_of(child), 'Z');
+  ::kill(parent, SIGKILL);
+  ::waitpid(parent, nullptr, 0);
+  // Ten minutes would pass before it ended by itself.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (state_of(child) != 'Z' && std::chrono::steady_clock::now() < end) ::usleep(1000);
+  EXPECT_EQ(state_of(child), 'Z');
+  if (state_of(child) != 'Z') ::kill(child, SIGKILL);
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+}
+
 TEST(Process, SaysWhereOthersReapItsChildren) {
   for (const bool ignored : {true, false}) {
     const ChildSignal lost(ignored ? SIG_IGN : SIG_DFL, ignored ? 0 : SA_NOCLDWAIT);

@@ -82,6 +82,21 @@ TEST(Batch, InterruptedAndResumedIsAsIfNeverStopped) {
   expect_what_bake_makes(folder);
 }
 
+TEST(Batch, KilledIsResumedAtOnce) {
+  const TemporaryFolder folder;
+  const std::string list = list_in(folder,
+                                   "format = [\"pc2\"]\n"
+                                   "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=120.0\"]\n");
+  Program program({"batch", list, "--device", "cpu"});
+  while (program.is_running() && !std::filesystem::exists(folder.path() / "out/bar/checkpoint")) {
+  }
+  program.send(SIGKILL);
+  ASSERT_EQ(program.wait().signal, SIGKILL);
+  const Outcome resumed = fascicle({"batch", list, "--resume"});
+  EXPECT_EQ(resumed.status, 0) << resumed.err;
+  EXPECT_EQ(summary_of(folder).at(0).at("status"), "done");
+}
+
 TEST(Batch, OneFailureDoesNotEndTheOthers) {
   const TemporaryFolder folder;
   // Too light for the force on it: it leaves the finite numbers in its first frame.
