@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 #include "host/build/message.h"
 
 namespace fascicle::build {
@@ -114,6 +116,18 @@ std::uint32_t nearest_vertex(const SurfaceMesh& surface, const Vector3d& point) 
   return nearest;
 }
 
+// Whether each triangle is a line but for rounding.
+bool is_flat_to_lines(const SurfaceMesh& surface,
+                      const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  constexpr double least_height = 1e-8;  // of its longest edge
+  return std::all_of(triangles.begin(), triangles.end(), [&](const std::array<std::uint32_t, 3>& t) {
+    const Vector3d u = surface.vertices[t[1]] - surface.vertices[t[0]];
+    const Vector3d v = surface.vertices[t[2]] - surface.vertices[t[0]];
+    const double longest = std::max({u.norm(), v.norm(), (u - v).norm()});
+    return u.cross(v).norm() <= least_height * longest * longest;
+  });
+}
+
 }  // namespace
 
 WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report& report) {
@@ -134,6 +148,9 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
   }
   if (welded.surface.triangles.empty())
     fail(source, "mesh: every triangle has two corners at the same place");
+  if (is_flat_to_lines(surface, welded.surface.triangles))
+    fail(source,
+         "mesh: every triangle is flat to a line, there is no room for flesh; check what was exported");
   if (collapsed > 0)
     warn_of_flesh(report, counted(collapsed, "triangle has", "triangles have") +
                               " two corners at the same place and " + (collapsed == 1 ? "was" : "were") +

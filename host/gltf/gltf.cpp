@@ -20,10 +20,10 @@
 namespace fascicle::gltf {
 namespace {
 
-// Far above any character, far below what would fill a machine from a small file that names one accessor many
-// times.
-constexpr std::size_t most_vertices = std::size_t{1} << 24;
-constexpr std::size_t most_triangles = std::size_t{1} << 25;
+// Far above any character, and no more than a file's size bears out: a small one may name one accessor many
+// times. A vertex with joints and weights has at least 16 bytes, so that one mesh may stand eight times.
+constexpr std::size_t most_vertices = std::size_t{1} << 24, vertices_of_any_file = std::size_t{1} << 18;
+constexpr std::size_t triangles_a_vertex = 2;
 constexpr std::size_t most_painted = 16;
 
 // Numbers a vertex of an attribute that can be painted; 0 for any other.
@@ -65,7 +65,11 @@ class Reader {
  public:
   // `looks` is the document as the file has it: the decoder sees nothing about looks.
   Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
-      : path_(path), looks_(looks), model_(model) {}
+      : path_(path), looks_(looks), model_(model) {
+    std::size_t bytes = 0;
+    for (const tinygltf::Buffer& buffer : model_.buffers) bytes += buffer.data.size();
+    most_vertices_ = std::min(most_vertices, vertices_of_any_file + bytes / 2);
+  }
 
   rig::Character run(Still still) {
     const GltfParts found = find_parts(model_, looks_, still);
@@ -116,6 +120,13 @@ class Reader {
 
   [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
     gltf_error(path_, pointer, what);
+  }
+
+  void check_size(std::size_t count, std::size_t most, const std::string& what,
+                  const std::string& pointer) const {
+    if (count <= most) return;
+    fail(pointer, "more than " + std::to_string(most) + " " + what +
+                      " in all, the most that are read of a file of this size; export each mesh once");
   }
 
   void note(std::size_t vertices, const std::string& what) {
@@ -415,12 +426,12 @@ class Reader {
     if (position < 0) fail(position_pointer, "is missing");
     const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(position)];
     mesh::SurfaceMesh& surface = character_.surface;
-    if (surface.vertices.size() + a.count > most_vertices) {
-      fail(position_pointer, "more than " + std::to_string(most_vertices) + " vertices in all");
-    }
+    check_size(surface.vertices.size() + a.count, most_vertices_, "vertices", position_pointer);
     const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
                                             a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
     const auto triangles = expand(read_corners(primitive, pointer, a.count), primitive.mode);
+    check_size(surface.triangles.size() + triangles.size(), triangles_a_vertex * most_vertices_, "triangles",
+               pointer);
     std::vector<std::vector<Influence>> influences =
         source.skin >= 0 ? read_influences(primitive, skin, pointer, a.count)
                          : std::vector<std::vector<Influence>>(a.count, {{.joint = 0, .weight = 1.0}});
@@ -461,9 +472,6 @@ class Reader {
       if (is_mirrored[t[0]]) std::swap(t[1], t[2]);
       surface.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     }
-    if (surface.triangles.size() > most_triangles) {
-      fail(pointer, "more than " + std::to_string(most_triangles) + " triangles in all");
-    }
   }
 
   const std::filesystem::path& path_;
@@ -472,7 +480,7 @@ class Reader {
   rig::Character character_;
   std::vector<std::int32_t> joint_of_;  // of a node
   std::vector<Eigen::Matrix4d> bind_;   // of a joint: its space to the bind pose, metres
-  std::size_t targets_left_ = most_target_positions;
+  std::size_t most_vertices_ = 0, targets_left_ = most_target_positions;
   std::size_t normalised_ = 0, cut_ = 0,
               weightless_ = 0;  // vertices whose weights were not taken as they are
   std::vector<bool> is_bound_;  // of a joint: whether a skin has said where it stands

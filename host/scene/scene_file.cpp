@@ -251,10 +251,13 @@ void read_body(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "body");
   read_keys(table, scene.body);
   read_resolution(table, scene);
-  if (root.contains("body") && std::holds_alternative<Bar>(scene.geometry))
-    fail(table.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
-  if (root.contains("body") && std::holds_alternative<mesh::TetMesh>(scene.geometry))
-    fail(table.source(), "body",
+  const auto given = root.find("body");
+  if (given == root.end()) return;
+  // Of a table that an option has made, only the key knows where it comes from.
+  if (std::holds_alternative<Bar>(scene.geometry))
+    fail(given->first.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
+  if (std::holds_alternative<mesh::TetMesh>(scene.geometry))
+    fail(given->first.source(), "body",
          "the mesh file holds tetrahedra, they are taken as they are; leave this table out");
 }
 

@@ -83,6 +83,11 @@ TEST(Weld, RefusesMalformedSurfacesWithIds) {
   refusal([](SurfaceMesh& m) { m.vertices[3][2] = std::numeric_limits<double>::quiet_NaN(); }, "vertex 3 ");
   refusal([](SurfaceMesh& m) { std::fill(m.vertices.begin(), m.vertices.end(), Vector3d(1, 2, 3)); },
           "at the same place");
+  refusal(
+      [](SurfaceMesh& m) {
+        for (Vector3d& p : m.vertices) p = {p[0] + 0.3 * p[1] + 0.1 * p[2], 0.0, 0.0};
+      },
+      "flat to a line");
 }
 
 TEST(Bones, GivePointsInsideAndApart) {

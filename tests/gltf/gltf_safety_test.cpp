@@ -349,7 +349,7 @@ TEST(LyingCounts, many_uses_of_one_accessor) {
 TEST(LyingCounts, many_uses_of_one_target) {
   GltfBuilder b = column();
   json& primitive = b.document["meshes"][0]["primitives"][0];
-  const std::size_t count = std::size_t{1} << 20;
+  const std::size_t count = std::size_t{1} << 18;
   b.document["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", count}});
   primitive["attributes"]["POSITION"] = 8;
   b.document["accessors"].push_back(
@@ -359,7 +359,7 @@ TEST(LyingCounts, many_uses_of_one_target) {
   b.document["scenes"][0]["nodes"] = {0};
   b.document["nodes"][2]["children"] = {3};
   primitive["targets"] = json::array();
-  for (int k = 0; k < 200; ++k) primitive["targets"].push_back({{"POSITION", 8}});
+  for (int k = 0; k < 600; ++k) primitive["targets"].push_back({{"POSITION", 8}});
   const TemporaryFolder folder;
   expect_refused(folder.write("lie.gltf", b.with_data_uri().dump()), "/meshes/0/primitives/0/targets");
 }
@@ -483,6 +483,25 @@ TEST(LyingGlb, any_byte_changed) {
     }
   }
   EXPECT_GT(refused, good.size() / 4);
+}
+
+// 2 MB that would take some hundreds: a primitive that stands in the file many times, and shares its data.
+TEST(LyingFile, one_mesh_many_times) {
+  const TemporaryFolder folder;
+  GltfBuilder builder = column();
+  json& primitives = builder.document["meshes"][0]["primitives"];
+  const json one = primitives[0];
+  const auto read = [&](std::size_t times) {
+    primitives = json(times, one);
+    return gltf::read_gltf(folder.write("many.glb", builder.glb())).surface.vertices.size();
+  };
+  EXPECT_EQ(read(8), 8U * 12);
+  try {
+    read(25000);
+    ADD_FAILURE() << "was read";
+  } catch (const base::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("vertices in all"), std::string::npos) << error.what();
+  }
 }
 
 TEST(LyingFile, what_is_no_glTF_at_all) {
