@@ -302,9 +302,11 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
     for (const Json& input : *inputs)
       if (input.is_object())
         summary.input_hashes.emplace_back(text_at(input, "file"), text_at(input, "xxh3_64"));
-  if (const auto hashes = manifest.find("position_hashes");
-      hashes != manifest.end() && hashes->is_array() && !hashes->empty() && hashes->back().is_string())
-    summary.last_position_hash = hashes->back().get<std::string>();
+  if (const auto hashes = manifest.find("position_hashes"); hashes != manifest.end() && hashes->is_array()) {
+    for (const Json& hash : *hashes)
+      summary.position_hashes.push_back(hash.is_string() ? hash.get<std::string>() : "");
+    if (!summary.position_hashes.empty()) summary.last_position_hash = summary.position_hashes.back();
+  }
   const auto timings = manifest.find("timings");
   const auto seconds = [&](const char* key) {
     if (timings == manifest.end() || !timings->is_object()) return 0.0;

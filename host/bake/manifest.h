@@ -56,9 +56,10 @@ struct ManifestSummary {
   // Of the scene, as scene::Scene has them: enough to read it again while its inputs are where they were.
   std::string scene_name, scene_source, scene_text;
   std::vector<std::pair<std::string, std::string>> input_hashes;
-  std::string last_position_hash;  // empty before frame 0
-  std::uint64_t first_number = 0;  // of frame 0, in what other programs read
-  std::uint64_t handles = 0;       // of these frames, so many lie before the range, and as many after it
+  std::vector<std::string> position_hashes;  // of frames 0, 1, ..., as hexadecimal digits
+  std::string last_position_hash;            // empty before frame 0
+  std::uint64_t first_number = 0;            // of frame 0, in what other programs read
+  std::uint64_t handles = 0;  // of these frames, so many lie before the range, and as many after it
   Timings timings;
   drive::LeadInSummary lead_in;
   ClampedMuscles clamped;

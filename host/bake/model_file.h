@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,9 +25,9 @@ std::uint64_t encoded_bytes(const model::Model& model);
 // The model of such bytes, which passes model::check_model. Throws BakeError with what is wrong.
 model::Model decode_model(std::string_view bytes);
 
-// The model of a bake's folder; its hash must be `model_hash` (of the frame cache), and it passes
-// model::check_model. Throws BakeError with what is wrong and what to do, std::system_error if it cannot be
-// read.
-model::Model read_model_file(const std::filesystem::path& path, std::uint64_t model_hash);
+// The model of a bake's folder; its hash must be `model_hash` (of the frame cache) where there is one, and it
+// passes model::check_model. Throws BakeError with what is wrong and what to do, std::system_error if it
+// cannot be read.
+model::Model read_model_file(const std::filesystem::path& path, std::optional<std::uint64_t> model_hash);
 
 }  // namespace fascicle::bake

@@ -105,6 +105,7 @@ int run(int argc, const char* const* argv) {
   add_batch(app, command);
   add_render(app, command);
   add_export(app, command);
+  add_verify(app, command);
   add_validate(app, command);
   add_inspect(app, command);
   add_bench(app, command);

@@ -143,6 +143,24 @@ TEST(Bake, FramesThatAreNotKeptAreNotThere) {
             0);
 }
 
+TEST(Bake, IsVerified) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  ASSERT_EQ(fascicle({"bake", "arm", "-o", out, "--end", "0.05", "--device", "cpu"}).status, 0);
+  const Outcome good = fascicle({"verify", out});
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_TRUE(contains(good.out, "4 frames, all good") && contains(good.out, "the bake is complete"))
+      << good.out;
+  std::string bytes = read_text(out + "/frames.fascicle");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write_text(out + "/frames.fascicle", bytes);
+  const Outcome bad = fascicle({"verify", out, "--json"});
+  EXPECT_EQ(bad.status, 3);
+  EXPECT_TRUE(contains(bad.out, "damaged: frame ") && contains(bad.out, "\"good\": false")) << bad.out;
+  EXPECT_TRUE(contains(bad.err, "bake again with --overwrite")) << bad.err;
+  EXPECT_EQ(fascicle({"verify", folder / "nowhere"}).status, 3);
+}
+
 TEST(Bake, WritesNoFormatWhereThatIsSaid) {
   const TemporaryFolder folder;
   const auto bake = [&](const std::string& name, std::vector<std::string> arguments) {

@@ -1,0 +1,187 @@
+#include "host/bake/verify.h"
+
+#include <algorithm>
+#include <exception>
+#include <fstream>
+#include <optional>
+
+#include "host/bake/bake.h"
+#include "host/bake/checkpoint.h"
+#include "host/bake/manifest.h"
+#include "host/bake/model_file.h"
+#include "host/bake/outputs.h"
+#include "host/bake/read_frame_cache.h"
+#include "host/base/text.h"
+#include "host/formats/rest_mesh.h"
+#include "host/model/validate.h"
+
+namespace fascicle::bake {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Verification {
+ public:
+  explicit Verification(const VerifyOptions& options)
+      : options_(options),
+        manifest_(manifest_of(options.bake)),
+        is_complete_(manifest_.status == name_of(Status::complete)) {}
+
+  VerifyResult run() {
+    result_.status = manifest_.status;
+    for (const std::string& name : manifest_.files) {
+      if (result_.interrupted) break;
+      if (name == manifest_name) continue;
+      if (!is_there(name))
+        check_absent(name);
+      else if (name == cache_name)
+        look_at(name, [&] { return frames_finding(); });
+      else if (name == model_file_name)
+        look_at(name, [&] { return model_finding(); });
+      else if (name == checkpoint_name)
+        look_at(name, [&] { return checkpoint_finding(); });
+      else if (name == metrics_name)
+        look_at(name, [&] { return metrics_finding(); });
+      else
+        result_.files.push_back({name, "there", true});
+    }
+    return std::move(result_);
+  }
+
+ private:
+  struct Wrong : std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+
+  static ManifestSummary manifest_of(const fs::path& folder) {
+    if (!fs::exists(folder)) throw BakeError(folder.string() + ": no such folder");
+    std::optional<ManifestSummary> manifest = read_manifest(folder);
+    if (!manifest)
+      throw BakeError(folder.string() + ": holds no bake (" + manifest_name +
+                      " of fascicle is not there, or is damaged)");
+    return std::move(*manifest);
+  }
+
+  fs::path path_of(const std::string& name) const { return options_.bake / name; }
+  bool is_there(const std::string& name) const {
+    std::error_code error;
+    const fs::path path = path_of(name);
+    return name.ends_with('/') ? fs::is_directory(path, error) : fs::is_regular_file(path, error);
+  }
+
+  void check_absent(const std::string& name) {
+    // A complete bake needs none to go on from; a surface may have neither materials nor images.
+    const bool may_lack = !is_complete_ || name == checkpoint_name || name == formats::rest_materials_name ||
+                          name.ends_with('/');
+    if (!may_lack) result_.files.push_back({name, "is not there", false});
+  }
+
+  template <class Look>
+  void look_at(const std::string& name, Look look) {
+    try {
+      result_.files.push_back({name, look(), true});
+    } catch (const std::exception& error) {
+      // Errors of files begin with the path, which the row has already.
+      std::string text = error.what();
+      const std::string path = path_of(name).string() + ": ";
+      if (text.starts_with(path)) text.erase(0, path.size());
+      result_.files.push_back({name, text, false});
+    }
+  }
+
+  std::string frames_finding() {
+    const FrameCacheReader cache(path_of(cache_name));
+    const std::uint64_t count = cache.frame_count(), wanted = cache.header().frames + 1;
+    std::vector<std::uint64_t> damaged, other;
+    for (std::uint64_t k = 0; k < count && !result_.interrupted; ++k) {
+      try {
+        const model::Frame frame = cache.read(k);
+        if (k < manifest_.position_hashes.size() &&
+            base::hash_text(model::position_hash(frame)) != manifest_.position_hashes[k])
+          other.push_back(k);
+      } catch (const BakeError&) {
+        damaged.push_back(k);
+      }
+      if (options_.on_frame) options_.on_frame(k, cache.header().frames);
+      result_.interrupted = options_.interrupted != nullptr && options_.interrupted->load();
+    }
+    std::string wrong;
+    const auto add = [&](const std::string& what) { wrong += (wrong.empty() ? "" : "; ") + what; };
+    if (!damaged.empty()) add("damaged: " + frames_text(damaged));
+    if (!other.empty()) add("not what the manifest says: " + frames_text(other));
+    if (is_complete_ && !result_.interrupted && count < wanted)
+      add("missing or damaged at the end: " + frames_text(numbers(count, wanted)));
+    if (is_complete_ && manifest_.position_hashes.size() != wanted)
+      add("the manifest has hashes of " + base::number_text(manifest_.position_hashes.size()) +
+          " frames in place of " + base::number_text(wanted));
+    if (!wrong.empty()) throw Wrong(wrong);
+    return base::number_text(count) + (is_complete_ ? "" : " of " + base::number_text(wanted)) +
+           " frames, all good";
+  }
+
+  std::string model_finding() const {
+    // The frames name the model that they are of.
+    std::optional<std::uint64_t> hash;
+    if (is_there(cache_name)) hash = FrameCacheReader(path_of(cache_name)).header().model_hash;
+    const model::Model model = read_model_file(path_of(model_file_name), hash);
+    return base::number_text(model.vertex_count) + " vertices, good";
+  }
+
+  std::string checkpoint_finding() const {
+    const std::optional<Checkpoint> found = read_checkpoint(path_of(checkpoint_name));
+    return found ? "of frame " + base::number_text(found->state.frame) + ", good" : "is gone";
+  }
+
+  std::string metrics_finding() const {
+    std::ifstream in(path_of(metrics_name));
+    std::uint64_t lines = 0;
+    for (std::string line; std::getline(in, line);) ++lines;
+    const std::uint64_t rows = lines > 0 ? lines - 1 : 0;
+    if (in.bad()) throw Wrong("cannot be read to its end");
+    if (is_complete_ && rows != manifest_.frames + 1)
+      throw Wrong("has " + base::number_text(rows) + " rows in place of " +
+                  base::number_text(manifest_.frames + 1));
+    return base::number_text(rows) + " rows";
+  }
+
+  static std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t end) {
+    std::vector<std::uint64_t> all;
+    for (std::uint64_t k = first; k < end; ++k) all.push_back(k);
+    return all;
+  }
+  static std::string frames_text(const std::vector<std::uint64_t>& frames) {
+    return (frames.size() == 1 ? "frame " : "frames ") + ranges_text(frames);
+  }
+
+  const VerifyOptions& options_;
+  const ManifestSummary manifest_;
+  const bool is_complete_;
+  VerifyResult result_;
+};
+
+}  // namespace
+
+std::string ranges_text(const std::vector<std::uint64_t>& ascending) {
+  constexpr std::size_t most_groups = 12;
+  std::string text;
+  std::size_t groups = 0;
+  for (std::size_t first = 0; first < ascending.size();) {
+    if (groups++ == most_groups) return text + " and more";
+    std::size_t last = first;
+    while (last + 1 < ascending.size() && ascending[last + 1] == ascending[last] + 1) ++last;
+    text += (text.empty() ? "" : ", ") + base::number_text(ascending[first]);
+    if (last > first) text += " to " + base::number_text(ascending[last]);
+    first = last + 1;
+  }
+  return text;
+}
+
+bool VerifyResult::is_good() const {
+  return std::all_of(files.begin(), files.end(), [](const VerifiedFile& file) { return file.is_good; });
+}
+
+VerifyResult verify_bake(const VerifyOptions& options) {
+  return Verification(options).run();
+}
+
+}  // namespace fascicle::bake

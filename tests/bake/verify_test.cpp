@@ -1,0 +1,138 @@
+// What `fascicle verify` says of a bake that is as it was written, and of one in which any byte is not.
+#include "host/bake/verify.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/bake/read_frame_cache.h"
+#include "tests/bake/fake_bakes.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using bake::verify_bake;
+using bake::VerifyResult;
+
+std::string finding_of(const VerifyResult& result, const std::string& name) {
+  for (const bake::VerifiedFile& file : result.files)
+    if (file.name == name) return (file.is_good ? "good: " : "wrong: ") + file.finding;
+  return "not looked at";
+}
+
+void flip(const fs::path& path, std::uint64_t at) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(static_cast<std::streamoff>(at));
+  const auto byte = static_cast<unsigned char>(file.get());
+  file.seekp(static_cast<std::streamoff>(at));
+  file.put(static_cast<char>(byte ^ 0x10u));
+}
+
+// The same bake in a fresh folder, of frames 0 to 6.
+class Verify : public testing::Test {
+ protected:
+  void SetUp() override { fake_bake_into(options_for(bake), short_scene(6)); }
+  VerifyResult verified() const { return verify_bake({.bake = bake}); }
+
+  TemporaryFolder folder_;
+  const fs::path bake = folder_ / "out";
+};
+
+TEST_F(Verify, FindsNothingInABakeAsItWasWritten) {
+  const VerifyResult result = verified();
+  EXPECT_TRUE(result.is_good());
+  EXPECT_EQ(result.status, "complete");
+  EXPECT_EQ(finding_of(result, "frames.fascicle"), "good: 7 frames, all good");
+  EXPECT_EQ(finding_of(result, "metrics.csv"), "good: 7 rows");
+  EXPECT_EQ(finding_of(result, "model.fascicle").rfind("good: ", 0), 0U);
+}
+
+TEST_F(Verify, FindsNothingInABakeThatWasStopped) {
+  const fs::path stopped = folder_ / "stopped";
+  bake_until(options_for(stopped), short_scene(6), 3);
+  const VerifyResult result = verify_bake({.bake = stopped});
+  EXPECT_TRUE(result.is_good());
+  EXPECT_EQ(result.status, "interrupted");
+  EXPECT_EQ(finding_of(result, "frames.fascicle"), "good: 4 of 7 frames, all good");
+  EXPECT_EQ(finding_of(result, "checkpoint"), "good: of frame 3, good");
+}
+
+// Every byte: in the header, in the numbers, in checksums and in what fills up.
+TEST_F(Verify, FindsAnyByteThatIsNotAsItWas) {
+  for (const char* name : {"frames.fascicle", "model.fascicle", "checkpoint"}) {
+    const fs::path path = bake / name;
+    ASSERT_TRUE(fs::exists(path)) << name;
+    const std::uint64_t size = fs::file_size(path);
+    for (std::uint64_t at = 0; at < size; at += std::max<std::uint64_t>(1, size / 3000)) {
+      flip(path, at);
+      EXPECT_FALSE(verified().is_good()) << name << ", byte " << at;
+      flip(path, at);
+    }
+    EXPECT_TRUE(verified().is_good()) << name;
+  }
+}
+
+TEST_F(Verify, NamesTheFrames) {
+  const std::uint64_t record = (fs::file_size(bake / "frames.fascicle") - 104) / 7;
+  for (const std::uint64_t k : {1u, 3u, 4u}) flip(bake / "frames.fascicle", 104 + k * record + 40);
+  EXPECT_EQ(finding_of(verified(), "frames.fascicle"), "wrong: damaged: frames 1, 3 to 4");
+}
+
+TEST_F(Verify, FindsWhatIsCutOff) {
+  for (const char* name : {"frames.fascicle", "model.fascicle", "checkpoint"}) {
+    const std::uint64_t size = fs::file_size(bake / name);
+    for (const std::uint64_t left :
+         {size - 1, size / 2, std::uint64_t{105}, std::uint64_t{1}, std::uint64_t{0}}) {
+      const fs::path whole = folder_ / "whole";
+      fs::copy_file(bake / name, whole, fs::copy_options::overwrite_existing);
+      fs::resize_file(bake / name, left);
+      EXPECT_FALSE(verified().is_good()) << name << " of " << left << " bytes";
+      fs::copy_file(whole, bake / name, fs::copy_options::overwrite_existing);
+    }
+  }
+}
+
+// A whole frame with a good checksum, and not the one that the manifest has the hash of.
+TEST_F(Verify, FindsAFrameOfAnotherBake) {
+  const fs::path path = bake / "frames.fascicle";
+  std::string record;
+  {
+    const bake::FrameCacheReader cache(path);
+    model::Frame frame = cache.read(2);
+    frame.positions.front() += 1.0F;
+    record = bake::encode_cache_record(cache.header(), frame);
+  }
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(bake::cache_header_bytes + 2 * record.size()));
+  file << record << std::flush;
+  EXPECT_EQ(finding_of(verified(), "frames.fascicle"), "wrong: not what the manifest says: frame 2");
+}
+
+TEST_F(Verify, FindsWhatIsGone) {
+  for (const char* name : {"frames.fascicle", "metrics.csv", "model.fascicle"}) {
+    fs::rename(bake / name, folder_ / "away");
+    EXPECT_EQ(finding_of(verified(), name), "wrong: is not there");
+    fs::rename(folder_ / "away", bake / name);
+  }
+  std::ofstream(bake / "metrics.csv", std::ios::app) << "7\n";
+  EXPECT_EQ(finding_of(verified(), "metrics.csv"), "wrong: has 8 rows in place of 7");
+  fs::remove(bake / "manifest.json");
+  EXPECT_TRUE(contains(message_of<bake::BakeError>([&] { verified(); }), "holds no bake"));
+}
+
+TEST(RangesText, IsShort) {
+  EXPECT_EQ(bake::ranges_text({}), "");
+  EXPECT_EQ(bake::ranges_text({5}), "5");
+  EXPECT_EQ(bake::ranges_text({0, 1, 2, 7, 9, 10}), "0 to 2, 7, 9 to 10");
+  std::vector<std::uint64_t> odd;
+  for (std::uint64_t k = 0; k < 100; ++k) odd.push_back(2 * k + 1);
+  EXPECT_EQ(bake::ranges_text(odd), "1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23 and more");
+}
+
+}  // namespace
+}  // namespace fascicle::tests
