@@ -28,12 +28,12 @@ void change_glb(const std::filesystem::path& path, Change change) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::string rest = bytes.substr(20 + length);
   std::string out = bytes.substr(0, 8);
-  const auto append = [&out](std::size_t value) {
+  const auto append_number = [&out](std::size_t value) {
     const auto number = static_cast<std::uint32_t>(value);
     out.append(reinterpret_cast<const char*>(&number), sizeof(number));
   };
-  append(20 + text.size() + rest.size());
-  append(text.size());
+  append_number(20 + text.size() + rest.size());
+  append_number(text.size());
   out += bytes.substr(16, 4) + text + rest;
   write_text(path, out);
 }
