@@ -19,6 +19,8 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <btBulletDynamicsCommon.h>
 
+#include "host/base/process_start.h"
+
 namespace {
 
 constexpr btScalar h = btScalar(1.0 / 600.0);
@@ -112,6 +114,7 @@ double measure(const std::string& kind, const std::array<int, 3>& count, int sub
 }  // namespace
 
 int main(int argc, char** argv) {
+  fascicle::base::open_standard_streams();
   const std::string kind = argc == 6 ? argv[1] : "";
   if (kind != "bullet-clusters" && kind != "bullet-links") {
     std::fprintf(stderr, "usage: fascicle-bench-bullet bullet-clusters|bullet-links NX NY NZ SUBSTEPS\n");

@@ -26,6 +26,7 @@
 #include "cpu_reference/solver/cpu_solver.h"
 #include "host/bake/bake.h"
 #include "host/base/helper_program.h"
+#include "host/base/process_start.h"
 #include "host/base/version.h"
 #include "host/build/cache.h"
 #include "host/cli/exit_codes.h"
@@ -307,6 +308,7 @@ void add_options(CLI::App& app, Arguments& a) {
 }  // namespace fascicle::bench
 
 int main(int count, char** words) {
+  fascicle::base::open_standard_streams();
   using fascicle::cli::ExitCode;
   fascicle::bench::Arguments arguments;
   CLI::App app{"contact beside Bullet's deformable bodies", "fascicle-bench-contact"};

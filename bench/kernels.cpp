@@ -27,6 +27,7 @@
 #include "cpu_reference/solver/lane_stages.h"
 #include "cpu_reference/solver/slices.h"
 #include "cpu_reference/solver/stages.h"
+#include "host/base/process_start.h"
 #include "host/cli/bench_measure.h"
 #include "host/cli/exit_codes.h"
 #include "host/model/implicit.h"
@@ -288,6 +289,7 @@ void register_all() {
 }  // namespace fascicle::bench
 
 int main(int count, char** arguments) {
+  fascicle::base::open_standard_streams();
   using fascicle::cli::ExitCode;
   fascicle::bench::register_all();
   benchmark::Initialize(&count, arguments);

@@ -143,6 +143,7 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   if (const std::string text = differences(found->identity, identity_); !text.empty())
     throw BakeError(options_.folder.string() + ": cannot be resumed, because this bake would differ: " +
                     text + "; set it back, start again with --overwrite, or choose another -o");
+  check_checkpoint(*found, model_, frames_, path_of(checkpoint_name));
   if (const auto manifest = read_manifest(options_.folder)) {
     before_ = manifest->timings;
     progress_.lead_in = manifest->lead_in;

@@ -1,13 +1,18 @@
 #include "host/bake/checkpoint.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "host/bake/look.h"
 #include "host/base/part_file.h"
+#include "host/base/text.h"
 #include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
@@ -101,7 +106,11 @@ Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
   const auto identity_bytes = parser.value<std::uint32_t>();
   const Json identity = Json::parse(parser.take(identity_bytes), nullptr, false);
   if (identity.is_discarded()) parser.damaged();
-  checkpoint.identity = identity.get<Identity>();
+  try {
+    checkpoint.identity = identity.get<Identity>();
+  } catch (const Json::exception&) {
+    parser.damaged();
+  }
   model::State& state = checkpoint.state;
   state.frame = parser.value<std::uint64_t>();
   state.origin = parser.value<std::array<double, 3>>();
@@ -128,6 +137,30 @@ std::optional<Checkpoint> read_checkpoint(const fs::path& path) {
   if (!file.read_at(0, bytes))
     throw BakeError(path.string() + ": the checkpoint is damaged; start again with --overwrite");
   return parse_checkpoint(bytes, path);
+}
+
+void check_checkpoint(const Checkpoint& checkpoint, const model::Model& model, std::uint64_t frames,
+                      const fs::path& path) {
+  const auto damaged = [&](const std::string& what) {
+    return BakeError(path.string() + ": the checkpoint is damaged (" + what +
+                     "); start again with --overwrite");
+  };
+  const model::State& state = checkpoint.state;
+  if (state.frame > frames)
+    throw damaged("frame " + base::number_text(state.frame) + " of " + base::number_text(frames));
+  if (!std::all_of(state.origin.begin(), state.origin.end(),
+                   [](double value) { return std::isfinite(value); }))
+    throw damaged("its origin is not finite");
+  try {
+    model::check_state(model, state);
+  } catch (const std::invalid_argument& error) {
+    throw damaged(error.what());
+  }
+  if (!has_look(model)) return;
+  const std::size_t floats = std::size_t{3} * model.vertex_count;
+  // Of frame 0 there is no frame before.
+  for (std::size_t k = state.frame == 0 ? 1 : 0; k < checkpoint.skinned.size(); ++k)
+    if (checkpoint.skinned[k].size() != floats) throw damaged("its skinned positions are of another body");
 }
 
 bool is_checkpoint(const fs::path& path) {

@@ -37,6 +37,9 @@ Checkpoint parse_checkpoint(std::string_view bytes, const std::filesystem::path&
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 // Nothing if there is no such file. Throws BakeError if it is not a whole checkpoint.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path);
+// Throws BakeError, naming `path`, if a bake of this model and so many frames cannot go on from it.
+void check_checkpoint(const Checkpoint& checkpoint, const model::Model& model, std::uint64_t frames,
+                      const std::filesystem::path& path);
 // Whether a file begins as a checkpoint does. False if it cannot be read.
 bool is_checkpoint(const std::filesystem::path& path);
 

@@ -11,6 +11,7 @@
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/base/errors.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/formats/blender_script.h"
@@ -20,6 +21,7 @@
 #include "host/formats/shaped_surface.h"
 #include "host/formats/surface.h"
 #include "host/formats/surface_objects.h"
+#include "host/scene/scene_json.h"
 
 namespace fascicle::bake {
 
@@ -62,16 +64,21 @@ FrameCacheReader finished_cache(const fs::path& folder) {
     throw BakeError(folder.string() + ": the bake is not finished" +
                     (failed ? ", it failed (" + manifest->message + ")" : "") + ", " +
                     base::number_text(cache.frame_count()) + " of " + base::number_text(wanted) +
-                    " frames are there; go on with fascicle bake --resume");
+                    " frames are there; go on with fascicle bake --resume, or bake again with --overwrite");
   }
   return cache;
 }
 
-model::Model model_of(const fs::path& folder, const FrameCacheReader& cache) {
-  if (!fs::exists(folder / model_file_name))
-    throw BakeError((folder / model_file_name).string() +
-                    ": is missing, and an export needs it; bake again with --overwrite");
-  return read_model_file(folder / model_file_name, cache.header().model_hash);
+ManifestSummary manifest_of(const fs::path& folder, const CacheHeader& header) {
+  const fs::path path = folder / manifest_name;
+  std::optional<ManifestSummary> manifest = read_manifest(folder);
+  constexpr std::uint64_t most = 1'000'000'000;
+  if (!manifest || manifest->first_number > most || manifest->handles > most)
+    throw BakeError(path.string() + ": is missing or damaged; bake again with --overwrite");
+  if (manifest->fps && *manifest->fps != header.fps)
+    throw BakeError(path.string() + ": has another frame rate than " + cache_name + " beside it (" +
+                    base::number_text(header.fps) + "); bake again with --overwrite");
+  return std::move(*manifest);
 }
 
 bool is_own(const ExportOptions& options) {
@@ -87,7 +94,8 @@ class Export {
         own_(is_own(options)),
         folder_(own_ ? options.bake : options.folder),
         cache_(finished_cache(options.bake)),
-        model_(model_of(options.bake, cache_)),
+        manifest_(manifest_of(options.bake, cache_.header())),
+        model_(read_model_of_frames(options.bake, cache_.header())),
         shapes_(model_.has_skeleton() ? options.bake / formats::character_name : fs::path(), model_,
                 cache_.header().fps) {}
 
@@ -108,6 +116,7 @@ class Export {
   const bool own_;
   const fs::path folder_;
   const FrameCacheReader cache_;
+  const ManifestSummary manifest_;
   const model::Model model_;
   const formats::ShapedSurface shapes_;
   std::optional<FolderLock> bake_lock_, lock_;
@@ -140,11 +149,8 @@ ExportResult Export::go() {
   ExportStage stage(folder_);
   const model::Frame initial = frame(0);
   const CacheHeader& header = cache_.header();
-  const std::optional<ManifestSummary> manifest = read_manifest(options_.bake);
-  const std::uint64_t first = options_.first_number
-                                  ? first_written(*options_.first_number, manifest ? manifest->handles : 0)
-                              : manifest ? manifest->first_number
-                                         : 0;
+  const std::uint64_t first = options_.first_number ? first_written(*options_.first_number, manifest_.handles)
+                                                    : manifest_.first_number;
   const fs::path character = model_.has_skeleton() ? options_.bake / formats::character_name : fs::path();
   const auto surface =
       std::make_shared<const formats::SurfaceObjects>(formats::read_surface_objects(model_, character));
@@ -206,7 +212,18 @@ std::vector<std::string> export_format_names() {
 }
 
 ExportResult export_bake(const ExportOptions& options) {
-  return Export(options).go();
+  const fs::path character = options.bake / formats::character_name;
+  const auto damaged = [&](const std::string& what) {
+    return BakeError(what + "; what the bake kept is damaged: bake again with --overwrite");
+  };
+  // No other scene, glTF or JSON is read than what the bake kept.
+  try {
+    return Export(options).go();
+  } catch (const base::SceneError& error) {
+    throw damaged(error.what());
+  } catch (const scene::Json::exception& error) {
+    throw damaged(character.string() + ": " + error.what());
+  }
 }
 
 }  // namespace fascicle::bake

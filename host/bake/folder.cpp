@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -35,20 +34,23 @@ std::vector<fs::path> forms_of(const fs::path& path) {
 // All there is of one entry of the manifest's list.
 std::vector<fs::path> existing(const fs::path& folder, const std::string& entry) {
   std::vector<fs::path> found;
-  const auto add = [&](const fs::path& path) {
-    for (const fs::path& form : forms_of(path))
+  const auto add = [&](const fs::path& name) {
+    // What a link leads to is not this folder's.
+    if (name.has_parent_path() && fs::is_symlink(folder / name.parent_path())) return;
+    for (const fs::path& form : forms_of(folder / name))
       if (fs::symlink_status(form).type() != fs::file_type::not_found) found.push_back(form);
   };
   for (const formats::Format& format : all_formats())
     if (format.file == entry)
-      for (const std::string& name : format.beside) add(folder / name);
+      for (const std::string& name : format.beside) add(name);
   if (!entry.ends_with('/')) {
-    add(folder / entry);
+    add(entry);
     return found;
   }
   const std::string extension = entry.substr(0, entry.size() - 1);
-  const fs::path inner = folder / entry;
-  if (!fs::is_directory(inner)) return found;
+  const fs::path inner = folder / extension;
+  if (fs::is_symlink(inner)) found.push_back(inner);
+  if (!fs::is_directory(fs::symlink_status(inner))) return found;
   for (const auto& item : fs::directory_iterator(inner)) {
     std::string name = item.path().filename().string();
     if (name.ends_with(base::temporary_suffix))
@@ -141,8 +143,7 @@ ExportStage::ExportStage(const fs::path& folder) : folder_(folder), path_(folder
   if (!is_empty && fs::exists(fs::symlink_status(path_)))
     throw BakeError(path_.string() + ": is there, and holds what no export made; move it away");
   fs::create_directory(path_);
-  std::ofstream mark(path_ / stage_mark);
-  if (!mark.flush()) throw BakeError(path_.string() + ": cannot be written to");
+  base::File(path_ / stage_mark, base::FileMode::replace).close();
 }
 
 ExportStage::~ExportStage() {
@@ -157,7 +158,11 @@ void ExportStage::move_up(const std::vector<std::string>& files) {
   for (const std::string& entry : files) {
     std::vector<fs::path> made = existing(path_, entry);
     const bool is_folder = entry.ends_with('/');
-    if (is_folder && !made.empty()) fs::create_directories(folder_ / entry);
+    if (is_folder && !made.empty()) {
+      const fs::path inner = folder_ / entry.substr(0, entry.size() - 1);
+      if (fs::is_symlink(inner)) fs::remove(inner);
+      base::make_own_folder(inner);
+    }
     // A collection comes after the frames that it names.
     std::reverse(made.begin(), made.end());
     for (const fs::path& from : made) base::rename_over(from, folder_ / from.lexically_relative(path_));

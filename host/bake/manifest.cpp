@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 #include "host/bake/bake.h"
 #include "host/bake/checkpoint.h"
@@ -320,6 +321,9 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   if (const auto output = manifest.find("output"); output != manifest.end()) {
     read_count(*output, "first_frame", summary.first_number);
     read_count(*output, "handles", summary.handles);
+    if (output->is_object())
+      if (const auto fps = output->find("fps"); fps != output->end())
+        summary.fps = fps->is_number() ? fps->get<double>() : std::numeric_limits<double>::quiet_NaN();
   }
   if (const auto led = manifest.find("lead_in"); led != manifest.end()) summary.lead_in = lead_in_of(*led);
   if (const auto clamped = manifest.find("clamped_muscles"); clamped != manifest.end()) {

@@ -58,6 +58,7 @@ struct ManifestSummary {
   std::vector<std::pair<std::string, std::string>> input_hashes;
   std::vector<std::string> position_hashes;  // of frames 0, 1, ..., as hexadecimal digits
   std::string last_position_hash;            // empty before frame 0
+  std::optional<double> fps;                 // not a number where something else stands there
   std::uint64_t first_number = 0;            // of frame 0, in what other programs read
   std::uint64_t handles = 0;  // of these frames, so many lie before the range, and as many after it
   Timings timings;

@@ -13,6 +13,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/identity.h"
 #include "host/base/part_file.h"
+#include "host/base/text.h"
 #include "host/model/model_arrays.h"
 
 namespace fascicle::bake {
@@ -228,6 +229,20 @@ model::Model read_model_file(const std::filesystem::path& path, std::optional<st
     throw fail(error.what());
   }
   if (wanted_hash && model_hash(model) != *wanted_hash) throw fail("this is not the model of the frames beside it");
+  return model;
+}
+
+model::Model read_model_of_frames(const std::filesystem::path& folder, const CacheHeader& header) {
+  const std::filesystem::path path = folder / model_file_name;
+  if (!std::filesystem::exists(path))
+    throw BakeError(path.string() +
+                    ": is missing, or an older fascicle baked this; bake again with --overwrite");
+  model::Model model = read_model_file(path, header.model_hash);
+  if (model.vertex_count != header.vertex_count || model.unit != header.unit)
+    throw BakeError(path.string() + ": has " + base::number_text(std::uint64_t{model.vertex_count}) +
+                    " vertices in units of " + base::number_text(model.unit) + " m, and " + cache_name +
+                    " has " + base::number_text(std::uint64_t{header.vertex_count}) + " in units of " +
+                    base::number_text(header.unit) + " m; bake again with --overwrite");
   return model;
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "host/bake/read_frame_cache.h"
 #include "host/model/model.h"
 
 namespace fascicle::bake {
@@ -29,5 +30,9 @@ model::Model decode_model(std::string_view bytes);
 // passes model::check_model. Throws BakeError with what is wrong and what to do, std::system_error if it
 // cannot be read.
 model::Model read_model_file(const std::filesystem::path& path, std::optional<std::uint64_t> model_hash);
+
+// The same of the folder that the frames lie in, whose header this is: they are of as many vertices, in the
+// same unit. Throws BakeError where the file is missing too.
+model::Model read_model_of_frames(const std::filesystem::path& folder, const CacheHeader& header);
 
 }  // namespace fascicle::bake

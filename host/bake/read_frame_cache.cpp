@@ -1,6 +1,9 @@
 #include "host/bake/read_frame_cache.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <string_view>
 #include <system_error>
 
@@ -8,6 +11,7 @@
 #include <xxhash.h>
 
 #include "host/bake/bake.h"
+#include "host/bake/finite.h"
 #include "host/base/text.h"
 
 namespace fascicle::bake {
@@ -71,7 +75,28 @@ std::string encode_cache_record(const CacheHeader& header, const model::Frame& f
   return bytes;
 }
 
-FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(path, base::FileMode::read) {
+namespace {
+
+base::File opened(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path))
+    throw BakeError(path.string() +
+                    ": is not there; the bake has no frames yet, or lost them: wait for them, or bake again "
+                    "with --overwrite");
+  return {path, base::FileMode::read};
+}
+
+// Numbers that no bake has written, whatever the checksum says.
+bool is_sound(const CacheHeader& header) {
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  return std::isfinite(header.unit) && header.unit > 0.0 && std::isfinite(header.fps) && header.fps > 0.0 &&
+         std::isfinite(header.start) &&
+         std::all_of(header.rest_origin.begin(), header.rest_origin.end(), is_finite) &&
+         header.frames < std::numeric_limits<std::uint64_t>::max();  // so that they can be counted
+}
+
+}  // namespace
+
+FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(opened(path)) {
   std::string bytes(cache_header_bytes, '\0');
   if (!file_.read_at(0, bytes) || !bytes.starts_with(cache_magic))
     throw BakeError(path.string() + ": not a frame cache of fascicle");
@@ -86,6 +111,9 @@ FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(pa
   header_.frames = value_at<std::uint64_t>(bytes, 48);
   header_.model_hash = value_at<std::uint64_t>(bytes, 56);
   header_.rest_origin = value_at<std::array<double, 3>>(bytes, 64);
+  if (!is_sound(header_))
+    throw BakeError(path.string() +
+                    ": the header has a frame rate, a start or a size that no bake has; bake again");
   record_bytes_ = cache_record_bytes(header_.vertex_count);
   frame_count_ = (file_.size() - cache_header_bytes) / record_bytes_;
   // After a power cut the end may be of the right length and never have reached the disk.
@@ -111,6 +139,11 @@ model::Frame FrameCacheReader::read(std::uint64_t k) const {
   frame.origin = value_at<std::array<double, 3>>(bytes, 8);
   frame.positions.resize(std::size_t{3} * header_.vertex_count);
   std::memcpy(frame.positions.data(), bytes.data() + 32, frame.positions.size() * sizeof(float));
+  const bool has_place = std::all_of(frame.origin.begin(), frame.origin.end(),
+                                     [](double value) { return std::isfinite(value); });
+  if (!has_place || !all_finite(frame))
+    throw BakeError(file_.path().string() + ": frame " + base::number_text(k) +
+                    " has positions that are not finite numbers; bake again");
   return frame;
 }
 

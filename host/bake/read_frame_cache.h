@@ -55,15 +55,15 @@ std::string encode_cache_record(const CacheHeader& header, const model::Frame& f
 
 class FrameCacheReader {
  public:
-  // Throws BakeError if the file is not a frame cache of a version known here, std::system_error if it cannot
-  // be read.
+  // Throws BakeError if the file is not there or is not a frame cache of a version known here,
+  // std::system_error if it cannot be read.
   explicit FrameCacheReader(const std::filesystem::path& path);
 
   const CacheHeader& header() const { return header_; }
   // Whole frames from frame 0 on.
   std::uint64_t frame_count() const { return frame_count_; }
-  // Frame k < frame_count(), with positions and without velocities and surface. Throws BakeError if it is
-  // damaged.
+  // Frame k < frame_count(), with positions, all of them finite, and without velocities and surface. Throws
+  // BakeError if it is damaged.
   model::Frame read(std::uint64_t k) const;
 
  private:

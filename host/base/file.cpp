@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/base/errors.h"
 #include "host/base/parallel.h"
 #include "host/base/text.h"
 
@@ -25,7 +26,29 @@ namespace {
 
 [[noreturn]] void fail(const char* what, const fs::path& path) {
   const int code = errno;
-  throw std::system_error(code, std::generic_category(), std::string(what) + " " + path.string());
+  throw std::system_error(
+      code, std::generic_category(),
+      std::string(what) + " " + path.string() +
+          (code == EFBIG ? ", which outgrew the limit on the size of files (raise ulimit -f)" : ""));
+}
+
+int open_retried(const fs::path& path, int flags) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    if (descriptor >= 0 || errno != EINTR) return descriptor;
+  }
+}
+
+// A link of that name may lead anywhere: neither it nor a file with further names is written into.
+int open_new(const fs::path& path) {
+  constexpr int most_tries = 8;  // others may make the name again and again
+  int descriptor = -1;
+  for (int k = 0; k < most_tries; ++k) {
+    descriptor = open_retried(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW);
+    if (descriptor >= 0 || errno != EEXIST) break;
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT) break;
+  }
+  return descriptor;
 }
 
 fs::path with_suffix(const fs::path& path, const std::string& suffix) {
@@ -72,11 +95,13 @@ void rename_over(const fs::path& from, const fs::path& to) {
 }
 
 File::File(fs::path path, FileMode mode) : path_(std::move(path)) {
-  const int flags = mode == FileMode::read     ? O_RDONLY
-                    : mode == FileMode::modify ? O_RDWR
-                                               : O_RDWR | O_CREAT | O_TRUNC;
-  do descriptor_ = ::open(path_.c_str(), flags | O_CLOEXEC, 0666);
-  while (descriptor_ < 0 && errno == EINTR);
+  descriptor_ = mode == FileMode::read     ? open_retried(path_, O_RDONLY)
+                : mode == FileMode::modify ? open_retried(path_, O_RDWR | O_NOFOLLOW)
+                                           : open_new(path_);
+  if (descriptor_ < 0 && mode == FileMode::modify && errno == ELOOP)
+    throw BakeError(path_.string() +
+                    ": is a symbolic link, and nothing is written through one; put the file in its place, or "
+                    "start again with --overwrite");
   if (descriptor_ < 0) fail("cannot open", path_);
   if (mode == FileMode::modify && ::lseek(descriptor_, 0, SEEK_END) < 0) {
     const int code = errno;
@@ -147,6 +172,15 @@ void File::sync() {
 
 void File::close() {
   if (::close(std::exchange(descriptor_, -1)) != 0) fail("cannot write", path_);
+}
+
+void make_own_folder(const fs::path& path) {
+  if (fs::is_symlink(path))
+    throw BakeError(
+        path.string() +
+        ": is a symbolic link, and nothing is written through one; move it away, or start again with "
+        "--overwrite");
+  fs::create_directories(path);
 }
 
 void sync_folder(const fs::path& folder) {

@@ -12,8 +12,8 @@ namespace fascicle::base {
 
 enum class FileMode {
   read,
-  modify,   // must exist; writes go to its end
-  replace,  // empty; made if it is not there
+  modify,   // must exist; writes go to its end. Throws BakeError where it is a symbolic link
+  replace,  // new and empty: takes the place of what had the name, a symbolic link too, which is not followed
 };
 
 // An open file. Move-only.
@@ -43,6 +43,9 @@ class File {
   std::filesystem::path path_;
   int descriptor_ = -1;
 };
+
+// Makes a folder for outputs where there is none. Throws BakeError where a symbolic link has its name.
+void make_own_folder(const std::filesystem::path& path);
 
 // Makes new and removed names in a folder survive a power cut.
 void sync_folder(const std::filesystem::path& folder);

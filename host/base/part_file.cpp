@@ -24,7 +24,7 @@ fs::path with_suffix(const fs::path& path, const char* suffix) {
 // stopped between its renames has both kinds.
 File reopen(const fs::path& path) {
   const fs::path part = with_suffix(path, part_suffix);
-  if (!fs::exists(part)) {
+  if (!fs::exists(fs::symlink_status(part))) {
     if (!fs::exists(path))
       throw BakeError(path.string() +
                       ": the bake to resume has lost this file; start again with --overwrite");

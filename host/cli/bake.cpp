@@ -232,18 +232,10 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
   request.devices = devices;
   request.threads = arguments.threads;
   request.build = build_options(arguments.scene.no_cache);
-  request.interrupted = &catch_interrupts();
-  request.build.is_cancelled = [stop = request.interrupted] { return stop->load(); };
+  request.interrupted = &interrupts();
   request.on_frame = [&progress](std::uint64_t frame, std::uint64_t) { progress.update(frame); };
   const Say say = say_on(log);
-  std::unique_ptr<PreparedBake> made;
-  try {
-    made = prepare_bake(std::move(scene), request, say);
-  } catch (const build::Cancelled&) {
-    log.clear_bar();
-    log.warning("interrupted while the model was built; the same command begins again");
-    return ExitCode::interrupted;
-  }
+  const std::unique_ptr<PreparedBake> made = prepare_bake(std::move(scene), request, say);
   PreparedBake& prepared = *made;
   if (arguments.dry_run) {
     print_estimate(arguments, prepared);
@@ -332,6 +324,7 @@ void add_bake(CLI::App& app, Command& command) {
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, subcommand, &command] {
     arguments->options = shared_options(*subcommand);
+    command.watches_interrupts = true;
     command.run = [arguments](Log& log) {
       return arguments->clips.empty() ? bake_scene(*arguments, log)
                                       : bake_many(bakes_of_clips(*arguments), log);

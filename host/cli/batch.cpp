@@ -244,6 +244,7 @@ void add_batch(CLI::App& app, Command& command) {
     if (status->parsed()) return;
     if (arguments->jobs.empty()) throw CLI::RequiredError("JOBS");
     if (arguments->submit && arguments->emit != "slurm") throw CLI::RequiredError("--submit: --emit slurm");
+    command.watches_interrupts = arguments->emit.empty();
     command.run = [arguments](Log& log) {
       return arguments->emit.empty() ? bake_jobs(*arguments, log) : emit_jobs(*arguments, log);
     };

@@ -6,6 +6,7 @@
 #include "host/bake/bake.h"
 #include "host/base/nearest_name.h"
 #include "host/build/cache.h"
+#include "host/cli/interrupt.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::cli {
@@ -178,6 +179,7 @@ Built build(const scene::Scene& scene, Log& log, bool no_cache) {
 build::BuildOptions build_options(bool no_cache) {
   build::BuildOptions options;
   if (!no_cache) options.cache = build::default_cache_folder();
+  options.is_cancelled = [stop = &interrupts()] { return stop->load(); };
   return options;
 }
 

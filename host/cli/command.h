@@ -20,6 +20,7 @@ namespace fascicle::cli {
 struct Command {
   LogOptions log;
   std::function<ExitCode(Log&)> run;
+  bool watches_interrupts = false;  // and ends with ExitCode::interrupted; any other ends at once
 };
 
 // One subcommand each; bake.cpp, validate.cpp, ...

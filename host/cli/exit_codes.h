@@ -14,7 +14,7 @@ enum class ExitCode : int {
   done = 0,
   unforeseen = 1,      // disk full, out of memory
   bad_usage = 2,       // unknown or contradicting options, a folder that holds a bake already
-  bad_input = 3,       // scene, mesh or frame cache that cannot be used
+  bad_input = 3,       // scene, mesh or files of a bake that cannot be used
   no_such_device = 4,  // or one that cannot run this model
   not_finite = 5,      // the simulation left the finite numbers
   difference = 6,      // validation found one

@@ -45,7 +45,7 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
   options.first_number = arguments.first_number;
   options.usd_skel = arguments.usd_skel;
   options.overwrite = arguments.overwrite;
-  options.interrupted = &catch_interrupts();
+  options.interrupted = &interrupts();
   options.on_frame = [&](std::uint64_t frame, std::uint64_t frames) {
     if (!progress) progress = std::make_unique<Progress>(log, "exporting", frames);
     progress->update(frame);
@@ -93,6 +93,7 @@ void add_export(CLI::App& app, Command& command) {
   add_usd_options(*subcommand, arguments->usd_skel);
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
+    command.watches_interrupts = true;
     command.run = [arguments](Log& log) { return export_bake(*arguments, log); };
   });
 }

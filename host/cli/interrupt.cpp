@@ -1,36 +1,64 @@
 #include "host/cli/interrupt.h"
 
+#include <array>
+
 #include <signal.h>
 
 namespace fascicle::cli {
 namespace {
 
+constexpr std::array numbers{SIGINT, SIGTERM};
+
 // A signal handler takes no argument of ours: the one place where the process keeps state.
 std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+std::atomic<int> first_number{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler may only touch lock-free atomics");
 
 void on_signal(int number) {
   if (interrupted.exchange(true)) {
     ::signal(number, SIG_DFL);
     ::raise(number);
   }
+  first_number = number;
+}
+
+// Whoever started this program may have them blocked: then they would never come.
+void unblock() {
+  sigset_t set;
+  ::sigemptyset(&set);
+  for (const int number : numbers) ::sigaddset(&set, number);
+  ::sigprocmask(SIG_UNBLOCK, &set, nullptr);
 }
 
 }  // namespace
 
-const std::atomic<bool>& catch_interrupts() {
+void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = on_signal;
   ::sigemptyset(&action.sa_mask);
   // Writes of frames go on: a signal asks for the end of the loop, not for half a write.
   action.sa_flags = SA_RESTART;
-  for (const int number : {SIGINT, SIGTERM}) {
+  for (const int number : numbers) {
     struct sigaction before {};
     // A job started with the signal ignored (nohup, a shell's background job) keeps ignoring it.
     if (::sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
       ::sigaction(number, &action, nullptr);
   }
+  unblock();
+}
+
+const std::atomic<bool>& interrupts() {
   return interrupted;
+}
+
+void let_interrupts_end_the_process() {
+  for (const int number : numbers) {
+    struct sigaction before {};
+    if (::sigaction(number, nullptr, &before) == 0 && before.sa_handler == on_signal)
+      ::signal(number, SIG_DFL);
+  }
+  if (const int number = first_number; number != 0) ::raise(number);
 }
 
 }  // namespace fascicle::cli

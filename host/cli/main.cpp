@@ -1,4 +1,6 @@
+#include "host/base/process_start.h"
 #include "host/cli/command.h"
+#include "host/cli/interrupt.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -13,6 +15,10 @@ static void give_freed_arrays_back() {
 }
 
 int main(int argc, char** argv) {
+  // First of all: a signal that comes before ends the process, and no exit status says that it goes on.
+  fascicle::cli::catch_interrupts();
+  fascicle::base::open_standard_streams();
+  fascicle::base::outlive_the_limit_on_files();
   give_freed_arrays_back();
   return fascicle::cli::run(argc, argv);
 }

@@ -84,7 +84,7 @@ class Batch {
     for (std::size_t job = 0; job < asked_.bakes.size(); ++job) waiting_.push_back(job);
     bake::make_folder(asked_.output);
     if (!asked_.is_part) write_summary();
-    const std::atomic<bool>& interrupted = catch_interrupts();
+    const std::atomic<bool>& interrupted = interrupts();
     bool told = false;
     while (is_busy() || (!waiting_.empty() && !interrupted)) {
       if (!interrupted) {

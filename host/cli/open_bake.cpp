@@ -27,21 +27,9 @@ bake::ManifestSummary manifest_of(const fs::path& folder) {
 bake::FrameCacheReader cache_of(const fs::path& folder, const bake::ManifestSummary& manifest) {
   if (!manifest.frames_kept) throw bake::BakeError(bake::frames_not_kept_text(folder));
   const fs::path path = folder / bake::cache_name;
-  if (!fs::exists(path))
-    throw bake::BakeError(path.string() + ": is not there; the bake has no frames yet, or lost them");
   bake::FrameCacheReader cache(path);
   if (cache.frame_count() == 0) throw bake::BakeError(path.string() + ": holds no whole frame yet");
   return cache;
-}
-
-model::Model model_of(const fs::path& folder, const bake::CacheHeader& header) {
-  const fs::path path = folder / bake::model_file_name;
-  if (!fs::exists(path))
-    throw bake::BakeError(path.string() + ": is not there; an older fascicle baked this; bake again");
-  model::Model model = bake::read_model_file(path, header.model_hash);
-  if (model.vertex_count != header.vertex_count)
-    throw bake::BakeError(path.string() + ": is not the model of the frames beside it; bake again");
-  return model;
 }
 
 }  // namespace
@@ -50,7 +38,7 @@ OpenBake::OpenBake(const fs::path& folder)
     : folder_(folder),
       manifest_(manifest_of(folder)),
       cache_(cache_of(folder, manifest_)),
-      model_(model_of(folder, cache_.header())) {}
+      model_(bake::read_model_of_frames(folder, cache_.header())) {}
 
 const scene::Scene& OpenBake::scene() {
   if (scene_) return *scene_;

@@ -239,7 +239,7 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
   if (arguments.mode == render::Mode::fibres && !artist.drawing().shows_fibres())
     log.warning("no fibre runs through what is drawn; try --clip, or a scene whose layers have fibres");
 
-  const std::atomic<bool>& interrupted = catch_interrupts();
+  const std::atomic<bool>& interrupted = interrupts();
   Gallery gallery(arguments, frames, artist, scores, plan);
   {
     Progress progress(log, "rendering", plan.frames.size());
@@ -346,6 +346,7 @@ void add_render(CLI::App& app, Command& command) {
   subcommand->add_flag("--overwrite", arguments->overwrite, "Replace pictures that are there");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
+    command.watches_interrupts = true;
     command.run = [arguments](Log& log) { return render_frames(*arguments, log); };
   });
 }

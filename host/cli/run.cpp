@@ -11,6 +11,7 @@
 #include "host/base/nearest_name.h"
 #include "host/base/version.h"
 #include "host/cli/command.h"
+#include "host/cli/interrupt.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::cli {
@@ -56,6 +57,10 @@ ExitCode run_command(const Command& command, Log& log) {
     std::cout.flush();
     if (!std::cout) return report(log, "standard output could not be written", ExitCode::unforeseen);
     return code;
+  } catch (const build::Cancelled&) {
+    log.clear_bar();
+    log.warning("interrupted while the model was built; the same command begins again");
+    return ExitCode::interrupted;
   } catch (const UsageError& error) {
     return report(log, error.what(), ExitCode::bad_usage);
   } catch (const bake::FolderInUse& error) {
@@ -122,6 +127,7 @@ int run(int argc, const char* const* argv) {
     log.error(usage_text(error, app, argc, argv));
     return static_cast<int>(ExitCode::bad_usage);
   }
+  if (!command.watches_interrupts) let_interrupts_end_the_process();
   Log log(command.log);
   return static_cast<int>(run_command(command, log));
 }

@@ -1,5 +1,7 @@
 // fascicle-convert: characters of other formats as glTF, by assimp, in a process of its own.
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -14,6 +16,8 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/version.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "host/convert/character.h"
 #include "host/convert/failure.h"
@@ -72,13 +76,14 @@ void keep_only(Assimp::Importer& importer, const std::string& extension) {
 
 void write_file(const fs::path& path, const std::string& bytes) {
   const fs::path part = path.string() + ".part";
-  std::ofstream out(part, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  std::error_code error;
-  if (out) fs::rename(part, path, error);
-  if (out && !error) return;
-  std::error_code ignored;
+  std::error_code error, ignored;
+  // What has the name already may be a link to anywhere, which is not written through.
+  fs::remove(part, ignored);
+  std::FILE* out = std::fopen(part.c_str(), "wbx");
+  bool is_whole = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+  if (out != nullptr) is_whole = std::fclose(out) == 0 && is_whole;
+  if (is_whole) fs::rename(part, path, error);
+  if (is_whole && !error) return;
   fs::remove(part, ignored);
   throw Failure(cannot_write, path.string() + " cannot be written" +
                                   (error ? ": " + error.message() : "; check its folder and the free space"));
@@ -143,10 +148,19 @@ int run(const std::vector<std::string>& arguments) {
   return done;
 }
 
+// What is closed of standard input, output and error goes to /dev/null: else the next files that are opened
+// would have their numbers. A file that outgrows the limit on files cannot be written, as on a full disk.
+void prepare() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(EXIT_FAILURE);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
 }  // namespace
 }  // namespace fascicle::convert
 
 int main(int argument_count, char** arguments) {
+  fascicle::convert::prepare();
   using fascicle::convert::Failure;
   try {
     return fascicle::convert::run(std::vector<std::string>(arguments + 1, arguments + argument_count));

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "host/base/errors.h"
+#include "host/base/text.h"
 #include "host/base/version.h"
 #include "host/formats/gltf_writer.h"
 #include "host/formats/joined_document.h"
@@ -280,6 +281,17 @@ void add_scale(json& document, double scale) {
 }
 
 }  // namespace
+
+gltf::Rig read_kept_rig(const std::filesystem::path& character, const model::Model& model) {
+  gltf::Rig rig = gltf::read_rig(character);
+  std::size_t vertices = 0;
+  for (const gltf::RigPart& part : rig.parts) vertices += part.positions.size();
+  if (vertices != model.surface_count())
+    throw base::BakeError(character.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
+                          " vertices, and the baked surface " + base::number_text(model.surface_count()) +
+                          "; bake again with --overwrite");
+  return rig;
+}
 
 bool has_baked_clip(const json& document) {
   const auto animations = document.find("animations");

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ using TimeOfFrame = std::function<double(std::uint64_t frame)>;
 // that are not there.
 std::string character_glb(const scene::Scene& scene, const model::Model& model, const PoseOfFrame& pose,
                           const TimeOfFrame& time, std::vector<std::string>& missing);
+
+// The rig of a bake's character.glb. Throws SceneError where it cannot be read and BakeError where it has not
+// the model's render vertices.
+gltf::Rig read_kept_rig(const std::filesystem::path& character, const model::Model& model);
 
 // Whether the first animation of a document is the clip that a bake was made with.
 bool has_baked_clip(const nlohmann::json& document);

@@ -37,7 +37,7 @@ bool is_frame_file_name(const std::string& name, const std::string& extension) {
 FrameFiles::FrameFiles(const fs::path& folder, const std::string& extension, std::uint64_t first,
                        std::uint64_t first_number)
     : folder_(folder / extension), extension_(extension), first_number_(first_number) {
-  fs::create_directories(folder_);
+  base::make_own_folder(folder_);
   for (std::uint64_t k = 0; k < first; ++k)
     if (!fs::exists(path_of(k)))
       throw base::BakeError(path_of(k).string() +

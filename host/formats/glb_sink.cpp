@@ -113,13 +113,12 @@ void GlbSink::read_character(const BakeInfo& info) {
   gltf::GltfFile file = gltf::read_gltf_file(info.character);
   document_.json = std::move(file.document);
   document_.binary.assign(file.binary.begin(), file.binary.end());
-  rig_ = gltf::read_rig(info.character);
-  std::size_t vertices = 0;
-  for (const gltf::RigPart& part : rig_.parts) vertices += part.positions.size();
-  if (vertices != model.surface_count())
-    throw base::BakeError(info.character.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
-                          " vertices, and the baked surface " + base::number_text(model.surface_count()) +
-                          "; bake again with --overwrite");
+  rig_ = read_kept_rig(info.character, model);
+  // Its bytes become those of surface.glb.
+  const json& buffers = document_.json["buffers"];
+  if (!file.has_binary || buffers.size() != 1 || buffers[0].contains("uri"))
+    throw base::BakeError(info.character.string() +
+                          ": has not all bytes in one buffer of its own; bake again with --overwrite");
 }
 
 void GlbSink::begin(const BakeInfo& info) {

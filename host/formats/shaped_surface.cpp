@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "host/base/errors.h"
-#include "host/base/text.h"
 #include "host/formats/character_file.h"
 #include "host/gltf/gltf_file.h"
 #include "host/gltf/gltf_shapes.h"
@@ -34,22 +32,15 @@ ShapedSurface::ShapedSurface(const std::filesystem::path& character, const model
   const json document = gltf::read_gltf_file(character).document;
   if (!has_targets(document)) return;
   has_clip_ = has_baked_clip(document);
-  gltf::Rig rig = gltf::read_rig(character);
-  std::size_t vertices = 0, shapes = 0;
-  for (const gltf::RigPart& part : rig.parts) {
-    vertices += part.positions.size();
-    shapes += part.shapes.size();
-  }
-  if (vertices != model.surface_count())
-    throw base::BakeError(character.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
-                          " vertices, and the baked surface " + base::number_text(model.surface_count()) +
-                          "; bake again with --overwrite");
-  if (shapes > 0) rig_ = std::move(rig);
+  gltf::Rig rig = read_kept_rig(character, model);
+  const bool has_shapes = std::any_of(rig.parts.begin(), rig.parts.end(),
+                                      [](const gltf::RigPart& part) { return !part.shapes.empty(); });
+  if (has_shapes) rig_ = std::move(rig);
 }
 
 void ShapedSurface::add_to(std::uint64_t frame, std::span<float> surface) const {
   if (empty()) return;
-  const rig::Clip* clip = has_clip_ ? &rig_.character.clips.front() : nullptr;
+  const rig::Clip* clip = has_clip_ ? rig::find_clip(rig_.character, "") : nullptr;
   // The time as the file has it.
   const double time = double{static_cast<float>(static_cast<double>(frame) / fps_)};
   std::vector<Matrix4d> joints;

@@ -1,7 +1,5 @@
 #include "host/formats/skinned_surface.h"
 
-#include "host/base/errors.h"
-#include "host/base/text.h"
 #include "host/formats/character_file.h"
 #include "host/gltf/gltf_file.h"
 #include "host/rig/pose.h"
@@ -11,16 +9,9 @@ namespace fascicle::formats {
 using Eigen::Matrix4d;
 
 SkinnedSurface::SkinnedSurface(const std::filesystem::path& character, const model::Model& model, double fps)
-    : rig_(gltf::read_rig(character)),
+    : rig_(read_kept_rig(character, model)),
       is_moving_(has_baked_clip(gltf::read_gltf_file(character).document)),
-      fps_(fps) {
-  std::size_t vertices = 0;
-  for (const gltf::RigPart& part : rig_.parts) vertices += part.positions.size();
-  if (vertices != model.surface_count())
-    throw base::BakeError(character.string() + ": has " + base::number_text(std::uint64_t{vertices}) +
-                          " vertices, and the baked surface " + base::number_text(model.surface_count()) +
-                          "; bake again with --overwrite");
-}
+      fps_(fps) {}
 
 std::vector<float> SkinnedSurface::positions(std::uint64_t frame) const {
   // The time as the file has it.

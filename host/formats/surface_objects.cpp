@@ -281,7 +281,7 @@ std::shared_ptr<const SurfaceObjects> objects_of(const BakeInfo& info) {
 
 void write_textures(const fs::path& folder, const SurfaceObjects& surface) {
   if (surface.textures.empty()) return;
-  fs::create_directories(folder / textures_folder);
+  base::make_own_folder(folder / textures_folder);
   for (const SurfaceTexture& texture : surface.textures)
     base::write_whole(folder / texture.file, texture.bytes);
 }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <Eigen/LU>
 
+#include "host/gltf/gltf_attributes.h"
 #include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_library.h"
@@ -238,21 +240,9 @@ class Reader {
     return name != entry.end() && name->is_string() ? name->get<std::string>() : std::string();
   }
 
-  int attribute(const tinygltf::Primitive& primitive, const std::string& name) const {
-    const auto found = primitive.attributes.find(name);
-    return found == primitive.attributes.end() ? -1 : found->second;
-  }
-
   std::vector<double> numbers(const std::string& pointer, int accessor, int type, bool is_allowed,
                               std::size_t count) const {
-    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(accessor)];
-    if (a.type != type || !is_allowed) {
-      fail(pointer, "accessor " + std::to_string(accessor) + " has a type that glTF does not allow here");
-    }
-    if (count != 0 && a.count != count) {
-      fail(pointer, std::to_string(a.count) + " elements for " + std::to_string(count) + " positions");
-    }
-    return accessor_numbers(path_, model_, accessor);
+    return attribute_numbers(path_, model_, pointer, accessor, type, is_allowed, count);
   }
 
   // For each vertex every joint that has weight there, each joint once.
@@ -260,44 +250,19 @@ class Reader {
                                                       const std::string& pointer, std::size_t count) {
     std::vector<std::vector<Influence>> influences(count);
     for (int set = 0;; ++set) {
-      const std::string joints_name = "JOINTS_" + std::to_string(set),
-                        weights_name = "WEIGHTS_" + std::to_string(set);
-      const int joints_accessor = attribute(primitive, joints_name),
-                weights_accessor = attribute(primitive, weights_name);
-      const std::string joints_pointer = pointer + "/attributes/" + joints_name;
-      const std::string weights_pointer = pointer + "/attributes/" + weights_name;
-      if (joints_accessor < 0 && weights_accessor < 0 && set > 0) break;
-      if (joints_accessor < 0) fail(joints_pointer, "is missing; a skinned mesh needs joints and weights");
-      if (weights_accessor < 0) fail(weights_pointer, "is missing; a skinned mesh needs joints and weights");
-
-      const tinygltf::Accessor& j = model_.accessors[static_cast<std::size_t>(joints_accessor)];
-      const tinygltf::Accessor& w = model_.accessors[static_cast<std::size_t>(weights_accessor)];
-      const auto is_unsigned = [](int type) {
-        return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-               type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
-      };
-      const std::vector<double> joints = numbers(joints_pointer, joints_accessor, TINYGLTF_TYPE_VEC4,
-                                                 is_unsigned(j.componentType) && !j.normalized, count);
-      const std::vector<double> weights = numbers(
-          weights_pointer, weights_accessor, TINYGLTF_TYPE_VEC4,
-          w.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT || (is_unsigned(w.componentType) && w.normalized),
-          count);
+      const std::optional<InfluenceSet> read =
+          read_influence_set(path_, model_, primitive, pointer, set, count, skin.joints.size());
+      if (!read) break;
       for (std::size_t i = 0; i < 4 * count; ++i) {
-        const std::string vertex = "vertex " + std::to_string(i / 4);
-        if (weights[i] < 0.0) fail(weights_pointer, vertex + " has a negative weight");
-        if (weights[i] == 0.0) continue;  // what joint is named there says nothing
-        const auto joint = static_cast<std::uint32_t>(joints[i]);
-        if (joint >= skin.joints.size()) {
-          fail(joints_pointer, vertex + " follows joint " + std::to_string(joint) + " of a skin of " +
-                                   std::to_string(skin.joints.size()));
-        }
+        if (read->weights[i] == 0.0) continue;
+        const auto joint = static_cast<std::uint32_t>(read->joints[i]);
         std::vector<Influence>& all = influences[i / 4];
         const auto known =
             std::find_if(all.begin(), all.end(), [&](const Influence& x) { return x.joint == joint; });
         if (known != all.end()) {
-          known->weight += weights[i];
+          known->weight += read->weights[i];
         } else {
-          all.push_back({joint, weights[i]});
+          all.push_back({joint, read->weights[i]});
         }
       }
     }
@@ -422,13 +387,12 @@ class Reader {
            std::to_string(primitive.mode) + "; a skinned mesh must be of triangles, a strip or a fan");
     }
     const std::string position_pointer = pointer + "/attributes/POSITION";
-    const int position = attribute(primitive, "POSITION");
+    const int position = attribute_accessor(primitive, "POSITION");
     if (position < 0) fail(position_pointer, "is missing");
     const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(position)];
     mesh::SurfaceMesh& surface = character_.surface;
     check_size(surface.vertices.size() + a.count, most_vertices_, "vertices", position_pointer);
-    const std::vector<double> raw = numbers(position_pointer, position, TINYGLTF_TYPE_VEC3,
-                                            a.componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 0);
+    const std::vector<double> raw = read_positions(path_, model_, primitive, pointer);
     const auto triangles = expand(read_corners(primitive, pointer, a.count), primitive.mode);
     check_size(surface.triangles.size() + triangles.size(), triangles_a_vertex * most_vertices_, "triangles",
                pointer);

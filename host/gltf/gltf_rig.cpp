@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <utility>
 
 #include "host/base/errors.h"
+#include "host/gltf/gltf_attributes.h"
 #include "host/gltf/gltf_check.h"
 #include "host/gltf/gltf_decode.h"
 #include "host/gltf/gltf_library.h"
@@ -83,8 +86,7 @@ class RigReader {
  private:
   std::vector<double> numbers(int accessor) const { return accessor_numbers(path_, model_, accessor); }
 
-  std::vector<Eigen::Vector3d> vectors(int accessor) const {
-    const std::vector<double> values = numbers(accessor);
+  static std::vector<Eigen::Vector3d> vectors(const std::vector<double>& values) {
     std::vector<Eigen::Vector3d> result;
     for (std::size_t i = 0; i + 2 < values.size(); i += 3)
       result.emplace_back(values[i], values[i + 1], values[i + 2]);
@@ -110,18 +112,17 @@ class RigReader {
     part.node = static_cast<std::uint32_t>(source.node);
     part.mesh = static_cast<std::uint32_t>(mesh);
     part.primitive = static_cast<std::uint32_t>(p);
-    part.positions = vectors(primitive.attributes.at("POSITION"));
+    const std::string pointer = "/meshes/" + std::to_string(mesh) + "/primitives/" + std::to_string(p);
+    part.positions = vectors(read_positions(path_, model_, primitive, pointer));
     const std::size_t count = part.positions.size();
     if (const int accessor = looks_accessor(mesh, p, "NORMAL", TINYGLTF_TYPE_VEC3, count); accessor >= 0)
-      part.normals = vectors(accessor);
+      part.normals = vectors(numbers(accessor));
     if (const int accessor = looks_accessor(mesh, p, "TEXCOORD_0", TINYGLTF_TYPE_VEC2, count);
         accessor >= 0) {
       const std::vector<double> values = numbers(accessor);
       for (std::size_t i = 0; i + 1 < values.size(); i += 2) part.uvs.emplace_back(values[i], values[i + 1]);
     }
-    part.shapes = read_shapes(path_, model_, primitive,
-                              "/meshes/" + std::to_string(mesh) + "/primitives/" + std::to_string(p), count,
-                              targets_left_);
+    part.shapes = read_shapes(path_, model_, primitive, pointer, count, targets_left_);
     part.rest_weights = rest_weights(document_, source.node, mesh, part.shapes.size());
     if (source.skin < 0) {
       part.skin_joint = {static_cast<std::uint32_t>(joint_of[static_cast<std::size_t>(source.carrier)])};
@@ -131,12 +132,12 @@ class RigReader {
       for (std::size_t i = 0; i <= count; ++i) part.influence_offset.push_back(static_cast<std::uint32_t>(i));
       return part;
     }
-    read_influences(source, joint_of, part);
+    read_influences(source, joint_of, pointer, part);
     return part;
   }
 
   void read_influences(const GltfPart& source, const std::vector<std::int32_t>& joint_of,
-                       RigPart& part) const {
+                       const std::string& pointer, RigPart& part) const {
     const tinygltf::Primitive& primitive = model_.meshes[source.mesh].primitives[source.primitive];
     const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(source.skin)];
     const std::size_t count = part.positions.size();
@@ -149,21 +150,20 @@ class RigReader {
       if (!matrices.empty()) inverse_bind = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
       part.inverse_bind.push_back(inverse_bind);
     }
-    std::vector<std::vector<double>> joints, weights;
-    for (int set = 0; primitive.attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
-      joints.push_back(numbers(primitive.attributes.at("JOINTS_" + std::to_string(set))));
-      weights.push_back(numbers(primitive.attributes.at("WEIGHTS_" + std::to_string(set))));
-    }
+    std::vector<InfluenceSet> sets;
+    while (std::optional<InfluenceSet> set = read_influence_set(
+               path_, model_, primitive, pointer, static_cast<int>(sets.size()), count, skin.joints.size()))
+      sets.push_back(std::move(*set));
     part.influence_offset.push_back(0);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t first = part.weight.size();
       double sum = 0.0;
-      for (std::size_t set = 0; set < joints.size(); ++set)
+      for (const InfluenceSet& set : sets)
         for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
-          if (weights[set][k] == 0.0) continue;
-          part.slot.push_back(static_cast<std::uint32_t>(joints[set][k]));
-          part.weight.push_back(weights[set][k]);
-          sum += weights[set][k];
+          if (set.weights[k] == 0.0) continue;
+          part.slot.push_back(static_cast<std::uint32_t>(set.joints[k]));
+          part.weight.push_back(set.weights[k]);
+          sum += set.weights[k];
         }
       for (std::size_t k = first; k < part.weight.size(); ++k) part.weight[k] /= sum;
       part.influence_offset.push_back(static_cast<std::uint32_t>(part.weight.size()));

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <fstream>
 #include <new>
 #include <string>
 #include <system_error>
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include "host/base/errors.h"
@@ -60,46 +58,29 @@ void append_number(std::string& text, double value) {
   text.append(digits.data(), end);
 }
 
-// Closes the file and removes it unless it was renamed to its place.
+// Goes unless it was renamed to its place.
 class PendingFile {
  public:
-  explicit PendingFile(const fs::path& path) : path_(path), temporary_(path) {
-    temporary_ += ".part-" + std::to_string(::getpid());
-    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail("cannot create");
-  }
+  explicit PendingFile(const fs::path& path)
+      : path_(path), file_(path.string() + ".part-" + std::to_string(::getpid()), base::FileMode::replace) {}
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
   ~PendingFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!is_placed_) ::unlink(temporary_.c_str());
+    if (!is_placed_) ::unlink(file_.path().c_str());
   }
 
-  void write(std::string_view text) {
-    while (!text.empty()) {
-      const ssize_t written = ::write(descriptor_, text.data(), text.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail("cannot write");
-      text.remove_prefix(static_cast<std::size_t>(written));
-    }
-  }
+  void write(std::string_view text) { file_.write(text); }
 
   void place() {
-    if (::fsync(descriptor_) != 0) fail("cannot write");
-    const int descriptor = descriptor_;
-    descriptor_ = -1;
-    if (::close(descriptor) != 0) fail("cannot write");
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot write");
+    file_.sync();
+    file_.close();
+    base::rename_over(file_.path(), path_);
     is_placed_ = true;
   }
 
  private:
-  [[noreturn]] void fail(const char* what) const {
-    throw std::system_error(errno, std::generic_category(), std::string(what) + " " + path_.string());
-  }
-
-  fs::path path_, temporary_;
-  int descriptor_ = -1;
+  fs::path path_;
+  base::File file_;
   bool is_placed_ = false;
 };
 

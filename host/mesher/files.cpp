@@ -149,7 +149,10 @@ void write_surface(const std::string& path, const Surface& surface) {
 
 void write_text(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".part-" + std::to_string(::getpid());
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // What has the name already may be a link to anywhere, which is not written through.
+  ::unlink(temporary.c_str());
+  const int descriptor =
+      ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor < 0) throw Failure(cannot_write, path + ": " + std::strerror(errno));
   try {
     write_all(descriptor, text, path);

@@ -1,13 +1,17 @@
 // fascicle-mesher: says what is wrong with surfaces, wraps them, and fills closed ones with tetrahedra.
 #include <charconv>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <CGAL/version.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "host/mesher/exit_codes.h"
 #include "host/mesher/files.h"
@@ -152,10 +156,19 @@ int run(const std::vector<std::string>& arguments) {
   return done;
 }
 
+// What is closed of standard input, output and error goes to /dev/null: else the next files that are opened
+// would have their numbers. A file that outgrows the limit on files cannot be written, as on a full disk.
+void prepare() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDWR) != stream) std::_Exit(EXIT_FAILURE);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
 }  // namespace
 }  // namespace fascicle::mesher
 
 int main(int argument_count, char** arguments) {
+  fascicle::mesher::prepare();
   // Only Failure is caught: what TetGen throws must reach the terminate handler (tetgen_run.h).
   fascicle::mesher::install_terminate_handler();
   try {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "host/cli/log.h"
 #include "host/cli/render_arguments.h"
 #include "host/formats/surface.h"
+#include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -47,32 +47,6 @@ std::size_t blue_between(const Pixels& pixels, unsigned first, unsigned last) {
       count += p[2] > p[0] + 60 ? 1u : 0u;
     }
   return count;
-}
-
-// Changes the JSON of a GLB file.
-template <class Change>
-void change_glb(const fs::path& path, Change change) {
-  const std::string bytes = read_text(path);
-  const auto number_at = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    std::memcpy(&value, bytes.data() + at, sizeof(value));
-    return value;
-  };
-  const std::uint32_t length = number_at(12);
-  json document = json::parse(bytes.substr(20, length));
-  change(document);
-  std::string text = document.dump();
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const std::string rest = bytes.substr(20 + length);
-  std::string out = bytes.substr(0, 8);
-  const auto append = [&out](std::size_t value) {
-    const auto number = static_cast<std::uint32_t>(value);
-    out.append(reinterpret_cast<const char*>(&number), sizeof(number));
-  };
-  append(20 + text.size() + rest.size());
-  append(text.size());
-  out += bytes.substr(16, 4) + text + rest;
-  write_text(path, out);
 }
 
 // A PNG of one blue pixel.

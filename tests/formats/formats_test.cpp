@@ -442,7 +442,7 @@ TEST(FrameCache, RefusesWhatIsDamagedOrForeign) {
   EXPECT_EQ(cache.frame_count(), 3u);
   EXPECT_THROW(cache.read(1), BakeError);
   EXPECT_EQ(cache.read(2).index, 2u);
-  EXPECT_THROW(bake::FrameCacheReader{folder / "absent"}, std::system_error);
+  EXPECT_THROW(bake::FrameCacheReader{folder / "absent"}, BakeError);
 }
 
 TEST(Formats, Names) {
