@@ -40,7 +40,7 @@ ExitCode verify(const VerifyArguments& arguments, Log& log) {
   std::unique_ptr<Progress> progress;
   const bake::VerifyResult result =
       bake::verify_bake({.bake = arguments.bake,
-                         .interrupted = &catch_interrupts(),
+                         .interrupted = &interrupts(),
                          .on_frame = [&](std::uint64_t frame, std::uint64_t frames) {
                            if (!progress) progress = std::make_unique<Progress>(log, "reading", frames);
                            progress->update(frame);
