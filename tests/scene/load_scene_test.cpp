@@ -544,7 +544,7 @@ TEST(LoadScene, SaysWhatANameMayBe) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "a.toml");
   EXPECT_EQ(refusal((folder.path() / "a.toml").string()),
-            (folder.path() / "a.toml").string() + " is not a file");
+            (folder.path() / "a.toml").string() + " is not a regular file; give the name of one");
 }
 
 TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {
