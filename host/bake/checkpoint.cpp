@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "host/bake/look.h"
+#include "host/base/errors.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/scene/scene_json.h"
@@ -168,6 +169,8 @@ bool is_checkpoint(const fs::path& path) {
     std::array<char, 8> bytes{};
     return base::File(path, base::FileMode::read).read_at(0, bytes) &&
            std::string_view(bytes.data(), bytes.size()) == checkpoint_magic;
+  } catch (const base::InputError&) {
+    return false;
   } catch (const std::system_error&) {
     return false;
   }

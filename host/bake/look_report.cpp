@@ -4,10 +4,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <utility>
 
 #include "host/bake/outputs.h"
+#include "host/base/file.h"
 #include "host/base/text.h"
 #include "host/formats/formats.h"
 
@@ -102,7 +103,8 @@ std::optional<LookSummary> look_summary(const std::filesystem::path& folder, con
                                         const rig::Character* rig, double fps,
                                         const std::function<model::Frame(std::uint64_t)>& frame_at) {
   if (!has_look(model)) return std::nullopt;
-  std::ifstream file(folder / metrics_name, std::ios::binary);
+  std::istringstream file(
+      base::read_input_if_there(folder / metrics_name, base::most_metrics_bytes).value_or(""));
   const auto header = next_row(file);
   const auto column = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(header->begin(), header->end(), name) - header->begin());

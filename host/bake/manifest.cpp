@@ -1,8 +1,6 @@
 #include "host/bake/manifest.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include "host/bake/bake.h"
@@ -64,8 +62,8 @@ Json json_of(const model::Model& model, std::uint64_t hash) {
 
 // Null if there is none of ours.
 Json manifest_in(const fs::path& folder) {
-  std::ifstream file(folder / manifest_name, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text =
+      base::read_input_if_there(folder / manifest_name, base::most_json_bytes).value_or("");
   Json manifest = Json::parse(text, nullptr, false);
   return manifest.is_object() && manifest.value("kind", Json()) == kind ? manifest : Json();
 }

@@ -3,7 +3,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 
@@ -239,7 +238,8 @@ std::unique_ptr<formats::FrameSink> make_metrics_sink(const LookBody* body) {
 std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model::Model& model) {
   std::vector<PeakLag> peaks;
   if (!model.has_skeleton()) return peaks;
-  std::ifstream file(folder / metrics_name);
+  std::istringstream file(
+      base::read_input_if_there(folder / metrics_name, base::most_metrics_bytes).value_or(""));
   const auto cells = [&file] {
     std::vector<std::string> found;
     std::string line;

@@ -152,6 +152,8 @@ bool is_frame_cache(const std::filesystem::path& path) {
     std::array<char, 8> bytes{};
     return base::File(path, base::FileMode::read).read_at(0, bytes) &&
            std::string_view(bytes.data(), bytes.size()) == cache_magic;
+  } catch (const base::InputError&) {
+    return false;
   } catch (const std::system_error&) {
     return false;
   }

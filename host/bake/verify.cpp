@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <fstream>
 #include <optional>
 
 #include "host/bake/bake.h"
@@ -11,6 +10,7 @@
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/base/file.h"
 #include "host/base/text.h"
 #include "host/formats/rest_mesh.h"
 #include "host/model/validate.h"
@@ -133,11 +133,9 @@ class Verification {
   }
 
   std::string metrics_finding() const {
-    std::ifstream in(path_of(metrics_name));
-    std::uint64_t lines = 0;
-    for (std::string line; std::getline(in, line);) ++lines;
+    const std::string text = base::read_input(path_of(metrics_name), base::most_metrics_bytes);
+    const auto lines = static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
     const std::uint64_t rows = lines > 0 ? lines - 1 : 0;
-    if (in.bad()) throw Wrong("cannot be read to its end");
     if (is_complete_ && rows != manifest_.frames + 1)
       throw Wrong("has " + base::number_text(rows) + " rows in place of " +
                   base::number_text(manifest_.frames + 1));

@@ -1,7 +1,9 @@
 // What is thrown where an input or an output cannot be used: a message for the user.
 #pragma once
 
+#include <filesystem>
 #include <stdexcept>
+#include <string>
 
 namespace fascicle::base {
 
@@ -14,6 +16,13 @@ struct SceneError : std::runtime_error {
 // do.
 struct BakeError : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+// A file that cannot be read as an input. what() reads "FILE: REASON".
+struct InputError : SceneError {
+  InputError(const std::filesystem::path& file, const std::string& why)
+      : SceneError(file.string() + ": " + why), reason(why) {}
+  std::string reason;
 };
 
 }  // namespace fascicle::base

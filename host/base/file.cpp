@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/base/descriptor.h"
 #include "host/base/errors.h"
 #include "host/base/parallel.h"
 #include "host/base/text.h"
@@ -81,7 +82,71 @@ void replace_file(const fs::path& path, const fs::path& temporary, std::string_v
   sync_folder(path.parent_path());
 }
 
+std::string message_of(int error) {
+  return std::generic_category().message(error);
+}
+
+// Of what was opened, not of its name, which may mean something else by now.
+std::uint64_t size_of_regular(int descriptor, const fs::path& path) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) throw InputError(path, "cannot be read: " + message_of(errno));
+  if (!S_ISREG(status.st_mode)) throw InputError(path, "is not a regular file; give the name of one");
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+// O_NONBLOCK: opening a pipe must not wait for its other end. On regular files it does nothing.
+constexpr int input_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+
+// Nothing where there is no file of that name.
+template <class Bytes>
+std::optional<Bytes> read_whole(const fs::path& path, std::uint64_t most_bytes, Links links) {
+  const Descriptor file(::open(path.c_str(), input_flags | (links == Links::refused ? O_NOFOLLOW : 0)));
+  if (file.get() < 0 && (errno == ENOENT || errno == ENOTDIR)) return std::nullopt;
+  if (file.get() < 0) throw InputError(path, "cannot be opened: " + message_of(errno));
+  const std::uint64_t size = size_of_regular(file.get(), path);
+  const auto refuse_above = [&](std::uint64_t count) {
+    if (count > most_bytes)
+      throw InputError(path, "has more than the " + number_text(most_bytes) +
+                                 " bytes that are read of such a file; is it the right one?");
+  };
+  refuse_above(size);
+  // To its end and not to its size: it may grow meanwhile, and files of /proc say 0. The byte more shows the
+  // end.
+  Bytes bytes;
+  bytes.resize(static_cast<std::size_t>(size) + 1);
+  std::size_t done = 0;
+  while (true) {
+    const ssize_t got = ::read(file.get(), bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw InputError(path, "cannot be read: " + message_of(errno));
+    if (got == 0) break;
+    done += static_cast<std::size_t>(got);
+    refuse_above(done);
+    if (done == bytes.size()) bytes.resize(2 * done);
+  }
+  bytes.resize(done);
+  return bytes;
+}
+
+template <class Bytes>
+Bytes of_there(std::optional<Bytes> bytes, const fs::path& path) {
+  if (!bytes) throw InputError(path, "does not exist");
+  return std::move(*bytes);
+}
+
 }  // namespace
+
+std::string read_input(const fs::path& path, std::uint64_t most_bytes) {
+  return of_there(read_input_if_there(path, most_bytes), path);
+}
+
+std::vector<unsigned char> read_input_bytes(const fs::path& path, std::uint64_t most_bytes, Links links) {
+  return of_there(read_whole<std::vector<unsigned char>>(path, most_bytes, links), path);
+}
+
+std::optional<std::string> read_input_if_there(const fs::path& path, std::uint64_t most_bytes) {
+  return read_whole<std::string>(path, most_bytes, Links::followed);
+}
 
 std::string lower_extension(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -95,14 +160,20 @@ void rename_over(const fs::path& from, const fs::path& to) {
 }
 
 File::File(fs::path path, FileMode mode) : path_(std::move(path)) {
-  descriptor_ = mode == FileMode::read     ? open_retried(path_, O_RDONLY)
-                : mode == FileMode::modify ? open_retried(path_, O_RDWR | O_NOFOLLOW)
+  descriptor_ = mode == FileMode::read     ? open_retried(path_, input_flags)
+                : mode == FileMode::modify ? open_retried(path_, O_RDWR | O_NOFOLLOW | O_NONBLOCK)
                                            : open_new(path_);
   if (descriptor_ < 0 && mode == FileMode::modify && errno == ELOOP)
     throw BakeError(path_.string() +
                     ": is a symbolic link, and nothing is written through one; put the file in its place, or "
                     "start again with --overwrite");
   if (descriptor_ < 0) fail("cannot open", path_);
+  try {
+    if (mode != FileMode::replace) (void)size_of_regular(descriptor_, path_);
+  } catch (const InputError&) {
+    ::close(descriptor_);
+    throw;
+  }
   if (mode == FileMode::modify && ::lseek(descriptor_, 0, SEEK_END) < 0) {
     const int code = errno;
     ::close(descriptor_);

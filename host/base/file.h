@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace fascicle::base {
 
@@ -16,7 +18,22 @@ enum class FileMode {
   replace,  // new and empty: takes the place of what had the name, a symbolic link too, which is not followed
 };
 
-// An open file. Move-only.
+enum class Links { followed, refused };
+
+// The whole of an input, or InputError: a regular file of at most `most_bytes`, which keep a wrong name from
+// filling the memory. A pipe, a device or a folder of that name is refused and never waited for.
+std::string read_input(const std::filesystem::path& path, std::uint64_t most_bytes);
+std::vector<unsigned char> read_input_bytes(const std::filesystem::path& path, std::uint64_t most_bytes,
+                                            Links links = Links::followed);
+// The same; nothing where there is nothing of that name.
+std::optional<std::string> read_input_if_there(const std::filesystem::path& path, std::uint64_t most_bytes);
+
+// Of a file of JSON that this program wrote, such as a manifest.
+inline constexpr std::uint64_t most_json_bytes = std::uint64_t{256} << 20;
+// Of a file of metrics: a row a frame.
+inline constexpr std::uint64_t most_metrics_bytes = std::uint64_t{1} << 30;
+
+// An open file, regular where it is read: InputError says that of others. Move-only.
 class File {
  public:
   File(std::filesystem::path path, FileMode mode);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/base/content_hash.h"
+#include "host/base/errors.h"
 #include "host/base/file.h"
 
 namespace fascicle::build {
@@ -56,8 +57,6 @@ std::optional<std::string> Cache::find(const std::string& key) const {
   if (folder_.empty()) return std::nullopt;
   try {
     const fs::path path = path_of(key);
-    // A pipe of that name would be waited for.
-    if (!fs::is_regular_file(path)) return std::nullopt;
     const base::File file(path, base::FileMode::read);
     const std::uint64_t size = file.size();
     std::string header = header_of(key, {});
@@ -68,6 +67,8 @@ std::optional<std::string> Cache::find(const std::string& key) const {
     std::error_code ignored;
     fs::last_write_time(path, fs::file_time_type::clock::now(), ignored);
     return bytes;
+  } catch (const base::InputError&) {
+    return std::nullopt;
   } catch (const std::system_error&) {
     return std::nullopt;
   }

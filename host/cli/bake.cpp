@@ -73,7 +73,7 @@ void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared
   const model::Model& model = prepared.built.model;
   const Estimate estimate = estimate_of(prepared, arguments.output);
   const std::string glb = glb_size_text(arguments, scene, model);
-  std::cout << "dry run of " << scene.name << ": nothing is written\n"
+  std::cout << "dry run of " << shown_text(scene.name) << ": nothing is written\n"
             << columns_text(
                    {{"folder", arguments.folder},
                     {"vertices", count_text(model.vertex_count)},
@@ -101,10 +101,10 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
   std::cout << "look at it\n";
   for (const fs::path& file : files)
     if (const fs::path series = file / formats::vtk_series; fs::exists(series))
-      std::cout << "  ParaView: paraview " << series.string() << "  (Apply, then Play)\n";
+      std::cout << "  ParaView: paraview " << shell_word(series.string()) << "  (Apply, then Play)\n";
   if (std::any_of(files.begin(), files.end(), formats::blender_loads))
     std::cout << "  Blender: blender --python "
-              << (fs::path(arguments.folder) / formats::blender_script_name).string() << "\n";
+              << shell_word((fs::path(arguments.folder) / formats::blender_script_name).string()) << "\n";
   if (const fs::path* pc2 = with_extension(".pc2"))
     std::cout << "    or by hand: import rest.obj, add the modifier Mesh Cache, format PC2, file "
               << pc2->string() << ", forward Y, up Z\n";
@@ -114,7 +114,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
   if (!arguments.output.keep_frames)
     std::cout << "  the frames were not kept: nothing can be exported or drawn later\n";
   else if (bake::formats_to_write(arguments.output).empty())
-    std::cout << "  for Blender: fascicle export " << arguments.folder
+    std::cout << "  for Blender: fascicle export " << shell_word(arguments.folder)
               << " --to glb,pc2; for ParaView: the same command with --overwrite --format vtu\n";
 }
 
@@ -129,9 +129,9 @@ void print_motion(const BakeArguments& arguments, const model::Model& model, con
               << number_text(*result.loop_jump * 1e3, 3) << " mm from its beginning\n";
   if (result.look && result.look->worst > 0.0)
     std::cout << "look " << number_text(result.look->worst, 3) << " (1 is the limit): worst in frame "
-              << result.look->frame << " at joint \"" << result.look->joint << "\", " << result.look->cause
-              << "; " << result.look->frames_over << (result.look->frames_over == 1 ? " frame" : " frames")
-              << " over\n";
+              << result.look->frame << " at joint \"" << shown_text(result.look->joint) << "\", "
+              << result.look->cause << "; " << result.look->frames_over
+              << (result.look->frames_over == 1 ? " frame" : " frames") << " over\n";
   for (const bake::PeakLag& peak : bake::peak_lags(arguments.folder, model))
     std::cout << "peak lag of " << peak.layer << ": " << number_text(peak.lag * 1e3, 3) << " mm in frame "
               << peak.frame << "\n";
@@ -139,7 +139,7 @@ void print_motion(const BakeArguments& arguments, const model::Model& model, con
 
 void print_result(const BakeArguments& arguments, const scene::Scene& scene, const model::Model& model,
                   const bake::DeviceDescription& device, const bake::BakeResult& result) {
-  std::cout << "baked " << scene.name << ": " << count_text(result.frames_done) << " frames in "
+  std::cout << "baked " << shown_text(scene.name) << ": " << count_text(result.frames_done) << " frames in "
             << duration_text(result.seconds_total) << " (solver " << duration_text(result.seconds_solver)
             << ", writing beside it " << duration_text(result.seconds_writing) << ")\n"
             << "device: " << device.solver << ", " << device.name << "\n"

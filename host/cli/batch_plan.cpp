@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <sstream>
 
@@ -21,8 +19,7 @@ namespace fs = std::filesystem;
 using PlanJson = nlohmann::ordered_json;
 
 BatchPlan read_plan(const fs::path& folder) {
-  std::ifstream file(folder / plan_file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = base::read_input(folder / plan_file, base::most_json_bytes);
   try {
     const PlanJson json = PlanJson::parse(text);
     BatchPlan plan{.folder = folder, .output = json.at("output").get<std::string>()};

@@ -1,8 +1,5 @@
 #include "host/cli/batch_summary.h"
 
-#include <fstream>
-#include <iterator>
-
 #include <nlohmann/json.hpp>
 
 #include "host/base/errors.h"
@@ -41,12 +38,12 @@ void write_batch_summary(const std::filesystem::path& output, const std::vector<
 }
 
 std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem::path& output) {
-  std::ifstream file(output / scene::batch_summary, std::ios::binary);
-  if (!file) return std::nullopt;
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::optional<std::string> text =
+      base::read_input_if_there(output / scene::batch_summary, base::most_json_bytes);
+  if (!text) return std::nullopt;
   try {
     std::vector<SummaryRow> rows;
-    const SummaryJson summary = SummaryJson::parse(text);
+    const SummaryJson summary = SummaryJson::parse(*text);
     for (const SummaryJson& row : summary.at("jobs"))
       rows.push_back({.job = row.at("job"),
                       .folder = output / row.at("job").get<std::string>(),

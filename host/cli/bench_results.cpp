@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/bake/bake.h"
+#include "host/base/file.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
 
@@ -136,11 +137,10 @@ std::string bench_table(const BenchResults& results) {
 }
 
 BenchBefore read_bench_json(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw bake::BakeError(file.string() + ": cannot be read; name a file that --json wrote");
+  const std::string text = base::read_input(file, base::most_json_bytes);
   BenchBefore before;
   try {
-    const Json object = Json::parse(in);
+    const Json object = Json::parse(text);
     before.processor = object.at("machine").at("processor").get<std::string>();
     for (const Json& entry : object.at("results")) {
       BenchRow row;

@@ -379,7 +379,7 @@ void print_skin(const build::Report& report) {
 void print_text(const scene::Scene& scene, const Built& built) {
   const build::Report& report = built.report;
   const model::Model& model = built.model;
-  std::cout << scene.name << "\n"
+  std::cout << shown_text(scene.name) << "\n"
             << columns_text(
                    {{"source", scene.source},
                     {"vertices",
@@ -441,7 +441,8 @@ void print_text(const scene::Scene& scene, const Built& built) {
   if (!rows.empty()) std::cout << "repaired\n" << columns_text(rows);
 
   if (!report.warnings.empty()) std::cout << "warnings\n";
-  for (const build::Warning& warning : report.warnings) std::cout << "  " << warning_text(warning) << "\n";
+  for (const build::Warning& warning : report.warnings)
+    std::cout << "  " << shown_text(warning_text(warning)) << "\n";
 }
 
 ExitCode inspect(const InspectArguments& arguments, Log& log) {

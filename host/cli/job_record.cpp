@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
 
 #include <nlohmann/json.hpp>
 #include <signal.h>
@@ -36,8 +34,8 @@ void write_job_record(const fs::path& output, const std::string& job, const JobR
 }
 
 std::optional<JobRecord> read_job_record(const fs::path& output, const std::string& job) {
-  std::ifstream file(job_record_file(output, job), std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text =
+      base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   try {
     JobRecord record{json.at("host"),  json.at("process"), json.at("device"), {},

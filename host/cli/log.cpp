@@ -28,10 +28,9 @@ std::string json_line(const nlohmann::ordered_json& object) {
   return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-// A message is one line, whatever a library put into it.
-std::string one_line(std::string message) {
+// Libraries end what they say with a line end.
+std::string without_line_end(std::string message) {
   while (!message.empty() && (message.back() == '\n' || message.back() == '\r')) message.pop_back();
-  std::replace(message.begin(), message.end(), '\n', ' ');
   return message;
 }
 
@@ -56,12 +55,14 @@ Log::~Log() {
 
 void Log::line(const char* level, const std::string& prefix, const std::string& message) {
   clear_bar();
-  const std::string text = one_line(message);
+  const std::string whole = without_line_end(message);
   if (options_.format == LogFormat::json) {
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start_;
-    put(json_line({{"time", since.count()}, {"level", level}, {"message", text}}));
+    put(json_line({{"time", since.count()}, {"level", level}, {"message", whole}}));
     return;
   }
+  // Names from files may hold anything, and the terminal obeys what it is told.
+  const std::string text = shown_text(whole);
   const bool is_state = std::strcmp(level, "progress") == 0;
   if (options_.format == LogFormat::openjd && is_state)
     put("openjd_status: " + text + "\n");
@@ -108,13 +109,14 @@ void Log::progress(const Advance& advance) {
     return;
   }
   if (!bar_allowed_) {
-    put(advance_text(advance, 0) + "\n");
+    line("progress", "", advance_text(advance, 0));
     return;
   }
   draw(advance_text(advance, bar_cells));
 }
 
-void Log::draw(const std::string& text) {
+void Log::draw(const std::string& state) {
+  const std::string text = shown_text(state);
   const std::size_t length = text.size();
   const std::size_t rest = bar_width_ > length ? bar_width_ - length : 0;
   put("\r" + text + std::string(rest, ' '));

@@ -54,7 +54,7 @@ class Log {
   bool draws_bar() const { return bar_allowed_; }
 
  private:
-  void draw(const std::string& text);
+  void draw(const std::string& state);
   void line(const char* level, const std::string& prefix, const std::string& message);
 
   LogOptions options_;

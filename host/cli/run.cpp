@@ -12,6 +12,7 @@
 #include "host/base/version.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
+#include "host/cli/shown_output.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::cli {
@@ -93,6 +94,7 @@ ExitCode run_command(const Command& command, Log& log) {
 }  // namespace
 
 int run(int argc, const char* const* argv) {
+  const ShownOutput shown(std::cout);
   Command command;
   CLI::App app{
       "Bakes how muscle and fat move on rigged, animated characters, with the same bits on CPU and GPU."};

@@ -16,9 +16,7 @@ using scene::Vector3d;
 
 // Names from files may hold anything, and comments end with their line.
 std::string in_comment(const std::string& text) {
-  std::string line;
-  for (const char c : text) line += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  return line;
+  return shown_text(text);
 }
 
 std::string extent_text(const std::vector<Vector3d>& vertices, double scale) {

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <sstream>
 
 #include "host/bake/bake.h"
 #include "host/bake/outputs.h"
+#include "host/base/file.h"
 
 namespace fascicle::cli {
 namespace {
@@ -54,9 +55,9 @@ bool has_metrics(const fs::path& folder) {
 
 FrameScores read_frame_scores(const fs::path& folder) {
   const fs::path path = folder / bake::metrics_name;
-  std::ifstream file(path);
+  std::istringstream file(base::read_input_if_there(path, base::most_metrics_bytes).value_or(""));
   std::string line;
-  if (!file || !std::getline(file, line))
+  if (!std::getline(file, line))
     throw bake::BakeError(path.string() +
                           ": is not there or empty; without it nothing tells which frames are "
                           "worst: give --frame or --sheet, or bake again");

@@ -1,15 +1,9 @@
 #include "host/gltf/gltf_file.h"
 
-#include <cerrno>
-#include <cstring>
 #include <system_error>
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include "host/base/descriptor.h"
 #include "host/base/errors.h"
+#include "host/base/file.h"
 #include "host/base/helper_program.h"
 #include "host/gltf/convert.h"
 #include "host/rig/character.h"
@@ -19,36 +13,6 @@ namespace {
 
 constexpr std::size_t deepest_nesting = 64;
 constexpr std::size_t most_values = 10'000'000;
-
-std::string system_message(int error) {
-  return std::generic_category().message(error);
-}
-
-// The whole of a regular file; `fail` is called with what is wrong and does not return. O_NONBLOCK: a pipe
-// must not hang us.
-template <typename Fail>
-std::vector<unsigned char> read_regular_file(const std::filesystem::path& path, int flags, const Fail& fail) {
-  const base::Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | flags));
-  if (file.get() < 0) fail("cannot be opened: " + system_message(errno));
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0) fail("cannot be read: " + system_message(errno));
-  if (!S_ISREG(status.st_mode)) fail("is not a regular file");
-  const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size > gltf_largest_file) {
-    fail("has " + std::to_string(size) + " bytes, more than the " + std::to_string(gltf_largest_file) +
-         " that are read");
-  }
-  std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got = ::read(file.get(), bytes.data() + done, bytes.size() - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail("cannot be read: " + system_message(errno));
-    if (got == 0) fail("became shorter while it was read");
-    done += static_cast<std::size_t>(got);
-  }
-  return bytes;
-}
 
 std::uint32_t little_endian(const std::vector<unsigned char>& bytes, std::size_t at) {
   return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
@@ -198,11 +162,11 @@ GltfFile read_converted(const std::filesystem::path& path, const std::filesystem
   const base::TemporaryFolder folder;
   const std::filesystem::path glb = folder.path() / "character.glb";
   convert_character(path, glb, {.program = converter});
-  GltfFile file = parse_gltf(path, read_regular_file(glb, 0, [&](const std::string& what) {
-                               throw base::SceneError(path.string() + ": as converted, " + what);
-                             }));
+  GltfFile file = parse_gltf(path, base::read_input_bytes(glb, gltf_largest_file));
   file.notes = notes_of(file.document);
   return file;
+} catch (const base::InputError& error) {
+  throw base::SceneError(path.string() + ": as converted, it " + error.reason);
 } catch (const std::system_error& error) {
   fail_to_convert(path, error.what());
 }
@@ -215,9 +179,7 @@ void gltf_error(const std::filesystem::path& path, const std::string& pointer, c
 
 GltfFile read_gltf_file(const std::filesystem::path& path, const std::filesystem::path& converter) {
   if (is_convertible_file(path)) return read_converted(path, converter);
-  return parse_gltf(path, read_regular_file(path, 0, [&](const std::string& what) {
-                      throw base::SceneError(path.string() + ": " + what);
-                    }));
+  return parse_gltf(path, base::read_input_bytes(path, gltf_largest_file));
 }
 
 std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, const std::string& pointer,
@@ -263,9 +225,13 @@ std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, c
   const std::filesystem::path file = std::filesystem::canonical(folder / relative, error);
   if (error) fail("cannot be opened: " + error.message());
   if (!is_inside(folder, file)) fail("leads out of the folder through a symbolic link" + advice);
-  std::vector<unsigned char> bytes = read_regular_file(file, O_NOFOLLOW, fail);
-  files_read.push_back(file);
-  return bytes;
+  try {
+    std::vector<unsigned char> bytes = base::read_input_bytes(file, gltf_largest_file, base::Links::refused);
+    files_read.push_back(file);
+    return bytes;
+  } catch (const base::InputError& refused) {
+    gltf_error(gltf, pointer, "`" + uri.substr(0, 100) + "` " + refused.reason);
+  }
 }
 
 }  // namespace fascicle::gltf

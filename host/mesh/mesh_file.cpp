@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <fstream>
 #include <new>
 #include <string>
 #include <system_error>
@@ -87,26 +86,7 @@ class PendingFile {
 }  // namespace
 
 std::string read_whole_file(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) throw base::SceneError(path.string() + ": no such file; check the name");
-  if (!fs::is_regular_file(status)) {
-    throw base::SceneError(path.string() + ": not an ordinary file; name a mesh file");
-  }
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) throw base::SceneError(path.string() + ": " + error.message() + "; check its permissions");
-  if (size > largest_mesh_file) {
-    throw base::SceneError(path.string() + ": " + std::to_string(size) + " bytes, more than the " +
-                           std::to_string(largest_mesh_file) + " that are read; use a coarser mesh");
-  }
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw base::SceneError(path.string() + ": cannot be opened; check its permissions");
-  std::string content(static_cast<std::size_t>(size), '\0');
-  stream.read(content.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
-    throw base::SceneError(path.string() + ": cannot be read to its end; check the disk and its permissions");
-  }
-  return content;
+  return base::read_input(path, largest_mesh_file);
 }
 
 bool is_tet_mesh_file(const fs::path& path) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "host/base/text.h"
+
 namespace fascicle::pipeline {
 namespace {
 
@@ -54,8 +56,9 @@ std::string float_text(float value) {
   return print("%.9g", static_cast<double>(value));
 }
 
-std::string columns_text(const std::vector<std::pair<std::string, std::string>>& rows) {
+std::string columns_text(std::vector<std::pair<std::string, std::string>> rows) {
   std::size_t width = 0;
+  for (auto& [name, value] : rows) name = base::shown_text(name), value = base::shown_text(value);
   for (const auto& [name, value] : rows) width = std::max(width, name.size());
   std::string text;
   for (const auto& [name, value] : rows)

@@ -20,7 +20,7 @@ std::string bits_text(float value);
 // All digits that tell a float from its neighbours
 std::string float_text(float value);
 
-// Two aligned columns, each line indented by two spaces.
-std::string columns_text(const std::vector<std::pair<std::string, std::string>>& rows);
+// Two aligned columns, each line indented by two spaces. Names from files are shown as base::shown_text does.
+std::string columns_text(std::vector<std::pair<std::string, std::string>> rows);
 
 }  // namespace fascicle::pipeline

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <memory>
+#include <span>
 #include <system_error>
 
 #include "host/base/file.h"
@@ -19,38 +19,41 @@
 namespace fascicle::scene {
 namespace {
 
-void check_regular(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw InputFileError(path.string() + " does not exist");
-  if (!std::filesystem::is_regular_file(status)) throw InputFileError(path.string() + " is not a file");
+[[noreturn]] void fail_as_changed(const std::filesystem::path& path) {
+  throw InputFileError(path.string() + " changed while it was read; start again once it is saved");
 }
 
-std::ifstream open(const std::filesystem::path& path) {
-  check_regular(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputFileError(path.string() + " cannot be opened; check its permissions");
-  return in;
+// Refuses what is no regular file; never waits for a pipe.
+base::File open_file(const std::filesystem::path& path) {
+  try {
+    return base::File(path, base::FileMode::read);
+  } catch (const base::InputError& error) {
+    throw InputFileError(path.string() + " " + error.reason);
+  } catch (const std::system_error& error) {
+    const bool is_missing =
+        error.code() == std::errc::no_such_file_or_directory || error.code() == std::errc::not_a_directory;
+    throw InputFileError(path.string() +
+                         (is_missing ? " does not exist" : " cannot be opened: " + error.code().message()));
+  }
 }
 
 std::string hash_of_file(const std::filesystem::path& path) {
-  std::ifstream in = open(path);
+  const base::File file = open_file(path);
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
   std::array<char, 1 << 16> block{};
-  while (in.read(block.data(), block.size()), in.gcount() > 0) {
-    XXH3_64bits_update(state.get(), block.data(), static_cast<std::size_t>(in.gcount()));
+  std::uint64_t done = 0;
+  for (const std::uint64_t size = file.size(); done < size;) {
+    const auto part = std::span(block).first(std::min<std::size_t>(block.size(), size - done));
+    if (!file.read_at(done, part)) fail_as_changed(path);
+    XXH3_64bits_update(state.get(), part.data(), part.size());
+    done += part.size();
   }
-  if (in.bad()) throw InputFileError(path.string() + " cannot be read to its end");
   return base::hash_text(XXH3_64bits_digest(state.get()));
 }
 
 void add_hash(const std::filesystem::path& path, Scene& scene) {
   scene.input_hashes.emplace_back(path.string(), hash_of_file(path));
-}
-
-[[noreturn]] void fail_as_changed(const std::filesystem::path& path) {
-  throw InputFileError(path.string() + " changed while it was read; start again once it is saved");
 }
 
 // Reads files, and adds hashes that stand for what was read: of a file that is saved meanwhile they would
@@ -93,15 +96,11 @@ std::string conversion_advice(const std::filesystem::path& path, const std::file
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes) {
-  std::ifstream in = open(path);
-  std::error_code error;
-  if (const std::uintmax_t bytes = std::filesystem::file_size(path, error); !error && bytes > most_bytes) {
-    throw InputFileError(path.string() + " has " + std::to_string(bytes) + " bytes; " +
-                         std::to_string(most_bytes) + " is the most a scene file can have");
+  try {
+    return base::read_input(path, most_bytes);
+  } catch (const base::InputError& error) {
+    throw InputFileError(path.string() + " " + error.reason);
   }
-  std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  if (in.bad()) throw InputFileError(path.string() + " cannot be read to its end");
-  return text;
 }
 
 void load_mesh(const std::filesystem::path& path, Scene& scene) {
@@ -117,10 +116,8 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
       files.push_back(std::filesystem::path(path).replace_extension(each));
   }
   if (mesh::is_tet_mesh_file(path)) {
-    check_regular(path);
     read_unchanged(files, scene, [&] { scene.geometry = mesh::read_tet_mesh(path); });
   } else if (mesh::is_surface_mesh_file(path)) {
-    check_regular(path);
     read_unchanged(files, scene, [&] { scene.geometry = mesh::read_surface_mesh(path); });
   } else {
     throw InputFileError(
@@ -134,7 +131,6 @@ void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still
   if (!reads_as_character(path, scene.converter))
     throw InputFileError(path.string() +
                          " is not a character; characters are .glb, .gltf, .vrm, .fbx or .dae");
-  check_regular(path);
   std::vector<std::filesystem::path> files{path};
   const auto start = std::filesystem::file_time_type::clock::now();
   read_unchanged({path}, scene,

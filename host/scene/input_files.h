@@ -26,7 +26,7 @@ bool reads_as_character(const std::filesystem::path& path, const std::filesystem
 // for all other files.
 std::string conversion_advice(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 
-// Whole regular file. Throws InputFileError; `most_bytes` keeps a wrong name from filling the memory.
+// base::read_input, which throws InputFileError here.
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
 
 // Set scene.geometry (in the unit of the file) and add to scene.input_hashes; read by scene.converter. Throw

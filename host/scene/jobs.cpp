@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
 
+#include "host/base/file.h"
 #include "host/rig/pose.h"
+#include "host/scene/parse_toml.h"
 #include "host/scene/scene_check.h"
 
 namespace fascicle::scene {
@@ -65,7 +65,11 @@ std::string value_text(const toml::node& value) {
   if (value.is_floating_point()) return shortest(*value.value<double>());
   std::ostringstream out;
   value.visit([&out](const auto& v) { out << toml::toml_formatter{v}; });
-  return one_line(out.str());
+  // A long array goes over several lines.
+  std::string text = out.str();
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
 }
 
 std::string in_lower_case(std::string text) {
@@ -162,14 +166,10 @@ std::vector<Job> jobs_of(const std::string& name, const toml::table& table,
 }
 
 toml::table parse(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw SceneError(file.string() + ": cannot be read; give a list of jobs (see fascicle batch --help)");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
   try {
-    return toml::parse(text, file.string());
-  } catch (const toml::parse_error& error) {
-    fail(error.source(), "TOML", error.description());
+    return parse_toml(base::read_input(file, most_toml_bytes), file.string());
+  } catch (const base::InputError& error) {
+    throw SceneError(std::string(error.what()) + "; give a list of jobs (see fascicle batch --help)");
   }
 }
 

@@ -6,16 +6,15 @@
 #include "host/scene/bare_scenes.h"
 #include "host/scene/input_files.h"
 #include "host/scene/overrides.h"
+#include "host/scene/parse_toml.h"
 #include "host/scene/scene_file.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::scene {
 namespace {
 
-constexpr std::uintmax_t most_scene_bytes = std::uintmax_t{16} << 20;
-
 Scene load_scene_file(const std::filesystem::path& path, const SceneOverrides& overrides) {
-  const std::string text = read_text_file(path, most_scene_bytes);
+  const std::string text = read_text_file(path, most_toml_bytes);
   Scene scene = parse_scene({path.stem().string(), path.string(), text, path.parent_path()}, overrides);
   scene.input_hashes.insert(scene.input_hashes.begin(), {path.string(), hash_of(text)});
   return scene;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/scene/parse_toml.h"
 #include "host/scene/scene_check.h"
 
 namespace fascicle::scene {
@@ -33,20 +34,20 @@ struct Assignment {
 // copied.
 toml::table parse_value(const Assignment& assignment, const Key& key) {
   try {
-    toml::table document = toml::parse("value = " + assignment.value, assignment.option);
+    toml::table document = parse_toml("value = " + assignment.value, assignment.option);
     // More keys than one: the value held a line break and went on behind it.
     if (document.size() == 1 && (key.type != KeyType::text || document.get("value")->is_string()))
       return document;
-  } catch (const toml::parse_error&) {
+  } catch (const SceneError&) {
   }
   try {
     // Only TOML's own comments tell whether text is TOML's: UTF-8 without control characters.
-    if (toml::parse("# " + assignment.value, assignment.option).empty()) {
-      toml::table document = toml::parse("value = ''", assignment.option);
+    if (parse_toml("# " + assignment.value, assignment.option).empty()) {
+      toml::table document = parse_toml("value = ''", assignment.option);
       document.get("value")->as_string()->get() = assignment.value;
       return document;
     }
-  } catch (const toml::parse_error&) {
+  } catch (const SceneError&) {
   }
   fail(assignment.source(), assignment.path_text(), "the value is neither TOML nor one line of UTF-8 text");
 }

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "host/base/nearest_name.h"
+#include "host/base/text.h"
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
@@ -346,10 +347,8 @@ std::string join_path(std::string_view path, std::string_view name) {
   return path.empty() ? std::string(name) : std::string(path) + "." + std::string(name);
 }
 
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
-  return text;
+std::string one_line(const std::string& text) {
+  return base::shown_text(text);
 }
 
 void fail(const toml::source_region& source, std::string_view path, std::string_view message) {

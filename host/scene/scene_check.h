@@ -23,8 +23,8 @@ std::string shortest(double value);
 // "layers" and "fat" to "layers.fat".
 std::string join_path(std::string_view path, std::string_view name);
 
-// Quoted keys and values may hold anything; a message is one line: control characters become ?.
-std::string one_line(std::string text);
+// Quoted keys and values may hold anything; a message is one line: base::shown_text.
+std::string one_line(const std::string& text);
 
 // Throws SceneError "FILE:LINE: PATH: MESSAGE".
 [[noreturn]] void fail(const toml::source_region& source, std::string_view path, std::string_view message);

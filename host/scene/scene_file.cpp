@@ -11,6 +11,7 @@
 #include "host/scene/input_files.h"
 #include "host/scene/material.h"
 #include "host/scene/overrides.h"
+#include "host/scene/parse_toml.h"
 #include "host/scene/scene_characters.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_keys.h"
@@ -312,14 +313,6 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
              "; leave it out");
 }
 
-toml::table parse_toml(const SceneText& input) {
-  try {
-    return toml::parse(input.text, input.source);
-  } catch (const toml::parse_error& error) {
-    fail(error.source(), "TOML", error.description());
-  }
-}
-
 // A character whose scene says nothing of layers gets those that it has without a scene file; whether there
 // was need. Comes before overrides, which may change them.
 bool add_layers(toml::table& root, const std::filesystem::path& folder, const SceneOverrides& overrides) {
@@ -332,8 +325,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
   };
   const rig::Character character = what_layers_go_by(characters);
   const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
-  toml::table defaults =
-      toml::parse(layers_for_character(character, stiffness), std::string_view("default layers"));
+  toml::table defaults = parse_toml(layers_for_character(character, stiffness), "default layers");
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())
@@ -346,7 +338,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
 }  // namespace
 
 Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
-  toml::table root = parse_toml(input);
+  toml::table root = parse_toml(input.text, input.source);
   const bool has_added = add_layers(root, input.folder, overrides);
   apply_overrides(root, overrides);
   check_scene(root);
@@ -403,7 +395,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
 }
 
 std::string documented_text(const Scene& scene) {
-  const toml::table root = toml::parse(scene.text, scene.source);
+  const toml::table root = parse_toml(scene.text, scene.source);
   // What goes with the other integrator, or with another body, would be refused.
   std::vector<const char*> left_out{"iterations", "quality"};
   if (scene.solver.integrator == Integrator::implicit_step)

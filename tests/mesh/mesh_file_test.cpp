@@ -356,10 +356,10 @@ TEST_F(MeshFile, TetrahedralRefusals) {
 }
 
 TEST_F(MeshFile, RefusesWhatIsNoFileOfAMesh) {
-  EXPECT_REFUSED(refusal(folder_ / "missing.off"), "no such file");
+  EXPECT_REFUSED(refusal(folder_ / "missing.off"), "does not exist");
   EXPECT_REFUSED(refusal(folder_ / "a.txt"), "not a surface by its name");
   fs::create_directory(folder_ / "folder.off");
-  EXPECT_REFUSED(refusal(folder_ / "folder.off"), "not an ordinary file");
+  EXPECT_REFUSED(refusal(folder_ / "folder.off"), "is not a regular file");
   // A hole of 3 GiB takes no space on the disk and must take none in memory.
   fs::resize_file(write("huge.stl", ""), std::uintmax_t{3} << 30);
   EXPECT_REFUSED(refusal(folder_ / "huge.stl"), "more than the");

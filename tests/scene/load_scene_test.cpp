@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/text.h"
 #include "host/scene/input_files.h"
 #include "host/scene/scene_file.h"
 #include "tests/gltf/gltf_builder.h"
@@ -349,8 +350,7 @@ TEST(Overrides, NameTheOptionWhenTheyAreWrong) {
       {"scene.fps=nan", "scene.fps: is not a finite number"},
       {"layers..alpha=1", "layers.: unknown"}};
   for (const auto& [set, message] : cases) {
-    std::string start = "--set " + set + ": " + message;
-    std::replace(start.begin(), start.end(), '\n', '?');
+    const std::string start = "--set " + base::shown_text(set) + ": " + message;
     EXPECT_EQ(refusal("bar-layers-iii", {.set = {set}}).substr(0, start.size()), start);
   }
   EXPECT_TRUE(refusal("bar-layers-iii", {.set = {"foo"}}).starts_with("--set foo: takes KEY.PATH=VALUE"));
@@ -544,7 +544,7 @@ TEST(LoadScene, SaysWhatANameMayBe) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder.path() / "a.toml");
   EXPECT_EQ(refusal((folder.path() / "a.toml").string()),
-            (folder.path() / "a.toml").string() + " is not a file");
+            (folder.path() / "a.toml").string() + " is not a regular file; give the name of one");
 }
 
 TEST(LoadScene, ResolutionIsANumberOfVerticesOrALength) {

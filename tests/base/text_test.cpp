@@ -1,0 +1,58 @@
+// Text from files as a terminal may show it.
+#include "host/base/text.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace fascicle::tests {
+namespace {
+
+using base::shown_lines;
+using base::shown_text;
+
+TEST(ShownText, LeavesWhatIsHarmless) {
+  for (const char* text : {"", "Armature|walk", "L\u00f6we \u718a \U0001f43b", "a\\b", "\u0645"})
+    EXPECT_EQ(shown_text(text), text);
+}
+
+TEST(ShownText, EscapesWhatATerminalObeys) {
+  EXPECT_EQ(shown_text("a\x1b[31mred"), "a\\x1b[31mred");
+  EXPECT_EQ(shown_text("two\nlines\r\tand a bell\x07"), "two\\nlines\\r\\tand a bell\\x07");
+  EXPECT_EQ(shown_text(std::string("nul\0", 4)), "nul\\x00");
+  EXPECT_EQ(shown_text("\x7f"), "\\u007f");
+  // CSI and NEL of the upper controls; line and paragraph separators.
+  EXPECT_EQ(shown_text("\u009b31m\u0085\u2028\u2029"), "\\u009b31m\\u0085\\u2028\\u2029");
+}
+
+TEST(ShownText, EscapesWhatTurnsTheDirectionOfText) {
+  for (const char32_t c : {0x61cu, 0x200eu, 0x200fu, 0x202au, 0x202bu, 0x202cu, 0x202du, 0x202eu, 0x2066u,
+                           0x2067u, 0x2068u, 0x2069u})
+    EXPECT_TRUE(base::is_obeyed(c)) << static_cast<unsigned>(c);
+  EXPECT_EQ(shown_text("gpj\u202eexe"), "gpj\\u202eexe");
+  EXPECT_EQ(shown_text("\u2066a\u2069"), "\\u2066a\\u2069");
+}
+
+TEST(ShownText, EscapesWhatIsNoUtf8) {
+  EXPECT_EQ(shown_text("\xff"), "\\xff");
+  EXPECT_EQ(shown_text("\xc3"), "\\xc3");
+  EXPECT_EQ(shown_text("\xc3("), "\\xc3(");
+  // Too long forms of / and U+0000, a half of a pair of UTF-16, and beyond the last code point.
+  EXPECT_EQ(shown_text("\xc0\xaf"), "\\xc0\\xaf");
+  EXPECT_EQ(shown_text("\xe0\x80\x80"), "\\xe0\\x80\\x80");
+  EXPECT_EQ(shown_text("\xf0\x80\x80\x80"), "\\xf0\\x80\\x80\\x80");
+  EXPECT_EQ(shown_text("\xed\xa0\x80"), "\\xed\\xa0\\x80");
+  EXPECT_EQ(shown_text("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");
+}
+
+TEST(ShownText, IsShownAsItIs) {
+  const std::string once = shown_text("a\x1b\n\u202e\xff");
+  EXPECT_EQ(shown_text(once), once);
+}
+
+TEST(ShownText, LinesStayLines) {
+  EXPECT_EQ(shown_lines("a\tb\x1b\nc\n"), "a\tb\\x1b\nc\n");
+}
+
+}  // namespace
+}  // namespace fascicle::tests

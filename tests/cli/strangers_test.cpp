@@ -1,0 +1,215 @@
+// What strangers may give: inputs that are no files, names that a terminal would obey, values that want to be
+// commands.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "host/cli/shown_output.h"
+#include "host/cli/text.h"
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Ended after some seconds: then `signal` is SIGKILL.
+Outcome within_seconds(const std::vector<std::string>& arguments) {
+  constexpr std::chrono::seconds patience{20};
+  Program program(arguments);
+  const auto start = std::chrono::steady_clock::now();
+  while (program.is_running()) {
+    if (std::chrono::steady_clock::now() - start > patience) program.send(SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return program.wait();
+}
+
+void expect_no_input(const std::vector<std::string>& arguments, const std::string& file) {
+  const Outcome outcome = within_seconds(arguments);
+  EXPECT_EQ(outcome.signal, 0) << arguments[0] << " " << file;
+  EXPECT_EQ(outcome.status, 3) << arguments[0] << " " << file << ": " << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, file)) << outcome.err;
+  EXPECT_TRUE(contains(outcome.err, "is not a regular file")) << outcome.err;
+}
+
+void make_pipe(const std::string& path) {
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0) << path;
+}
+
+TEST(Strangers, PipesFoldersAndDevicesAreNoInputs) {
+  for (const std::string_view kind : {"pipe", "folder", "device"}) {
+    const TemporaryFolder folder;
+    const auto make = [&](const std::string& name) {
+      const std::string path = folder / name;
+      if (kind == "pipe") make_pipe(path);
+      if (kind == "folder") fs::create_directory(path);
+      if (kind == "device") fs::create_symlink("/dev/zero", path);
+      return path;
+    };
+    for (const char* name : {"a.toml", "a.obj", "a.mesh", "a.ele", "a.glb", "a.gltf"}) {
+      if (std::string(name) == "a.ele") write_text(folder / "a.node", "4 3 0 0\n");
+      const std::string path = make(name);
+      expect_no_input({"inspect", path}, name);
+    }
+    write_text(folder / "scene.toml", "[mesh]\nfile = \"a.obj\"\n[layers.fat]\n");
+    expect_no_input({"inspect", folder / "scene.toml"}, "a.obj");
+    write_text(folder / "b.gltf",
+               "{\"asset\": {\"version\": \"2.0\"}, \"buffers\": [{\"uri\": \"b.bin\", \"byteLength\": 4}]}");
+    make("b.bin");
+    // Behind a link that leads out of the folder is nothing that is opened.
+    if (kind != "device") expect_no_input({"inspect", folder / "b.gltf"}, "b.bin");
+    expect_no_input({"batch", "--dry-run", folder / "a.toml"}, "a.toml");
+    expect_no_input({"bench", "--against", make("bench.json")}, "bench.json");
+  }
+}
+
+TEST(Strangers, FoldersOfBakesHoldFiles) {
+  for (const char* name : {"manifest.json", "batch.json"}) {
+    const TemporaryFolder folder;
+    make_pipe(folder / name);
+    if (std::string(name) == "batch.json") {
+      expect_no_input({"batch", "status", folder.path()}, name);
+      continue;
+    }
+    expect_no_input({"bake", "bar-beta-1", "--end", "0.1", "-o", folder.path()}, name);
+    expect_no_input({"render", folder.path(), "-o", folder / "a.png"}, name);
+    expect_no_input({"export", folder.path(), "--to", "pc2"}, name);
+  }
+}
+
+TEST(Strangers, FilesInAFolderOfABakeAreFiles) {
+  const TemporaryFolder folder;
+  const std::string bake = folder / "bake";
+  ASSERT_EQ(fascicle({"bake", "bar-beta-1", "--end", "0.1", "--device", "cpu", "-o", bake}).status, 0);
+  for (const char* name : {"frames.fascicle", "model.fascicle", "metrics.csv"}) {
+    fs::rename(bake + "/" + name, bake + "/kept");
+    make_pipe(bake + "/" + name);
+    const bool is_metrics = std::string(name) == "metrics.csv";
+    std::vector<std::string> command{"render", bake, "-o", folder / "a.png"};
+    if (is_metrics) command.insert(command.end(), {"--worst", "2"});
+    expect_no_input(command, name);
+    fs::remove(bake + "/" + name);
+    fs::rename(bake + "/kept", bake + "/" + name);
+  }
+}
+
+TEST(Strangers, DeepKeysAreBadInput) {
+  const TemporaryFolder folder;
+  std::string key = "a";
+  for (int k = 0; k < 200'000; ++k) key += ".a";
+  write_text(folder / "deep.toml", key + " = 1\n");
+  for (const char* command : {"inspect", "batch"}) {
+    const Outcome outcome = fascicle({command, folder / "deep.toml"});
+    EXPECT_EQ(outcome.signal, 0) << command;
+    EXPECT_EQ(outcome.status, 3) << command << outcome.err;
+    EXPECT_TRUE(contains(outcome.err, "deep.toml:1: TOML: column 64: ")) << outcome.err;
+  }
+}
+
+void expect_harmless(const std::string& text) {
+  for (const char* obeyed : {"\x1b", "\u202e", "\x07", "\r", "\u009b"})
+    EXPECT_FALSE(contains(text, obeyed)) << text;
+}
+
+TEST(Strangers, NamesAreShownEscaped) {
+  const TemporaryFolder folder;
+  const std::string name = "e\x1b[31m\u202e\nfascicle: error: vil";
+  const std::string shown = "e\\x1b[31m\\u202e\\nfascicle: error: vil";
+  fs::copy_file(fs::path(FASCICLE_SOURCE_DIR) / "scenes/bar-beta-1.toml", folder / (name + ".toml"));
+  const Outcome inspected = fascicle({"inspect", folder / (name + ".toml")});
+  EXPECT_EQ(inspected.status, 0) << inspected.err;
+  EXPECT_TRUE(inspected.out.starts_with(shown + "\n")) << inspected.out;
+  expect_harmless(inspected.out + inspected.err);
+
+  const Outcome refused = fascicle({"inspect", name});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_TRUE(refused.err.starts_with("fascicle: error: " + shown + ": no such scene")) << refused.err;
+  expect_harmless(refused.err);
+}
+
+TEST(Strangers, NamesInTablesAreShownEscaped) {
+  EXPECT_EQ(cli::columns_text({{"a\nb", "1\x1b[2J"}, {"c", "\u2066"}}),
+            "  a\\nb  1\\x1b[2J\n  c     \\u2066\n");
+}
+
+TEST(Strangers, OutputIsShownLineByLine) {
+  std::ostringstream out;
+  {
+    const cli::ShownOutput shown(out);
+    out << "a\x1b" << 'b' << "\xe2\x80"
+        << "\xae"
+        << "\n\tc" << std::flush << "d";
+  }
+  out << "\x1b";
+  EXPECT_EQ(out.str(), "a\\x1bb\\u202e\n\tcd\x1b");
+}
+
+TEST(Strangers, DryRunsPrintCommandsThatMeanWhatTheyDo) {
+  const TemporaryFolder folder;
+  const std::string evil = "it's \"$(touch pwned)\" `touch pwned` \\ & ; \u202e ! ~ {a,b}";
+  write_text(folder / "jobs.toml",
+             "output = '''" + (folder / "out") + "\n  fascicle'''\n" +
+                 "[job.a]\nscene = \"bar-beta-1\"\nset = ['''scene.description=" + evil + "''']\n");
+  const Outcome outcome = fascicle({"batch", "--dry-run", "--device", "cpu", folder / "jobs.toml"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  expect_harmless(outcome.out);
+  std::istringstream printed(outcome.out);
+  std::string head, command, more;
+  std::getline(printed, head);
+  std::getline(printed, command);
+  EXPECT_FALSE(std::getline(printed, more)) << more;
+  // bash says which words it takes them for.
+  write_text(folder / "script", "cd '" + folder.path().string() +
+                                    "'\nfascicle() { printf '%s\\0' \"$@\" > words; }\n" + command + "\n");
+  ASSERT_EQ(std::system(("bash '" + (folder / "script") + "'").c_str()), 0);
+  const std::string words = read_text(folder / "words");
+  EXPECT_TRUE(contains(words, std::string("--set=scene.description=") + evil + '\0')) << words;
+  EXPECT_TRUE(contains(words, (folder / "out") + "\n  fascicle")) << words;
+  EXPECT_FALSE(fs::exists(folder / "pwned"));
+}
+
+TEST(Strangers, WordsOfAShellAreWhatTheyWere) {
+  const TemporaryFolder folder;
+  std::vector<std::string> words{"",
+                                 "plain",
+                                 "=ls",
+                                 "~",
+                                 "a b",
+                                 "it's",
+                                 "$(x)",
+                                 "\x1b[2J",
+                                 "\n",
+                                 "'\\\n",
+                                 "\xff'",
+                                 "\u202ea1",
+                                 "\\\x01"
+                                 "2",
+                                 "*?",
+                                 "a=$HOME",
+                                 "#",
+                                 "-n",
+                                 "{a,b}",
+                                 "!!"};
+  std::string script = "printf '%s\\0'", expected;
+  for (const std::string& word : words) {
+    script += " " + cli::shell_word(word);
+    expected += word + '\0';
+  }
+  expect_harmless(script);
+  EXPECT_FALSE(contains(script, "\n"));
+  write_text(folder / "script", script + " > '" + (folder / "words") + "'\n");
+  ASSERT_EQ(std::system(("bash '" + (folder / "script") + "'").c_str()), 0);
+  EXPECT_EQ(read_text(folder / "words"), expected);
+}
+
+}  // namespace
+}  // namespace fascicle::tests
