@@ -228,7 +228,8 @@ model::Model read_model_file(const std::filesystem::path& path, std::optional<st
   } catch (const BakeError& error) {
     throw fail(error.what());
   }
-  if (wanted_hash && model_hash(model) != *wanted_hash) throw fail("this is not the model of the frames beside it");
+  if (wanted_hash && model_hash(model) != *wanted_hash)
+    throw fail("this is not the model of the frames beside it");
   return model;
 }
 

@@ -1,6 +1,4 @@
 // What is read as an input: regular files, up to a size, and nothing that has to be waited for.
-#include "host/base/file.h"
-
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -10,6 +8,7 @@
 #include <unistd.h>
 
 #include "host/base/errors.h"
+#include "host/base/file.h"
 
 namespace fascicle::tests {
 namespace {
