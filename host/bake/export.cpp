@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "host/bake/bake.h"
 #include "host/bake/folder.h"
@@ -219,6 +220,11 @@ ExportResult export_bake(const ExportOptions& options) {
   // No other scene, glTF or JSON is read than what the bake kept.
   try {
     return Export(options).go();
+  } catch (const base::InputError& error) {
+    // What is there may be whole, and not to be read by this user or at this moment.
+    if (!fs::exists(character) && std::string_view(error.what()).starts_with(character.string()))
+      throw damaged(error.what());
+    throw;
   } catch (const base::SceneError& error) {
     throw damaged(error.what());
   } catch (const scene::Json::exception& error) {

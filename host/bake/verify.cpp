@@ -13,6 +13,7 @@
 #include "host/base/file.h"
 #include "host/base/text.h"
 #include "host/formats/rest_mesh.h"
+#include "host/formats/surface_objects.h"
 #include "host/model/validate.h"
 
 namespace fascicle::bake {
@@ -72,7 +73,7 @@ class Verification {
   void check_absent(const std::string& name) {
     // A complete bake needs none to go on from; a surface may have neither materials nor images.
     const bool may_lack = !is_complete_ || name == checkpoint_name || name == formats::rest_materials_name ||
-                          name.ends_with('/');
+                          name == std::string(formats::textures_folder) + '/';
     if (!may_lack) result_.files.push_back({name, "is not there", false});
   }
 
@@ -109,8 +110,10 @@ class Verification {
     const auto add = [&](const std::string& what) { wrong += (wrong.empty() ? "" : "; ") + what; };
     if (!damaged.empty()) add("damaged: " + frames_text(damaged));
     if (!other.empty()) add("not what the manifest says: " + frames_text(other));
-    if (is_complete_ && !result_.interrupted && count < wanted)
-      add("missing or damaged at the end: " + frames_text(numbers(count, wanted)));
+    // Of a bake that goes on, what the manifest counts was on the disk before it did.
+    const std::uint64_t there = is_complete_ ? wanted : manifest_.position_hashes.size();
+    if (!result_.interrupted && count < there)
+      add("missing or damaged at the end: " + frames_text(numbers(count, there)));
     if (is_complete_ && manifest_.position_hashes.size() != wanted)
       add("the manifest has hashes of " + base::number_text(manifest_.position_hashes.size()) +
           " frames in place of " + base::number_text(wanted));

@@ -13,6 +13,7 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/manifest.h"
+#include "host/base/errors.h"
 #include "host/base/file.h"
 #include "host/cli/batch_plan.h"
 #include "host/cli/job_record.h"
@@ -109,7 +110,12 @@ void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool i
 JobState state_of(const fs::path& output, SummaryRow job) {
   JobState state{std::move(job), {}};
   SummaryRow& row = state.row;
-  const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(row.folder);
+  std::optional<bake::ManifestSummary> manifest;
+  try {
+    manifest = bake::read_manifest(row.folder);
+  } catch (const base::InputError& error) {
+    row.warnings.emplace_back(error.what());  // of this job; the others have theirs
+  }
   const std::optional<JobRecord> record = read_job_record(output, row.job);
   const auto recorded = time_of(job_record_file(output, row.job));
   const auto written = time_of(row.folder / bake::manifest_name);

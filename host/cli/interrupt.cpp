@@ -3,6 +3,9 @@
 #include <array>
 
 #include <signal.h>
+#include <unistd.h>
+
+#include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
 namespace {
@@ -10,12 +13,13 @@ namespace {
 constexpr std::array numbers{SIGINT, SIGTERM};
 
 // A signal handler takes no argument of ours: the one place where the process keeps state.
-std::atomic<bool> interrupted{false};
+std::atomic<bool> interrupted{false}, has_begun{true};
 std::atomic<int> first_number{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
               "a signal handler may only touch lock-free atomics");
 
 void on_signal(int number) {
+  if (!has_begun) ::_exit(static_cast<int>(ExitCode::interrupted));
   if (interrupted.exchange(true)) {
     ::signal(number, SIG_DFL);
     ::raise(number);
@@ -49,7 +53,12 @@ void catch_interrupts() {
 }
 
 const std::atomic<bool>& interrupts() {
+  has_begun = true;
   return interrupted;
+}
+
+void end_at_once_until_asked() {
+  has_begun = false;
 }
 
 void let_interrupts_end_the_process() {

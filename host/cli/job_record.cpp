@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "host/base/errors.h"
 #include "host/base/file.h"
 
 namespace fascicle::cli {
@@ -34,16 +35,18 @@ void write_job_record(const fs::path& output, const std::string& job, const JobR
 }
 
 std::optional<JobRecord> read_job_record(const fs::path& output, const std::string& job) {
-  const std::string text =
-      base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   try {
+    const std::string text =
+        base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
+    const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
     JobRecord record{json.at("host"),  json.at("process"), json.at("device"), {},
                      json.at("error"), json.at("warnings")};
     if (const nlohmann::json& status = json.at("exit_status"); !status.is_null())
       record.exit_status = status.get<int>();
     return record;
   } catch (const nlohmann::json::exception&) {
+    return std::nullopt;
+  } catch (const base::InputError&) {
     return std::nullopt;
   }
 }

@@ -20,6 +20,7 @@
 #include "host/bake/bake.h"
 #include "host/bake/folder.h"
 #include "host/bake/manifest.h"
+#include "host/base/errors.h"
 #include "host/cli/batch_summary.h"
 #include "host/cli/child_bake.h"
 #include "host/cli/device_failures.h"
@@ -61,8 +62,12 @@ bool is_crash(int status) {
 }
 
 std::string last_hash(const fs::path& folder) {
-  const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
-  return manifest ? manifest->last_position_hash : std::string();
+  try {
+    const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
+    return manifest ? manifest->last_position_hash : std::string();
+  } catch (const base::InputError&) {
+    return {};  // one file that cannot be read does not end the other bakes
+  }
 }
 
 class Batch {
@@ -82,9 +87,9 @@ class Batch {
       return ExitCode::done;
     }
     for (std::size_t job = 0; job < asked_.bakes.size(); ++job) waiting_.push_back(job);
+    const std::atomic<bool>& interrupted = interrupts();
     bake::make_folder(asked_.output);
     if (!asked_.is_part) write_summary();
-    const std::atomic<bool>& interrupted = interrupts();
     bool told = false;
     while (is_busy() || (!waiting_.empty() && !interrupted)) {
       if (!interrupted) {

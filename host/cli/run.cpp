@@ -129,8 +129,15 @@ int run(int argc, const char* const* argv) {
     log.error(usage_text(error, app, argc, argv));
     return static_cast<int>(ExitCode::bad_usage);
   }
-  if (!command.watches_interrupts) let_interrupts_end_the_process();
   Log log(command.log);
+  if (!command.watches_interrupts) {
+    let_interrupts_end_the_process();
+  } else if (interrupts()) {
+    log.warning("interrupted before anything was begun");
+    return static_cast<int>(ExitCode::interrupted);
+  } else {
+    end_at_once_until_asked();
+  }
   return static_cast<int>(run_command(command, log));
 }
 

@@ -25,7 +25,7 @@ void print_json(const bake::VerifyResult& result) {
   for (const bake::VerifiedFile& file : result.files)
     files.push_back({{"file", file.name}, {"good", file.is_good}, {"finding", file.finding}});
   std::cout << nlohmann::ordered_json{{"status", result.status}, {"good", result.is_good()}, {"files", files}}
-                   .dump(2)
+                   .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
             << "\n";
 }
 
@@ -68,8 +68,10 @@ void add_verify(CLI::App& app, Command& command) {
   subcommand->add_option("DIR", arguments->bake, "Folder of a bake")->required()->option_text(" ");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
   add_log_options(*subcommand, command.log);
-  subcommand->callback(
-      [arguments, &command] { command.run = [arguments](Log& log) { return verify(*arguments, log); }; });
+  subcommand->callback([arguments, &command] {
+    command.watches_interrupts = true;
+    command.run = [arguments](Log& log) { return verify(*arguments, log); };
+  });
 }
 
 }  // namespace fascicle::cli

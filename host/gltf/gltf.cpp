@@ -24,7 +24,7 @@ namespace {
 
 // Far above any character, and no more than a file's size bears out: a small one may name one accessor many
 // times. A vertex with joints and weights has at least 16 bytes, so that one mesh may stand eight times.
-constexpr std::size_t most_vertices = std::size_t{1} << 24, vertices_of_any_file = std::size_t{1} << 18;
+constexpr std::size_t most_vertices = std::size_t{1} << 24, vertices_of_any_file = std::size_t{1} << 20;
 constexpr std::size_t triangles_a_vertex = 2;
 constexpr std::size_t most_painted = 16;
 
@@ -128,7 +128,8 @@ class Reader {
                   const std::string& pointer) const {
     if (count <= most) return;
     fail(pointer, "more than " + std::to_string(most) + " " + what +
-                      " in all, the most that are read of a file of this size; export each mesh once");
+                      " in all, the most that are read of a file of this size; export each mesh once, and "
+                      "each material with its own vertices");
   }
 
   void note(std::size_t vertices, const std::string& what) {

@@ -97,6 +97,26 @@ TEST_F(Verify, FindsWhatIsCutOff) {
   }
 }
 
+TEST_F(Verify, FindsWhatIsMissingOfAStoppedBake) {
+  const fs::path stopped = folder_ / "stopped";
+  bake_until(options_for(stopped), short_scene(6), 3);
+  const std::uint64_t size = fs::file_size(stopped / "frames.fascicle");
+  flip(stopped / "frames.fascicle", size - 20);
+  const std::string wanted = "wrong: missing or damaged at the end: frame 3";
+  EXPECT_EQ(finding_of(verify_bake({.bake = stopped}), "frames.fascicle"), wanted);
+  fs::resize_file(stopped / "frames.fascicle", size - 20);
+  EXPECT_EQ(finding_of(verify_bake({.bake = stopped}), "frames.fascicle"), wanted);
+}
+
+TEST_F(Verify, FindsAFolderOfFramesThatIsGone) {
+  bake::BakeOptions options = options_for(folder_ / "series");
+  options.formats = {"obj"};
+  fake_bake_into(options, short_scene(6));
+  EXPECT_TRUE(verify_bake({.bake = options.folder}).is_good());
+  fs::remove_all(folder_ / "series/obj");
+  EXPECT_EQ(finding_of(verify_bake({.bake = options.folder}), "obj/"), "wrong: is not there");
+}
+
 // A whole frame with a good checksum, and not the one that the manifest has the hash of.
 TEST_F(Verify, FindsAFrameOfAnotherBake) {
   const fs::path path = bake / "frames.fascicle";

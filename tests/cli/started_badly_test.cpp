@@ -115,6 +115,7 @@ TEST(StartedBadly, ASignalThatComesAtOnceInterrupts) {
     EXPECT_EQ(batch.status, 75) << batch.signal << batch.err;
     const Outcome drawn = signalled({"render", folder / "whole", "-o", folder / "drawn.png"});
     EXPECT_EQ(drawn.status, 75) << drawn.signal << drawn.err;
+    EXPECT_EQ(signalled({"verify", folder / "whole"}).status, 75);
     // What has nothing to bring to an end ends as any program.
     EXPECT_EQ(signalled({"scenes"}).signal, number);
   }

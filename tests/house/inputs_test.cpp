@@ -38,6 +38,11 @@ TEST(Inputs, FilesAreReadInOnePlace) {
                                          "host/cli/batch_status.cpp",
                                          "host/cli/bench_measure.cpp"};
   EXPECT_EQ(places_of("std::ifstream", allowed), std::vector<std::string>{});
+  // Folders are opened for their locks.
+  for (const char* word : {"std::fstream", "fopen(", "::open("})
+    EXPECT_EQ(places_of(word, {"host/base/", "host/mesher/", "host/convert/", "host/bake/folder.cpp"}),
+              std::vector<std::string>{})
+        << word;
   EXPECT_NE(places_of("std::ifstream", {}), std::vector<std::string>{});
 }
 
