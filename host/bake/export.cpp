@@ -54,32 +54,32 @@ std::vector<const formats::Format*> chosen(const std::vector<std::string>& names
   return formats;
 }
 
-FrameCacheReader finished_cache(const fs::path& folder) {
+ManifestSummary manifest_to_export(const fs::path& folder) {
   if (!holds_bake(folder)) throw BakeError(folder.string() + ": holds no bake");
-  const std::optional<ManifestSummary> manifest = read_manifest(folder);
-  if (manifest && !manifest->frames_kept) throw BakeError(frames_not_kept_text(folder));
-  FrameCacheReader cache(folder / cache_name);
-  const std::uint64_t wanted = cache.header().frames + 1;
-  if (cache.frame_count() < wanted) {
-    const bool failed = manifest && manifest->status == name_of(Status::failed);
-    throw BakeError(folder.string() + ": the bake is not finished" +
-                    (failed ? ", it failed (" + manifest->message + ")" : "") + ", " +
-                    base::number_text(cache.frame_count()) + " of " + base::number_text(wanted) +
-                    " frames are there; go on with fascicle bake --resume, or bake again with --overwrite");
-  }
-  return cache;
-}
-
-ManifestSummary manifest_of(const fs::path& folder, const CacheHeader& header) {
-  const fs::path path = folder / manifest_name;
   std::optional<ManifestSummary> manifest = read_manifest(folder);
   constexpr std::uint64_t most = 1'000'000'000;
   if (!manifest || manifest->first_number > most || manifest->handles > most)
-    throw BakeError(path.string() + ": is missing or damaged; bake again with --overwrite");
-  if (manifest->fps && *manifest->fps != header.fps)
-    throw BakeError(path.string() + ": has another frame rate than " + cache_name + " beside it (" +
-                    base::number_text(header.fps) + "); bake again with --overwrite");
+    throw BakeError((folder / manifest_name).string() +
+                    ": is missing or damaged; bake again with --overwrite");
   return std::move(*manifest);
+}
+
+FrameCacheReader finished_cache(const fs::path& folder, const ManifestSummary& manifest) {
+  if (!manifest.frames_kept) throw BakeError(frames_not_kept_text(folder));
+  FrameCacheReader cache(folder / cache_name);
+  const std::uint64_t wanted = cache.header().frames + 1;
+  if (cache.frame_count() < wanted) {
+    const bool failed = manifest.status == name_of(Status::failed);
+    throw BakeError(folder.string() + ": the bake is not finished" +
+                    (failed ? ", it failed (" + manifest.message + ")" : "") + ", " +
+                    base::number_text(cache.frame_count()) + " of " + base::number_text(wanted) +
+                    " frames are there; go on with fascicle bake --resume, or bake again with --overwrite");
+  }
+  if (manifest.fps && *manifest.fps != cache.header().fps)
+    throw BakeError((folder / manifest_name).string() + ": has another frame rate than " + cache_name +
+                    " beside it (" + base::number_text(cache.header().fps) +
+                    "); bake again with --overwrite");
+  return cache;
 }
 
 bool is_own(const ExportOptions& options) {
@@ -94,8 +94,8 @@ class Export {
         formats_(chosen(options.formats)),
         own_(is_own(options)),
         folder_(own_ ? options.bake : options.folder),
-        cache_(finished_cache(options.bake)),
-        manifest_(manifest_of(options.bake, cache_.header())),
+        manifest_(manifest_to_export(options.bake)),
+        cache_(finished_cache(options.bake, manifest_)),
         model_(read_model_of_frames(options.bake, cache_.header())),
         shapes_(model_.has_skeleton() ? options.bake / formats::character_name : fs::path(), model_,
                 cache_.header().fps) {}
@@ -116,8 +116,8 @@ class Export {
   const std::vector<const formats::Format*> formats_;
   const bool own_;
   const fs::path folder_;
-  const FrameCacheReader cache_;
   const ManifestSummary manifest_;
+  const FrameCacheReader cache_;
   const model::Model model_;
   const formats::ShapedSurface shapes_;
   std::optional<FolderLock> bake_lock_, lock_;

@@ -331,6 +331,15 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   return summary;
 }
 
+ManifestSummary manifest_of(const fs::path& folder) {
+  if (!fs::exists(folder)) throw BakeError(folder.string() + ": no such folder");
+  std::optional<ManifestSummary> manifest = read_manifest(folder);
+  if (!manifest)
+    throw BakeError(folder.string() + ": holds no bake (" + manifest_name +
+                    " of fascicle is not there, or is damaged)");
+  return std::move(*manifest);
+}
+
 void set_status(const fs::path& folder, Status status, const std::string& message) {
   Json manifest = manifest_in(folder);
   if (manifest.is_null()) return;

@@ -54,15 +54,6 @@ class Verification {
     using std::runtime_error::runtime_error;
   };
 
-  static ManifestSummary manifest_of(const fs::path& folder) {
-    if (!fs::exists(folder)) throw BakeError(folder.string() + ": no such folder");
-    std::optional<ManifestSummary> manifest = read_manifest(folder);
-    if (!manifest)
-      throw BakeError(folder.string() + ": holds no bake (" + manifest_name +
-                      " of fascicle is not there, or is damaged)");
-    return std::move(*manifest);
-  }
-
   fs::path path_of(const std::string& name) const { return options_.bake / name; }
   bool is_there(const std::string& name) const {
     std::error_code error;

@@ -15,15 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bake::ManifestSummary manifest_of(const fs::path& folder) {
-  if (!fs::exists(folder)) throw bake::BakeError(folder.string() + ": no such folder");
-  std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
-  if (!manifest)
-    throw bake::BakeError(folder.string() + ": holds no bake (" + bake::manifest_name +
-                          " of fascicle is not there)");
-  return std::move(*manifest);
-}
-
 bake::FrameCacheReader cache_of(const fs::path& folder, const bake::ManifestSummary& manifest) {
   if (!manifest.frames_kept) throw bake::BakeError(bake::frames_not_kept_text(folder));
   const fs::path path = folder / bake::cache_name;
@@ -36,7 +27,7 @@ bake::FrameCacheReader cache_of(const fs::path& folder, const bake::ManifestSumm
 
 OpenBake::OpenBake(const fs::path& folder)
     : folder_(folder),
-      manifest_(manifest_of(folder)),
+      manifest_(bake::manifest_of(folder)),
       cache_(cache_of(folder, manifest_)),
       model_(bake::read_model_of_frames(folder, cache_.header())) {}
 

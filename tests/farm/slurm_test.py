@@ -52,7 +52,7 @@ class Transcript:
     def write(self, path):
         text = "\n".join(self.lines).rstrip() + "\n"
         with open(path + ".new", "w") as file:
-            file.write(text.replace(self.folder, "/farm"))
+            file.write(text.replace(self.folder + "/", ""))
         os.replace(path + ".new", path)
 
 
