@@ -21,6 +21,8 @@
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
+#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times; write docs/reliability.md (an
+#                         hour)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -227,13 +229,24 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     export FASCICLE_PROGRAM="$program" FASCICLE_FARM_TRANSCRIPT="$transcript" FASCICLE_REQUIRE_SLURM=1
     FASCICLE_FARM_JOBS=${1:-60} exec python3 -B slurm_test.py
     ;;
+  reliability)
+    need $build_packages $run_packages $test_packages
+    build release -DFASCICLE_TESTS=ON
+    page=$PWD/docs/reliability.md
+    export FASCICLE_PROGRAM="$PWD/build/release/fascicle"
+    FASCICLE_FAILING_CALLS=$(find "$PWD/build/release/tests/reliability" -name 'libfailing_calls.so')
+    export FASCICLE_FAILING_CALLS
+    cd tests/reliability
+    if [ $# -eq 0 ]; then set -- --write "$page"; fi
+    exec python3 -B reliability.py "$@"
+    ;;
   soak)
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,24s/^# \{0,1\}//p' "$0"
+    sed -n '2,26s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac
