@@ -76,7 +76,8 @@ class Bake:
         hold(self.whole and self.hashes, self.name + ": nothing was baked")
 
     def command(self, folder, *more):
-        return [PROGRAM, "bake", *self.arguments, "--device", "cpu", "-o", folder, *more]
+        device = () if "--device" in more else ("--device", "cpu")
+        return [PROGRAM, "bake", *self.arguments, *device, "-o", folder, *more]
 
     def environment(self, **more):
         return {**os.environ, "FASCICLE_CACHE_DIR": self.cache, **more}

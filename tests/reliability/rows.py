@@ -96,6 +96,31 @@ def stopped(bakes, count):
         count, twice, stops)
 
 
+def resumed(bakes, count):
+    """Gone on with from a random frame: of another end, with more formats, on other threads and another level."""
+    control_of_files(bakes)
+    bake = bakes[0]
+    levels = [line.split()[0] for line in subprocess.run([PROGRAM, "devices"], capture_output=True, text=True,
+                                                         check=True).stdout.splitlines() if line.startswith("cpu:")]
+    hold(levels, "the CPU has no level")
+    frames = len(bake.hashes) - 1
+    end = float(bake.arguments[bake.arguments.index("--end") + 1])
+    for k in range(count):
+        folder = bake.empty_folder()
+        at = random.randint(0, frames - 1)
+        first = [*bake.arguments, "--end", repr(end * at / frames)]
+        first[first.index("pc2,obj")] = random.choice(("pc2", "obj", "pc2,obj"))
+        command = [PROGRAM, "bake", *first, "--device", random.choice(levels), "--threads", "1", "-o", folder]
+        done = subprocess.run(command, capture_output=True, text=True, env=bake.environment())
+        hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
+        refused = bake.run(folder, "--resume", "--set", "layers.body.alpha=0.9")
+        hold(refused.returncode == BAD_INPUT and "model was" in refused.stderr,
+             "%s: another stiffness was not refused: %s" % (folder, refused.stderr))
+        bake.resume(folder, "--device", random.choice(levels), "--threads", str(1 + k % 3))
+        shutil.rmtree(folder)
+    return "%d of %d have the bytes of a bake in one go; another stiffness is refused by its name" % (count, count)
+
+
 def processes_in(folder):
     """Numbers of the processes that were given a file in this folder."""
     found = []
@@ -282,6 +307,7 @@ def outside(bakes, count):
 ROWS = (
     ("killed", killed, 1000, 12),
     ("stopped", stopped, 400, 12),
+    ("resumed", resumed, 200, 6),
     ("batches", batches_stopped, 60, 3),
     ("disk", disk_fails, 200, 12),
     ("damaged", damaged, 3000, 40),
