@@ -100,9 +100,10 @@ def resumed(bakes, count):
     """Gone on with from a random frame: of another end, with more formats, on other threads and another level."""
     control_of_files(bakes)
     bake = bakes[0]
-    levels = [line.split()[0] for line in subprocess.run([PROGRAM, "devices"], capture_output=True, text=True,
-                                                         check=True).stdout.splitlines() if line.startswith("cpu:")]
-    hold(levels, "the CPU has no level")
+    devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout
+    found = re.search(r"^ +levels +(.*)$", devices, re.MULTILINE)
+    hold(found, "the CPU names no level")
+    levels = ["cpu:" + level for level in found.group(1).split(", ")]
     frames = len(bake.hashes) - 1
     end = float(bake.arguments[bake.arguments.index("--end") + 1])
     for k in range(count):
