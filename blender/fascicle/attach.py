@@ -97,8 +97,8 @@ def _add_shape_keys(flesh, path, first):
 
 
 def attach(context, armature, meshes, name, folder, first, kind):
-    """Shows the bake in `folder`, whose frame 0 is Blender's frame `first`, in the place of the meshes. `kind` is one of
-    settings.ATTACHMENTS. An earlier bake of that name is replaced. Raises Problem, and then nothing has changed."""
+    """Shows the bake in `folder`, whose frame 0 is Blender's frame `first`, in the place of the meshes. `kind` is one
+    of settings.ATTACHMENTS. An earlier bake of that name is replaced. Raises Problem, and then nothing has changed."""
     points = os.path.join(folder, POINTS_FILE)
     paths = [points]
     if len(meshes) > 1:
@@ -108,7 +108,8 @@ def attach(context, armature, meshes, name, folder, first, kind):
         with open(path, "rb") as file:
             found, _ = point_cache.read_head(file, path)
         if found != len(mesh.data.vertices):
-            raise Problem("%s has %d vertices and was baked with %d; bake again" % (mesh.name, len(mesh.data.vertices), found))
+            raise Problem("%s has %d vertices and was baked with %d; bake again"
+                          % (mesh.name, len(mesh.data.vertices), found))
     earlier = [old for old in collections_of(armature) if old.get(BAKE) == name]
     collection = bpy.data.collections.new("Flesh " + name)
     collection[ARMATURE], collection[BAKE] = armature.name, name

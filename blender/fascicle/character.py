@@ -27,7 +27,7 @@ def metres_per_unit(scene):
 
 
 def armature_modifier(mesh, armature):
-    """The number of the mesh's modifier that `armature` moves it by; -1 where its parent moves it; None where nothing does."""
+    """The number of the mesh's modifier that `armature` moves it by; -1 where it does so as its parent, else None."""
     for number, modifier in enumerate(mesh.modifiers):
         if modifier.type == "ARMATURE" and modifier.object == armature and modifier.show_viewport:
             return number
@@ -70,8 +70,8 @@ class _Skeleton:
             again = Matrix.LocRotScale(*parts)
             largest = max(abs(x) for row in matrix for x in row)
             if max(abs(a - b) for p, q in zip(matrix, again) for a, b in zip(p, q)) > SHEAR * largest:
-                raise Problem("Bone %s is sheared by its parent's uneven scale, which glTF does not know; apply the scale"
-                              % self.bones[number].name)
+                raise Problem("Bone %s is sheared by its parent's uneven scale, which glTF does not know; apply the "
+                              "scale" % self.bones[number].name)
             result.append(parts)
         return result
 
@@ -98,7 +98,8 @@ def _weights_by_group(mesh, group_name):
 
 def _influences(mesh, skeleton):
     """Sets of four joints and weights a vertex, as many as the mesh needs; a vertex's weights sum to 1."""
-    joints = {group.index: skeleton.numbers[group.name] for group in mesh.vertex_groups if group.name in skeleton.numbers}
+    joints = {group.index: skeleton.numbers[group.name] for group in mesh.vertex_groups
+              if group.name in skeleton.numbers}
     members = [sorted(((m.weight, joints[m.group]) for m in vertex.groups if m.group in joints and m.weight > 0.0),
                       reverse=True) for vertex in mesh.data.vertices]
     most = max((len(found) for found in members), default=0)
@@ -218,14 +219,15 @@ def _document_of(context, armature, meshes, settings, first, last, fps):
     bind = [to_file @ home @ bone.matrix_local @ from_file for bone in skeleton.bones]
 
     for bone, (place, turn, scale) in zip(skeleton.bones, skeleton.locals_of(bind)):
-        document.add("nodes", {"name": bone.name, "translation": list(place), "rotation": [turn.x, turn.y, turn.z, turn.w],
-                               "scale": list(scale)})
+        document.add("nodes", {"name": bone.name, "translation": list(place), "scale": list(scale),
+                               "rotation": [turn.x, turn.y, turn.z, turn.w]})
     for number, parent in enumerate(skeleton.parents):
         above = document.json["nodes"][parent] if parent >= 0 else document.json["scenes"][0]
         above.setdefault("children" if parent >= 0 else "nodes", []).append(number)
     inverses = array("f", (matrix[row][column] for matrix in (world.inverted() for world in bind)
                            for column in range(4) for row in range(4)))
-    document.add("skins", {"joints": list(range(len(bind))), "inverseBindMatrices": document.accessor(inverses, "MAT4")})
+    document.add("skins", {"joints": list(range(len(bind))),
+                           "inverseBindMatrices": document.accessor(inverses, "MAT4")})
     nodes = [_add_mesh(document, mesh, skeleton, settings, metres) for mesh in meshes]
     document.json["scenes"][0]["nodes"] += nodes
 

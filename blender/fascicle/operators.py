@@ -109,8 +109,8 @@ class Work:
                 if action:
                     data = data or self.armature.animation_data_create()
                     data.action = action
-                character.write_character(path, self.context, self.armature, self.meshes, self.settings, self.first, last,
-                                          fps)
+                character.write_character(path, self.context, self.armature, self.meshes, self.settings, self.first,
+                                          last, fps)
             finally:
                 if data:
                     data.action = before
@@ -218,13 +218,13 @@ class FASCICLE_OT_bake(bpy.types.Operator):
             self._finish(context)
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
+        if is_done:
+            self._finish(context)
+            self._report(self._work)
+            return {"FINISHED"}
         state.progress, state.message = 100.0 * self._work.share(), self._work.message()
         self._redraw(context)
-        if not is_done:
-            return {"RUNNING_MODAL"}
-        self._finish(context)
-        self._report(self._work)
-        return {"FINISHED"}
+        return {"PASS_THROUGH"}
 
     def cancel(self, context):
         """Blender calls this too, when it closes or loads another file."""

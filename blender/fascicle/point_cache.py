@@ -29,7 +29,7 @@ def samples(path):
 
 
 def write_parts(path, parts):
-    """Cuts the cache into one for each (path, points) of `parts`, in this order. Their floats are the cache's own bytes."""
+    """Cuts the cache into one for each (path, points) of `parts`, in this order, byte by byte."""
     with open(path, "rb") as file:
         points, count = read_head(file, path)
         if points != sum(size for _, size in parts):

@@ -60,8 +60,8 @@ def check_folder(folder):
 def scene_with_layers(program, character, fps, layers):
     """The text of the program's own scene of a character, with `layers` (TOML) between its flesh and its bone: of
     several layers that claim a point the last has it, and bone must hold the flesh."""
-    ran = subprocess.run([program, "scenes", character, "--fps", repr(fps)], stdin=subprocess.DEVNULL, capture_output=True,
-                         text=True, encoding="utf-8", errors="replace", check=False)
+    ran = subprocess.run([program, "scenes", character, "--fps", repr(fps)], stdin=subprocess.DEVNULL,
+                         capture_output=True, text=True, encoding="utf-8", errors="replace", check=False)
     if ran.returncode != 0:
         raise Problem("fascicle ended with %d: %s" % (ran.returncode, ran.stderr.strip()))
     bone = "\n[layers.bone]\n"

@@ -14,28 +14,31 @@ RANGES = (("ACTION", "Action", "From the first to the last key of the action"),
           ("SCENE", "Scene", "The scene's frame range"))
 STIFFNESSES = (("youngs_modulus", "Young's Modulus", "Where it rests is the same at every frame rate"),
                ("frequency", "Frequency", "The layer's lowest mode, in hertz"),
-               ("fat", "Fat", "The tissue's own stiffness"), ("relaxed-muscle", "Relaxed Muscle", "The tissue's own stiffness"),
-               ("flexed-muscle", "Flexed Muscle", "The tissue's own stiffness"), ("skin", "Skin", "The tissue's own stiffness"))
+               ("fat", "Fat", "As fat is"), ("relaxed-muscle", "Relaxed Muscle", "As a muscle at rest is"),
+               ("flexed-muscle", "Flexed Muscle", "As a muscle at work is"), ("skin", "Skin", "As skin is"))
 
 # What a wish changes; each also takes back what another one set.
 PLAIN = {"softness": 1.0, "exaggerate": 1.0, "density": 1000.0}
 PRESETS = (
     ("PLAIN", "As the Program Chooses", {}),
-    ("JIGGLE", "More Jiggle", {"softness": 2.0, "exaggerate": 1.3}),
+    ("JIGGLE", "More Jiggle", {"softness": 1.5, "exaggerate": 1.2}),
     ("FIRMER", "Firmer", {"softness": 0.5}),
     ("HEAVIER", "Heavier", {"density": 1600.0}),
-    ("CARTOON", "Cartoon", {"softness": 2.5, "exaggerate": 2.0}),
+    ("CARTOON", "Cartoon", {"softness": 2.0, "exaggerate": 2.0}),
 )
 
 
 class FascicleLayer(bpy.types.PropertyGroup):
     """Flesh below the painted skin of a vertex group, with a stiffness of its own."""
 
-    group: StringProperty(name="Vertex Group", description="Where the weight is 0.5 or more, the flesh below is this layer")
+    group: StringProperty(name="Vertex Group",
+                          description="Where the weight is 0.5 or more, the flesh below is this layer")
     stiffness: EnumProperty(name="Stiffness", items=STIFFNESSES)
-    youngs_modulus: FloatProperty(name="kPa", description="Young's modulus, in kPa", default=20.0, min=0.001, soft_max=1000.0)
+    youngs_modulus: FloatProperty(name="kPa", description="Young's modulus, in kPa", default=20.0, min=0.001,
+                                  soft_max=1000.0)
     frequency: FloatProperty(name="Hz", default=4.0, min=0.01, soft_max=60.0)
-    damping: FloatProperty(name="Damping", description="How fast motion dies out, in 1/s", default=12.0, min=0.0, soft_max=100.0)
+    damping: FloatProperty(name="Damping", description="How fast motion dies out, in 1/s", default=12.0, min=0.0,
+                           soft_max=100.0)
 
 
 class FascicleAction(bpy.types.PropertyGroup):
@@ -43,30 +46,34 @@ class FascicleAction(bpy.types.PropertyGroup):
 
 
 class FascicleSettings(bpy.types.PropertyGroup):
-    folder: StringProperty(name="Folder", description="Where bakes go, each in a folder of its own", default="//fascicle",
-                           subtype="DIR_PATH")
-    uses_list: BoolProperty(name="List of Actions", description="Bake the actions of the list, not the one that is open")
+    folder: StringProperty(name="Folder", description="Where bakes go, each in a folder of its own",
+                           default="//fascicle", subtype="DIR_PATH")
+    uses_list: BoolProperty(name="List of Actions",
+                            description="Bake the actions of the list, not the one that is open")
     actions: CollectionProperty(type=FascicleAction)
     action_index: IntProperty()
     range: EnumProperty(name="Frames", items=RANGES)
     attachment: EnumProperty(name="Show as", items=ATTACHMENTS)
 
-    softness: FloatProperty(name="Softness", description="How many times as soft all flesh is", default=1.0, min=0.01, max=100.0)
-    exaggerate: FloatProperty(name="Exaggerate", description="How many times as far all flesh trails", default=1.0, min=0.0,
-                              max=4.0)
-    density: FloatProperty(name="Density", description="Of fat and muscle, kg/m^3", default=1000.0, min=1.0, max=100000.0)
+    softness: FloatProperty(name="Softness", description="How many times as soft all flesh is", default=1.0, min=0.01,
+                            max=100.0)
+    exaggerate: FloatProperty(name="Exaggerate", description="How many times as far all flesh trails", default=1.0,
+                              min=0.0, max=4.0)
+    density: FloatProperty(name="Density", description="Of fat and muscle, kg/m^3", default=1000.0, min=1.0,
+                           max=100000.0)
     quality: EnumProperty(name="Quality", items=QUALITIES, default="normal")
-    contact: BoolProperty(name="Flesh Meets Flesh", description="Flesh does not pass through other flesh of the body",
+    contact: BoolProperty(name="Self Contact", description="Flesh does not pass through other flesh of the body",
                           default=True)
-    only_bone: StringProperty(name="Only", description="Only the flesh of this bone and of those below it moves by itself")
+    only_bone: StringProperty(name="Only",
+                              description="Only the flesh of this bone and of those below it moves by itself")
 
     bone_group: StringProperty(name="Bone", description="Vertex group: the flesh below is bone")
     muscle_group: StringProperty(name="Muscle", description="Vertex group: the flesh below is muscle")
     fat_group: StringProperty(name="Fat", description="Vertex group: the flesh below is fat")
     rigid_group: StringProperty(name="Rigid", description="Vertex group: skin that follows its bones alone")
     stiffness_group: StringProperty(
-        name="Stiffness", description="Vertex group: weights multiply the stiffness. The program then takes its explicit "
-        "integrator, in which flesh does not meet flesh")
+        name="Stiffness", description="Vertex group: weights multiply the stiffness. The program then takes its "
+        "explicit integrator, in which flesh does not meet flesh")
     layers: CollectionProperty(type=FascicleLayer)
     layer_index: IntProperty()
 
@@ -83,7 +90,8 @@ class FascicleState(bpy.types.PropertyGroup):
 class FasciclePreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
-    program: StringProperty(name="Program", description="The program fascicle; left empty, the one on the PATH", subtype="FILE_PATH")
+    program: StringProperty(name="Program", description="The program fascicle; left empty, the one on the PATH",
+                            subtype="FILE_PATH")
 
     def draw(self, context):
         self.layout.prop(self, "program")
@@ -108,8 +116,8 @@ def _layer_text(layer, number):
         stiffness = "%s = %s" % (layer.stiffness, _number(getattr(layer, layer.stiffness) * pascals))
     else:
         stiffness = 'material = "%s"' % layer.stiffness
-    return '[layers.painted-%d]\n%s\ndamping = %s\nwhere = { painted = { attribute = "%s", minimum = 0.5, maximum = 1.0 } }\n' % (
-        number, stiffness, _number(layer.damping), character.attribute_name(layer.group))
+    where = '{ painted = { attribute = "%s", minimum = 0.5, maximum = 1.0 } }' % character.attribute_name(layer.group)
+    return "[layers.painted-%d]\n%s\ndamping = %s\nwhere = %s\n" % (number, stiffness, _number(layer.damping), where)
 
 
 def layers_text(settings):

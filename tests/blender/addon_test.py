@@ -47,21 +47,21 @@ class WithBlender(unittest.TestCase):
         cls.arm = os.path.join(cls.shared, "arm", "character.glb")
 
     @classmethod
-    def blender(cls, *arguments):
-        ran = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "1", *arguments],
-                             capture_output=True, text=True, timeout=600, env=cls.environment)
+    def blender(cls, *arguments, before=("blender", "--background")):
+        ran = subprocess.run([*before, "--factory-startup", "--python-exit-code", "1", *arguments], capture_output=True,
+                             text=True, timeout=600, env=cls.environment)
         if ran.returncode != 0:
             raise AssertionError(ran.stdout[-4000:] + ran.stderr[-4000:])
         return ran.stdout
 
-    def check(self, name, character, **said):
+    def check(self, name, character, before=("blender", "--background"), **said):
         """What in_blender.py finds, with a folder of its own."""
         folder = tempfile.TemporaryDirectory(prefix="fascicle-blender-")
         self.addCleanup(folder.cleanup)
         said.setdefault("folder", os.path.join(folder.name, "bakes"))
         result = os.path.join(folder.name, "result.json")
         self.blender("--python", os.path.join(HERE, "in_blender.py"), "--", name, result, character,
-                     *("%s=%s" % pair for pair in said.items()))
+                     *("%s=%s" % pair for pair in said.items()), before=before)
         with open(result) as file:
             return json.load(file)
 
@@ -142,7 +142,25 @@ class Cancel(WithBlender):
         found = self.check("cancel", self.arm)
         self.assertGreater(found["seen"], 0)
         self.assertTrue(found["ended"] and found["kept"] and found["objects_kept"] and found["can_bake_again"])
-        self.assertEqual((found["left"], found["running"]), ([found["folder"]], 0))
+        self.assertEqual((found["left"], found["running"]), (found["kept_files"], 0))
+
+
+class Window(WithBlender):
+    """In a window on a display of Xvfb, where the operator is modal."""
+
+    def test_blender_goes_on_while_the_program_works_and_cancel_ends_it(self):
+        if not shutil.which("xvfb-run"):
+            if required("FASCICLE_REQUIRE_BLENDER"):
+                self.fail("FASCICLE_REQUIRE_BLENDER=1, and no xvfb-run on the PATH")
+            self.skipTest("SKIPPED, NOT TESTED: no xvfb-run on the PATH")
+        self.environment["LIBGL_ALWAYS_SOFTWARE"] = "1"
+        found = self.check("in_window", self.arm, before=("xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender"),
+                           first=14, last=60)
+        self.assertEqual((found["pressed"], found["while_at_work"]), (["RUNNING_MODAL"], True))
+        self.assertGreater(found["ticks"], 1)
+        self.assertEqual(found["shares"], sorted(found["shares"]))
+        self.assertEqual((found["flesh"], found["flesh_after"], found["cancelled"]), (1, 1, True))
+        self.assertEqual(found["files_after"], found["files"])
 
 
 class Refused(WithBlender):
@@ -168,17 +186,22 @@ class Settings(WithBlender):
         found = self.check("painted", self.arm, last=2)
         count = found["count"]
         self.assertEqual(found["layer"], "belly fat")
-        self.assertEqual((found["cartoon"], found["heavier"]), ([2.5, 2.0, 1000.0], [1.0, 1.0, 1600.0]))
-        self.assertIn("--set=layers.fat.density=1600", found["options"])
+        self.assertEqual((found["cartoon"], found["heavier"]), ([2.0, 2.0, 1000.0], [1.0, 1.0, 1600.0]))
+        self.assertIn("--set=layers.fat.density=1600.0", found["options"])
         self.assertNotIn("--softness", " ".join(found["options"]))
         painted = found["attributes"]
         self.assertEqual(painted["_LAYER"], [1.0] * (count // 4) + [0.0] * (count - count // 4))
         self.assertEqual(painted["_GROUP_BELLY_FAT"][:2], [0.25, 0.0])
         self.assertEqual(sum(painted["_GROUP_BELLY_FAT"]), 0.25 + count // 2 - count // 4)
-        layers = found["manifest"]["scene"]["layers"]
+        layers = {layer["name"]: layer for layer in found["manifest"]["scene"]["layers"]}
+        # Bone is the last, as the last that claims a point has it.
+        self.assertEqual(list(layers), ["fat", "muscle", "painted-0", "bone"])
         self.assertEqual(layers["painted-0"]["youngs_modulus"], 5500.0)
-        self.assertEqual(layers["painted-0"]["where"]["painted"]["attribute"], "_GROUP_BELLY_FAT")
         self.assertEqual(layers["fat"]["density"], 1600.0)
+        self.assertIn("_GROUP_BELLY_FAT", json.dumps(layers["painted-0"]["where"]))
+        vertices = {layer["name"]: layer["vertices"] for layer in found["manifest"]["model"]["layers"]}
+        self.assertGreater(vertices["painted-0"], 0)
+        self.assertGreater(vertices["bone"], 0)
 
 
 class Archive(unittest.TestCase):

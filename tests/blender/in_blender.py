@@ -3,12 +3,14 @@
 One check of the add-on inside Blender, where it is installed; what was found goes to RESULT as JSON. addon_test.py
 judges it. Bakes are read here by their layout, not by the add-on's reader."""
 
+import functools
 import glob
 import json
 import os
 import struct
 import sys
 import time
+import traceback
 
 import bpy
 from mathutils import Euler, Matrix
@@ -49,7 +51,10 @@ def frames_of(said):
 
 def open_character(path, said):
     """An imported character, its armature active; placed and scaled as `said` asks."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    if bpy.app.background:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    for obj in list(bpy.data.objects):  # a window would lose its context with its file
+        bpy.data.objects.remove(obj)
     bpy.ops.preferences.addon_enable(module="fascicle")
     scene = bpy.context.scene
     scene.render.fps = int(said.get("fps", 24))
@@ -181,6 +186,7 @@ def cancel(path, said):
     assert bpy.ops.fascicle.bake() == {"FINISHED"}
     folder = baked_folder(said)
     kept = {name: open(os.path.join(folder, name), "rb").read() for name in ("surface.pc2", "manifest.json")}
+    kept_files = sorted(os.listdir(said["folder"]))
     objects = sorted(obj.name for obj in bpy.data.objects)
     # So long that it cannot end by itself before it is cancelled.
     bpy.context.scene.frame_end = bpy.context.scene.frame_start + 2000
@@ -194,10 +200,42 @@ def cancel(path, said):
     process = work.bake._process
     bpy.ops.fascicle.cancel()
     return {"seen": seen, "ended": process.poll() is not None,
-            "left": sorted(os.listdir(said["folder"])), "folder": os.path.basename(folder),
+            "left": sorted(os.listdir(said["folder"])), "kept_files": kept_files,
             "kept": all(open(os.path.join(folder, name), "rb").read() == data for name, data in kept.items()),
             "objects_kept": objects == sorted(obj.name for obj in bpy.data.objects),
             "running": len(operators._running), "can_bake_again": bpy.ops.fascicle.bake.poll()}
+
+
+def press(what):
+    """A button, as a click on it."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    with bpy.context.temp_override(window=window, area=area):
+        return what("INVOKE_DEFAULT")
+
+
+def in_window(path, said):
+    """The button in a window: Blender's timer goes on while the program works. Once to the end, then cancelled. Yields
+    seconds to wait, last the result."""
+    bpy.context.preferences.view.show_splash = False
+    armature = open_character(path, said)
+    state = bpy.context.window_manager.fascicle
+    result = {"pressed": sorted(press(bpy.ops.fascicle.bake)), "while_at_work": state.is_running}
+    shares = []
+    while state.is_running:
+        shares.append(state.progress)
+        yield 0.05
+    result.update(shares=shares, flesh=len(flesh_of(armature)), files=sorted(os.listdir(said["folder"])))
+    bpy.context.scene.frame_end = bpy.context.scene.frame_start + 2000
+    press(bpy.ops.fascicle.bake)
+    while state.progress == 0.0:
+        yield 0.05
+    result["ticks"] = len(shares)
+    press(bpy.ops.fascicle.cancel)
+    yield 0.5
+    result.update(cancelled=not state.is_running, files_after=sorted(os.listdir(said["folder"])),
+                  flesh_after=len(flesh_of(armature)))
+    yield result
 
 
 def refused(path, said):
@@ -240,7 +278,8 @@ def refused(path, said):
     armature.data.pose_position = "REST"
     said_by_bake("rest position")
     armature.data.pose_position = "POSE"
-    occupied = os.path.join(said["folder"], "%s-%s" % (armature.name, armature.animation_data.action.name))
+    armature.animation_data.action.name = "plain"
+    occupied = os.path.join(said["folder"], armature.name + "-plain")
     os.makedirs(occupied)
     with open(os.path.join(occupied, "mine.txt"), "w") as file:
         file.write("mine")
@@ -293,8 +332,28 @@ def painted(path, said):
     return result
 
 
+def finish(target, found):
+    with open(target, "w") as file:
+        json.dump(found, file)
+
+
+def tick(steps, target):
+    """For a check that waits: by Blender's own timer, so that Blender's loop runs in between."""
+    try:
+        found = next(steps)
+        if not isinstance(found, dict):
+            return found
+        finish(target, found)
+        bpy.ops.wm.quit_blender()
+    except BaseException:
+        traceback.print_exc()
+        os._exit(1)
+
+
 arguments = sys.argv[sys.argv.index("--") + 1:]
 check, target, character = arguments[:3]
 found = globals()[check](character, options(arguments[3:]))
-with open(target, "w") as file:
-    json.dump(found, file)
+if isinstance(found, dict):
+    finish(target, found)
+else:
+    bpy.app.timers.register(functools.partial(tick, found, target), first_interval=0.5, persistent=True)
