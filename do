@@ -19,6 +19,7 @@
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do web              check the browser's pages (types, tests) and bundle them anew into web/bundle
+#   ./do view-figure      bake the bear and draw its page, docs/figures/view.png
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
@@ -234,6 +235,18 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     npm run --silent build >&2
     cp bundle/*.html ../../../web/bundle/
     ;;
+  view-figure)
+    need $build_packages $run_packages chromium
+    web_tools release
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    folder=$PWD/build/release/view-figure
+    build/release/fascicle bake jump -o "$folder" --end 2 --overwrite --device cpu
+    build/release/fascicle view "$folder" -o "$folder.html" --overwrite
+    picture=$PWD/docs/figures/view.png
+    cd build/release/web
+    exec node tests/figure.mjs "$folder.html" "$picture" 76
+    ;;
   site)
     need $site_packages
     # The pages and what they link to, in the folders they have here, so that their links hold as they are.
@@ -258,7 +271,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,25s/^# \{0,1\}//p' "$0"
+    sed -n '2,26s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -23,6 +23,6 @@ export async function open_page(browser, options = {}) {
 // Once what was asked for is drawn.
 export function drawn(page) {
   return page.evaluate(
-    () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))),
+    () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))),
   );
 }

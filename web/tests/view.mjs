@@ -181,7 +181,7 @@ const looks = {
 await page.locator("#picture").focus();
 await go_to(Math.min(20, Math.floor((await page.evaluate(() => Number(document.getElementById("scrub").max))) / 2)));
 // "1" must find something else chosen, and Home and End the middle.
-const order = ["3", ",", ".", "2", "1", "ArrowRight", "ArrowLeft", "Shift+ArrowRight", "Shift+ArrowLeft", "Home", "End"];
+const order = ["b", "g", "c", "3", ",", ".", "2", "1", "ArrowRight", "ArrowLeft", "Shift+ArrowRight", "Shift+ArrowLeft", "Home", "End"];
 for (const key of [...order, ...Object.keys(looks).filter((one) => !order.includes(one) && one !== "?"), "?"]) {
   const was = await looks[key]();
   await press(key);

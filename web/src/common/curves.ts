@@ -26,6 +26,9 @@ export function range_of(curve: Curve): [number, number] {
 export function value_text(curve: Curve, frame: number): string {
   const value = curve.values[frame];
   if (value === null || value === undefined) return "–";
+  const [least, most] = range_of(curve);
+  // Nobody sees less of it than that.
+  if (Math.abs(value) < 1e-4 * (most - least)) return curve.unit ? `0 ${curve.unit}` : "0";
   return curve.unit ? `${short_number(value)} ${curve.unit}` : short_number(value);
 }
 
