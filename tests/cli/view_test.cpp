@@ -26,13 +26,13 @@ bool have_node() {
   return std::system("node --version > /dev/null 2>&1") == 0;
 }
 
-// What the decoder in tests/readers says; it needs node and nothing from npm.
+// What the decoder in tests/readers says, which needs node and nothing from npm; no object where it gives up.
 json decoded_page(const std::string& page, const std::string& cache) {
   const TemporaryFolder folder;
-  const std::string command =
-      std::string("node '") + FASCICLE_SOURCE_DIR + "/tests/readers/decode_page.mjs' '" + page + "' " +
-      (cache.empty() ? "" : "'" + cache + "'") + " > '" + folder / "out" + "' 2> '" + folder / "err" + "'";
-  EXPECT_EQ(std::system(command.c_str()), 0) << read_text(folder / "err");
+  const std::string command = std::string("node '") + FASCICLE_SOURCE_DIR +
+                              "/tests/readers/decode_page.mjs' '" + page + "' '" + cache + "' > '" +
+                              folder / "out" + "' 2> '" + folder / "err" + "'";
+  if (std::system(command.c_str()) != 0) return json(read_text(folder / "err"));
   return json::parse(read_text(folder / "out"), nullptr, false);
 }
 
@@ -53,13 +53,16 @@ TEST(View, EveryVertexOfEveryFrameIsWithinWhatIsStated) {
   for (const std::string& scene : scenes) {
     SCOPED_TRACE(scene);
     const TemporaryFolder folder;
-    bake_of(scene, folder / "bake", {"--end", "0.3", "--format", "pc2"});
+    // Contact of the man's own flesh costs most of his bake, and nothing here depends on it.
+    const bool is_arm = scene == "arm";
+    bake_of(scene, folder / "bake",
+            {"--end", is_arm ? "1" : "0.3", "--format", "pc2", "--set", "contact.self=false"});
     const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html", "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const json said = json::parse(outcome.out);
     EXPECT_EQ(said["bytes"], fs::file_size(folder / "page.html"));
     const json found = decoded_page(folder / "page.html", folder / "bake/surface.pc2");
-    ASSERT_TRUE(found.is_object());
+    ASSERT_TRUE(found.is_object()) << found;
     EXPECT_EQ(found["frames"], found["cache_frames"]);
     EXPECT_EQ(said["frames"], found["frames"]);
     EXPECT_EQ(said["vertices"], found["cache_vertices"]);
@@ -70,7 +73,7 @@ TEST(View, EveryVertexOfEveryFrameIsWithinWhatIsStated) {
     // A bound of a whole different size would be met by a page of nothing.
     EXPECT_GT(found["largest"].get<double>(), 0.5 * found["stated"].get<double>());
     EXPECT_LE(found["stated"].get<double>(), 2e-4);
-    if (scene == "arm") {
+    if (is_arm) {
       EXPECT_GT(*std::max_element(found["lag"].begin(), found["lag"].end()), 1e-3);
     }
   }
@@ -89,8 +92,10 @@ TEST(View, ADamagedPageIsSeen) {
   digit = digit == 'A' ? 'B' : 'A';
   write_text(folder / "page.html", page);
   const json found = decoded_page(folder / "page.html", folder / "bake/surface.pc2");
-  ASSERT_TRUE(found.is_object());
-  EXPECT_GT(found["largest"].get<double>(), 2 * found["stated"].get<double>());
+  // Either the data end where they should not, or other places come out.
+  const bool is_seen =
+      !found.is_object() || found["largest"].get<double>() > 2 * found["stated"].get<double>();
+  EXPECT_TRUE(is_seen) << found;
 }
 
 TEST(View, TheErrorIsAsAskedFor) {
