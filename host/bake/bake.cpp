@@ -41,6 +41,7 @@ BakeResult Run::go() {
     if (std::optional<BakeResult> done = done_without_frames()) return std::move(*done);
   if (!resumed) {
     refuse_foreign(options_.folder, file_names(model_, options_.formats));
+    has_begun_ = true;
     save_manifest(Status::running, moment());
   } else if (files_change_) {
     begin_other_files(*resumed);
@@ -62,8 +63,15 @@ BakeResult Run::go() {
                 .surface = formats::embed(model_, state.positions),
                 .skinned = state.skinned};
   }
+  if (!interrupted_ && !begin_sinks(resumed ? state.frame + 1 : 0)) {
+    set_status(options_.folder, Status::interrupted, "");
+    interrupted_ = true;
+    progress_.position_hashes.clear();
+    BakeResult result = summary();
+    result.frames_done = state.frame;
+    return result;
+  }
   if (!interrupted_) {
-    begin_sinks(resumed ? state.frame + 1 : 0);
     solver_.load(state);
     if (files_change_) checkpoint(state, moment());
     if (!resumed) {
@@ -126,8 +134,7 @@ void Run::step_frames(std::uint64_t first) {
     const Stopwatch time(seconds_solver_);
     solver_.submit(drive, needs_);
   };
-  const auto stopped = [&] { return options_.interrupted != nullptr && options_.interrupted->load(); };
-  if (stopped()) {
+  if (was_stopped()) {
     interrupted_ = true;
     return;
   }
@@ -138,7 +145,7 @@ void Run::step_frames(std::uint64_t first) {
     write(frame);
   });
   const auto step = [&](std::uint64_t k) {
-    interrupted_ = k < frames_ && stopped();
+    interrupted_ = k < frames_ && was_stopped();
     const bool due = interrupted_ || pace.is_due(k, seconds_since(start_), seconds_to_sync_);
     if (!due) submit(k + 1);
     model::Frame frame;

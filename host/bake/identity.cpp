@@ -1,6 +1,7 @@
 #include "host/bake/identity.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
 #include <new>
@@ -16,6 +17,7 @@
 #include "host/formats/formats.h"
 #include "host/model/model_arrays.h"
 #include "host/scene/scene_json.h"
+#include "host/scene/scene_text.h"
 
 namespace fascicle::bake {
 
@@ -73,19 +75,17 @@ struct FieldHash {
   Hash& hash;
 };
 
-// Of what the scene says in all its keys but where it ends, which has an entry of its own.
-std::string keys_hash(const scene::Scene& scene) {
-  std::string keys = scene::documented_text(scene);
-  constexpr std::string_view end = "\nend = ";
-  const std::size_t table = keys.find("\n[scene]\n");
-  const std::size_t at = table == std::string::npos ? table : keys.find(end, table);
-  // Of a later table it would be a force's.
-  if (at != std::string::npos && at < keys.find("\n[", table + 1))
-    keys.replace(at + 1, keys.find('\n', at + 1) - at - 1, "#end");
-  return base::hash_text(XXH3_64bits(keys.data(), keys.size()));
+std::string text_hash(const std::string& text) {
+  return base::hash_text(XXH3_64bits(text.data(), text.size()));
 }
 
-constexpr const char *formats_name = "--format", *end_name = "end", *first_frame_name = "--first-frame";
+constexpr const char* end_name = "end";
+constexpr const char* formats_name = "--format";
+// Of a checkpoint alone: formats whose files are not there, or not whole.
+constexpr const char* anew_name = "begun anew";
+// They decide how files are written that a bake writes anew from its frames.
+constexpr std::array<std::string_view, 5> options_of_files{"--glb-stride", "--glb-error", "--glb-compress",
+                                                           "--glb-tolerance", "--usd-skel"};
 
 std::string in_one_line(const std::vector<std::string>& names) {
   std::string list;
@@ -134,7 +134,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
     identity.emplace_back(
         "the content of " + name + (number > 1 ? " (" + base::number_text(number) + ")" : ""), file_hash);
   }
-  identity.emplace_back("the scene's keys (hash)", keys_hash(scene));
+  identity.emplace_back("the scene's keys (hash)", text_hash(scene::keys_text_without_end(scene)));
   std::vector<std::string> formats = options.formats;
   std::sort(formats.begin(), formats.end());
   identity.emplace_back(formats_name, in_one_line(formats));
@@ -148,7 +148,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   }
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
   if (const std::uint64_t first = number_of_first(scene, options); first != 0)
-    identity.emplace_back(first_frame_name, base::number_text(first));
+    identity.emplace_back("--first-frame", base::number_text(first));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;
@@ -178,32 +178,55 @@ std::string text_of(const std::vector<Difference>& differences) {
   return text;
 }
 
+namespace {
+
+std::vector<std::string> listed_in(const Identity& identity, const char* name) {
+  const auto found =
+      std::find_if(identity.begin(), identity.end(), [&](const auto& entry) { return entry.first == name; });
+  return found == identity.end() ? std::vector<std::string>() : listed(found->second);
+}
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+}  // namespace
+
 bool leaves_frames(const Difference& difference, const scene::Scene& scene, std::uint64_t frames_done) {
   if (difference.name == formats_name) {
     const std::vector<std::string> was = listed(difference.was), is = listed(difference.is);
     // What is left out would stay in the folder, of a bake that no longer lists it.
     return std::includes(is.begin(), is.end(), was.begin(), was.end()) &&
            std::all_of(is.begin(), is.end(), [&](const std::string& name) {
-             return formats::format_named(name).from_cache ||
-                    std::binary_search(was.begin(), was.end(), name);
+             return has(was, name) || formats::format_named(name).from_cache;
            });
   }
   if (difference.name == end_name) {
     const scene::Motion& motion = scene.motion;
-    return frames_done <= scene::frame_count(scene) && motion.hold == 0.0 && motion.handles == 0 &&
-           motion.loop == 1 && !motion.seamless;
+    // Muscles find their hinges in all of the motion.
+    return frames_done <= scene::frame_count(scene) && scene.muscles.empty() && motion.hold == 0.0 &&
+           motion.handles == 0 && motion.loop == 1 && !motion.seamless;
   }
-  // Files of frames have their numbers in their names.
-  return difference.name.starts_with("--") && difference.name != first_frame_name;
+  return difference.name == anew_name || std::find(options_of_files.begin(), options_of_files.end(),
+                                                   difference.name) != options_of_files.end();
 }
 
-Identity without_files(Identity identity) {
-  for (auto& [name, value] : identity) {
-    if (name != formats_name) continue;
-    std::vector<std::string> kept = listed(value);
-    std::erase_if(kept, [](const std::string& format) { return formats::format_named(format).from_cache; });
-    value = in_one_line(kept);
-  }
+std::vector<std::string> formats_begun_anew(const Identity& before, const Identity& now) {
+  const std::vector<std::string> was = listed_in(before, formats_name),
+                                 unfinished = listed_in(before, anew_name);
+  std::vector<std::string> anew = listed_in(now, formats_name);
+  std::erase_if(anew, [&](const std::string& name) {
+    const formats::Format& format = formats::format_named(name);
+    // Files of single frames stay what they are whatever the end is.
+    const bool stays = has(was, name) && !has(unfinished, name) && format.file.ends_with('/');
+    return stays || !format.from_cache;
+  });
+  return anew;
+}
+
+Identity while_begun_anew(Identity identity, const std::vector<std::string>& formats) {
+  // Also where there is none: other files than those of formats may have to be written again.
+  identity.emplace_back(anew_name, in_one_line(formats));
   return identity;
 }
 

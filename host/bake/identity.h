@@ -30,11 +30,14 @@ std::string text_of(const std::vector<Difference>& differences);
 
 // Whether the frames that are done are those of the bake now asked for, so that it can go on with them: more
 // formats of those that the frames hold all of, files written another way, a later end, or an earlier one
-// that does not come before `frames_done`. Not the end of a motion that is held there, or that repeats: there
-// it decides what comes before.
+// that does not come before `frames_done`. Not the end of a motion that is held there or repeats, or that
+// bends muscles: there it decides what comes before.
 bool leaves_frames(const Difference& difference, const scene::Scene& scene, std::uint64_t frames_done);
-// What a checkpoint says while files are written that the identity asks for and the folder may lack: that no
-// format is there but those that cannot be written from the frames.
-Identity without_files(Identity identity);
+
+// Where the identities differ in such a way: the formats whose files must be written from frame 0 on.
+std::vector<std::string> formats_begun_anew(const Identity& before, const Identity& now);
+// What a checkpoint says until these files are as far as the frames: a difference that goes with the next
+// one.
+Identity while_begun_anew(Identity identity, const std::vector<std::string>& formats);
 
 }  // namespace fascicle::bake

@@ -43,10 +43,10 @@ class Run {
   std::optional<Checkpoint> checkpoint_to_resume();
   std::optional<BakeResult> done_without_frames();
   void begin_other_files(const Checkpoint& from);
-  void recall_hashes(std::uint64_t count);
   BakeResult summary() const;
   model::State lead_to_start();
-  void begin_sinks(std::uint64_t first);
+  // False where it was interrupted; what is there then goes on as before.
+  bool begin_sinks(std::uint64_t first);
   std::vector<model::Frame> frames_before(std::uint64_t first) const;
   void step_frames(std::uint64_t first);
   Moment moment() const { return {clamped_, seconds_solver_}; }
@@ -54,6 +54,7 @@ class Run {
   [[noreturn]] void refuse_not_finite(const model::Frame& frame);
   void write(const model::Frame& frame);
   void checkpoint(const model::State& state, const Moment& moment);
+  bool was_stopped() const { return options_.interrupted != nullptr && options_.interrupted->load(); }
   bool manifest_due() const;
   void take_look();
   void save_manifest(Status status, const Moment& moment);
@@ -81,8 +82,10 @@ class Run {
   std::atomic<double> seconds_to_sync_ = 0.0;  // of the last checkpoint
   std::size_t frames_in_manifest_ = 0;
   bool interrupted_ = false;
-  bool files_change_ = false;  // of a bake that is gone on with
-  bool has_begun_ = false;     // from here on the manifest in the folder is this run's
+  // Of a bake that is gone on with: whether its files change, and which formats are begun anew.
+  bool files_change_ = false;
+  std::vector<std::string> anew_;
+  bool has_begun_ = false;  // from here on the manifest in the folder is this run's
   formats::SinkReport report_;
   std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();

@@ -57,6 +57,7 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   }
   std::vector<Difference> changed = differences(found->identity, identity_);
   files_change_ = !changed.empty();
+  if (files_change_) anew_ = formats_begun_anew(found->identity, identity_);
   std::erase_if(changed,
                 [&](const Difference& one) { return leaves_frames(one, scene_, found->state.frame); });
   if (!changed.empty())
@@ -73,25 +74,22 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
 }
 
 // The frames go on, and files of formats are written anew from them. Whatever stops that: the manifest lists
-// the new files, and the checkpoint asks for them again.
+// the new files, and the checkpoint says which are to be written again.
 void Run::begin_other_files(const Checkpoint& from) {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   std::vector<std::string> names = file_names(model_, options_.formats);
   std::erase_if(names, [&](const std::string& name) {
-    return manifest &&
-           std::find(manifest->files.begin(), manifest->files.end(), name) != manifest->files.end();
+    return name == checkpoint_name || (manifest && std::find(manifest->files.begin(), manifest->files.end(),
+                                                             name) != manifest->files.end());
   });
+  // What can refuse comes before the first write.
   refuse_foreign(options_.folder, names);
-  write_checkpoint(path_of(checkpoint_name), {without_files(identity_), from.state, from.skinned});
-  recall_hashes(from.state.frame + 1);
-  save_manifest(Status::running, moment());
-  progress_.position_hashes.clear();
-}
-
-void Run::recall_hashes(std::uint64_t count) {
   const FrameCacheReader cache(path_of(cache_name));
-  for (std::uint64_t k = 0; k < count; ++k)
+  for (std::uint64_t k = 0; k <= from.state.frame; ++k)
     progress_.position_hashes.push_back(model::position_hash(cache.read(k)));
+  has_begun_ = true;
+  write_checkpoint(path_of(checkpoint_name), {while_begun_anew(identity_, anew_), from.state, from.skinned});
+  save_manifest(Status::running, moment());
 }
 
 // A bake that has come to its end and kept no frames cannot be gone on with, and need not.
@@ -140,7 +138,7 @@ std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
   return frames;
 }
 
-void Run::begin_sinks(std::uint64_t first) {
+bool Run::begin_sinks(std::uint64_t first) {
   const Stopwatch time(seconds_writing_);
   const std::vector<model::Frame> before = frames_before(first);
   const auto* character = std::get_if<rig::Character>(&scene_.geometry);
@@ -171,9 +169,8 @@ void Run::begin_sinks(std::uint64_t first) {
                                .first_number = number_of_first(scene_, options_),
                                .usd_skel = options_.usd_skel};
   needs_ = {.positions = true};  // for the hash, whatever the sinks want
-  // Frame cache and metrics, which have no name, and what the cache does not hold all of are gone on with.
   const auto starts_anew = [this](const formats::Format& format, const formats::FrameSink& sink) {
-    return !sink.resumes() || (files_change_ && !format.name.empty() && format.from_cache);
+    return !sink.resumes() || std::find(anew_.begin(), anew_.end(), format.name) != anew_.end();
   };
   std::vector<formats::FrameSink*> from_the_start;
   for (const formats::Format& format : all_formats()) {
@@ -197,16 +194,20 @@ void Run::begin_sinks(std::uint64_t first) {
         formats::blender_script(
             {.fps = scene_.fps, .frames = frames_, .first_number = number_of_first(scene_, options_)}));
   }
-  if (first == 0) return;
+  if (first == 0) return true;
+  progress_.position_hashes.clear();
   // The cache is the witness of the frames that are kept: reading them also checks them.
   const FrameCacheReader cache(path_of(cache_name));
   for (std::uint64_t k = 0; k < first; ++k) {
+    // Frames may be many, and files written anew take their time.
+    if (was_stopped() && !from_the_start.empty()) return false;
     model::Frame frame = cache.read(k);
     progress_.position_hashes.push_back(model::position_hash(frame));
     frame.surface = formats::embed(model_, frame.positions);
     shapes_->add_to(k, frame.surface);
     for (formats::FrameSink* sink : from_the_start) sink->write(frame);
   }
+  return true;
 }
 
 }  // namespace fascicle::bake

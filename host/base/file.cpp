@@ -56,9 +56,9 @@ fs::path with_suffix(const fs::path& path, const std::string& suffix) {
   return fs::path(path.string() + suffix);
 }
 
-// Leaves nothing where it fails.
 using Pieces = std::span<const std::string_view>;
 
+// Leaves nothing where it fails.
 void write_new(const fs::path& path, Pieces pieces, bool sync) {
   try {
     File file(path, FileMode::replace);

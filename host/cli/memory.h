@@ -21,7 +21,8 @@ std::optional<std::uint64_t> left_in_groups(const std::string& groups, const std
 // body of 100,000 vertices. For glibc; elsewhere nothing changes.
 void give_freed_arrays_back();
 // They stay with the process, for a loop that frees and takes the same ones over and over: new pages cost
-// more than what is written to them. Of arrays of up to 16 MiB, and 64 MiB of them in all.
+// more than what is written to them. Of arrays of up to 16 MiB, and 64 MiB at the end of
+// each thread's heap.
 void keep_freed_arrays();
 
 // Bytes that the process holds; 0 where the system does not say.

@@ -42,7 +42,11 @@ FrameFiles::FrameFiles(const fs::path& folder, const std::string& extension, std
     if (!fs::exists(path_of(k)))
       throw base::BakeError(path_of(k).string() +
                             ": the bake to resume has lost this file; start again with --overwrite");
-  for (std::uint64_t k = first; fs::remove(path_of(k)); ++k) {
+  const auto remove_frame = [&](std::uint64_t k) {
+    const bool was_staged = fs::remove(path_of(k).string() + base::temporary_suffix);
+    return fs::remove(path_of(k)) || was_staged;
+  };
+  for (std::uint64_t k = first; remove_frame(k); ++k) {
   }
 }
 

@@ -16,6 +16,7 @@
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_values.h"
+#include "host/scene/scene_text.h"
 #include "host/scene/scene_writer.h"
 
 namespace fascicle::scene {
@@ -392,6 +393,15 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read_time(root, scene);
   read_motion(root, scene);
   return scene;
+}
+
+std::string keys_text_without_end(const Scene& scene) {
+  toml::table root = parse_toml(scene.text, scene.source);
+  if (toml::table* table = root["scene"].as_table()) {
+    table->erase("end");
+    if (table->empty()) root.erase("scene");
+  }
+  return write_scene(root);
 }
 
 std::string documented_text(const Scene& scene) {

@@ -15,6 +15,7 @@
 
 #include "cpu_reference/solver/cpu_solver.h"
 #include "host/bake/checkpoint.h"
+#include "host/bake/identity.h"
 #include "host/bake/read_frame_cache.h"
 #include "tests/bake/fake_bakes.h"
 #include "tests/drive/bending_bar.h"
@@ -251,22 +252,36 @@ struct Changed {
   std::uint64_t stopped_at, frames_before, frames;
   std::vector<std::string> formats_before;
   std::uint64_t stride = 1;
+  std::vector<std::string> formats = {};  // of both; empty: all
 };
+
+// Leaves the folder as a kill does between the checkpoint that asks for new files and the first of them: a
+// name that a file will have is a folder there.
+void killed_before_files(const BakeOptions& options, const scene::Scene& scene) {
+  const fs::path model_file = options.folder / "model.fascicle";
+  const fs::path aside = options.folder / "aside";
+  fs::rename(model_file, aside);
+  fs::create_directory(model_file);
+  EXPECT_ANY_THROW(fake_bake_into(options, scene));
+  fs::remove(model_file);
+  fs::rename(aside, model_file);
+}
 
 class BakeResumeChanged : public testing::TestWithParam<Changed> {};
 
 TEST_P(BakeResumeChanged, GivesTheBytesOfABakeAskedForSoFromTheBeginning) {
   const Changed& change = GetParam();
   const TemporaryFolder folder;
-  BakeOptions options = options_for(folder / "whole");
+  BakeOptions options = options_for(folder / "whole"), before = options_for(folder / "out");
+  if (!change.formats.empty()) options.formats = before.formats = change.formats;
   options.glb.stride = change.stride;
   fake_bake_into(options, short_scene(change.frames));
-  BakeOptions before = options_for(folder / "out");
   if (!change.formats_before.empty()) before.formats = change.formats_before;
   bake_until(before, short_scene(change.frames_before), change.stopped_at);
   options.folder = folder / "out";
   options.resume = true;
-  // Stopped again before any file is whole, also with what was asked for first.
+  // Killed before a file is begun anew, then stopped after.
+  killed_before_files(options, short_scene(change.frames));
   bake_until(options, short_scene(change.frames), std::min(change.stopped_at, change.frames));
   const BakeResult result = fake_bake_into(options, short_scene(change.frames));
   EXPECT_EQ(result.frames_done, change.frames);
@@ -276,14 +291,17 @@ TEST_P(BakeResumeChanged, GivesTheBytesOfABakeAskedForSoFromTheBeginning) {
     EXPECT_EQ(manifest[entry], whole[entry]) << entry;
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Changes, BakeResumeChanged,
-    testing::Values(Changed{"ALaterEnd", 3, 6, 9, {}}, Changed{"ALaterEndOfAWholeBake", 6, 6, 9, {}},
-                    Changed{"AnEarlierEnd", 3, 9, 6, {}}, Changed{"AnEarlierEndWhereItStopped", 6, 9, 6, {}},
-                    Changed{"MoreFormats", 4, 6, 6, {"pc2", "obj", "vtu"}},
-                    Changed{"MoreFormatsOfAWholeBake", 6, 6, 6, {"pc2", "vtu"}},
-                    Changed{"AnotherGlb", 4, 6, 6, {}, 2}, Changed{"All", 5, 6, 8, {"mdd", "vtu"}, 3}),
-    [](const auto& change) { return std::string(change.param.name); });
+INSTANTIATE_TEST_SUITE_P(Changes, BakeResumeChanged,
+                         testing::Values(Changed{"ALaterEnd", 3, 6, 9, {}},
+                                         Changed{"ALaterEndOfAWholeBake", 6, 6, 9, {}},
+                                         Changed{"AnEarlierEnd", 3, 9, 6, {}},
+                                         Changed{"AnEarlierEndWhereItStopped", 6, 9, 6, {}},
+                                         Changed{"MoreFormats", 4, 6, 6, {"pc2", "obj", "vtu"}},
+                                         Changed{"MoreFormatsOfAWholeBake", 6, 6, 6, {"pc2", "vtu"}},
+                                         Changed{"AnotherGlb", 4, 6, 6, {}, 2},
+                                         Changed{"NoFormatToBeginAnew", 3, 6, 9, {}, 1, {"vtu"}},
+                                         Changed{"All", 5, 6, 8, {"mdd", "vtu"}, 3}),
+                         [](const auto& change) { return std::string(change.param.name); });
 
 TEST(BakeResume, TakesOtherCommentsAndRefusesOtherKeys) {
   const TemporaryFolder folder;
@@ -297,6 +315,41 @@ TEST(BakeResume, TakesOtherCommentsAndRefusesOtherKeys) {
   bake_until(options, scene, 4);
   scene.text = text + "jitter = 0.1\n";
   EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, scene); }), "the scene's keys"));
+}
+
+// Until its files are whole, none of the formats can be left out.
+TEST(BakeResume, FormatsThatAreBegunAnewCannotBeLeftOut) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.formats = {"obj"};
+  bake_until(options, short_scene(6), 3);
+  options.resume = true;
+  options.formats = {"obj", "pc2"};
+  killed_before_files(options, short_scene(6));
+  options.formats = {"obj"};
+  EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, short_scene(6)); }),
+                       "--format was obj,pc2 and is obj"));
+}
+
+// From the end that the clip has by itself too.
+TEST(BakeResume, AnEndMayBeStatedWhereNoneWas) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  scene::Scene scene = short_scene(6);
+  scene.text = "[scene]\nfps = 24\n";
+  bake_until(options, scene, 3);
+  options.resume = true;
+  scene.text = "[scene]\nfps = 24\nend = 0.75\n";
+  EXPECT_EQ(fake_bake_into(options, scene).frames_done, 6u);
+}
+
+// A muscle's hinge is where the motion bends most, wherever that is.
+TEST(BakeResume, TheEndOfABodyWithMusclesStays) {
+  scene::Scene scene = short_scene(6);
+  const bake::Difference end{"end", "0.75", "1"};
+  EXPECT_TRUE(leaves_frames(end, scene, 3));
+  scene.muscles.emplace_back();
+  EXPECT_FALSE(leaves_frames(end, scene, 3));
 }
 
 // A file that is no bake's is not written over, whenever its name is asked for.

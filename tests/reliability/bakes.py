@@ -96,6 +96,18 @@ class Bake:
         return subprocess.Popen(self.command(folder, *more), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                 text=True, env=self.environment(), start_new_session=True)
 
+    def start_listening(self, folder, *more):
+        """The same, once it has a handler for SIGTERM: before, the system ends it as any program that starts."""
+        process = self.start(folder, *more)
+        handler = 1 << (signal.SIGTERM - 1)
+        while process.poll() is None:
+            with open("/proc/%d/status" % process.pid) as file:
+                caught = next((line.split()[1] for line in file if line.startswith("SigCgt:")), "0")
+            if int(caught, 16) & handler:
+                break
+            time.sleep(0.0005)
+        return process
+
     def empty_folder(self):
         return tempfile.mkdtemp(prefix=self.name + "-", dir=self.root)
 

@@ -1,5 +1,5 @@
-// Preloaded into a program, it lets calls that change files of one folder fail: a disk that is full, or one that is
-// broken.
+// Preloaded into a program, it lets calls that change files of one folder fail: a disk that is full, or one
+// that is broken.
 //
 //   FAILING_FOLDER  files below it count; absolute
 //   FAILING_CALL    the number of the first call that fails, from 1; 0: none
@@ -56,8 +56,8 @@ Plan& plan() {
 Plan::~Plan() {
   if (count_file.empty() || calls == 0) return;
   const std::string line = std::to_string(calls) + "\n";
-  const int file = real<int (*)(const char*, int, ...)>("open")(count_file.c_str(),
-                                                               O_WRONLY | O_CREAT | O_APPEND, 0600);
+  const int file =
+      real<int (*)(const char*, int, ...)>("open")(count_file.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
   if (file < 0) return;
   (void)!real<ssize_t (*)(int, const void*, std::size_t)>("write")(file, line.data(), line.size());
   ::close(file);
@@ -120,7 +120,8 @@ int mkdir(const char* path, mode_t mode) noexcept {
 }
 int open(const char* path, int flags, ...) {
   mode_t mode = 0;
-  if ((flags & (O_CREAT | O_TMPFILE)) != 0) {
+  // O_TMPFILE has the bit of O_DIRECTORY in it.
+  if ((flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE) {
     std::va_list more;
     va_start(more, flags);
     mode = va_arg(more, mode_t);

@@ -44,12 +44,13 @@ def main():
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
-    lines, is_broken = [], False
+    lines, is_broken = [], True
     root = tempfile.mkdtemp(prefix="fascicle-reliability-")
     try:
         small = bakes.small_bakes()
         for bake in small:
             bake.prepare(root)
+        broken = []
         for name, row, often, seldom in rows.ROWS:
             if asked.row and name not in asked.row:
                 continue
@@ -57,12 +58,14 @@ def main():
             begin = time.monotonic()
             try:
                 figure = row(small, count)
-            except bakes.Broken as broken:
-                figure, is_broken = "BROKEN: %s" % broken, True
+            except bakes.Broken as error:
+                figure = "BROKEN: %s" % error
+                broken.append(name)
             seconds = time.monotonic() - begin
             print("%-8s %s (%.0f s, seed %d)" % (name, figure, seconds, seed), flush=True)
             what = " ".join(row.__doc__.split())
             lines.append("| `%s` | %s | %s | %.0f s |\n" % (name, what, figure, seconds))
+        is_broken = bool(broken)
     finally:
         if is_broken:
             print("kept for a look: " + root, file=sys.stderr)
