@@ -283,7 +283,8 @@ def outside(bakes, count):
         """The calls of it and of its children, whole lines each."""
         shutil.rmtree(log, ignore_errors=True)
         os.mkdir(log)
-        done = subprocess.run(["strace", "-ff", "-qq", "-s", "4096", "-e", calls, "-o", log + "/of", *command],
+        # -y names the folders of names that are relative to one.
+        done = subprocess.run(["strace", "-ff", "-y", "-qq", "-s", "4096", "-e", calls, "-o", log + "/of", *command],
                               capture_output=True, text=True, env=environment)
         hold(done.returncode == DONE, done.stderr)
         lines = []
@@ -295,7 +296,8 @@ def outside(bakes, count):
     def hold_inside(lines, allowed, programs):
         for line in lines:
             name = line.partition("(")[0]
-            paths = re.findall(r'"([^"]*)"', line)
+            paths = [os.path.join(folder, path)
+                     for folder, path in re.findall(r'(?:(?:AT_FDCWD|\d+)<([^>]*)>, )?"([^"]*)"', line)]
             hold(name not in ("socket", "connect", "bind"), "a socket: " + line)
             if name == "execve":
                 hold(os.path.basename(paths[0]) in programs, "another program: " + line)
