@@ -15,8 +15,8 @@
 #include "host/scene/scene_characters.h"
 #include "host/scene/scene_check.h"
 #include "host/scene/scene_keys.h"
-#include "host/scene/scene_values.h"
 #include "host/scene/scene_text.h"
+#include "host/scene/scene_values.h"
 #include "host/scene/scene_writer.h"
 
 namespace fascicle::scene {
