@@ -277,12 +277,11 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
   reliability)
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
-    page=$PWD/docs/reliability.md
     export FASCICLE_PROGRAM="$PWD/build/release/fascicle"
     FASCICLE_FAILING_CALLS=$(find "$PWD/build/release/tests/reliability" -name 'libfailing_calls.so')
     export FASCICLE_FAILING_CALLS
     cd tests/reliability
-    if [ $# -eq 0 ]; then set -- --write "$page"; fi
+    if [ $# -eq 0 ]; then set -- --write; fi
     exec python3 -B reliability.py "$@"
     ;;
   soak)

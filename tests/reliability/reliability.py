@@ -1,8 +1,8 @@
 """Disturbs bakes in every way of rows.py, and writes what came of it.
 
-reliability.py [ROW...] [--short] [--share S] [--write PAGE.md]: FASCICLE_PROGRAM names the program,
+reliability.py [ROW...] [--short] [--share S] [--write]: FASCICLE_PROGRAM names the program,
 FASCICLE_FAILING_CALLS the library that lets calls fail. --short: as often as CI has time for. --share: that share of
-the times."""
+the times. --write: into the page in docs."""
 
 import argparse
 import os
@@ -40,7 +40,7 @@ def main():
     parser.add_argument("row", nargs="*", choices=[[], *(row[0] for row in rows.ROWS)])
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--share", type=float, default=1.0)
-    parser.add_argument("--write")
+    parser.add_argument("--write", action="store_true")
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
@@ -74,9 +74,10 @@ def main():
     if asked.write and not is_broken:
         version = subprocess.run([bakes.PROGRAM, "--version"], capture_output=True, text=True).stdout.split("\n")[0]
         text = PAGE % (seed, version, "%s, %d cores" % (platform.machine(), os.cpu_count()), "".join(lines))
-        with open(asked.write + ".new", "w") as file:
+        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "reliability.md")
+        with open(page + ".new", "w") as file:
             file.write(text)
-        os.replace(asked.write + ".new", asked.write)
+        os.replace(page + ".new", page)
     return 1 if is_broken else 0
 
 
