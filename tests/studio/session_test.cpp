@@ -365,6 +365,44 @@ TEST_F(SessionTest, ARecordedRunIsTheBakeOfWhatIsSaved) {
   EXPECT_NE(client->wait_for("recorded").at("position_hash"), recorded.at("position_hash"));
 }
 
+// File names are seen from where the saved scene lies.
+TEST_F(SessionTest, ASavedSceneFindsItsFiles) {
+  fs::create_directories(folder_ / "scenes" / "meshes");
+  base::write_whole(
+      folder_ / "scenes" / "meshes" / "body.mesh",
+      "MeshVersionFormatted 2\nDimension 3\nVertices\n5\n0 0 0 0\n0.1 0 0 0\n0 0.1 0 0\n0 0 0.1 0\n"
+      "0.1 0.1 0.1 0\nTetrahedra\n2\n1 2 3 4 0\n2 3 4 5 0\nEnd\n");
+  scene_ = folder_ / "scenes" / "two.toml";
+  base::write_whole(scene_,
+                    "[scene]\nend = 0.1\n[mesh]\nfile = \"meshes/body.mesh\" # two of them\n"
+                    "[layers.body]\nalpha = 0.5\n"
+                    "[pin.floor]\nwhere = { below = { axis = \"y\", fraction = 0.0 } }\n");
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "set"}, {"changes", {{"layers.body.alpha", 0.25}}}});
+  client->wait_for("applied");
+  client->say({{"type", "record"}});
+  const Json recorded = client->wait_for("recorded");
+  client->say({{"type", "bake"}});
+  EXPECT_EQ(client->wait_for("saved").at("file"), (folder_ / "session" / "two.toml").string());
+  EXPECT_EQ(client->wait_for("baked").at("position_hash"), recorded.at("position_hash"));
+  EXPECT_NE(read(folder_ / "session" / "two.toml").find("\"../scenes/meshes/body.mesh\" # two of them"),
+            std::string::npos);
+}
+
+TEST_F(SessionTest, ABuiltInSceneIsSavedAndBaked) {
+  const Running studio("bar-beta-1", folder_ / "session", folder_ / "cache");
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 0.1}}}});
+  client->wait_for("applied");
+  client->say({{"type", "bake"}});
+  client->wait_for("saved");
+  EXPECT_EQ(client->wait_for("baked").at("frames"), 6);
+  EXPECT_EQ(scene::load_scene((folder_ / "session" / "bar-beta-1.toml").string()).end, 0.1);
+}
+
 TEST_F(SessionTest, FoldersAndFilesOfOthersAreNotOverwritten) {
   const Running studio = open();
   const auto client = studio.open();
