@@ -1,34 +1,18 @@
 // Starts `fascicle studio` and uses its page as people do:
 //   node studio.mjs PROGRAM FOLDER SCENE...
 // FOLDER gets the session, screenshots and report.json, which says what was seen; the test that runs this judges.
-import { spawn } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { drawn, open_browser, open_page } from "./browser.mjs";
 import { pixels_of } from "./png.mjs";
+import { start_studio } from "./studio_program.mjs";
 
 const [program, folder, ...scene] = process.argv.slice(2);
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const report = { keys: {}, axe: {} };
 
-function start() {
-  const child = spawn(program, ["studio", ...scene, "--headless", "--device", "cpu", "-o", join(folder, "session")], {
-    stdio: ["ignore", "pipe", "inherit"],
-  });
-  const address = new Promise((found, failed) => {
-    let text = "";
-    child.stdout.on("data", (bytes) => {
-      text += bytes;
-      const line = text.match(/http:\/\/127\.0\.0\.1:\d+\/#[0-9a-f]+/);
-      if (line) found(line[0]);
-    });
-    child.on("exit", (code) => failed(new Error(`the studio ended with ${code}`)));
-  });
-  const ended = new Promise((done) => child.on("exit", done));
-  return { child, address, ended };
-}
-
+const start = () => start_studio(program, folder, scene);
 let studio = start();
 const browser = await open_browser();
 const { page, said, asked } = await open_page(browser);

@@ -65,6 +65,7 @@ export interface SceneKey {
   logarithmic?: boolean;
   unit?: string;
   allowed?: string[];
+  rivals?: string[]; // keys that are dropped when this one is set
   effect: "live" | "rebuild";
 }
 

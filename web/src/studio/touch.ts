@@ -10,9 +10,11 @@ interface Row {
   fill: (key: SceneKey) => void;
 }
 
-// Whether it is shown unasked: what has a slider, what the scene states, and what moves flesh from outside.
-function is_near(key: SceneKey): boolean {
+// Whether it is shown unasked: what has a slider, what the scene states, and what moves flesh from outside. Of the forms
+// that say the same, such as a layer's stiffness, only the one that the scene uses.
+export function is_near(key: SceneKey, is_set: (path: string) => boolean): boolean {
   if (key.kind === "other" || key.kind === "texts") return false;
+  if (!key.is_set && key.rivals?.some(is_set)) return false;
   return key.is_set || key.soft_minimum !== undefined || /gravity|wind/.test(key.path);
 }
 
@@ -88,6 +90,7 @@ export class TouchPanel {
   }
 
   private filter(): void {
+    const set = new Set(this.groups.flatMap((group) => group.keys.filter((key) => key.is_set).map((key) => key.path)));
     const words = this.find.value.trim().toLowerCase().split(/\s+/).filter((word) => word);
     for (const details of this.home.querySelectorAll("details")) {
       let shown = 0;
@@ -95,7 +98,7 @@ export class TouchPanel {
       for (const key of group?.keys ?? []) {
         const row = this.rows.get(key.path)!;
         const text = `${key.path} ${key.doc} ${group!.title}`.toLowerCase();
-        const is_shown = words.length > 0 ? words.every((word) => text.includes(word)) : is_near(key);
+        const is_shown = words.length > 0 ? words.every((word) => text.includes(word)) : is_near(key, (path) => set.has(path));
         row.element.hidden = !is_shown;
         if (is_shown) ++shown;
       }
