@@ -18,6 +18,8 @@
 #   ./do portable         build for any distribution, source by source, and bake in a root that holds only libc
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
+#   ./do web              check the browser's pages (types, tests) and bundle them anew into web/bundle
+#   ./do view-figure      bake the bear and draw its page, docs/figures/view.png
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
@@ -31,7 +33,7 @@ libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmes
 pybind11-dev python3-dev libboost-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace \
-slurm-wlm munge"
+slurm-wlm munge chromium"
 bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
 site_packages="mkdocs"
@@ -67,6 +69,20 @@ readers() { # PRESET
     { rm -rf "$folder/node_modules"; echo "do: npm could not install the readers; their tests are skipped" >&2; }
 }
 
+# The browser's pages with their tools from npm, pinned by web/package-lock.json, in the build folder. Without a network
+# the tests that need them are skipped and say so.
+web_tools() { # PRESET
+  command -v node >/dev/null && command -v npm >/dev/null || need nodejs npm
+  folder=build/$1/web
+  mkdir -p "$folder"
+  rm -rf "$folder/src" "$folder/tests"
+  cp -r web/src web/tests web/*.mjs web/tsconfig.json "$folder"
+  if cmp -s web/package-lock.json "$folder/package-lock.json" && [ -d "$folder/node_modules" ]; then return 0; fi
+  cp web/package.json web/package-lock.json "$folder"
+  (cd "$folder" && timeout 300 npm ci --ignore-scripts --no-audit --no-fund >&2) ||
+    { rm -rf "$folder/node_modules"; echo "do: npm could not install the tools of web/; their tests are skipped" >&2; }
+}
+
 # FASCICLE_CMAKE in the environment holds more arguments for CMake.
 build() { # PRESET [CMAKE CACHE ARGUMENTS...]
   preset=$1
@@ -90,6 +106,7 @@ case $command in
   test)
     need $build_packages $run_packages $test_packages
     readers release
+    web_tools release
     build release -DFASCICLE_TESTS=ON
     exec ctest --preset release --output-on-failure -j "$(nproc)" "$@"
     ;;
@@ -209,6 +226,27 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     cmake --preset release -B build/lint -DFASCICLE_TESTS=ON -DFASCICLE_BENCH=ON -DCMAKE_UNITY_BUILD=OFF >&2
     exec tests/house/lint.sh build/lint "$@"
     ;;
+  web)
+    web_tools release
+    cd build/release/web
+    [ -d node_modules ] || exit 1
+    npm run --silent check >&2
+    npm test --silent >&2
+    npm run --silent build >&2
+    cp bundle/*.html ../../../web/bundle/
+    ;;
+  view-figure)
+    need $build_packages $run_packages chromium
+    web_tools release
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    folder=$PWD/build/release/view-figure
+    build/release/fascicle bake jump -o "$folder" --end 2 --overwrite --device cpu
+    build/release/fascicle view "$folder" -o "$folder.html" --overwrite
+    picture=$PWD/docs/figures/view.png
+    cd build/release/web
+    exec node tests/figure.mjs "$folder.html" "$picture" 76
+    ;;
   site)
     need $site_packages
     # The pages and what they link to, in the folders they have here, so that their links hold as they are.
@@ -233,7 +271,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,24s/^# \{0,1\}//p' "$0"
+    sed -n '2,26s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -54,9 +54,18 @@ install(FILES ${manual_folder}/_fascicle DESTINATION ${CMAKE_INSTALL_DATADIR}/zs
 install(FILES ${manual_folder}/fascicle.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
   COMPONENT program)
 
-# Every package carries its own licence.
+# Every package carries its own licence. The program holds the browser's pages, which three.js is part of; its notice
+# begins their script.
+file(READ web/bundle/view.html page)
+string(REGEX MATCH "three\\.js, https://threejs\\.org[^*]*" notice "${page}")
+if(NOT notice MATCHES "MIT License")
+  message(FATAL_ERROR "web/bundle/view.html has no notice of three.js; run ./do web")
+endif()
+file(READ LICENSE licence)
+file(WRITE ${CMAKE_BINARY_DIR}/copyright_of_program "${licence}\n\nThe program contains ${notice}")
 set(doc_folder ${CMAKE_INSTALL_DATADIR}/doc)
-install(FILES LICENSE DESTINATION ${doc_folder}/fascicle RENAME copyright COMPONENT program)
+install(FILES ${CMAKE_BINARY_DIR}/copyright_of_program DESTINATION ${doc_folder}/fascicle RENAME copyright
+  COMPONENT program)
 install(FILES LICENSE DESTINATION ${doc_folder}/libfascicle${PROJECT_VERSION_MAJOR} RENAME copyright COMPONENT library)
 install(FILES LICENSE DESTINATION ${doc_folder}/libfascicle-dev RENAME copyright COMPONENT development)
 install(DIRECTORY docs/examples/library/ DESTINATION ${doc_folder}/libfascicle-dev/examples COMPONENT development)

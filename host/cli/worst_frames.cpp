@@ -8,32 +8,13 @@
 
 #include "host/bake/bake.h"
 #include "host/bake/outputs.h"
+#include "host/base/csv.h"
 #include "host/base/file.h"
 
 namespace fascicle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Of one line; a field in quotation marks may hold commas, and two marks for one.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const char c = line[k];
-    if (c == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"') {
-      fields.back() += c;
-      ++k;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-    } else if (c != '\r') {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
 
 std::optional<double> number_in(const std::string& text) {
   double value = 0.0;
@@ -61,13 +42,13 @@ FrameScores read_frame_scores(const fs::path& folder) {
     throw bake::BakeError(path.string() +
                           ": is not there or empty; without it nothing tells which frames are "
                           "worst: give --frame or --sheet, or bake again");
-  const std::vector<std::string> columns = fields_of(line);
+  const std::vector<std::string> columns = base::csv_fields(line);
   if (columns.front() != "frame")
     throw bake::BakeError(path.string() + ": its first column is not `frame`; bake again");
   FrameScores scores;
   scores.has_look = std::count(columns.begin(), columns.end(), "look") > 0;
   while (std::getline(file, line)) {
-    const std::vector<std::string> fields = fields_of(line);
+    const std::vector<std::string> fields = base::csv_fields(line);
     const std::optional<double> number = number_in(fields.front());
     // A running bake's last line may be cut off.
     if (fields.size() < columns.size() || !number || !(*number >= 0.0 && *number < 1e15)) continue;

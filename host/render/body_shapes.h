@@ -10,6 +10,7 @@
 #include "host/model/model.h"
 #include "host/render/annotate.h"
 #include "host/render/looks.h"
+#include "host/render/model_surface.h"
 #include "host/render/shape.h"
 
 namespace fascicle::render {
@@ -17,14 +18,6 @@ namespace fascicle::render {
 // shaded: skin; layers: a colour for each layer; fibres: short lines along d_r; lag: distance to the skinned
 // pose; contact: how deep flesh lies in other flesh.
 enum class Mode { shaded, layers, fibres, lag, contact };
-
-// Takes away the tetrahedra that lie wholly on one side of a plane in the rest pose, so that it cuts the same
-// tetrahedra in every frame.
-struct Clip {
-  int axis = 0;        // 0 x, 1 y, 2 z
-  double place = 0.0;  // m
-  bool keeps_below = true;
-};
 
 struct DrawingOptions {
   Mode mode = Mode::shaded;
@@ -55,11 +48,6 @@ class BodyDrawing {
   bool shows_fibres() const;
 
  private:
-  struct Face {
-    std::array<std::uint32_t, 3> corners;  // outward
-    std::uint32_t tetrahedron;
-  };
-
   Shape surface(std::span<const float> positions, std::span<const float> lag,
                 std::span<const float> placed) const;
   void paint(Shape& shape) const;
@@ -67,19 +55,14 @@ class BodyDrawing {
   Shape contact_marks(std::span<const float> positions, std::span<const float> depths,
                       const Vector3f& eye) const;
   Shape fibre_lines(std::span<const float> positions, const Vector3f& eye) const;
-  void split_at_creases();
   Vector3f vertex_colour(std::uint32_t vertex, std::span<const float> lag) const;
   Vector3f lag_colour(float lag) const;
 
   const model::Model& model_;
   DrawingOptions options_;
   bool draws_tetrahedra_ = false;
-  std::vector<Face> faces_;  // of the tetrahedra that are kept, without those inside
-  // The render mesh with a vertex more for each crease that runs through it, so that one vertex has one
-  // normal.
-  std::vector<std::uint32_t> drawn_vertex_;                    // the render vertex
-  std::vector<std::uint32_t> normal_of_;                       // its normal, shared across seams
-  std::vector<std::array<std::uint32_t, 3>> drawn_triangles_;  // numbers of drawn vertices
+  std::vector<OuterFace> faces_;  // of the tetrahedra that are kept
+  CreasedSurface creased_;
   std::vector<std::uint32_t> surface_layer_;
   std::vector<std::uint32_t> fibre_vertices_;                 // on the faces, with a fibre
   std::vector<std::vector<std::uint32_t>> fibre_tetrahedra_;  // around each of them

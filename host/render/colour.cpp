@@ -37,6 +37,10 @@ Vector3f layer_colour(const std::string& name, std::size_t number) {
   return colour(others[number % others.size()]);
 }
 
+Vector3f skin_tone() {
+  return colour(0xe3ab8c);
+}
+
 Vector3f scale_colour(float value) {
   // Stops picked by eye along one line of rising lightness.
   static const std::array<Vector3f, 6> stops{colour(0x3b1054), colour(0x3f4788), colour(0x2d718e),

@@ -19,6 +19,9 @@ Vector3f colour(std::uint32_t hex);
 // Of a layer: bone, muscle, fat and skin have their own, others the next of a row of eight by their number.
 Vector3f layer_colour(const std::string& name, std::size_t number);
 
+// Of what says nothing of its colour.
+Vector3f skin_tone();
+
 // Dark violet at 0 over green to yellow at 1, evenly brighter all the way, so that it reads the same in grey.
 Vector3f scale_colour(float value);
 

@@ -87,6 +87,18 @@ Texture::Level Texture::half_of(const Level& level) {
   return half;
 }
 
+Texels Texture::texels() const {
+  const Level& level = levels_[0];
+  Texels texels{level.width, level.height, {}};
+  texels.values.reserve(level.values.size());
+  for (std::size_t k = 0; k < level.values.size(); ++k) {
+    const float value = static_cast<float>(level.values[k]) / full;
+    texels.values.push_back(k % 4 == 3 ? static_cast<std::uint8_t>(std::lround(255.0f * value))
+                                       : byte_of_linear(value));
+  }
+  return texels;
+}
+
 unsigned Texture::level_for(float texels) const {
   unsigned level = 0;
   for (; texels > 2.0f && level + 1 < level_count(); ++level) texels /= 4.0f;

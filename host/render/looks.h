@@ -33,6 +33,8 @@ class Texture {
 
   unsigned width() const { return levels_[0].width; }
   unsigned height() const { return levels_[0].height; }
+  // What is kept of it, of level 0.
+  Texels texels() const;
   unsigned level_count() const { return static_cast<unsigned>(levels_.size()); }
   // The level on which `texels` (of level 0) a pixel's area become at most 2, or the last.
   unsigned level_for(float texels) const;

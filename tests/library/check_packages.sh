@@ -54,6 +54,9 @@ depends fascicle-mesher libtet1.5
 grep -q "Affero" <<TEXT || fail "the mesher's copyright is not its own"
 $(dpkg-deb --fsys-tarfile fascicle-mesher_*.deb | tar -xO ./usr/share/doc/fascicle-mesher/copyright)
 TEXT
+grep -q "three.js authors" <<TEXT || fail "the program's copyright has no notice of three.js"
+$(dpkg-deb --fsys-tarfile fascicle_*.deb | tar -xO ./usr/share/doc/fascicle/copyright)
+TEXT
 for deb in *.deb; do
   # The files of one package are no other's.
   dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}'

@@ -1,0 +1,13 @@
+// Lines of comma separated values (RFC 4180).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fascicle::base {
+
+// The fields of a line; one in quotation marks may hold commas, and two marks for one.
+std::vector<std::string> csv_fields(std::string_view line);
+
+}  // namespace fascicle::base

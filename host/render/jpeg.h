@@ -1,0 +1,13 @@
+// JPEG by libjpeg.
+#pragma once
+
+#include <string>
+
+#include "host/render/looks.h"
+
+namespace fascicle::render {
+
+// A texture without its alpha. `quality`: 1 to 100, as libjpeg has it. Throws std::runtime_error.
+std::string encode_jpeg(const Texels& texels, int quality);
+
+}  // namespace fascicle::render

@@ -1,0 +1,278 @@
+// fascicle view: what its page holds is the bake, by a decoder of its own; what it says, and what it refuses.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "host/page/base64.h"
+#include "tests/cli/program.h"
+#include "tests/support/assets.h"
+#include "tests/support/readers.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+bool have_node() {
+  return std::system("node --version > /dev/null 2>&1") == 0;
+}
+
+// What the decoder in tests/readers says, which needs node and nothing from npm; no object where it gives up.
+json decoded_page(const std::string& page, const std::string& cache) {
+  const TemporaryFolder folder;
+  const std::string command = std::string("node '") + FASCICLE_SOURCE_DIR +
+                              "/tests/readers/decode_page.mjs' '" + page + "' '" + cache + "' > '" +
+                              folder / "out" + "' 2> '" + folder / "err" + "'";
+  if (std::system(command.c_str()) != 0) return json(read_text(folder / "err"));
+  return json::parse(read_text(folder / "out"), nullptr, false);
+}
+
+void bake_of(const std::string& scene, const std::string& out, const std::vector<std::string>& more) {
+  std::vector<std::string> command{"bake", scene, "-o", out, "--device", "cpu"};
+  command.insert(command.end(), more.begin(), more.end());
+  const Outcome outcome = fascicle(command);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+}
+
+TEST(View, EveryVertexOfEveryFrameIsWithinWhatIsStated) {
+  FASCICLE_NEEDS(have_node(), "FASCICLE_REQUIRE_READERS", "node on the PATH");
+  std::vector<std::string> scenes{"arm", "bar-layers-iii"};
+  if (fs::exists(asset("CesiumMan.glb")))
+    scenes.push_back(asset("CesiumMan.glb").string());
+  else
+    EXPECT_FALSE(assets_are_required());
+  for (const std::string& scene : scenes) {
+    SCOPED_TRACE(scene);
+    const TemporaryFolder folder;
+    // Contact of the man's own flesh costs most of his bake, and nothing here depends on it.
+    const bool is_arm = scene == "arm";
+    bake_of(scene, folder / "bake",
+            {"--end", is_arm ? "1" : "0.3", "--format", "pc2", "--set", "contact.self=false"});
+    const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json said = json::parse(outcome.out);
+    EXPECT_EQ(said["bytes"], fs::file_size(folder / "page.html"));
+    const json found = decoded_page(folder / "page.html", folder / "bake/surface.pc2");
+    ASSERT_TRUE(found.is_object()) << found;
+    EXPECT_EQ(found["frames"], found["cache_frames"]);
+    EXPECT_EQ(said["frames"], found["frames"]);
+    EXPECT_EQ(said["vertices"], found["cache_vertices"]);
+    EXPECT_EQ(found["left_over"], 0);
+    EXPECT_EQ(said["error"], found["stated"]);
+    // The grid's step is a double: its multiples are off by less than a billionth of it.
+    EXPECT_LE(found["largest"].get<double>(), found["stated"].get<double>() * (1 + 1e-6));
+    // A bound of a whole different size would be met by a page of nothing.
+    EXPECT_GT(found["largest"].get<double>(), 0.5 * found["stated"].get<double>());
+    EXPECT_LE(found["stated"].get<double>(), 2e-4);
+    if (is_arm) {
+      EXPECT_GT(*std::max_element(found["lag"].begin(), found["lag"].end()), 1e-3);
+    }
+  }
+}
+
+// The control: a page with one byte changed is not the bake.
+TEST(View, ADamagedPageIsSeen) {
+  FASCICLE_NEEDS(have_node(), "FASCICLE_REQUIRE_READERS", "node on the PATH");
+  const TemporaryFolder folder;
+  bake_of("bar-layers-iii", folder / "bake", {"--end", "0.1", "--format", "pc2"});
+  ASSERT_EQ(fascicle({"view", folder / "bake", "-o", folder / "page.html"}).status, 0);
+  std::string page = read_text(folder / "page.html");
+  const std::size_t motion = page.find("\"motion\":\"");
+  ASSERT_NE(motion, std::string::npos);
+  char& digit = page[motion + (page.find('"', motion + 10) - motion) * 3 / 4];
+  digit = digit == 'A' ? 'B' : 'A';
+  write_text(folder / "page.html", page);
+  const json found = decoded_page(folder / "page.html", folder / "bake/surface.pc2");
+  // Either the data end where they should not, or other places come out.
+  const bool is_seen =
+      !found.is_object() || found["largest"].get<double>() > 2 * found["stated"].get<double>();
+  EXPECT_TRUE(is_seen) << found;
+}
+
+TEST(View, TheErrorIsAsAskedFor) {
+  const TemporaryFolder folder;
+  bake_of("arm", folder / "bake", {"--end", "0.2"});
+  const auto view = [&](const std::string& error) {
+    const Outcome outcome = fascicle(
+        {"view", folder / "bake", "-o", folder / "page.html", "--overwrite", "--json", "--error", error});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return json::parse(outcome.out);
+  };
+  const json fine = view("0.01"), coarse = view("1");
+  EXPECT_NEAR(fine["error"].get<double>(), 1e-5, 1e-9);
+  EXPECT_NEAR(coarse["error"].get<double>(), 1e-3, 1e-7);
+  EXPECT_LT(coarse["bytes"].get<double>(), fine["bytes"].get<double>());
+}
+
+// A body of revolution of rings x spokes vertices and two poles, 1.7 m high, whose upper half nods and turns
+// while the whole goes up and down: a glTF file.
+std::string nodding_body(std::size_t rings, std::size_t spokes) {
+  std::vector<float> positions, weights, times, turns, rises;
+  std::vector<std::uint16_t> joints;
+  std::vector<std::uint32_t> triangles;
+  const auto add = [&](double radius, double angle, double height) {
+    for (const double value : {radius * std::cos(angle), height, radius * std::sin(angle)})
+      positions.push_back(static_cast<float>(value));
+    const double upper = std::clamp((height - 0.7) / 0.3, 0.0, 1.0);
+    for (const double weight : {1.0 - upper, upper, 0.0, 0.0}) weights.push_back(static_cast<float>(weight));
+    joints.insert(joints.end(), {0, 1, 0, 0});
+  };
+  for (std::size_t ring = 0; ring < rings; ++ring) {
+    const double share = (static_cast<double>(ring) + 0.5) / static_cast<double>(rings);
+    const double radius =
+        0.28 * std::sqrt(std::sin(std::numbers::pi * share)) * (1.0 + 0.15 * std::sin(14.0 * share));
+    for (std::size_t spoke = 0; spoke < spokes; ++spoke)
+      add(radius, 2.0 * std::numbers::pi * static_cast<double>(spoke) / static_cast<double>(spokes),
+          1.7 * share);
+  }
+  add(0.0, 0.0, 0.0);
+  add(0.0, 0.0, 1.7);
+  const auto at = [&](std::size_t ring, std::size_t spoke) {
+    return static_cast<std::uint32_t>(ring * spokes + spoke % spokes);
+  };
+  const auto bottom = static_cast<std::uint32_t>(rings * spokes), top = bottom + 1;
+  for (std::size_t spoke = 0; spoke < spokes; ++spoke) {
+    for (std::size_t ring = 0; ring + 1 < rings; ++ring)
+      for (const std::uint32_t corner : {at(ring, spoke), at(ring + 1, spoke), at(ring, spoke + 1),
+                                         at(ring, spoke + 1), at(ring + 1, spoke), at(ring + 1, spoke + 1)})
+        triangles.push_back(corner);
+    for (const std::uint32_t corner :
+         {bottom, at(0, spoke), at(0, spoke + 1), top, at(rings - 1, spoke + 1), at(rings - 1, spoke)})
+      triangles.push_back(corner);
+  }
+  for (int k = 0; k <= 30; ++k) {
+    const double time = 0.05 * k, half = 0.35 * std::sin(7.0 * time), spin = 0.3 * std::sin(4.0 * time);
+    times.push_back(static_cast<float>(time));
+    // A turn about y, then one about z.
+    for (const double value : {std::sin(half) * std::sin(spin), std::cos(half) * std::sin(spin),
+                               std::sin(half) * std::cos(spin), std::cos(half) * std::cos(spin)})
+      turns.push_back(static_cast<float>(value));
+    for (const double value : {0.0, 0.12 * std::sin(6.0 * time), 0.0})
+      rises.push_back(static_cast<float>(value));
+  }
+  const std::vector<float> binds{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,      0, 1,
+                                 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -0.85f, 0, 1};
+  json document{{"asset", {{"version", "2.0"}}}};
+  std::string bytes;
+  const auto put = [&](const auto& values, int component, const char* type, std::size_t width) {
+    const std::size_t offset = bytes.size(), size = values.size() * sizeof values[0];
+    bytes.append(reinterpret_cast<const char*>(values.data()), size);
+    document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}});
+    document["accessors"].push_back({{"bufferView", document["bufferViews"].size() - 1},
+                                     {"componentType", component},
+                                     {"type", type},
+                                     {"count", values.size() / width}});
+    return document["accessors"].size() - 1;
+  };
+  const auto position = put(positions, 5126, "VEC3", 3), weight = put(weights, 5126, "VEC4", 4),
+             joint = put(joints, 5123, "VEC4", 4), index = put(triangles, 5125, "SCALAR", 1),
+             bind = put(binds, 5126, "MAT4", 16), time = put(times, 5126, "SCALAR", 1),
+             turn = put(turns, 5126, "VEC4", 4), rise = put(rises, 5126, "VEC3", 3);
+  document["accessors"][position]["min"] = {-1, 0, -1};
+  document["accessors"][position]["max"] = {1, 1.7, 1};
+  document["accessors"][time]["min"] = {0};
+  document["accessors"][time]["max"] = {1.5};
+  document["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", position}, {"WEIGHTS_0", weight}, {"JOINTS_0", joint}}},
+          {"indices", index}}}}}};
+  document["nodes"] = {{{"name", "hips"}, {"children", {1}}},
+                       {{"name", "chest"}, {"translation", {0, 0.85, 0}}},
+                       {{"mesh", 0}, {"skin", 0}}};
+  document["skins"] = {{{"joints", {0, 1}}, {"inverseBindMatrices", bind}}};
+  document["scenes"] = {{{"nodes", {0, 2}}}};
+  document["scene"] = 0;
+  document["animations"] = {
+      {{"name", "nod"},
+       {"samplers", {{{"input", time}, {"output", turn}}, {{"input", time}, {"output", rise}}}},
+       {"channels",
+        {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}},
+         {{"sampler", 1}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+  document["buffers"] = {
+      {{"byteLength", bytes.size()}, {"uri", "data:application/octet-stream;base64," + page::base64(bytes)}}};
+  return document.dump();
+}
+
+// The bar: 90 frames of 13,000 vertices under 6 MB, three.js and all.
+TEST(View, NinetyFramesOfThirteenThousandVerticesAreBelowSixMegabytes) {
+  const TemporaryFolder folder;
+  write_text(folder / "body.gltf", nodding_body(130, 100));
+  bake_of(folder / "body.gltf", folder / "bake", {"--end", "1.5", "--fps", "60", "--resolution", "2000"});
+  const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json said = json::parse(outcome.out);
+  EXPECT_GE(said["vertices"], 13000);
+  EXPECT_GE(said["frames"], 90);
+  EXPECT_LE(said["error"].get<double>(), 1.5e-4);
+  EXPECT_LT(said["bytes"].get<double>(), 6e6);
+  RecordProperty("bytes", said["bytes"].dump());
+}
+
+TEST(View, BadUsageAndBadInputAreToldApart) {
+  const TemporaryFolder folder;
+  bake_of("bar-layers-iii", folder / "bake", {"--end", "0.1"});
+  const std::string page = folder / "page.html";
+  EXPECT_EQ(fascicle({"view", folder / "bake"}).status, 2);
+  EXPECT_EQ(fascicle({"view", folder / "bake", "-o", folder / "page.png"}).status, 2);
+  EXPECT_EQ(fascicle({"view", folder / "bake", "-o", page, "--error", "0"}).status, 2);
+  EXPECT_EQ(fascicle({"view", folder / "nowhere", "-o", page}).status, 3);
+  EXPECT_EQ(fascicle({"view", folder / "bake", "-o", folder / "nowhere/page.html"}).status, 3);
+  EXPECT_FALSE(fs::exists(page));
+  const Outcome first = fascicle({"view", folder / "bake", "-o", page});
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_TRUE(contains(first.out, "no vertex is further than")) << first.out;
+  const std::string before = read_text(page);
+  const Outcome again = fascicle({"view", folder / "bake", "-o", page});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_TRUE(contains(again.err, "--overwrite")) << again.err;
+  EXPECT_EQ(fascicle({"view", folder / "bake", "-o", page, "--overwrite"}).status, 0);
+  EXPECT_TRUE(read_text(page) == before) << "the same bake gives the same page";
+}
+
+// What the bake kept is not trusted: as an export, a page is refused where it is damaged, and none is
+// written.
+TEST(View, ADamagedBakeIsRefused) {
+  const TemporaryFolder folder;
+  bake_of("arm", folder / "whole", {"--end", "0.1"});
+  for (const char* file : {"frames.fascicle", "model.fascicle", "character.glb", "manifest.json"}) {
+    SCOPED_TRACE(file);
+    fs::remove_all(folder / "bake");
+    fs::copy(folder / "whole", folder / "bake", fs::copy_options::recursive);
+    std::string bytes = read_text(folder / ("bake/" + std::string(file)));
+    bytes.resize(bytes.size() / 2);
+    write_text(folder / ("bake/" + std::string(file)), bytes);
+    const Outcome outcome = fascicle({"view", folder / "bake", "-o", folder / "page.html"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    EXPECT_EQ(outcome.signal, 0);
+    EXPECT_TRUE(contains(outcome.err, "bake")) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "page.html"));
+  }
+}
+
+// A scene's name may hold what a page would obey.
+TEST(View, NamesStayText) {
+  const TemporaryFolder folder;
+  const std::string name = "</script><img src=x onerror=alert(1)>@BAKE@&amp;";
+  bake_of("bar-layers-iii", folder / "bake", {"--end", "0.1"});
+  json manifest = json::parse(read_text(folder / "bake/manifest.json"));
+  manifest["scene"]["name"] = name;
+  write_text(folder / "bake/manifest.json", manifest.dump(1));
+  ASSERT_EQ(fascicle({"view", folder / "bake", "-o", folder / "page.html"}).status, 0);
+  const std::string page = read_text(folder / "page.html");
+  EXPECT_FALSE(contains(page, "<img src=x")) << "the name is markup";
+  const std::size_t data = page.find("id=\"bake\">") + 10;
+  const json kept = json::parse(page.substr(data, page.find("</script>", data) - data));
+  EXPECT_EQ(kept["scene"], name);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,20 @@
+// Numbers as people read them.
+
+// Three digits, as few characters as they take.
+export function short_number(value: number): string {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-3) return value.toExponential(2);
+  return String(Number(value.toPrecision(3)));
+}
+
+// The least of the factors times a power of ten that is not below `value` (above 0).
+export function nice_above(value: number, factors: readonly number[] = [1, 2, 5, 10]): number {
+  const power = 10 ** Math.floor(Math.log10(value));
+  for (const factor of factors) if (factor * power >= value * (1 - 1e-9)) return factor * power;
+  return 10 * power;
+}
+
+export function grouped(value: number): string {
+  return value.toLocaleString("en-US");
+}

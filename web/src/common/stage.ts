@@ -1,0 +1,174 @@
+// The room that bodies stand in: light, floor, and one or two pictures of it beside each other.
+import {
+  CircleGeometry,
+  Color,
+  DirectionalLight,
+  GridHelper,
+  Group,
+  HemisphereLight,
+  LineBasicMaterial,
+  Mesh,
+  PerspectiveCamera,
+  Scene,
+  ShadowMaterial,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { nice_above } from "./numbers";
+import { Orbit } from "./orbit";
+
+export const FIELD = (32 * Math.PI) / 180; // rad, of the picture's height
+
+const SLOW = 70; // ms a picture
+const MOST_LATE = 6; // of such pictures, one after the other
+
+export interface Half {
+  shown: Group[];
+  hidden: Group[];
+}
+
+export class Stage {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera();
+  readonly orbit = new Orbit(() => this.invalidate());
+  spares = false; // whether a slow machine gets simpler pictures
+  private readonly renderer: WebGLRenderer;
+  private readonly sun = new DirectionalLight(0xffffff, 2.1);
+  private readonly rim = new DirectionalLight(0xdfe8ff, 0.7);
+  private readonly sky = new HemisphereLight(0xffffff, 0x9a948c, 1.25);
+  private readonly floor = new Group();
+  private readonly shadow = new ShadowMaterial({ opacity: 0.22 });
+  private grid: GridHelper | null = null;
+  private radius = 1;
+  private stale = true;
+  private fence: WebGLSync | null = null; // after what was asked for last
+  private late = 0;
+  private asked = 0; // ms, when that was
+
+  // Throws where the browser has no WebGL 2.
+  constructor(readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.shadowMap.enabled = true;
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.normalBias = 0.02;
+    this.scene.add(this.sky, this.sun, this.sun.target, this.rim, this.rim.target, this.floor);
+    this.orbit.listen(canvas);
+  }
+
+  invalidate(): void {
+    this.stale = true;
+  }
+
+  // The room for a motion within this ball, on a floor at this height.
+  furnish(middle: Vector3, radius: number, floor: number): void {
+    this.radius = radius;
+    const cell = nice_above(radius / 5);
+    const cells = 2 * Math.ceil((2.4 * radius) / cell);
+    this.grid = new GridHelper(cells * cell, cells);
+    (this.grid.material as LineBasicMaterial).transparent = true;
+    const disc = new Mesh(new CircleGeometry(4 * radius, 64), this.shadow);
+    disc.rotation.x = -Math.PI / 2;
+    disc.receiveShadow = true;
+    disc.position.y = 0.001 * radius;
+    this.floor.add(this.grid, disc);
+    this.floor.position.set(middle.x, floor - 0.003 * radius, middle.z);
+    const shadow = this.sun.shadow.camera;
+    shadow.left = shadow.bottom = -1.6 * radius;
+    shadow.right = shadow.top = 1.6 * radius;
+    shadow.near = 0.1 * radius;
+    shadow.far = 8 * radius;
+    shadow.updateProjectionMatrix();
+    this.sun.shadow.normalBias = 0.004 * radius;
+    this.sun.shadow.bias = -0.0004;
+    this.light_up(middle);
+    this.invalidate();
+  }
+
+  // Lights follow what is looked at.
+  light_up(middle: Vector3): void {
+    this.sun.target.position.copy(middle);
+    this.sun.position.copy(middle).add(new Vector3(1.4, 2.6, 1.9).multiplyScalar(this.radius));
+    this.rim.target.position.copy(middle);
+    this.rim.position.copy(middle).add(new Vector3(-2, 1.2, -2.4).multiplyScalar(this.radius));
+  }
+
+  show_floor(shown: boolean): void {
+    this.floor.visible = shown;
+    this.invalidate();
+  }
+
+  paint(background: string, lines: string, line_opacity: number): void {
+    this.scene.background = new Color(background);
+    if (this.grid) {
+      const material = this.grid.material as LineBasicMaterial;
+      material.vertexColors = false;
+      material.color = new Color(lines);
+      material.opacity = line_opacity;
+      material.needsUpdate = true;
+    }
+    this.invalidate();
+  }
+
+  // One picture, or two side by side of what each half shows. False where nothing had changed.
+  render(halves: Half[]): boolean {
+    const width = this.canvas.clientWidth;
+    const height = this.canvas.clientHeight;
+    if (width === 0 || height === 0) return false;
+    const size = this.renderer.getSize(new Vector2());
+    if (size.x !== width || size.y !== height) {
+      this.renderer.setSize(width, height, false);
+      this.stale = true;
+    }
+    if (!this.stale || this.is_busy()) return false;
+    this.stale = false;
+    this.orbit.apply(this.camera);
+    const share = width / halves.length;
+    this.camera.aspect = share / height;
+    // Half a picture may be too narrow for what a whole one showed.
+    const needed = halves.length > 1 ? (1.05 * this.orbit.across) / this.camera.aspect : 0;
+    this.camera.fov = (360 / Math.PI) * Math.atan(Math.max(Math.tan(FIELD / 2), needed));
+    this.camera.updateProjectionMatrix();
+    this.renderer.setScissorTest(halves.length > 1);
+    halves.forEach((half, k) => {
+      for (const group of half.shown) group.visible = true;
+      for (const group of half.hidden) group.visible = false;
+      this.renderer.setViewport(k * share, 0, share, height);
+      this.renderer.setScissor(k * share, 0, share, height);
+      this.renderer.render(this.scene, this.camera);
+    });
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    this.asked = performance.now();
+    return true;
+  }
+
+  // While the last picture is still being drawn. Asking for more of them than are drawn would stop the page.
+  private is_busy(): boolean {
+    if (!this.fence) return false;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
+    gl.deleteSync(this.fence);
+    this.fence = null;
+    this.spare(performance.now() - this.asked);
+    return false;
+  }
+
+  // What draws too slowly to look at motion goes without shadows, and then with fewer pixels.
+  private spare(milliseconds: number): void {
+    this.late = milliseconds > SLOW ? this.late + 1 : 0;
+    if (!this.spares || this.late < MOST_LATE) return;
+    this.late = 0;
+    if (this.renderer.shadowMap.enabled) {
+      this.renderer.shadowMap.enabled = false;
+      this.sun.castShadow = false;
+      this.stale = true;
+    } else if (this.renderer.getPixelRatio() > 0.5) {
+      this.renderer.setPixelRatio(this.renderer.getPixelRatio() / 1.5);
+      this.stale = true;
+    }
+  }
+}
