@@ -13,6 +13,7 @@
 #include "host/cli/estimate.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/many_bakes.h"
+#include "host/cli/memory.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
 #include "host/formats/blender_script.h"
@@ -248,6 +249,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
 
   if (const std::string size = glb_size_text(arguments, prepared.scene, prepared.built.model); !size.empty())
     log.info("surface.glb: " + size);
+  keep_freed_arrays();
   const bake::BakeResult result = run_bake(prepared, request, say);
   log.clear_bar();
   say_result(result, say);
