@@ -65,9 +65,11 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
   std::error_code none;
   if (fs::is_directory(input, none)) {
     if (!bake::holds_bake(input))
-      throw bake::BakeError(input.string() + ": holds no bake; give the folder of one, a scene or a character");
+      throw bake::BakeError(input.string() +
+                            ": holds no bake; give the folder of one, a scene or a character");
     if (scene::has_overrides(arguments.scene.overrides))
-      throw UsageError("a bake's frames cannot be changed; leave options of the scene out, or open its scene");
+      throw UsageError(
+          "a bake's frames cannot be changed; leave options of the scene out, or open its scene");
     return std::make_unique<studio::Session>(input, say);
   }
   const std::vector<DeviceRequest> devices = parse_device_order(arguments.device);
@@ -87,34 +89,39 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
 ExitCode run_studio(const StudioArguments& arguments, Log& log) {
   const std::atomic<bool>& interrupted = interrupts();
   const std::unique_ptr<studio::Session> session = open_session(arguments, log);
-  studio::run_studio(*session, {.port = arguments.port, .page = studio::page_bundle()}, interrupted,
-                     [&](const std::string& address) {
-                       std::cout << address << std::endl;
-                       if (arguments.headless) return;
-                       log.info("the studio of " + shown_text(session->name()) +
-                                (session->is_restored() ? ", as it was left" : "") +
-                                "; it ends with Ctrl-C, and what was changed stays");
-                       open_browser(address, log);
-                     });
+  const auto ready = [&](const std::string& address) {
+    std::cout << address << std::endl;
+    if (arguments.headless) return;
+    log.info("the studio of " + shown_text(session->name()) +
+             (session->is_restored() ? ", as it was left" : "") +
+             "; it ends with Ctrl-C, and what was changed stays");
+    open_browser(address, log);
+  };
+  try {
+    studio::run_studio(*session, {.port = arguments.port, .page = studio::page_bundle()}, interrupted, ready);
+  } catch (const std::system_error& error) {
+    if (arguments.port == 0) throw;
+    throw UsageError("--port " + std::to_string(arguments.port) + ": " + error.what() + "; choose another");
+  }
   return ExitCode::done;
 }
 
 }  // namespace
 
 void add_studio(CLI::App& app, Command& command) {
-  auto* subcommand = app.add_subcommand(
-      "studio", "See flesh move in the browser, change it while it does, save and bake");
+  auto* subcommand =
+      app.add_subcommand("studio", "See flesh move in the browser, change it while it does, save and bake");
   const auto arguments = std::make_shared<StudioArguments>();
-  add_scene_options(*subcommand, arguments->scene,
-                    std::string("Scene file, mesh, character or built-in name, or the folder of a bake; default: ") +
-                        scene::default_scene,
-                    false);
+  add_scene_options(
+      *subcommand, arguments->scene,
+      std::string("Scene file, mesh, character or built-in name, or the folder of a bake; default: ") +
+          scene::default_scene,
+      false);
   subcommand
       ->add_option("-o,--output", arguments->folder,
                    "Folder of the session: what is changed, saved and baked; default: out/NAME-studio")
       ->option_text("DIR");
-  subcommand
-      ->add_option("--port", arguments->port, "Port on loopback; 0, and without it, one that is free")
+  subcommand->add_option("--port", arguments->port, "Port on loopback; 0, and without it, one that is free")
       ->check(CLI::Range(0, 65535).description(""))
       ->option_text("N");
   subcommand->add_flag("--headless", arguments->headless, "Print the address and open no browser");

@@ -13,12 +13,19 @@ namespace {
 // Where nothing is known yet flesh is taken to be as soft as swings twice a second: a first pull that is too
 // weak does no harm.
 constexpr double first_stiffness = 158.0;  // (2 pi 2 Hz)^2, 1/s^2
-constexpr double most_stiffness = 4e6;     // (2 pi 318 Hz)^2
-// A frame's pull tells more of the flesh's inertia than of its stiffness: what it seems to be stiffer by in
-// one frame is believed by so much.
-constexpr double belief = 1.5;
-// 1/s: how fast what moves relative to the hand is slowed down.
-constexpr double braking = 8.0;
+constexpr double least_stiffness = 10.0, most_stiffness = 4e6;
+constexpr double most_moved = 1000.0;
+// How much of the last frames counts beside a new one, and how many times as stiff or heavy as before flesh
+// is taken to be at most.
+constexpr double memory = 0.9, belief = 2.0;
+// What was found before counts by these shares of what the frames say: where nothing moves they say nothing.
+constexpr double share_of_moved = 1e-3, share_of_stiffness = 1e-6;
+// 1/s: how fast soft flesh is led to its place, without overshooting.
+constexpr double pace = 12.0;
+// Shares of what is missing that a frame makes up for.
+constexpr double share_of_soft = 0.3, share_of_stiff = 0.3;
+// Stiffness times a frame's time squared: below the first flesh is soft, above the second it is stiff.
+constexpr double soft_below = 0.3, stiff_above = 1.0;
 // Shares of the body's extent: further than that no hand pulls.
 constexpr double longest_pull = 0.3;
 constexpr float least_share = 0.01f;
@@ -99,13 +106,17 @@ Hand::Hand(const model::Model& model, Held held, const model::Frame& frame, cons
   if (!frame.skinned.empty()) lag_ = still_ - middle(frame.skinned, frame.origin);
 }
 
-Vector3d Hand::middle(const std::vector<float>& positions, const std::array<double, 3>& origin) const {
+Vector3d Hand::mean(const std::vector<float>& values) const {
   Vector3d sum = Vector3d::Zero();
   for (const auto& [i, share] : held_) {
-    const float* p = &positions[3 * std::size_t{i}];
+    const float* p = &values[3 * std::size_t{i}];
     sum += double{share} * Vector3d(double{p[0]}, double{p[1]}, double{p[2]});
   }
-  return Vector3d(origin[0], origin[1], origin[2]) + sum * (unit_ / share_);
+  return sum * (unit_ / share_);
+}
+
+Vector3d Hand::middle(const std::vector<float>& positions, const std::array<double, 3>& origin) const {
+  return Vector3d(origin[0], origin[1], origin[2]) + mean(positions);
 }
 
 void Hand::move(const Vector3d& place) {
@@ -117,33 +128,59 @@ void Hand::push(const Vector3d& force) {
   acceleration_ = force / mass_;
 }
 
+// Least squares of pulled = m faster + K way.
+void Hand::learn(const Vector3d& faster, const Vector3d& way, const Vector3d& pulled, double seconds) {
+  const double square = seconds * seconds;
+  const Vector3d spring = way / square;
+  const auto add = [](double& sum, double value) { sum = memory * sum + value; };
+  add(mass_mass_, faster.squaredNorm());
+  add(mass_spring_, faster.dot(spring));
+  add(spring_spring_, spring.squaredNorm());
+  add(mass_pull_, faster.dot(pulled));
+  add(spring_pull_, spring.dot(pulled));
+  const double known = mass_mass_ + spring_spring_;
+  if (!(known > 0.0)) return;
+  const double mm = mass_mass_ + share_of_moved * known, ss = spring_spring_ + share_of_stiffness * known;
+  const double mp = mass_pull_ + share_of_moved * known * moved_;
+  const double sp = spring_pull_ + share_of_stiffness * known * stiffness_ * square;
+  const double determinant = mm * ss - mass_spring_ * mass_spring_;
+  if (!(determinant > 0.0)) return;
+  const double moved = (mp * ss - sp * mass_spring_) / determinant;
+  const double stiffness = (mm * sp - mass_spring_ * mp) / determinant / square;
+  moved_ = std::clamp(std::clamp(moved, moved_ / belief, moved_ * belief), 1.0, most_moved);
+  stiffness_ = std::clamp(std::clamp(stiffness, stiffness_ / belief, stiffness_ * belief), least_stiffness,
+                          most_stiffness);
+}
+
 void Hand::see(const model::Frame& frame, double seconds) {
-  if (!wanted_) return;
+  const Vector3d pulled = (before_ + acceleration_) / 2.0;
+  before_ = acceleration_;
   // Where the flesh would be if nobody pulled.
   const Vector3d free = frame.skinned.empty() ? still_ : Vector3d(middle(frame.skinned, frame.origin) + lag_);
-  const Vector3d gone = middle(frame.positions, frame.origin) - free;
-  const Vector3d velocity = (gone - last_) / seconds;
-  last_ = gone;
-  const double pulled = acceleration_.norm();
-  if (pulled > 0.0) {
-    // Along the pull; what has hardly moved yet seems as stiff as can be.
-    const double along = gone.dot(acceleration_) / pulled;
-    const double seen = along > 0.0 ? pulled / along : most_stiffness;
-    stiffness_ = std::clamp(seen, stiffness_ / belief, stiffness_ * belief);
-    stiffness_ = std::clamp(stiffness_, first_stiffness / 16.0, most_stiffness);
-  }
-  const Vector3d way = limited(*wanted_ - free, reach_);
-  acceleration_ = stiffness_ * way - braking * velocity;
+  const Vector3d of_free = free_ ? Vector3d((free - *free_) / seconds) : Vector3d(Vector3d::Zero());
+  const Vector3d velocity = mean(frame.velocities) - of_free;
+  const Vector3d way = middle(frame.positions, frame.origin) - free;
+  if (free_ && wanted_) learn((velocity - velocity_) / seconds, way, pulled, seconds);
+  free_ = free;
+  velocity_ = velocity;
+  if (!wanted_) return;
+  const Vector3d wanted = limited(*wanted_ - free, reach_), missing = wanted - way;
+  const double stiff = std::clamp(
+      (stiffness_ / moved_ * seconds * seconds - soft_below) / (stiff_above - soft_below), 0.0, 1.0);
+  const Vector3d of_soft =
+      stiffness_ * (way + share_of_soft * missing) + moved_ * (pace * pace * missing - 2.0 * pace * velocity);
+  const Vector3d of_stiff = acceleration_ + share_of_stiff * (stiffness_ * wanted - acceleration_);
+  acceleration_ = (1.0 - stiff) * of_soft + stiff * of_stiff;
 }
 
 std::vector<shader::Force> Hand::forces(const model::Drive& drive, std::uint32_t forces_of_scene) const {
-  const Vector3d a = acceleration_ / unit_;
-  const shader::Force own{static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2]), 0.0f};
   std::vector<shader::Force> all;
   for (std::uint32_t s = 0; s < drive.substeps; ++s) {
     const auto first = drive.forces.begin() + static_cast<std::ptrdiff_t>(std::size_t{s} * forces_of_scene);
     all.insert(all.end(), first, first + static_cast<std::ptrdiff_t>(forces_of_scene));
-    all.push_back(own);
+    const double share = static_cast<double>(s + 1) / static_cast<double>(drive.substeps);
+    const Vector3d a = (before_ + share * (acceleration_ - before_)) / unit_;
+    all.push_back({static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2]), 0.0f});
   }
   return all;
 }

@@ -271,6 +271,8 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     if (target->path == "live") return take_page(std::move(request), *target, origin.has_value());
     for (const ServedFile& file : server_.options.files)
       if (file.name == target->path) return answer_file(file);
+    // Browsers ask for it by themselves; the page has none.
+    if (target->path == "favicon.ico") return answer_nothing();
     answer_text(http::status::not_found, "there is nothing of that name");
   }
 
@@ -300,6 +302,8 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     response.body().assign(file.text);
     answer(std::move(response));
   }
+
+  void answer_nothing() { answer(http::response<http::string_body>{http::status::no_content, 11}); }
 
   void answer_text(http::status status, const std::string& text) {
     http::response<http::string_body> response{status, 11};

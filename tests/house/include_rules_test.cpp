@@ -129,9 +129,9 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
 // A header of the C++ library has no dot; of POSIX these are used, some under the names of C's for what POSIX
 // adds to them, of glibc malloc.h, and those of the compiler's sanitizers.
 bool is_system_header(const std::string& header) {
-  static const std::set<std::string> posix{"dlfcn.h", "fcntl.h",   "link.h",   "malloc.h",
-                                           "poll.h",  "pthread.h", "sched.h",  "signal.h",
-                                           "spawn.h", "stdlib.h",  "string.h", "unistd.h"};
+  static const std::set<std::string> posix{"arpa/inet.h", "netinet/in.h", "dlfcn.h",   "fcntl.h", "link.h",
+                                           "malloc.h",    "poll.h",       "pthread.h", "sched.h", "signal.h",
+                                           "spawn.h",     "stdlib.h",     "string.h",  "unistd.h"};
   if (header.find('.') == std::string::npos) return header.find('/') == std::string::npos;
   return posix.contains(header) || header.starts_with("sys/") || header.starts_with("sanitizer/");
 }

@@ -47,14 +47,12 @@ Client::Client(std::uint16_t port, const std::string& token, const ClientOptions
     socket.set_option(asio::socket_base::receive_buffer_size(options.receive_buffer));
   socket.connect({asio::ip::address_v4::loopback(), port});
   impl_->stream.read_message_max(0);
-  impl_->stream.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
-    if (options.origin != "none")
-      request.set(beast::http::field::origin, options.origin.empty() ? "http://" + own : options.origin);
-  }));
+  impl_->stream.set_option(websocket::stream_base::decorator(
+      [&](websocket::request_type& request) { request.set(beast::http::field::origin, "http://" + own); }));
   websocket::response_type response;
   beast::error_code error;
-  impl_->stream.handshake(response, options.host.empty() ? own : options.host, "/live?token=" + token, error);
-  if (error) throw std::runtime_error(std::to_string(response.result_int()));
+  impl_->stream.handshake(response, own, "/live?token=" + token, error);
+  if (error) throw std::runtime_error(error.message());
 }
 
 Client::~Client() {

@@ -21,14 +21,12 @@ struct Message {
 };
 
 struct ClientOptions {
-  std::string host = {};    // header; empty: 127.0.0.1:PORT
-  std::string origin = {};  // header; empty: http://127.0.0.1:PORT; "none": no such header
-  int receive_buffer = 0;   // of the socket, bytes; 0: the system's
+  int receive_buffer = 0;  // of the socket, bytes; 0: the system's
 };
 
 class Client {
  public:
-  // Opens the WebSocket. Throws std::runtime_error with the HTTP status where it is refused.
+  // Opens the WebSocket. Throws std::runtime_error where it is refused.
   Client(std::uint16_t port, const std::string& token, const ClientOptions& options = {});
   ~Client();
 

@@ -262,7 +262,7 @@ TEST_F(SessionTest, ChangesAreAppliedUndoneAndMadeAgain) {
   client->say({{"type", "set"}, {"changes", {{"layers.body.youngs_modulus", 4000.0}}}});
   changed = client->wait_for("changed");
   EXPECT_TRUE(changed.at("changes").at("layers.body.frequency").is_null());
-  EXPECT_EQ(client->wait_for("applied").at("revision"), changed.at("revision"));
+  shows(changed.at("revision"));
   // A finer bar is another body.
   client->say({{"type", "set"}, {"changes", {{"bar.vertices", {11, 3, 3}}}}});
   EXPECT_EQ(client->wait_for("changed").at("effect"), "rebuild");
