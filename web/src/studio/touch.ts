@@ -38,6 +38,7 @@ export function title_of(group: KeyGroup): string {
   return title.charAt(0).toUpperCase() + title.slice(1);
 }
 
+const ECHO = 700; // ms in which a control is not set by what comes back
 let gestures = 0;
 
 export class TouchPanel {
@@ -150,7 +151,6 @@ export class TouchPanel {
     const value = document.createElement("span");
     value.className = "value";
     element.append(name, value);
-    const is_busy = (input: HTMLElement) => document.activeElement === input && input.dataset.busy === "true";
     if (key.kind === "boolean") {
       const box = document.createElement("input");
       box.type = "checkbox";
@@ -167,7 +167,7 @@ export class TouchPanel {
       value.append(list);
       return (now) => (list.value = String(shown_value(now) ?? ""));
     }
-    if (key.kind === "number" || key.kind === "integer") return this.number_control(element, value, key, id, is_busy);
+    if (key.kind === "number" || key.kind === "integer") return this.number_control(element, value, key, id);
     if (key.kind === "vector") {
       value.classList.add("three");
       const inputs = ["x", "y", "z"].map((axis) => {
@@ -210,7 +210,6 @@ export class TouchPanel {
     value: HTMLElement,
     key: SceneKey,
     id: string,
-    is_busy: (input: HTMLElement) => boolean,
   ): (key: SceneKey) => void {
     const input = document.createElement("input");
     input.type = "number";
@@ -227,6 +226,9 @@ export class TouchPanel {
     });
     const range = range_of(key);
     let slider: HTMLInputElement | null = null;
+    // What the server echoes is older than what is being chosen.
+    let chosen_at = -Infinity;
+    const is_busy = () => performance.now() - chosen_at < ECHO;
     if (range && key.kind === "number") {
       slider = document.createElement("input");
       slider.type = "range";
@@ -238,25 +240,23 @@ export class TouchPanel {
       own.addEventListener("pointerdown", () => (gesture = ++gestures));
       own.addEventListener("keydown", () => (gesture ||= ++gestures));
       own.addEventListener("input", () => {
-        own.dataset.busy = "true";
+        chosen_at = performance.now();
         const chosen = value_of(Number(own.value), range);
         input.value = String(chosen);
         this.change(key.path, chosen, gesture || (gesture = ++gestures));
       });
-      own.addEventListener("change", () => {
-        own.dataset.busy = "false";
-        gesture = 0;
-      });
+      own.addEventListener("pointerup", () => (gesture = 0));
+      own.addEventListener("blur", () => (gesture = 0));
       element.append(own);
     }
     return (now) => {
       const shown = shown_value(now);
       const number = typeof shown === "number" ? shown : null;
-      if (document.activeElement !== input && !(slider && is_busy(slider))) {
+      if (document.activeElement !== input && !is_busy()) {
         input.value = number === null ? "" : String(number);
         input.placeholder = number === null ? "auto" : "";
       }
-      if (slider && range && !is_busy(slider)) {
+      if (slider && range && !is_busy()) {
         slider.value = String(number === null ? STEPS / 2 : step_of(number, range));
         slider.setAttribute("aria-valuetext", number === null ? "auto" : `${number} ${now.unit ?? ""}`.trim());
       }
