@@ -33,7 +33,7 @@ cd "$(dirname "$0")"
 build_packages="g++ cmake ninja-build glslang-tools spirv-tools spirv-headers libvulkan-dev libvulkan-volk-dev \
 libeigen3-dev libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev \
 libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libassimp-dev \
-pybind11-dev python3-dev"
+pybind11-dev python3-dev libboost-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace \
 slurm-wlm munge xvfb xauth chromium"
