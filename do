@@ -6,6 +6,7 @@
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
 #   ./do characters [ASSETS]   bake characters, draw their worst frames beside skinning into docs/characters (minutes)
 #   ./do accuracy [ASSETS]   measure what each quality costs and how near it comes: docs/design/accuracy.md (minutes)
+#   ./do blender          draw docs/figures/blender.png, Blender's window with the add-on, without a display
 #   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do peers [ARGS...]  contact beside Bullet's: build and run `fascicle-bench-contact ARGS...` (minutes)
@@ -23,6 +24,8 @@
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
+#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times; write docs/reliability.md (an
+#                         hour)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -33,7 +36,7 @@ libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmes
 pybind11-dev python3-dev libboost-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace \
-slurm-wlm munge chromium"
+slurm-wlm munge xvfb xauth chromium"
 bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
 site_packages="mkdocs"
@@ -142,6 +145,12 @@ case $command in
     script=accuracy
     [ "$command" = accuracy ] || script=character_sheets
     exec python3 -B docs/$script.py build/release/fascicle "$assets" "$@"
+    ;;
+  blender)
+    need $build_packages $run_packages $test_packages
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    exec /usr/bin/python3 -B docs/blender_picture.py build/release docs/figures/blender.png
     ;;
   scene-reference)
     need $build_packages $run_packages
@@ -265,13 +274,24 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     export FASCICLE_PROGRAM="$program" FASCICLE_FARM_TRANSCRIPT="$transcript" FASCICLE_REQUIRE_SLURM=1
     FASCICLE_FARM_JOBS=${1:-60} exec python3 -B slurm_test.py
     ;;
+  reliability)
+    need $build_packages $run_packages $test_packages
+    build release -DFASCICLE_TESTS=ON
+    page=$PWD/docs/reliability.md
+    export FASCICLE_PROGRAM="$PWD/build/release/fascicle"
+    FASCICLE_FAILING_CALLS=$(find "$PWD/build/release/tests/reliability" -name 'libfailing_calls.so')
+    export FASCICLE_FAILING_CALLS
+    cd tests/reliability
+    if [ $# -eq 0 ]; then set -- --write "$page"; fi
+    exec python3 -B reliability.py "$@"
+    ;;
   soak)
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
     exec tests/soak.sh build/release
     ;;
   *)
-    sed -n '2,26s/^# \{0,1\}//p' "$0"
+    sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
     [ "$command" = help ] || exit 2
     ;;
 esac

@@ -69,7 +69,8 @@ void load_bytes(fascicle_solver& solver, std::string_view bytes) {
     bytes.remove_prefix(16 * sizeof(double));
   }
   const bake::Checkpoint found = bake::parse_checkpoint(bytes, "the solver's state");
-  if (const std::string text = bake::differences(found.identity, identity_of_steps(solver)); !text.empty())
+  if (const std::string text = text_of(bake::differences(found.identity, identity_of_steps(solver)));
+      !text.empty())
     refuse_state("they are of another model or solver: " + text);
   check_finite(found.state.positions, found.state.frame);
   solver.solver->load(found.state);

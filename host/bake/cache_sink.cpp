@@ -32,13 +32,17 @@ class CacheSink final : public formats::FrameSink {
       return;
     }
     const FrameCacheReader reader(path);
-    if (reader.header() != header_)
+    // A bake may be gone on with to another end.
+    CacheHeader before = reader.header();
+    before.frames = header_.frames;
+    if (before != header_)
       throw BakeError(path.string() + ": belongs to another bake; start again with --overwrite");
     if (reader.frame_count() < info.first)
       throw BakeError(path.string() + ": holds " + base::number_text(reader.frame_count()) +
                       " whole frames and the checkpoint " + base::number_text(info.first) +
                       "; start again with --overwrite");
     file_.emplace(path, base::FileMode::modify);
+    if (reader.header() != header_) file_->write_at(0, encode_cache_header(header_));
     file_->truncate(cache_header_bytes + info.first * cache_record_bytes(header_.vertex_count));
   }
   void write(const model::Frame& frame) override {

@@ -27,9 +27,67 @@ namespace {
 constexpr std::string_view checkpoint_magic = "FASCCKPT";
 constexpr std::uint32_t checkpoint_version = 4;
 
-void append_floats(std::string& out, const std::vector<float>& values) {
-  base::append_bytes(out, std::uint64_t{values.size()});
-  base::append_array(out, std::span<const float>(values));
+// The file in pieces: arrays stay where they are, as a bake writes many checkpoints and each has megabytes.
+class Pieces {
+ public:
+  explicit Pieces(const CheckpointView& checkpoint);
+  std::span<const std::string_view> all() const { return pieces_; }
+
+ private:
+  // What lies between the arrays.
+  template <class T>
+  void add(const T& value) {
+    base::append_bytes(between_, value);
+  }
+  void add(const std::vector<float>& values) {
+    add(std::uint64_t{values.size()});
+    arrays_.push_back({between_.size(), values});
+  }
+  void cut();
+
+  struct Array {
+    std::size_t at;  // after so many bytes of what lies between
+    std::span<const float> values;
+  };
+  std::string between_;
+  std::vector<Array> arrays_;
+  std::vector<std::string_view> pieces_;
+};
+
+Pieces::Pieces(const CheckpointView& checkpoint) {
+  const std::string identity = scene::dump(Json(checkpoint.identity));
+  const model::State& state = checkpoint.state;
+  between_ = checkpoint_magic;
+  add(checkpoint_version);
+  add(static_cast<std::uint32_t>(identity.size()));
+  between_ += identity;
+  add(state.frame);
+  add(state.origin);
+  for (const std::vector<float>* array :
+       {&state.positions, &state.velocities, &state.rotations, &state.skinned, &state.skinned_velocities,
+        &state.positions_before, &state.velocities_before})
+    add(*array);
+  add(state.step_before);
+  for (const std::vector<float>& skinned : checkpoint.skinned) add(skinned);
+  cut();
+  XXH3_state_t hash;
+  XXH3_64bits_reset(&hash);
+  for (const std::string_view piece : pieces_) XXH3_64bits_update(&hash, piece.data(), piece.size());
+  add(XXH3_64bits_digest(&hash));
+  cut();
+}
+
+// Into the pieces that there are now; all of them, as what lies between may have moved.
+void Pieces::cut() {
+  pieces_.clear();
+  const std::string_view between = between_;
+  std::size_t begin = 0;
+  for (const Array& array : arrays_) {
+    pieces_.push_back(between.substr(begin, array.at - begin));
+    pieces_.push_back(base::bytes_of(array.values));
+    begin = array.at;
+  }
+  pieces_.push_back(between.substr(begin));
 }
 
 // Takes values off the front of a file's bytes; every length is checked against what is left.
@@ -68,25 +126,9 @@ class Parser {
 }  // namespace
 
 std::string checkpoint_text(const Checkpoint& checkpoint) {
-  const std::string identity = scene::dump(Json(checkpoint.identity));
-  const model::State& state = checkpoint.state;
-  std::string bytes(checkpoint_magic);
-  base::append_bytes(bytes, checkpoint_version);
-  base::append_bytes(bytes, static_cast<std::uint32_t>(identity.size()));
-  bytes += identity;
-  base::append_bytes(bytes, state.frame);
-  base::append_bytes(bytes, state.origin);
-  append_floats(bytes, state.positions);
-  append_floats(bytes, state.velocities);
-  append_floats(bytes, state.rotations);
-  append_floats(bytes, state.skinned);
-  append_floats(bytes, state.skinned_velocities);
-  append_floats(bytes, state.positions_before);
-  append_floats(bytes, state.velocities_before);
-  base::append_bytes(bytes, state.step_before);
-  for (const std::vector<float>& skinned : checkpoint.skinned) append_floats(bytes, skinned);
-  const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
-  base::append_bytes(bytes, checksum);
+  const Pieces pieces(view_of(checkpoint));
+  std::string bytes;
+  for (const std::string_view piece : pieces.all()) bytes += piece;
   return bytes;
 }
 
@@ -127,8 +169,8 @@ Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
   return checkpoint;
 }
 
-void write_checkpoint(const fs::path& path, const Checkpoint& checkpoint) {
-  base::write_whole(path, checkpoint_text(checkpoint));
+void write_checkpoint(const fs::path& path, const CheckpointView& checkpoint) {
+  base::write_whole(path, Pieces(checkpoint).all());
 }
 
 std::optional<Checkpoint> read_checkpoint(const fs::path& path) {

@@ -29,12 +29,22 @@ struct Checkpoint {
   std::array<std::vector<float>, 2> skinned = {};
 };
 
+// The same where it lies, for writing.
+struct CheckpointView {
+  const Identity& identity;
+  const model::State& state;
+  const std::array<std::vector<float>, 2>& skinned;
+};
+inline CheckpointView view_of(const Checkpoint& checkpoint) {
+  return {checkpoint.identity, checkpoint.state, checkpoint.skinned};
+}
+
 // The file's bytes, and back. Throws BakeError, naming `path`, if they are not a whole checkpoint.
 std::string checkpoint_text(const Checkpoint& checkpoint);
 Checkpoint parse_checkpoint(std::string_view bytes, const std::filesystem::path& path);
 
 // Replaces the file whole.
-void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
+void write_checkpoint(const std::filesystem::path& path, const CheckpointView& checkpoint);
 // Nothing if there is no such file. Throws BakeError if it is not a whole checkpoint.
 std::optional<Checkpoint> read_checkpoint(const std::filesystem::path& path);
 // Throws BakeError, naming `path`, if a bake of this model and so many frames cannot go on from it.

@@ -5,12 +5,15 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <sstream>
+#include <string_view>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include "host/base/text.h"
 #include "host/base/version.h"
+#include "host/formats/formats.h"
 #include "host/model/model_arrays.h"
 #include "host/scene/scene_json.h"
 
@@ -70,8 +73,31 @@ struct FieldHash {
   Hash& hash;
 };
 
-std::string text_hash(const std::string& text) {
-  return base::hash_text(XXH3_64bits(text.data(), text.size()));
+// Of what the scene says in all its keys but where it ends, which has an entry of its own.
+std::string keys_hash(const scene::Scene& scene) {
+  std::string keys = scene::documented_text(scene);
+  constexpr std::string_view end = "\nend = ";
+  const std::size_t table = keys.find("\n[scene]\n");
+  const std::size_t at = table == std::string::npos ? table : keys.find(end, table);
+  // Of a later table it would be a force's.
+  if (at != std::string::npos && at < keys.find("\n[", table + 1))
+    keys.replace(at + 1, keys.find('\n', at + 1) - at - 1, "#end");
+  return base::hash_text(XXH3_64bits(keys.data(), keys.size()));
+}
+
+constexpr const char *formats_name = "--format", *end_name = "end", *first_frame_name = "--first-frame";
+
+std::string in_one_line(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ",") + name;
+  return list;
+}
+
+std::vector<std::string> listed(const std::string& names) {
+  std::vector<std::string> list;
+  std::istringstream words(names);
+  for (std::string word; std::getline(words, word, ',');) list.push_back(word);
+  return list;
 }
 
 }  // namespace
@@ -89,7 +115,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"model", base::hash_text(hash)},
                     {"fps", base::number_text(scene.fps)},
                     {"start", base::number_text(scene.start)},
-                    {"end", base::number_text(scene.end)},
+                    {end_name, base::number_text(scene.end)},
                     {"gravity", scene::dump(json_of(scene.gravity))},
                     {"solver.integrator", name_of(scene.solver.integrator)},
                     {"solver.rotation", name_of(scene.solver.rotation)},
@@ -108,12 +134,10 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
     identity.emplace_back(
         "the content of " + name + (number > 1 ? " (" + base::number_text(number) + ")" : ""), file_hash);
   }
-  identity.emplace_back("the scene's text (hash)", text_hash(scene.text));
+  identity.emplace_back("the scene's keys (hash)", keys_hash(scene));
   std::vector<std::string> formats = options.formats;
   std::sort(formats.begin(), formats.end());
-  std::string list;
-  for (const std::string& format : formats) list += (list.empty() ? "" : ",") + format;
-  identity.emplace_back("--format", list);
+  identity.emplace_back(formats_name, in_one_line(formats));
   if (std::find(formats.begin(), formats.end(), "glb") != formats.end()) {
     identity.emplace_back("--glb-stride", base::number_text(options.glb.stride));
     if (options.glb.error) identity.emplace_back("--glb-error", base::number_text(*options.glb.error));
@@ -124,30 +148,63 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
   }
   if (options.usd_skel) identity.emplace_back("--usd-skel", "given");
   if (const std::uint64_t first = number_of_first(scene, options); first != 0)
-    identity.emplace_back("--first-frame", base::number_text(first));
+    identity.emplace_back(first_frame_name, base::number_text(first));
   identity.emplace_back("device",
                         options.device.exact ? "exact" : options.device.name + ", " + options.device.driver);
   return identity;
 }
 
-std::string differences(const Identity& before, const Identity& now) {
+std::vector<Difference> differences(const Identity& before, const Identity& now) {
   const std::map<std::string, std::string> old(before.begin(), before.end());
   const std::map<std::string, std::string> current(now.begin(), now.end());
-  const auto quoted = [](const std::string& value) { return value.empty() ? std::string("nothing") : value; };
-  std::string text;
-  const auto say = [&](const std::string& name, const std::string& was, const std::string& is) {
-    text += (text.empty() ? "" : "; ") + name + " was " + was + " and is " + is;
-  };
+  std::vector<Difference> found;
   for (const auto& [name, value] : current) {
     const auto match = old.find(name);
     if (match == old.end())
-      say(name, "absent", quoted(value));
+      found.push_back({name, "absent", value});
     else if (match->second != value)
-      say(name, quoted(match->second), quoted(value));
+      found.push_back({name, match->second, value});
   }
   for (const auto& [name, value] : old)
-    if (!current.contains(name)) say(name, quoted(value), "absent");
+    if (!current.contains(name)) found.push_back({name, value, "absent"});
+  return found;
+}
+
+std::string text_of(const std::vector<Difference>& differences) {
+  const auto quoted = [](const std::string& value) { return value.empty() ? std::string("nothing") : value; };
+  std::string text;
+  for (const Difference& one : differences)
+    text += (text.empty() ? "" : "; ") + one.name + " was " + quoted(one.was) + " and is " + quoted(one.is);
   return text;
+}
+
+bool leaves_frames(const Difference& difference, const scene::Scene& scene, std::uint64_t frames_done) {
+  if (difference.name == formats_name) {
+    const std::vector<std::string> was = listed(difference.was), is = listed(difference.is);
+    // What is left out would stay in the folder, of a bake that no longer lists it.
+    return std::includes(is.begin(), is.end(), was.begin(), was.end()) &&
+           std::all_of(is.begin(), is.end(), [&](const std::string& name) {
+             return formats::format_named(name).from_cache ||
+                    std::binary_search(was.begin(), was.end(), name);
+           });
+  }
+  if (difference.name == end_name) {
+    const scene::Motion& motion = scene.motion;
+    return frames_done <= scene::frame_count(scene) && motion.hold == 0.0 && motion.handles == 0 &&
+           motion.loop == 1 && !motion.seamless;
+  }
+  // Files of frames have their numbers in their names.
+  return difference.name.starts_with("--") && difference.name != first_frame_name;
+}
+
+Identity without_files(Identity identity) {
+  for (auto& [name, value] : identity) {
+    if (name != formats_name) continue;
+    std::vector<std::string> kept = listed(value);
+    std::erase_if(kept, [](const std::string& format) { return formats::format_named(format).from_cache; });
+    value = in_one_line(kept);
+  }
+  return identity;
 }
 
 }  // namespace fascicle::bake

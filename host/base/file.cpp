@@ -57,10 +57,12 @@ fs::path with_suffix(const fs::path& path, const std::string& suffix) {
 }
 
 // Leaves nothing where it fails.
-void write_new(const fs::path& path, std::string_view bytes, bool sync) {
+using Pieces = std::span<const std::string_view>;
+
+void write_new(const fs::path& path, Pieces pieces, bool sync) {
   try {
     File file(path, FileMode::replace);
-    file.write(bytes);
+    for (const std::string_view bytes : pieces) file.write(bytes);
     if (sync) file.sync();
     file.close();
   } catch (const std::system_error&) {
@@ -70,8 +72,8 @@ void write_new(const fs::path& path, std::string_view bytes, bool sync) {
   }
 }
 
-void replace_file(const fs::path& path, const fs::path& temporary, std::string_view bytes) {
-  write_new(temporary, bytes, true);
+void replace_file(const fs::path& path, const fs::path& temporary, Pieces pieces) {
+  write_new(temporary, pieces, true);
   try {
     rename_over(temporary, path);
   } catch (const std::system_error&) {
@@ -268,11 +270,15 @@ void sync_folder(const fs::path& folder) {
 }
 
 void write_whole(const fs::path& path, std::string_view bytes) {
-  replace_file(path, with_suffix(path, temporary_suffix), bytes);
+  write_whole(path, Pieces(&bytes, 1));
+}
+
+void write_whole(const fs::path& path, Pieces pieces) {
+  replace_file(path, with_suffix(path, temporary_suffix), pieces);
 }
 
 void stage(const fs::path& path, std::string_view bytes) {
-  write_new(with_suffix(path, temporary_suffix), bytes, false);
+  write_new(with_suffix(path, temporary_suffix), Pieces(&bytes, 1), false);
 }
 
 void publish(const fs::path& folder, std::span<const fs::path> paths) {
@@ -290,7 +296,7 @@ void write_whole_beside_others(const fs::path& path, std::string_view bytes) {
   std::random_device entropy;
   const std::uint64_t number = std::uint64_t{entropy()} << 32 | entropy();
   const std::string own = "." + hash_text(number) + temporary_suffix;
-  replace_file(path, with_suffix(path, own), bytes);
+  replace_file(path, with_suffix(path, own), Pieces(&bytes, 1));
 }
 
 }  // namespace fascicle::base

@@ -77,6 +77,8 @@ std::string lower_extension(const std::filesystem::path& path);
 inline constexpr const char* temporary_suffix = ".tmp";
 // `path` holds either its old content or all of `bytes`, whatever happens.
 void write_whole(const std::filesystem::path& path, std::string_view bytes);
+// The same of what lies in several places.
+void write_whole(const std::filesystem::path& path, std::span<const std::string_view> pieces);
 // The same for several files of one folder: stage() writes the bytes beside `path`, and publish() makes them
 // durable before it gives them their names, in this order.
 void stage(const std::filesystem::path& path, std::string_view bytes);
@@ -92,8 +94,12 @@ void append_bytes(std::string& out, const T& value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 template <class T>
+std::string_view bytes_of(std::span<const T> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+template <class T>
 void append_array(std::string& out, std::span<const T> values) {
-  out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+  out += bytes_of(values);
 }
 
 }  // namespace fascicle::base

@@ -13,6 +13,7 @@
 #include "host/cli/estimate.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/many_bakes.h"
+#include "host/cli/memory.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
 #include "host/formats/blender_script.h"
@@ -99,6 +100,10 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
+  if (arguments.output.keep_frames)
+    std::cout << "  the studio: fascicle studio " << shell_word(arguments.folder)
+              << "  (to change it while it moves: fascicle studio " << shell_word(arguments.scene.name)
+              << ")\n";
   for (const fs::path& file : files)
     if (const fs::path series = file / formats::vtk_series; fs::exists(series))
       std::cout << "  ParaView: paraview " << shell_word(series.string()) << "  (Apply, then Play)\n";
@@ -244,6 +249,7 @@ ExitCode bake_scene(BakeArguments arguments, Log& log) {
 
   if (const std::string size = glb_size_text(arguments, prepared.scene, prepared.built.model); !size.empty())
     log.info("surface.glb: " + size);
+  keep_freed_arrays();
   const bake::BakeResult result = run_bake(prepared, request, say);
   log.clear_bar();
   say_result(result, say);

@@ -7,8 +7,21 @@
 #include <sstream>
 #include <string>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace fascicle::cli {
 namespace {
+
+// Arrays from so many bytes on are mappings of their own, and so much of the heap's end stays when it is
+// free.
+void set_limits_of_heap([[maybe_unused]] int mapped_bytes, [[maybe_unused]] int kept_bytes) {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, mapped_bytes);
+  mallopt(M_TRIM_THRESHOLD, kept_bytes);
+#endif
+}
 
 // The number behind a name in one of the kernel's files.
 std::optional<std::uint64_t> number_in(const std::string& file, const std::string& name) {
@@ -55,6 +68,14 @@ std::optional<std::uint64_t> left_in_groups(const std::string& groups, const std
     }
   }
   return least;
+}
+
+void give_freed_arrays_back() {
+  set_limits_of_heap(128 << 10, 128 << 10);
+}
+
+void keep_freed_arrays() {
+  set_limits_of_heap(16 << 20, 64 << 20);
 }
 
 std::optional<std::uint64_t> available_memory() {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <string_view>
 #include <utility>
 
 #include "host/base/errors.h"
@@ -102,6 +103,9 @@ Session::Session(const std::filesystem::path& bake, pipeline::Say say) : say_(st
   auto open = std::make_unique<pipeline::OpenBake>(bake);
   name_ = open->manifest().scene_name;
   source_ = bake.string();
+  const std::string& source = open->manifest().scene_source;
+  constexpr std::string_view builtin = "builtin:";
+  scene_to_open_ = source.starts_with(builtin) ? source.substr(builtin.size()) : source;
   const scene::Scene* scene = nullptr;
   try {
     scene = &open->scene();
@@ -219,7 +223,9 @@ void Session::send_start(PageId page) {
              {"can_touch", is_live_},
              {"restored", !restored_.empty()}};
   if (!is_live_)
-    hello["why_not"] = "this is a bake: its frames are played, and nothing in them can be touched";
+    hello["why_not"] =
+        "this is a bake: its frames are played, and nothing in them can be touched; fascicle studio " +
+        scene_to_open_ + " opens its scene";
   if (!restored_.empty()) hello["message"] = restored_;
   send(page, hello);
   send(page, body_message_);

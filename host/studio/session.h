@@ -123,7 +123,8 @@ class Session {
   SessionOptions options_;
   std::string name_, source_;
   std::filesystem::path source_folder_, converter_;
-  std::string restored_;  // in words: what was taken up
+  std::string scene_to_open_;  // of a bake: its scene's name for the command line
+  std::string restored_;       // in words: what was taken up
   std::string base_hash_, base_text_;
   bool is_live_ = false;
   std::optional<bake::FolderLock> lock_;

@@ -66,7 +66,8 @@ void Session::record() {
 // The text in force, with its file names as they are seen from the session's folder.
 std::string Session::text_in_folder() const {
   std::vector<scene::KeyChange> changes;
-  const fs::path from = fs::absolute(source_folder_), to = fs::absolute(options_.folder);
+  // The working directory's names have no folder.
+  const fs::path from = fs::absolute(source_folder_ / "."), to = fs::absolute(options_.folder);
   for (const scene::EditedTable& table : tables_)
     for (const scene::EditedKey& key : table.keys) {
       if (key.key->name != "file" || !key.is_stated || !key.value.is_string()) continue;

@@ -221,11 +221,21 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   changed.formats = {"pc2"};
   EXPECT_TRUE(
       contains(refusal(short_scene(6), changed), "--format was abc,glb,mdd,obj,pc2,usda,vtp,vtu and is pc2"));
+  BakeOptions without = options_for(folder / "without");
+  without.formats = {"obj"};
+  bake_until(without, short_scene(6), 3);
+  without.formats = {"obj", "vtu"};
+  without.resume = true;
+  EXPECT_TRUE(contains(refusal(short_scene(6), without), "--format was obj and is obj,vtp,vtu"))
+      << "its velocities are not kept";
   changed = options;
-  changed.glb.stride = 2;
-  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--glb-stride was 1 and is 2"));
-  changed.glb = {.tolerance = 0.25};
-  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--glb-tolerance was nothing and is 0.25"));
+  changed.first_number = 7;
+  EXPECT_TRUE(contains(refusal(short_scene(6), changed), "--first-frame was absent and is 7"));
+  scene = short_scene(6);
+  scene.motion.hold = 0.1;
+  EXPECT_TRUE(contains(refusal(scene, options), "motion was "));
+  EXPECT_TRUE(contains(refusal(short_scene(2), options), "end was 0.75 and is 0.58"))
+      << "before what is done";
   changed = options;
   changed.device.exact = false;
   EXPECT_TRUE(contains(refusal(short_scene(6), changed), "device was exact and is fake, none"));
@@ -233,6 +243,74 @@ TEST(BakeResume, RefusesOtherSettingsAndNamesThem) {
   changed = options;
   changed.device.name = "another";
   EXPECT_EQ(fake_bake_into(changed, short_scene(6)).frames_done, 6u);
+}
+
+// Where the frames stay, what is written of them may change: both are as if asked for from the beginning.
+struct Changed {
+  const char* name;
+  std::uint64_t stopped_at, frames_before, frames;
+  std::vector<std::string> formats_before;
+  std::uint64_t stride = 1;
+};
+
+class BakeResumeChanged : public testing::TestWithParam<Changed> {};
+
+TEST_P(BakeResumeChanged, GivesTheBytesOfABakeAskedForSoFromTheBeginning) {
+  const Changed& change = GetParam();
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "whole");
+  options.glb.stride = change.stride;
+  fake_bake_into(options, short_scene(change.frames));
+  BakeOptions before = options_for(folder / "out");
+  if (!change.formats_before.empty()) before.formats = change.formats_before;
+  bake_until(before, short_scene(change.frames_before), change.stopped_at);
+  options.folder = folder / "out";
+  options.resume = true;
+  // Stopped again before any file is whole, also with what was asked for first.
+  bake_until(options, short_scene(change.frames), std::min(change.stopped_at, change.frames));
+  const BakeResult result = fake_bake_into(options, short_scene(change.frames));
+  EXPECT_EQ(result.frames_done, change.frames);
+  EXPECT_EQ(content_of(folder / "out"), content_of(folder / "whole"));
+  const auto manifest = manifest_in(folder / "out"), whole = manifest_in(folder / "whole");
+  for (const char* entry : {"status", "frames", "frames_done", "files", "formats", "position_hashes"})
+    EXPECT_EQ(manifest[entry], whole[entry]) << entry;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Changes, BakeResumeChanged,
+    testing::Values(Changed{"ALaterEnd", 3, 6, 9, {}}, Changed{"ALaterEndOfAWholeBake", 6, 6, 9, {}},
+                    Changed{"AnEarlierEnd", 3, 9, 6, {}}, Changed{"AnEarlierEndWhereItStopped", 6, 9, 6, {}},
+                    Changed{"MoreFormats", 4, 6, 6, {"pc2", "obj", "vtu"}},
+                    Changed{"MoreFormatsOfAWholeBake", 6, 6, 6, {"pc2", "vtu"}},
+                    Changed{"AnotherGlb", 4, 6, 6, {}, 2}, Changed{"All", 5, 6, 8, {"mdd", "vtu"}, 3}),
+    [](const auto& change) { return std::string(change.param.name); });
+
+TEST(BakeResume, TakesOtherCommentsAndRefusesOtherKeys) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  const std::string text = "[scene]\nfps = 24\n[bar]\nsize = [1.0, 1.0, 1.0]\n";
+  scene::Scene scene = short_scene(6);
+  scene.text = text;
+  bake_until(options, scene, 3);
+  options.resume = true;
+  scene.text = "# what I saw of it\n" + text + "# and more\n";
+  bake_until(options, scene, 4);
+  scene.text = text + "jitter = 0.1\n";
+  EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, scene); }), "the scene's keys"));
+}
+
+// A file that is no bake's is not written over, whenever its name is asked for.
+TEST(BakeResume, MoreFormatsRefuseForeignFiles) {
+  const TemporaryFolder folder;
+  BakeOptions options = options_for(folder / "out");
+  options.formats = {"obj"};
+  bake_until(options, short_scene(6), 3);
+  write_text(folder / "out/surface.pc2", "mine");
+  options.resume = true;
+  options.formats = {"obj", "pc2"};
+  EXPECT_TRUE(
+      contains(message_of<BakeError>([&] { fake_bake_into(options, short_scene(6)); }), "no bake made it"));
+  EXPECT_EQ(read_text(folder / "out/surface.pc2"), "mine");
 }
 
 TEST(BakeResume, RefusesAnotherModel) {

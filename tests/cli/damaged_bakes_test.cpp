@@ -226,7 +226,7 @@ TEST_F(DamagedBake, ACheckpointIsHeldAgainstTheModel) {
     const fs::path path = out_ + "/checkpoint";
     bake::Checkpoint checkpoint = bake::read_checkpoint(path).value();
     change(checkpoint);
-    bake::write_checkpoint(path, checkpoint);
+    bake::write_checkpoint(path, bake::view_of(checkpoint));
     expect_bad_input(resumed("bar-hang-none"), "checkpoint");
   }
   take("bar-hang-none");

@@ -33,7 +33,7 @@ depends() {
 
 holds fascicle usr/bin/fascicle usr/share/man/man1/fascicle.1 usr/share/bash-completion/completions/fascicle \
   usr/share/zsh/vendor-completions/_fascicle usr/share/fish/vendor_completions.d/fascicle.fish \
-  usr/share/doc/fascicle/copyright
+  usr/share/doc/fascicle/copyright usr/share/fascicle/fascicle-blender.zip
 holds libfascicle0 'usr/lib/[^/]*/libfascicle.so.0' usr/share/doc/libfascicle0/copyright
 holds libfascicle-dev usr/include/fascicle/fascicle.h usr/include/fascicle/fascicle.hpp \
   'usr/lib/[^/]*/libfascicle.so' 'usr/lib/[^/]*/cmake/fascicle/fascicle-config.cmake' \

@@ -20,7 +20,7 @@ using scene::EditedKey;
 using scene::Json;
 using scene::KeyChange;
 
-constexpr const char* text = R"(# Umlauts count as one column: äöü
+constexpr const char* sample_scene = R"(# Umlauts count as one column: äöü
 [scene]
 fps = 60      # äöü
 
@@ -42,14 +42,14 @@ fibre = [1, 0, 0]
 where = { below = { axis = "x", fraction = 0.0 } }
 )";
 
-std::string changed(const std::vector<KeyChange>& changes, const std::string& from = text) {
+std::string changed(const std::vector<KeyChange>& changes, const std::string& from = sample_scene) {
   const ChangedText result = change_text(from, "scene.toml", changes);
   EXPECT_TRUE(result.keeps_comments) << result.text;
   return result.text;
 }
 
-// `text` with one part in place of another.
-std::string with(std::string part, const std::string& other, std::string whole = text) {
+// `sample_scene` with one part in place of another.
+std::string with(std::string part, const std::string& other, std::string whole = sample_scene) {
   const std::size_t at = whole.find(part);
   EXPECT_NE(at, std::string::npos) << part;
   return whole.replace(at, part.size(), other);
@@ -75,9 +75,9 @@ TEST(SceneEdit, AValueWithinATableInOneLineIsReplacedThere) {
 TEST(SceneEdit, ANewKeyFollowsTheOthersOfItsTable) {
   EXPECT_EQ(changed({{"layers.fat.beta", 0.5}}),
             with("fraction = 0.5 } }\n", "fraction = 0.5 } }\nbeta = 0.5\n"));
-  EXPECT_EQ(changed({{"motion.settle", 2}}), std::string(text) + "\n[motion]\nsettle = 2.0\n");
+  EXPECT_EQ(changed({{"motion.settle", 2}}), std::string(sample_scene) + "\n[motion]\nsettle = 2.0\n");
   EXPECT_EQ(changed({{"force.breeze", Json{{"kind", "wind"}, {"vector", {0, 0, 40}}}}}),
-            std::string(text) + "\n[force.breeze]\nkind = \"wind\"\nvector = [0.0, 0.0, 40.0]\n");
+            std::string(sample_scene) + "\n[force.breeze]\nkind = \"wind\"\nvector = [0.0, 0.0, 40.0]\n");
 }
 
 TEST(SceneEdit, ARivalGivesItsPlace) {
@@ -87,7 +87,7 @@ TEST(SceneEdit, ARivalGivesItsPlace) {
 
 TEST(SceneEdit, AKeyIsTakenOutWithItsLine) {
   EXPECT_EQ(changed({{"layers.muscle.beta", std::nullopt}}), with("beta = 1.0\n", ""));
-  EXPECT_EQ(changed({{"layers.fat.beta", std::nullopt}}), text);
+  EXPECT_EQ(changed({{"layers.fat.beta", std::nullopt}}), sample_scene);
 }
 
 TEST(SceneEdit, SeveralChangesAreOne) {
@@ -109,7 +109,7 @@ TEST(SceneEdit, WhatIsLaidOutOtherwiseIsWrittenAnewAndSaysSo) {
 TEST(SceneEdit, WhatIsWrongIsRefusedByItsName) {
   const auto refusal = [](const std::string& path, const Json& value) -> std::string {
     try {
-      (void)change_text(text, "scene.toml", std::vector<KeyChange>{{path, value}});
+      (void)change_text(sample_scene, "scene.toml", std::vector<KeyChange>{{path, value}});
       return "";
     } catch (const base::SceneError& error) {
       return error.what();
@@ -124,12 +124,12 @@ TEST(SceneEdit, WhatIsWrongIsRefusedByItsName) {
   EXPECT_NE(refusal("", 1), "");
   EXPECT_NE(refusal("..", 1), "");
   // Taking out what must be there.
-  EXPECT_THROW((void)change_text(text, "scene.toml", std::vector<KeyChange>{{"bar", std::nullopt}}),
+  EXPECT_THROW((void)change_text(sample_scene, "scene.toml", std::vector<KeyChange>{{"bar", std::nullopt}}),
                base::SceneError);
 }
 
 TEST(SceneEdit, KeysSayWhatHolds) {
-  const std::vector<scene::EditedTable> tables = edited_tables(text, "scene.toml");
+  const std::vector<scene::EditedTable> tables = edited_tables(sample_scene, "scene.toml");
   EXPECT_EQ(find(tables, "layers.fat.frequency")->value, 20.0);
   EXPECT_TRUE(find(tables, "layers.fat.frequency")->is_stated);
   EXPECT_EQ(find(tables, "layers.fat.beta")->value, 0.0);

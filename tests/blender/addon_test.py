@@ -1,0 +1,249 @@
+"""The add-on as users have it: the zip of the build, installed into Blender by its own operator, on characters that are
+imported there. Without Blender the tests are skipped, loudly; with FASCICLE_REQUIRE_BLENDER=1 they fail."""
+
+import ast
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+
+PROGRAM = os.environ["FASCICLE_PROGRAM"]
+ADDON = os.environ["FASCICLE_ADDON"]
+HERE = os.path.dirname(os.path.abspath(__file__))
+REPOSITORY = os.path.dirname(os.path.dirname(HERE))
+ASSETS = os.path.join(REPOSITORY, "..", "shared", "assets")
+# Places in the world go through several products of single-precision matrices on the way to the file and back; a few
+# hundred roundings of 6e-8 of the body's size stay below this.
+FLOATS = 2e-5
+
+
+def required(variable):
+    return os.environ.get(variable) == "1"
+
+
+class WithBlender(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if not shutil.which("blender"):
+            if required("FASCICLE_REQUIRE_BLENDER"):
+                raise AssertionError("FASCICLE_REQUIRE_BLENDER=1, and no blender on the PATH")
+            raise unittest.SkipTest("SKIPPED, NOT TESTED: no blender on the PATH")
+        folder = tempfile.TemporaryDirectory(prefix="fascicle-blender-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.shared = folder.name
+        cls.environment = dict(os.environ, FASCICLE_CACHE_DIR=os.path.join(cls.shared, "cache"),
+                               PATH=os.path.dirname(PROGRAM) + os.pathsep + os.environ["PATH"])
+        for name in ("RESOURCES", "SCRIPTS", "CONFIG"):
+            cls.environment["BLENDER_USER_" + name] = os.path.join(cls.shared, "user", name.lower())
+        cls.blender("--python-expr", "import bpy; bpy.ops.preferences.addon_install(filepath=%r)" % ADDON)
+        # A character of our own: the arm, whose clip is a curl.
+        subprocess.run([PROGRAM, "bake", "arm", "-o", os.path.join(cls.shared, "arm"), "--end", "1"], check=True,
+                       capture_output=True, env=cls.environment)
+        cls.arm = os.path.join(cls.shared, "arm", "character.glb")
+
+    @classmethod
+    def blender(cls, *arguments, before=("blender", "--background")):
+        ran = subprocess.run([*before, "--factory-startup", "--python-exit-code", "1", *arguments], capture_output=True,
+                             text=True, timeout=600, env=cls.environment)
+        if ran.returncode != 0:
+            raise AssertionError(ran.stdout[-4000:] + ran.stderr[-4000:])
+        return ran.stdout
+
+    def check(self, name, character, before=("blender", "--background"), **said):
+        """What in_blender.py finds, with a folder of its own."""
+        folder = tempfile.TemporaryDirectory(prefix="fascicle-blender-")
+        self.addCleanup(folder.cleanup)
+        said.setdefault("folder", os.path.join(folder.name, "bakes"))
+        result = os.path.join(folder.name, "result.json")
+        self.blender("--python", os.path.join(HERE, "in_blender.py"), "--", name, result, character,
+                     *("%s=%s" % pair for pair in said.items()), before=before)
+        with open(result) as file:
+            return json.load(file)
+
+    def asset(self, name):
+        path = os.path.join(ASSETS, name)
+        if not os.path.exists(path):
+            if required("FASCICLE_REQUIRE_ASSETS"):
+                self.fail("FASCICLE_REQUIRE_ASSETS=1, and there is no " + path)
+            self.skipTest("SKIPPED, NOT TESTED: there is no " + path)
+        return path
+
+
+class RoundTrip(WithBlender):
+    """From Blender to the program and back: the flesh's vertices are the bake's floats, where the mesh stands."""
+
+    def expect_shown(self, found, frames, objects=1):
+        self.assertEqual(found["error"], 0.0)
+        self.assertEqual(found["frames"], frames)
+        self.assertEqual(found["objects"], objects)
+        self.assertEqual(found["frame"], 3)
+        self.assertTrue(found["materials_kept"] and found["hidden"] and found["shown"])
+        self.assertEqual((found["left"], found["collections_left"]), ([], []))
+
+    def expect_placed(self, found):
+        """Flesh that only follows the skeleton is where skinning has it, in Blender's world, in every frame."""
+        self.assertGreater(found["moved"], 0.02, "the clip moves nothing, so the check says nothing")
+        self.assertLess(found["median"], FLOATS)
+
+    def test_a_character_of_our_own(self):
+        found = self.check("round_trip", self.arm, only="hand", first=14, last=20)
+        self.expect_shown(found, 7)
+        self.expect_placed(found)
+        self.assertEqual(found["modifiers"], ["MESH_CACHE", "SUBSURF"])
+
+    def test_its_flesh_leaves_the_skeleton(self):
+        # The control of the two above: free flesh is not where skinning has it.
+        found = self.check("round_trip", self.arm, first=14, last=20)
+        self.expect_shown(found, 7)
+        self.assertGreater(found["largest"], 50 * FLOATS)
+
+    def test_centimetres_and_an_armature_that_stands_turned(self):
+        found = self.check("round_trip", self.arm, only="hand", first=14, last=20, unit=0.01, moved=1)
+        self.expect_shown(found, 7)
+        self.expect_placed(found)
+
+    def test_frames_that_begin_below_zero_and_another_rate(self):
+        found = self.check("round_trip", self.arm, only="hand", first=-3, last=20, fps=30)
+        self.expect_shown(found, 24)
+        self.expect_placed(found)
+
+    def test_shape_keys(self):
+        found = self.check("round_trip", self.arm, only="hand", first=14, last=20, kind="SHAPE_KEYS")
+        # A key is kept as its place and added to the basis as a difference: one rounding each.
+        self.assertLess(found["error"], 1e-6)
+        self.assertEqual(found["modifiers"], ["SUBSURF"])
+        self.expect_placed(found)
+
+    def test_characters_of_others(self):
+        for name, objects in (("CesiumMan.glb", 1), ("RobotExpressive.glb", None)):
+            with self.subTest(name):
+                found = self.check("round_trip", self.asset(name))
+                self.expect_shown(found, 7, objects or found["objects"])
+                self.assertGreater(found["materials"], 0)
+                self.assertGreater(found["moved"], 0.0)
+
+
+class Actions(WithBlender):
+    def test_a_list_is_baked_and_the_open_one_is_shown(self):
+        found = self.check("list_of_actions", self.arm)
+        self.assertEqual(sorted(found["bakes"].values()), [4, 7])  # frames 2 to 5, and 2 to 8
+        self.assertEqual(found["open"], found["first"])
+        self.assertEqual(found["shown"], [found["first"]])
+        self.assertEqual((found["open_after_show"], found["shown_after_show"]), ("second", ["second"]))
+
+
+class Cancel(WithBlender):
+    def test_nothing_of_it_is_left_and_the_bake_before_it_is_whole(self):
+        found = self.check("cancel", self.arm)
+        self.assertGreater(found["seen"], 0)
+        self.assertTrue(found["ended"] and found["kept"] and found["objects_kept"] and found["can_bake_again"])
+        self.assertEqual((found["left"], found["running"]), (found["kept_files"], 0))
+
+
+class Window(WithBlender):
+    """In a window on a display of Xvfb, where the operator is modal."""
+
+    def test_blender_goes_on_while_the_program_works_and_cancel_ends_it(self):
+        if not shutil.which("xvfb-run"):
+            if required("FASCICLE_REQUIRE_BLENDER"):
+                self.fail("FASCICLE_REQUIRE_BLENDER=1, and no xvfb-run on the PATH")
+            self.skipTest("SKIPPED, NOT TESTED: no xvfb-run on the PATH")
+        self.environment["LIBGL_ALWAYS_SOFTWARE"] = "1"
+        found = self.check("in_window", self.arm, before=("xvfb-run", "-a", "-s", "-screen 0 800x600x24", "blender"),
+                           first=14, last=60)
+        self.assertEqual((found["pressed"], found["while_at_work"]), (["RUNNING_MODAL"], True))
+        self.assertGreater(found["ticks"], 1)
+        self.assertEqual(found["shares"], sorted(found["shares"]))
+        self.assertEqual((found["flesh"], found["flesh_after"], found["cancelled"]), (1, 1, True))
+        self.assertEqual(found["files_after"], found["files"])
+
+
+class Refused(WithBlender):
+    def test_each_trouble_is_said_plainly(self):
+        found = self.check("refused", self.arm)
+        for what, words in (("wrong path", "no program at /nowhere/fascicle; set its path in Edit > Preferences"),
+                            ("not on the path", "not on the PATH; install it, or set its path"),
+                            ("a bone that is not there", "no such bone"),
+                            ("not saved", "Save the .blend file first"),
+                            ("an empty list", "list of actions is empty"),
+                            ("a modifier before the armature's", "Mirror stands before the armature's"),
+                            ("rest position", "set it to Pose Position"),
+                            ("a folder that is no bake", "is no bake; choose another folder")):
+            self.assertIn(words, found[what], what)
+            self.assertTrue(found[what].startswith("Error: "), found[what])
+        self.assertEqual(found["theirs"], ["mine.txt"])
+        self.assertEqual(len(found["left"]), 1, found["left"])
+        self.assertEqual(found["flesh"], [])
+
+
+class Settings(WithBlender):
+    def test_groups_and_layers_reach_the_program(self):
+        found = self.check("painted", self.arm, last=2)
+        count = found["count"]
+        self.assertEqual(found["layer"], "belly fat")
+        self.assertEqual((found["cartoon"], found["heavier"]), ([2.0, 2.0, 1000.0], [1.0, 1.0, 1600.0]))
+        self.assertIn("--set=layers.fat.density=1600.0", found["options"])
+        self.assertNotIn("--softness", " ".join(found["options"]))
+        painted = found["attributes"]
+        self.assertEqual(painted["_LAYER"], [1.0] * (count // 4) + [0.0] * (count - count // 4))
+        self.assertEqual(painted["_GROUP_BELLY_FAT"][:2], [0.25, 0.0])
+        self.assertEqual(sum(painted["_GROUP_BELLY_FAT"]), 0.25 + count // 2 - count // 4)
+        layers = {layer["name"]: layer for layer in found["manifest"]["scene"]["layers"]}
+        # Bone is the last, as the last that claims a point has it.
+        self.assertEqual(list(layers), ["fat", "muscle", "painted-0", "bone"])
+        self.assertEqual(layers["painted-0"]["youngs_modulus"], 5500.0)
+        self.assertEqual(layers["fat"]["density"], 1600.0)
+        self.assertIn("_GROUP_BELLY_FAT", json.dumps(layers["painted-0"]["where"]))
+        vertices = {layer["name"]: layer["vertices"] for layer in found["manifest"]["model"]["layers"]}
+        self.assertGreater(vertices["painted-0"], 0)
+        self.assertGreater(vertices["bone"], 0)
+
+
+class Archive(unittest.TestCase):
+    """The zip itself; needs no Blender."""
+
+    def test_the_same_files_give_the_same_bytes(self):
+        with open(os.path.join(REPOSITORY, "blender", "CMakeLists.txt")) as file:
+            self.assertIn("pack.py", file.read())
+        with zipfile.ZipFile(ADDON) as archive:
+            names = [name.split("/", 1)[1] for name in archive.namelist() if not name.endswith("LICENSE")]
+            self.assertEqual({name.split("/")[0] for name in archive.namelist()}, {"fascicle"})
+            self.assertIn("fascicle/LICENSE", archive.namelist())
+        source = os.path.join(REPOSITORY, "blender", "fascicle")
+        self.assertEqual(sorted(names), sorted(name for name in os.listdir(source) if name.endswith(".py")))
+        version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+        with tempfile.TemporaryDirectory() as folder:
+            # Elsewhere, at another time, under another mask, in another order.
+            shutil.copytree(source, os.path.join(folder, "copy"), copy_function=shutil.copyfile)
+            again = os.path.join(folder, "again.zip")
+            subprocess.run([sys.executable, "-B", os.path.join(REPOSITORY, "blender", "pack.py"), again, version,
+                            os.path.join(REPOSITORY, "LICENSE"), os.path.join(folder, "copy"), *reversed(names)],
+                           check=True, preexec_fn=lambda: os.umask(0o077) and None)
+            digests = []
+            for path in (ADDON, again):
+                with open(path, "rb") as file:
+                    digests.append(hashlib.sha256(file.read()).hexdigest())
+            self.assertEqual(*digests)
+
+    # What Blender 4.0 to 4.5 took out of its Python, of what an add-on like this might use.
+    REMOVED = {"calc_normals", "calc_normals_split", "use_auto_smooth", "auto_smooth_angle", "create_normals_split",
+               "free_normals_split", "face_maps", "vertex_colors", "bone_groups", "bone_group", "layers_protected",
+               "annotation_active", "id_root", "load_on_startup", "context_override", "sculpt_vertex_colors"}
+
+    def test_it_uses_nothing_that_blender_4_removed(self):
+        with zipfile.ZipFile(ADDON) as archive:
+            for name in archive.namelist():
+                if not name.endswith(".py"):
+                    continue
+                used = {node.attr for node in ast.walk(ast.parse(archive.read(name)))
+                        if isinstance(node, ast.Attribute)}
+                self.assertEqual(used & self.REMOVED, set(), name)
+
+
+if __name__ == "__main__":
+    unittest.main()

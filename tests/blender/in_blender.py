@@ -1,0 +1,359 @@
+"""blender --background --factory-startup --python in_blender.py -- CHECK RESULT [ARGUMENT...]
+
+One check of the add-on inside Blender, where it is installed; what was found goes to RESULT as JSON. addon_test.py
+judges it. Bakes are read here by their layout, not by the add-on's reader."""
+
+import functools
+import glob
+import json
+import os
+import struct
+import sys
+import time
+import traceback
+
+import bpy
+from mathutils import Euler, Matrix
+
+
+def samples_of(path):
+    with open(path, "rb") as file:
+        magic, version, points, start, step, count = struct.unpack("<12siiffi", file.read(32))
+        assert magic == b"POINTCACHE2\0" and version == 1 and step == 1
+        return [struct.unpack("<%df" % (3 * points), file.read(12 * points)) for _ in range(count)]
+
+
+def evaluated(obj, world=False):
+    """The vertices now, flat, in the object's own space or in the world."""
+    found = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = found.to_mesh()
+    places = [found.matrix_world @ vertex.co if world else vertex.co.copy() for vertex in mesh.vertices]
+    found.to_mesh_clear()
+    return places
+
+
+def in_files_axes(place):
+    return place.x, place.z, -place.y
+
+
+def flesh_of(armature):
+    return sorted((obj for obj in bpy.data.objects if obj.get("fascicle_mesh") and not obj.hide_get()
+                   and not obj.users_collection[0].hide_viewport), key=lambda obj: obj["fascicle_mesh"])
+
+
+def options(argv):
+    return dict(pair.split("=", 1) for pair in argv)
+
+
+def frames_of(said):
+    return int(said.get("first", 1)), int(said.get("last", 7))
+
+
+def open_character(path, said):
+    """An imported character, its armature active; placed and scaled as `said` asks."""
+    if bpy.app.background:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+    for obj in list(bpy.data.objects):  # a window would lose its context with its file
+        bpy.data.objects.remove(obj)
+    bpy.ops.preferences.addon_enable(module="fascicle")
+    scene = bpy.context.scene
+    scene.render.fps = int(said.get("fps", 24))
+    # Debian's numpy is too new for the importer's own shading.
+    bpy.ops.import_scene.gltf(filepath=path, import_shading="SMOOTH")
+    for obj in [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.name.startswith("Icosphere")]:
+        bpy.data.objects.remove(obj)  # with which the importer draws bones
+    armature = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE")
+    top = armature
+    while top.parent:
+        top = top.parent
+    if "moved" in said:
+        top.rotation_mode = "XYZ"
+        top.matrix_world = (Matrix.Translation((0.7, -1.3, 0.4)) @ Euler((0.3, -0.2, 1.1)).to_matrix().to_4x4()
+                            @ Matrix.Scale(1.25, 4) @ top.matrix_world)
+    unit = float(said.get("unit", 1.0))
+    if unit != 1.0:
+        scene.unit_settings.system = "METRIC"
+        scene.unit_settings.scale_length = unit
+        top.matrix_world = Matrix.Scale(1.0 / unit, 4) @ top.matrix_world
+    bpy.context.view_layer.objects.active = armature
+    settings = armature.fascicle
+    settings.folder = said["folder"]
+    settings.quality = "draft"
+    first, last = frames_of(said)
+    # The scene's range cannot begin below 0.
+    settings.range = "SCENE" if first >= 0 else "ACTION"
+    scene.frame_start, scene.frame_end = max(first, 0), last
+    action = armature.animation_data.action
+    action.use_frame_range = True
+    action.frame_start, action.frame_end = first, last
+    return armature
+
+
+def baked_folder(said):
+    folders = [found for found in glob.glob(said["folder"] + "/*") if os.path.isdir(found)]
+    assert len(folders) == 1, folders
+    return folders[0]
+
+
+def measure_exact(armature, folder, first):
+    """The largest difference of a vertex's floats from the bake's, over all frames; of all objects in their order."""
+    scene = bpy.context.scene
+    samples = samples_of(os.path.join(folder, "surface.pc2"))
+    largest = 0.0
+    for number, sample in enumerate(samples):
+        scene.frame_set(first + number)
+        found = [x for obj in flesh_of(armature) for place in evaluated(obj) for x in in_files_axes(place)]
+        assert len(found) == len(sample), (len(found), len(sample))
+        largest = max(largest, max(abs(a - b) for a, b in zip(found, sample)))
+    return largest, len(samples)
+
+
+def round_trip(path, said):
+    armature = open_character(path, said)
+    settings = armature.fascicle
+    settings.attachment = said.get("kind", "MESH_CACHE")
+    settings.only_bone = said.get("only", "")
+    before = {obj.name: [slot.material.name for slot in obj.material_slots if slot.material] for obj in bpy.data.objects
+              if obj.type == "MESH"}
+    for obj in bpy.data.objects:
+        if obj.type == "MESH":
+            obj.modifiers.new("Later", "SUBSURF").show_viewport = False
+    bpy.context.scene.frame_set(3)
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    result = {"frame": bpy.context.scene.frame_current, "folder": baked_folder(said)}
+    result["error"], result["frames"] = measure_exact(armature, result["folder"], frames_of(said)[0])
+    flesh = flesh_of(armature)
+    result["materials_kept"] = all([slot.material.name for slot in obj.material_slots if slot.material]
+                                   == before[obj["fascicle_mesh"]] for obj in flesh)
+    result["materials"] = sum(len(names) for names in before.values())
+    result["objects"] = len(flesh)
+    result["modifiers"] = [modifier.type for obj in flesh for modifier in obj.modifiers]
+    first, last = frames_of(said)
+    # Where skinning has the body: most of it follows the skeleton alone, where `only` says so.
+    scene = bpy.context.scene
+    meshes = [bpy.data.objects[obj["fascicle_mesh"]] for obj in flesh]
+    result["hidden"] = all(obj.hide_viewport and obj.hide_render for obj in meshes)
+    with_flesh, skinned = [], []
+    for places, name in ((with_flesh, flesh[0].users_collection[0]["fascicle_bake"]), (skinned, "")):
+        bpy.ops.fascicle.show(bake=name)
+        for frame in range(first, last + 1):
+            scene.frame_set(frame)
+            places.append([place for obj in (flesh if name else meshes) for place in evaluated(obj, world=True)])
+    size = max(max(place[axis] for place in skinned[0]) - min(place[axis] for place in skinned[0]) for axis in range(3))
+    apart = sorted((a - b).length / size for now, there in zip(with_flesh, skinned) for a, b in zip(now, there))
+    moved = max((a - b).length / size for now in skinned for a, b in zip(now, skinned[0]))
+    result.update(median=apart[len(apart) // 2], largest=apart[-1], moved=moved)
+    # Clear leaves what was there before, and nothing else.
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.fascicle.clear()
+    result["left"] = [obj.name for obj in bpy.data.objects if obj.get("fascicle_mesh")]
+    result["collections_left"] = [found.name for found in bpy.data.collections if found.name.startswith("Flesh")]
+    result["shown"] = all(not obj.hide_viewport and not obj.hide_render for obj in meshes)
+    return result
+
+
+def list_of_actions(path, said):
+    """The character's action and a copy of it that lasts half as long, both baked."""
+    armature = open_character(path, said)
+    settings = armature.fascicle
+    settings.range = "ACTION"
+    first = armature.animation_data.action
+    other = first.copy()
+    other.name = "second"
+    # Both are cut: what is tested is that each has its own range.
+    settings.uses_list = True
+    for action, last in ((first, 8.0), (other, 5.0)):
+        action.use_frame_range = True
+        action.frame_start, action.frame_end = 2.0, last
+        settings.actions.add().action = action
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    result = {"open": armature.animation_data.action.name, "first": first.name, "bakes": {}}
+    for folder in sorted(found for found in glob.glob(said["folder"] + "/*") if os.path.isdir(found)):
+        result["bakes"][os.path.basename(folder)] = len(samples_of(os.path.join(folder, "surface.pc2")))
+    result["shown"] = [found["fascicle_bake"] for found in bpy.data.collections
+                       if found.get("fascicle_bake") and not found.hide_viewport]
+    bpy.ops.fascicle.show(bake="second")
+    result["open_after_show"] = armature.animation_data.action.name
+    result["shown_after_show"] = [found["fascicle_bake"] for found in bpy.data.collections
+                                  if found.get("fascicle_bake") and not found.hide_viewport]
+    return result
+
+
+def cancel(path, said):
+    """A long bake is ended in its midst, as the Cancel button does; before it, a short one was whole."""
+    from fascicle import operators
+    armature = open_character(path, said)
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    folder = baked_folder(said)
+    kept = {name: open(os.path.join(folder, name), "rb").read() for name in ("surface.pc2", "manifest.json")}
+    kept_files = sorted(os.listdir(said["folder"]))
+    objects = sorted(obj.name for obj in bpy.data.objects)
+    # So long that it cannot end by itself before it is cancelled.
+    bpy.context.scene.frame_end = bpy.context.scene.frame_start + 2000
+    armature.fascicle.quality = "final"
+    work = operators.Work(bpy.context, armature)
+    seen = 0
+    while seen == 0:
+        assert not work.step()
+        seen = work.bake.done
+        time.sleep(0.02)
+    process = work.bake._process
+    bpy.ops.fascicle.cancel()
+    return {"seen": seen, "ended": process.poll() is not None,
+            "left": sorted(os.listdir(said["folder"])), "kept_files": kept_files,
+            "kept": all(open(os.path.join(folder, name), "rb").read() == data for name, data in kept.items()),
+            "objects_kept": objects == sorted(obj.name for obj in bpy.data.objects),
+            "running": len(operators._running), "can_bake_again": bpy.ops.fascicle.bake.poll()}
+
+
+def press(what):
+    """A button, as a click on it."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    with bpy.context.temp_override(window=window, area=area):
+        return what("INVOKE_DEFAULT")
+
+
+def in_window(path, said):
+    """The button in a window: Blender's timer goes on while the program works. Once to the end, then cancelled. Yields
+    seconds to wait, last the result."""
+    bpy.context.preferences.view.show_splash = False
+    armature = open_character(path, said)
+    state = bpy.context.window_manager.fascicle
+    result = {"pressed": sorted(press(bpy.ops.fascicle.bake)), "while_at_work": state.is_running}
+    shares = []
+    while state.is_running:
+        shares.append(state.progress)
+        yield 0.05
+    result.update(shares=shares, flesh=len(flesh_of(armature)), files=sorted(os.listdir(said["folder"])))
+    bpy.context.scene.frame_end = bpy.context.scene.frame_start + 2000
+    press(bpy.ops.fascicle.bake)
+    while state.progress == 0.0:
+        yield 0.05
+    result["ticks"] = len(shares)
+    press(bpy.ops.fascicle.cancel)
+    yield 0.5
+    result.update(cancelled=not state.is_running, files_after=sorted(os.listdir(said["folder"])),
+                  flesh_after=len(flesh_of(armature)))
+    yield result
+
+
+def refused(path, said):
+    """What each trouble says, and that nothing is left behind."""
+    armature = open_character(path, said)
+    preferences = bpy.context.preferences.addons["fascicle"].preferences
+    result = {}
+
+    def said_by_bake(what):
+        try:
+            bpy.ops.fascicle.bake()
+            result[what] = "finished"
+        except RuntimeError as error:
+            result[what] = str(error).strip()
+
+    was = preferences.program
+    preferences.program = "/nowhere/fascicle"
+    said_by_bake("wrong path")
+    preferences.program = ""
+    path_before, os.environ["PATH"] = os.environ["PATH"], "/nowhere"
+    said_by_bake("not on the path")
+    os.environ["PATH"] = path_before
+    preferences.program = was
+    settings = armature.fascicle
+    settings.only_bone = "no such bone"
+    said_by_bake("a bone that is not there")
+    settings.only_bone = ""
+    settings.folder = "//fascicle"
+    said_by_bake("not saved")
+    settings.folder = said["folder"]
+    settings.uses_list = True
+    said_by_bake("an empty list")
+    settings.uses_list = False
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    mirror = mesh.modifiers.new("Mirror", "MIRROR")
+    with bpy.context.temp_override(object=mesh):
+        bpy.ops.object.modifier_move_to_index(modifier="Mirror", index=0)
+    said_by_bake("a modifier before the armature's")
+    mesh.modifiers.remove(mirror)
+    armature.data.pose_position = "REST"
+    said_by_bake("rest position")
+    armature.data.pose_position = "POSE"
+    armature.animation_data.action.name = "plain"
+    occupied = os.path.join(said["folder"], armature.name + "-plain")
+    os.makedirs(occupied)
+    with open(os.path.join(occupied, "mine.txt"), "w") as file:
+        file.write("mine")
+    said_by_bake("a folder that is no bake")
+    result["theirs"] = os.listdir(occupied)
+    result["left"] = sorted(os.listdir(said["folder"]))
+    result["flesh"] = [obj.name for obj in bpy.data.objects if obj.get("fascicle_mesh")]
+    return result
+
+
+def painted(path, said):
+    """Groups and layers of the panel, and what reached the program: the character's file and the manifest."""
+    from fascicle import operators, settings as chosen
+    armature = open_character(path, said)
+    settings = armature.fascicle
+    mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+    count = len(mesh.data.vertices)
+    for name, where in (("hard", range(0, count // 4)), ("belly fat", range(count // 4, count // 2))):
+        mesh.vertex_groups.new(name=name).add(list(where), 1.0, "REPLACE")
+    mesh.vertex_groups["belly fat"].add([0], 0.25, "REPLACE")
+    settings.bone_group = "hard"
+    bpy.context.view_layer.objects.active = mesh
+    mesh.vertex_groups.active_index = mesh.vertex_groups["belly fat"].index
+    bpy.ops.fascicle.edit_list(which="layers", what="ADD")
+    settings.layers[0].youngs_modulus = 5.5
+    result = {"layer": settings.layers[0].group}
+    bpy.ops.fascicle.preset(wish="CARTOON")
+    result["cartoon"] = [settings.softness, settings.exaggerate, settings.density]
+    bpy.ops.fascicle.preset(wish="HEAVIER")
+    result["heavier"] = [settings.softness, settings.exaggerate, settings.density]
+    result["options"] = chosen.program_options(settings)
+    assert bpy.ops.fascicle.bake() == {"FINISHED"}
+    folder = baked_folder(said)
+    with open(os.path.join(folder, "manifest.json")) as file:
+        result["manifest"] = json.load(file)
+    character, = glob.glob(folder + "-*.glb")
+    with open(character, "rb") as file:
+        data = file.read()
+    length, = struct.unpack_from("<I", data, 12)
+    document = json.loads(data[20:20 + length])
+    attributes = document["meshes"][0]["primitives"][0]["attributes"]
+
+    def values(name):
+        accessor = document["accessors"][attributes[name]]
+        view = document["bufferViews"][accessor["bufferView"]]
+        return list(struct.unpack_from("<%df" % accessor["count"], data, 28 + length + view["byteOffset"]))
+
+    result["count"] = count
+    result["attributes"] = {name: values(name) for name in attributes if name.startswith("_")}
+    return result
+
+
+def finish(target, found):
+    with open(target, "w") as file:
+        json.dump(found, file)
+
+
+def tick(steps, target):
+    """For a check that waits: by Blender's own timer, so that Blender's loop runs in between."""
+    try:
+        found = next(steps)
+        if not isinstance(found, dict):
+            return found
+        finish(target, found)
+        bpy.ops.wm.quit_blender()
+    except BaseException:
+        traceback.print_exc()
+        os._exit(1)
+
+
+arguments = sys.argv[sys.argv.index("--") + 1:]
+check, target, character = arguments[:3]
+found = globals()[check](character, options(arguments[3:]))
+if isinstance(found, dict):
+    finish(target, found)
+else:
+    bpy.app.timers.register(functools.partial(tick, found, target), first_interval=0.5, persistent=True)

@@ -1,0 +1,81 @@
+"""Disturbs bakes in every way of rows.py, and writes what came of it.
+
+reliability.py [ROW...] [--short] [--share S] [--write PAGE.md]: FASCICLE_PROGRAM names the program,
+FASCICLE_FAILING_CALLS the library that lets calls fail. --short: as often as CI has time for. --share: that share of
+the times."""
+
+import argparse
+import os
+import platform
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import bakes
+import rows
+
+PAGE = """# Reliability
+
+Bakes run overnight, on farms, on machines that stop. `./do reliability` disturbs small ones (a bar with a file a frame;
+a character whose body is kept; one whose body is built in every run) at random moments and holds every file that has
+its final name against an undisturbed bake, byte by byte, then lets `--resume` go on and compares again. Each row first
+shows that its checks find a program out that is not careful: half a file, another byte, a child that lives, a socket.
+It writes this page. A short form of every row runs with the tests.
+
+Seed %d, %s, %s.
+
+| row | what is done | what came of it | time |
+| --- | --- | --- | --- |
+%s
+`./do reliability ROW...` runs single rows. `FASCICLE_SEED` repeats a run's moments, as far as a machine's own pace
+allows.
+"""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("row", nargs="*", choices=[[], *(row[0] for row in rows.ROWS)])
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--share", type=float, default=1.0)
+    parser.add_argument("--write")
+    asked = parser.parse_args()
+    seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
+    random.seed(seed)
+    lines, is_broken = [], False
+    root = tempfile.mkdtemp(prefix="fascicle-reliability-")
+    try:
+        small = bakes.small_bakes()
+        for bake in small:
+            bake.prepare(root)
+        for name, row, often, seldom in rows.ROWS:
+            if asked.row and name not in asked.row:
+                continue
+            count = seldom if asked.short else max(1, round(often * asked.share))
+            begin = time.monotonic()
+            try:
+                figure = row(small, count)
+            except bakes.Broken as broken:
+                figure, is_broken = "BROKEN: %s" % broken, True
+            seconds = time.monotonic() - begin
+            print("%-8s %s (%.0f s, seed %d)" % (name, figure, seconds, seed), flush=True)
+            what = " ".join(row.__doc__.split())
+            lines.append("| `%s` | %s | %s | %.0f s |\n" % (name, what, figure, seconds))
+    finally:
+        if is_broken:
+            print("kept for a look: " + root, file=sys.stderr)
+        else:
+            shutil.rmtree(root, ignore_errors=True)
+    if asked.write and not is_broken:
+        version = subprocess.run([bakes.PROGRAM, "--version"], capture_output=True, text=True).stdout.split("\n")[0]
+        text = PAGE % (seed, version, "%s, %d cores" % (platform.machine(), os.cpu_count()), "".join(lines))
+        with open(asked.write + ".new", "w") as file:
+            file.write(text)
+        os.replace(asked.write + ".new", asked.write)
+    return 1 if is_broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,316 @@
+"""What a bake must outlast, a function a row of the table: each disturbs it `count` times and holds what is left
+against an undisturbed one. A row returns its figure; it raises Broken where something does not hold. Each has a
+control: the same checks against a program that is not careful, which they must find out."""
+
+import errno
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+from bakes import BAD_INPUT, DONE, FAILED, INTERRUPTED, PROGRAM, Broken, hold, killed_once, manifest
+
+
+def must_be_found(check, text):
+    """A control: the check has to fail."""
+    try:
+        check()
+    except Broken:
+        return
+    raise Broken("the control was not found out: " + text)
+
+
+def in_turns(bakes, count):
+    for k in range(count):
+        yield bakes[k % len(bakes)]
+
+
+def control_of_files(bakes):
+    """A whole bake of which one file is torn, and one whose frames are of another bake."""
+    bake = bakes[0]
+    folder = bake.empty_folder()
+    shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
+    bake.hold_whole(folder)
+    path = os.path.join(folder, max(bake.whole, key=lambda name: len(bake.whole[name])))
+    with open(path, "r+b") as file:
+        file.truncate(len(bake.whole[os.path.basename(path)]) // 2)
+    must_be_found(lambda: bake.hold_whole(folder), "half a file")
+    with open(path, "r+b") as file:
+        file.write(b"?")
+    must_be_found(lambda: bake.hold_published(folder), "another byte")
+    shutil.rmtree(folder)
+
+
+def killed(bakes, count):
+    """SIGKILL at random moments, several times in a row, until the bake comes to its end."""
+    control_of_files(bakes)
+    kills = at_work = 0
+    while kills < count:
+        for bake in bakes:
+            folder = bake.empty_folder()
+            more = ()
+            for _ in range(random.randint(1, 4)):
+                if kills == count:
+                    break
+                at_work += killed_once(bake, folder, *more)
+                kills += 1
+                more = ("--resume",)
+                bake.hold_published(folder)
+            bake.resume(folder)
+            shutil.rmtree(folder)
+    return "%d kills, %d of them at work; every file has the bytes of an unbroken bake" % (kills, at_work)
+
+
+def stopped(bakes, count):
+    """SIGTERM and SIGINT at random moments; one in four twice."""
+    control_of_files(bakes)
+    stops = twice = 0
+    for k, bake in enumerate(in_turns(bakes, count)):
+        folder = bake.empty_folder()
+        process = bake.start(folder)
+        time.sleep(bake.moment())
+        number = (signal.SIGTERM, signal.SIGINT)[k % 2]
+        try:
+            os.kill(process.pid, number)
+            if k % 4 == 3:
+                os.kill(process.pid, number)
+                twice += 1
+        except ProcessLookupError:
+            pass
+        begin = time.monotonic()
+        _, text = process.communicate()
+        hold(time.monotonic() - begin < 5.0 + bake.seconds, "%s: it did not end" % folder)
+        hold(process.returncode in (DONE, INTERRUPTED, 128 + number, -number),
+             "%s: signal %d ended it with %d: %s" % (folder, number, process.returncode, text))
+        if k % 4 != 3:
+            hold(process.returncode in (DONE, INTERRUPTED), "%s: ended with %d" % (folder, process.returncode))
+        stops += process.returncode == INTERRUPTED
+        bake.hold_published(folder)
+        bake.resume(folder)
+        shutil.rmtree(folder)
+    return "%d signals, %d twice; %d ended with 75, the others came too late; each went on to the same bytes" % (
+        count, twice, stops)
+
+
+def resumed(bakes, count):
+    """Gone on with from a random frame: of another end, with more formats, on other threads and another level."""
+    control_of_files(bakes)
+    bake = bakes[0]
+    devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout
+    found = re.search(r"^ +levels +(.*)$", devices, re.MULTILINE)
+    hold(found, "the CPU names no level")
+    levels = ["cpu:" + level for level in found.group(1).split(", ")]
+    frames = len(bake.hashes) - 1
+    end = float(bake.arguments[bake.arguments.index("--end") + 1])
+    for k in range(count):
+        folder = bake.empty_folder()
+        at = random.randint(0, frames - 1)
+        first = [*bake.arguments, "--end", repr(end * at / frames)]
+        first[first.index("pc2,obj")] = random.choice(("pc2", "obj", "pc2,obj"))
+        command = [PROGRAM, "bake", *first, "--device", random.choice(levels), "--threads", "1", "-o", folder]
+        done = subprocess.run(command, capture_output=True, text=True, env=bake.environment())
+        hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
+        refused = bake.run(folder, "--resume", "--set", "layers.body.alpha=0.9")
+        hold(refused.returncode == BAD_INPUT and "model was" in refused.stderr,
+             "%s: another stiffness was not refused: %s" % (folder, refused.stderr))
+        bake.resume(folder, "--device", random.choice(levels), "--threads", str(1 + k % 3))
+        shutil.rmtree(folder)
+    return "%d of %d have the bytes of a bake in one go; another stiffness is refused by its name" % (count, count)
+
+
+def processes_in(folder):
+    """Numbers of the processes that were given a file in this folder."""
+    found = []
+    for name in os.listdir("/proc"):
+        if not name.isdigit() or int(name) == os.getpid():
+            continue
+        try:
+            with open("/proc/%s/cmdline" % name, "rb") as file:
+                if folder.encode() in file.read():
+                    found.append(int(name))
+        except OSError:
+            pass
+    return found
+
+
+def batches_stopped(bakes, count):
+    """SIGTERM, SIGINT and SIGKILL to a batch of four bakes, two at once; none of its children may stay."""
+    root = bakes[0].root
+    jobs = os.path.join(root, "jobs.toml")
+    with open(jobs, "w") as file:
+        file.write('format = ["pc2"]\n[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=3.0"]\n'
+                   '[job.bar.vary]\n"layers.body.alpha" = [0.3, 0.4, 0.5, 0.6]\n')
+    environment = bakes[0].environment()
+    command = [PROGRAM, "batch", jobs, "--device", "cpu", "--at-once", "2", "-o"]
+
+    def files_of(folder):
+        found = {}
+        for name in sorted(os.listdir(folder)):
+            path = os.path.join(folder, name)
+            if os.path.isdir(path) and not name.startswith("."):
+                with open(os.path.join(path, "surface.pc2"), "rb") as file:
+                    found[name] = file.read()
+        hold(len(found) == 4, folder + ": %d bakes" % len(found))
+        return found
+
+    whole = os.path.join(root, "whole-batch")
+    begin = time.monotonic()
+    subprocess.run([*command, whole], env=environment, check=True, capture_output=True)
+    seconds = time.monotonic() - begin
+    expected = files_of(whole)
+    left = os.path.join(root, "left")
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)", left])
+    must_be_found(lambda: hold(not processes_in(left), "a child lives"), "a child that lives")
+    child.kill()
+    child.wait()
+    for k in range(count):
+        folder = os.path.join(root, "batch-%d" % k)
+        number = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)[k % 3]
+        process = subprocess.Popen([*command, folder], env=environment, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, start_new_session=True)
+        time.sleep(random.uniform(0.0, 1.1 * seconds))
+        process.send_signal(number)
+        status = process.wait()
+        hold(status in ((-number, DONE) if number == signal.SIGKILL else (DONE, INTERRUPTED)),
+             "%s: signal %d ended the batch with %d" % (folder, number, status))
+        patience = time.monotonic() + 2.0
+        while processes_in(folder) and time.monotonic() < patience:
+            time.sleep(0.02)
+        hold(not processes_in(folder), folder + ": a child outlives the batch")
+        done = subprocess.run([*command, folder, "--resume"], env=environment, capture_output=True, text=True)
+        hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(files_of(folder) == expected, folder + ": other bytes")
+        shutil.rmtree(folder)
+    return "%d batches; no child stayed, and each went on to the same bytes" % count
+
+
+def disk_fails(bakes, count):
+    """The k-th call that changes a file fails: once (an I/O error) or all from there on (a full disk)."""
+    library = os.environ.get("FASCICLE_FAILING_CALLS", "")
+    hold(os.path.exists(library), "FASCICLE_FAILING_CALLS names no library")
+    failed = survived = 0
+    for k, bake in enumerate(in_turns(bakes, count)):
+        folder = bake.empty_folder()
+        plan = {"LD_PRELOAD": library, "FAILING_FOLDER": folder, "FAILING_CALL": "0",
+                "FAILING_COUNT": folder + ".calls", "FAILING_ERROR": str(errno.ENOSPC)}
+        if not hasattr(bake, "calls"):
+            counted = bake.run(folder, **plan)
+            hold(counted.returncode == DONE, counted.stderr)
+            with open(folder + ".calls") as file:
+                bake.calls = max(int(line) for line in file)
+            hold(bake.calls > 10, "%s: hardly any call was seen" % bake.name)
+            shutil.rmtree(folder)
+            os.mkdir(folder)
+        is_once = k % 2 == 0
+        plan.update(FAILING_CALL=str(random.randint(1, bake.calls)), FAILING_MODE="once" if is_once else "from",
+                    FAILING_ERROR=str(errno.EIO if is_once else errno.ENOSPC))
+        done = bake.run(folder, **plan)
+        bake.hold_published(folder)
+        if done.returncode == DONE:
+            survived += 1  # what failed was not needed, such as a sync after the last file was whole
+            hold(is_once, "%s: call %s and all after it failed, and nobody noticed" % (folder, plan["FAILING_CALL"]))
+        else:
+            failed += 1
+            hold(done.returncode == FAILED, "%s: ended with %d: %s" % (folder, done.returncode, done.stderr))
+            reason = os.strerror(errno.EIO if is_once else errno.ENOSPC)
+            hold(reason in done.stderr, "%s: the message does not say why: %s" % (folder, done.stderr))
+            said = manifest(folder)
+            if is_once and said is not None and said["status"] != "failed":
+                # Before the first frame the folder may still be as it was; after the last one it may be whole.
+                hold(said["status"] in ("running", "complete") and "manifest.json" in done.stderr,
+                     "%s: status %s after %s" % (folder, said["status"], done.stderr))
+        bake.resume(folder)
+        shutil.rmtree(folder)
+    text = "%d calls failed: %d ended the bake with 1 and the reason, %d were not needed; all went on to the same bytes"
+    return text % (count, failed, survived)
+
+
+def damaged(bakes, count):
+    """A byte of a file of a finished bake is another one, or the file is cut off: `fascicle verify` must find it."""
+    bake = bakes[0]
+    folder = bake.empty_folder()
+    shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
+
+    def verify():
+        return subprocess.run([PROGRAM, "verify", folder], capture_output=True, text=True)
+
+    hold(verify().returncode == DONE, "a bake as it was written is not right: " + verify().stdout)
+    found = 0
+    own = [name for name in os.listdir(folder) if name in ("frames.fascicle", "model.fascicle", "checkpoint")]
+    hold(len(own) == 3, "the folder lacks a file")
+    for k in range(count):
+        path = os.path.join(folder, own[k % len(own)])
+        with open(path, "r+b") as file:
+            content = file.read()
+            at = k // len(own) if k < count // 4 else random.randrange(len(content))
+            at = min(at, len(content) - 1)
+            if k % 20 == 19:
+                file.truncate(at)
+            else:
+                file.seek(at)
+                file.write(bytes([content[at] ^ (1 << random.randrange(8))]))
+        done = verify()
+        hold(done.returncode == BAD_INPUT, "%s: byte %d is another one, and verify ended with %d: %s"
+             % (path, at, done.returncode, done.stdout + done.stderr))
+        found += 1
+        with open(path, "wb") as file:
+            file.write(content)
+    hold(verify().returncode == DONE, "the bake was put back, and is not right")
+    return "%d of %d damages found" % (found, count)
+
+
+def outside(bakes, count):
+    """What a bake asks of the system, by strace: sockets, files it changes, programs it starts."""
+    calls = "trace=socket,connect,bind,open,openat,creat,unlink,unlinkat,rename,renameat2,mkdir,execve"
+
+    def traced(command, environment, where):
+        log = where + ".strace"
+        done = subprocess.run(["strace", "-f", "-qq", "-s", "4096", "-e", calls, "-o", log, *command],
+                              capture_output=True, text=True, env=environment)
+        hold(done.returncode == DONE, done.stderr)
+        with open(log, errors="replace") as file:
+            return file.read().splitlines()
+
+    def hold_inside(lines, allowed, programs):
+        for line in lines:
+            text = line.split(None, 1)[1]
+            if text.startswith(("socket(", "connect(", "bind(")):
+                raise Broken("a socket: " + text)
+            if text.startswith("execve(") and " = 0" in text:
+                name = os.path.basename(re.search(r'"([^"]*)"', text).group(1))
+                hold(name in programs, "another program: " + text)
+            changes = re.search(r"O_WRONLY|O_RDWR|O_CREAT|O_TRUNC", text) or not text.startswith("open")
+            if changes and not text.startswith("execve(") and " = -1" not in text:
+                for path in re.findall(r'"([^"]*)"', text):
+                    hold(path.startswith(tuple(allowed)) or not os.path.isabs(path), "a file outside: " + text)
+
+    programs = ("fascicle", "fascicle-mesher")
+    for bake in in_turns(bakes, count):
+        folder = bake.empty_folder()
+        bake.forget_body()
+        lines = traced(bake.command(folder, "--overwrite"), bake.environment(), folder)
+        # The mesher is handed its input in a folder of its own for what is temporary.
+        allowed = (folder, bake.cache, "/dev/", "/proc/", "/tmp/fascicle")
+        hold_inside(lines, allowed, programs)
+        hold(len(lines) > 20, "strace saw nothing")
+        shutil.rmtree(folder)
+    script = "import socket; socket.socket()"
+    lines = traced([sys.executable, "-c", script], bakes[0].environment(), bakes[0].root + "/control")
+    must_be_found(lambda: hold_inside(lines, ("/",), (os.path.basename(sys.executable), "python3")), "a socket")
+    return "%d bakes: no socket, no file outside the bake's folder and the cache, no program but the mesher" % count
+
+
+# Name, what is done, and how often: for the table, and in CI.
+ROWS = (
+    ("killed", killed, 1000, 12),
+    ("stopped", stopped, 400, 12),
+    ("resumed", resumed, 200, 6),
+    ("batches", batches_stopped, 60, 3),
+    ("disk", disk_fails, 200, 12),
+    ("damaged", damaged, 3000, 40),
+    ("outside", outside, 12, 3),
+)
