@@ -26,7 +26,8 @@ struct PageResult {
   std::vector<std::string> warnings;
 };
 
-// Throws BakeError as export_bake does, and where there is too much for a page.
+// Throws BakeError as export_bake does, and where there is too much for a page; bake::ContradictingOptions
+// where the error is less than its grid can keep to.
 PageResult page_of_bake(const PageOptions& options);
 
 }  // namespace fascicle::page

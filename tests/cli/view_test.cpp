@@ -111,6 +111,11 @@ TEST(View, TheErrorIsAsAskedFor) {
   EXPECT_NEAR(fine["error"].get<double>(), 1e-5, 1e-9);
   EXPECT_NEAR(coarse["error"].get<double>(), 1e-3, 1e-7);
   EXPECT_LT(coarse["bytes"].get<double>(), fine["bytes"].get<double>());
+  // A nanometre would need more than a page's numbers have; it is told, not rounded up.
+  const Outcome refused =
+      fascicle({"view", folder / "bake", "-o", folder / "page.html", "--overwrite", "--error", "1e-6"});
+  EXPECT_EQ(refused.status, 2) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "less than a page can hold")) << refused.err;
 }
 
 // A body of revolution of rings x spokes vertices and two poles, 1.7 m high, whose upper half nods and turns

@@ -10,6 +10,7 @@ export async function open_browser() {
 
 export async function open_page(browser, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, colorScheme: "dark", ...options });
+  page.setDefaultTimeout(90000); // a picture in software, beside other work
   const said = [];
   const asked = [];
   page.on("console", (message) => said.push(`${message.type()}: ${message.text()}`));

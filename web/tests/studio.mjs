@@ -20,7 +20,7 @@ const state = (name) => page.evaluate((of) => document.documentElement.dataset[o
 const wait_for = (name, test) =>
   page.waitForFunction(([of, not]) => (document.documentElement.dataset[of] ?? null) !== not, [name, test], { timeout: 90000 });
 async function open() {
-  await page.goto(await studio.address);
+  await page.goto(await studio.address, { waitUntil: "commit", timeout: 120000 });
   await page.waitForFunction(() => document.documentElement.dataset.state === "ready", null, { timeout: 90000 });
 }
 const press = async (key) => {

@@ -11,7 +11,7 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 const studio = start_studio(program, folder, scene);
 const browser = await open_browser();
 const { page, said } = await open_page(browser);
-await page.goto(await studio.address);
+await page.goto(await studio.address, { waitUntil: "commit", timeout: 120000 });
 await page.waitForFunction(() => document.documentElement.dataset.state === "ready", null, { timeout: 90000 });
 const report = { said };
 const sequence = () => page.evaluate(() => document.documentElement.dataset.sequence);
