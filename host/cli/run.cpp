@@ -111,6 +111,7 @@ int run(int argc, const char* const* argv) {
   add_bake(app, command);
   add_batch(app, command);
   add_render(app, command);
+  add_report(app, command);
   add_export(app, command);
   add_verify(app, command);
   add_validate(app, command);

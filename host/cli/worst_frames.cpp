@@ -1,7 +1,6 @@
 #include "host/cli/worst_frames.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -9,38 +8,12 @@
 #include "host/bake/bake.h"
 #include "host/bake/outputs.h"
 #include "host/base/file.h"
+#include "host/cli/metrics_table.h"
 
 namespace fascicle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Of one line; a field in quotation marks may hold commas, and two marks for one.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const char c = line[k];
-    if (c == '"' && quoted && k + 1 < line.size() && line[k + 1] == '"') {
-      fields.back() += c;
-      ++k;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-    } else if (c != '\r') {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 // What is not a number is as bad as can be.
 double badness_of(double value) {
@@ -61,14 +34,14 @@ FrameScores read_frame_scores(const fs::path& folder) {
     throw bake::BakeError(path.string() +
                           ": is not there or empty; without it nothing tells which frames are "
                           "worst: give --frame or --sheet, or bake again");
-  const std::vector<std::string> columns = fields_of(line);
+  const std::vector<std::string> columns = csv_fields(line);
   if (columns.front() != "frame")
     throw bake::BakeError(path.string() + ": its first column is not `frame`; bake again");
   FrameScores scores;
   scores.has_look = std::count(columns.begin(), columns.end(), "look") > 0;
   while (std::getline(file, line)) {
-    const std::vector<std::string> fields = fields_of(line);
-    const std::optional<double> number = number_in(fields.front());
+    const std::vector<std::string> fields = csv_fields(line);
+    const std::optional<double> number = csv_number(fields.front());
     // A running bake's last line may be cut off.
     if (fields.size() < columns.size() || !number || !(*number >= 0.0 && *number < 1e15)) continue;
     FrameScore score;
@@ -76,9 +49,9 @@ FrameScores read_frame_scores(const fs::path& folder) {
     double inverted = 0.0, lag = 0.0, cause = 0.0;
     for (std::size_t c = 1; c < columns.size(); ++c) {
       const std::string& name = columns[c];
-      if (name == "look_joint") score.joint = fields[c];
-      const std::optional<double> read = number_in(fields[c]);
-      if (!read || name == "look_joint") continue;
+      if (name == bake::look_joint_column) score.joint = fields[c];
+      const std::optional<double> read = csv_number(fields[c]);
+      if (!read || name == bake::look_joint_column) continue;
       const double value = badness_of(*read);
       if (name == "look") score.look = value;
       if (name == "inverted") inverted += value;
