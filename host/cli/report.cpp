@@ -1,5 +1,7 @@
 // fascicle report: one page on a bake, with all that it shows inside.
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -10,8 +12,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/errors.h"
 #include "host/base/file.h"
-#include "host/base/part_file.h"
 #include "host/cli/artist.h"
 #include "host/cli/command.h"
 #include "host/cli/drawn_frames.h"
@@ -21,6 +23,7 @@
 #include "host/cli/text.h"
 #include "host/cli/worst_frames.h"
 #include "host/pipeline/bake_scene.h"
+#include "host/render/colour.h"
 #include "host/render/png.h"
 
 namespace fascicle::cli {
@@ -42,6 +45,14 @@ struct ReportArguments {
 
 EncodedPicture encoded(const render::Image& image) {
   return {render::encode_png(image), image.width, image.height};
+}
+
+// "#ede4cf"
+std::string colour_text(const Eigen::Vector3f& colour) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", render::byte_of_linear(colour[0]),
+                render::byte_of_linear(colour[1]), render::byte_of_linear(colour[2]));
+  return text.data();
 }
 
 // The manifest as it is. manifest_of has read it before, and says what is wrong with it.
@@ -90,8 +101,9 @@ std::vector<std::uint64_t> shown_frames(const Report& report) {
 std::string why_no_skinning(DrawnFrames& frames) {
   try {
     (void)frames.skinned_surface(0);
-    (void)frames.solids(0);
-  } catch (const std::exception& error) {
+  } catch (const base::SceneError& error) {
+    return error.what();
+  } catch (const base::BakeError& error) {
     return error.what();
   }
   return "";
@@ -126,7 +138,9 @@ bool draw(const ReportArguments& arguments, Report& report, Log& log) {
     const RestPictures rest =
         draw_rest(frames.model(), looks ? &*looks : nullptr, rest_height, arguments.threads);
     report.rest =
-        RestReport{rest.skin, rest.body, encoded(rest.before), encoded(rest.after), encoded(rest.cut)};
+        RestReport{rest.skin, rest.body, encoded(rest.before), encoded(rest.after), encoded(rest.cut), {}};
+    for (const render::Legend::Entry& entry : rest.layers.entries)
+      report.rest->layers.emplace_back(entry.name, colour_text(entry.colour));
   }
   progress.update(shown.size() + 1);
   return !interrupts();

@@ -84,7 +84,7 @@ void add_leaves(const Json& json, const std::string& path, unsigned levels, Rows
     add_leaves(value, path.empty() ? key : path + "." + key, levels - 1, rows);
 }
 
-std::string millimetres(double metres) {
+std::string length_text(double metres) {
   return number_text(metres * 1e3) + " mm";
 }
 
@@ -142,13 +142,13 @@ void write_facts(Writer& page, const Report& report, const Json& manifest) {
       layer = name;
     }
   if (lag)
-    facts.push_back({"Lag, largest", millimetres(lag->value), Tone::neutral,
+    facts.push_back({"Lag, largest", length_text(lag->value), Tone::neutral,
                      layer + ", frame " + std::to_string(lag->frame)});
   const double solver = report.manifest.timings.solver;
   if (solver > 0.0 && clip_seconds(report) > 0.0)
-    facts.push_back({"Speed", number_text(clip_seconds(report) / solver, 3) + " x real time", Tone::neutral,
-                     "solver " + duration_text(solver)});
-  facts.push_back({"Body", count_at(manifest, {"model", "vertices"}) + " vertices", Tone::neutral,
+    facts.push_back({"Speed", number_text(clip_seconds(report) / solver, 3) + " x", Tone::neutral,
+                     "real time; solver " + duration_text(solver)});
+  facts.push_back({"Vertices", count_at(manifest, {"model", "vertices"}), Tone::neutral,
                    count_at(manifest, {"model", "tetrahedra"}) + " tetrahedra"});
   facts.push_back({"Warnings", std::to_string(report.warnings.size()),
                    report.warnings.empty() ? Tone::good : Tone::warning, ""});
@@ -164,7 +164,9 @@ const FramePictures* pictures_of(const Report& report, std::uint64_t frame) {
 std::string look_of(const Report& report, std::uint64_t frame) {
   const auto row = std::find_if(report.scores.frames.begin(), report.scores.frames.end(),
                                 [frame](const FrameScore& score) { return score.frame == frame; });
-  if (row == report.scores.frames.end() || !row->look) return "";
+  // Below that it looks as skinning does.
+  constexpr double least_look = 0.01;
+  if (row == report.scores.frames.end() || !row->look || *row->look < least_look) return "";
   std::string words = "; look " + number_text(*row->look, 3);
   if (!row->cause.empty()) words += ", " + row->cause;
   if (!row->joint.empty()) words += " at " + row->joint;
@@ -174,8 +176,8 @@ std::string look_of(const Report& report, std::uint64_t frame) {
 void write_frame(Writer& page, const Report& report, const FramePictures& pictures) {
   const std::string frame = "frame " + std::to_string(pictures.frame);
   const std::string beside = report.has_skeleton ? "skinning alone" : "the rest shape";
-  page.open("figure", {{"class", "still"}});
-  page.open("div", {{"class", pictures.skinned ? "pair" : "single"}});
+  page.start("figure", {{"class", "still"}});
+  page.start("div", {{"class", pictures.skinned ? "pair" : "single"}});
   if (pictures.skinned)
     page::picture(page, pictures.skinned->png, frame + ", " + beside, pictures.skinned->width,
                   pictures.skinned->height);
@@ -186,7 +188,7 @@ void write_frame(Writer& page, const Report& report, const FramePictures& pictur
 }
 
 void write_frames(Writer& page, const Report& report, const std::vector<std::uint64_t>& frames) {
-  page.open("div", {{"class", "grid"}});
+  page.start("div", {{"class", "grid"}});
   for (const std::uint64_t frame : frames)
     if (const FramePictures* pictures = pictures_of(report, frame)) write_frame(page, report, *pictures);
   page.close();
@@ -206,12 +208,12 @@ void write_stills(Writer& page, const Report& report) {
 void write_warnings(Writer& page, const Report& report) {
   page::open_section(page, "warnings", "Warnings and worst frames");
   if (report.warnings.empty()) page.element("p", "The bake gave no warning.");
-  page.open("ul", {{"class", "notes"}});
+  page.start("ul", {{"class", "notes"}});
   for (const ReportWarning& warning : report.warnings) {
-    page.open("li").element("p", warning.text);
+    page.start("li").element("p", warning.text);
     if (warning.frame)
       if (const FramePictures* pictures = pictures_of(report, *warning.frame)) {
-        page.open("div", {{"class", "grid"}});
+        page.start("div", {{"class", "grid"}});
         write_frame(page, report, *pictures);
         page.close();
       }
@@ -260,7 +262,7 @@ void write_curves(Writer& page, const Report& report) {
     page.element("p", "There is no metrics.csv with a row in the folder.").close();
     return;
   }
-  page.open("div", {{"class", "grid"}});
+  page.start("div", {{"class", "plots"}});
   const auto draw = [&](const char* title, const char* y, std::vector<page::Series> series,
                         std::optional<double> limit = std::nullopt, bool from_zero = true) {
     page::plot(page, {.title = title,
@@ -291,7 +293,7 @@ void write_curves(Writer& page, const Report& report) {
     if (const auto peak = peak_of(metrics, column))
       peaks.push_back({column, number_text(peak->value, 6), std::to_string(peak->frame)});
   }
-  page.open("details").element("summary", "Largest values of all columns");
+  page.start("details").element("summary", "Largest values of all columns");
   page::table(page, peaks, 1);
   page.close().close();
 }
@@ -301,9 +303,9 @@ void write_body(Writer& page, const Report& report, const Json& manifest) {
   if (report.rest) {
     const RestReport& rest = *report.rest;
     const auto count = [](std::uint64_t value) { return count_text(value); };
-    page.open("div", {{"class", "grid"}});
+    page.start("div", {{"class", "grid"}});
     const auto show = [&](const EncodedPicture& picture, const std::string& words) {
-      page.open("figure");
+      page.start("figure");
       page::picture(page, picture.png, words, picture.width, picture.height);
       page.element("figcaption", words).close();
     };
@@ -312,6 +314,7 @@ void write_body(Writer& page, const Report& report, const Json& manifest) {
     show(rest.after, "After: the body of tetrahedra that moves");
     show(rest.cut, "The body cut open, its layers by their colours");
     page.close();
+    page::swatches(page, rest.layers);
     page::table(page,
                 {{"", "Skin, before", "Body, after"},
                  {"Vertices of the surface", count(rest.skin.vertices), count(rest.body.vertices)},
@@ -325,7 +328,7 @@ void write_body(Writer& page, const Report& report, const Json& manifest) {
     for (const Json& end : ends) {
       if (table.size() > most_rows) break;
       const auto width = number_at(end, {"width_m"});
-      table.push_back({text_at(end, {"joint"}), text_at(end, {"became"}), width ? millimetres(*width) : "-",
+      table.push_back({text_at(end, {"joint"}), text_at(end, {"became"}), width ? length_text(*width) : "-",
                        count_at(end, {"edges"})});
     }
     page::table(page, table, 2, "Open ends of the skin");
@@ -391,12 +394,12 @@ void write_parameters(Writer& page, const Json& manifest) {
   if (const Json& scene = at(manifest, {"scene"}); scene.is_object())
     for (const auto& [key, value] : scene.items())
       if (key != "text") add_leaves(value, key, most_levels, rows);
-  page.open("details", {{"class", "code"}}).element("summary", "Every key of the scene as it was used");
+  page.start("details", {{"class", "code"}}).element("summary", "Every key of the scene as it was used");
   page::rows(page, rows);
   page.close();
   if (const Json& text = at(manifest, {"scene", "text"}); text.is_string()) {
-    page.open("details").element("summary", "The scene file");
-    page.open("pre").open("code");
+    page.start("details").element("summary", "The scene file");
+    page.start("pre").start("code");
     // Line by line, as what stands in a line is shown escaped.
     const std::string whole = text.get<std::string>();
     for (std::size_t begin = 0; begin < whole.size();) {

@@ -37,6 +37,7 @@ struct ReportWarning {
 struct RestReport {
   ShellCounts skin, body;
   EncodedPicture before, after, cut;
+  std::vector<std::pair<std::string, std::string>> layers;  // names, and colours of `cut` as "#rrggbb"
 };
 
 struct Report {

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "host/formats/surface.h"
-#include "host/render/annotate.h"
 #include "host/render/body_shapes.h"
 #include "host/render/camera.h"
 #include "host/render/render.h"
@@ -157,9 +156,8 @@ RestPictures draw_rest(const model::Model& model, const render::Looks* looks, un
     std::vector<render::Shape> shapes = drawing.shapes(body, no_lag, eye);
     if (!marked.empty())
       shapes.push_back(bands(skin, marked, eye, static_cast<float>(0.0018 * box.diagonal().norm())));
-    render::Image image = render::render(shapes, camera, backdrop, threads);
-    render::draw_legend(image, drawing.legend());
-    return image;
+    pictures.layers = drawing.legend();
+    return render::render(shapes, camera, backdrop, threads);
   };
   render::DrawingOptions options;
   options.looks = looks;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/model/model.h"
+#include "host/render/annotate.h"
 #include "host/render/image.h"
 #include "host/render/looks.h"
 
@@ -19,7 +20,8 @@ struct ShellCounts {
 
 struct RestPictures {
   ShellCounts skin, body;            // the render mesh; the surface of the tetrahedra
-  render::Image before, after, cut;  // the skin's open edges are red; layers have names
+  render::Image before, after, cut;  // the skin's open edges are red
+  render::Legend layers;             // of `cut`
 };
 
 // Needs a render mesh. `looks`: of the skin, or null. `height`: pixels.

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/base/part_file.h"
+#include "host/base/file.h"
 #include "host/base/text.h"
 #include "host/cli/command.h"
 #include "host/cli/compare_devices.h"

@@ -17,7 +17,7 @@ std::string footer() {
          std::to_string(base::solver_version) + ". This page holds all that it shows and loads nothing.";
 }
 
-std::string millimetres(double metres) {
+std::string apart_text(double metres) {
   return number_text(metres * 1e3) + " mm";
 }
 
@@ -43,7 +43,7 @@ std::string place_of(const model::Difference& difference) {
 
 std::string finding_of(const Comparison& comparison) {
   if (!comparison.exact)
-    return "at most " + millimetres(comparison.distance.largest) + " apart, " +
+    return "at most " + apart_text(comparison.distance.largest) + " apart, " +
            number_text(comparison.relative, 2) + " of the body's extent";
   if (comparison.holds()) return "every bit is the same";
   if (comparison.difference) return "first difference: " + place_of(*comparison.difference);
@@ -72,7 +72,7 @@ void write_oracle(Writer& page, const Validation& validation) {
   std::vector<page::Bar> bars;
   for (const OracleComparison& comparison : validation.oracle) {
     table.push_back({comparison.device, comparison.holds() ? "holds" : "BEYOND THE BOUND",
-                     millimetres(comparison.distance.largest), millimetres(comparison.distance.rms),
+                     apart_text(comparison.distance.largest), apart_text(comparison.distance.rms),
                      std::to_string(comparison.distance.frame), number_text(comparison.relative, 2),
                      number_text(oracle_bound, 2)});
     bars.push_back({comparison.device, number_text(comparison.relative, 2), comparison.relative});
@@ -112,9 +112,9 @@ std::string convergence_page(const scene::Scene& scene, const Convergence& conve
   for (const SteppedSkin& skin : convergence.skins) {
     table.push_back({skin.quality + (skin.is_scenes ? " (the scene's)" : ""),
                      std::to_string(skin.steps.substeps), std::to_string(skin.steps.iterations),
-                     millimetres(skin.rms), millimetres(skin.largest), std::to_string(skin.frame),
+                     apart_text(skin.rms), apart_text(skin.largest), std::to_string(skin.frame),
                      duration_text(skin.seconds)});
-    bars.push_back({skin.quality, millimetres(skin.rms), skin.rms});
+    bars.push_back({skin.quality, apart_text(skin.rms), skin.rms});
   }
   page::bars(page, "Distance of the skin from the reference, RMS", bars);
   page::table(page, table, 1);

@@ -40,6 +40,9 @@ void rows(Writer& page, const std::vector<std::pair<std::string, std::string>>& 
 void table(Writer& page, const std::vector<std::vector<std::string>>& table, std::size_t first_number,
            std::string_view caption = {});
 
+// What colours mean: names, and colours as "#rrggbb".
+void swatches(Writer& page, const std::vector<std::pair<std::string, std::string>>& colours);
+
 // A picture inside the page. `png`: the file's bytes; pixels as it has them.
 void picture(Writer& page, std::string_view png, std::string_view alt, unsigned width, unsigned height);
 

@@ -10,7 +10,7 @@ namespace fascicle::page {
 namespace {
 
 // Of the drawing, in its own units.
-constexpr double width = 640.0, height = 250.0, left = 64.0, right = 12.0, top = 12.0, bottom = 44.0;
+constexpr double width = 560.0, height = 230.0, left = 64.0, right = 12.0, top = 12.0, bottom = 44.0;
 constexpr std::size_t colours = 6;
 // Beyond that many points a line is not seen in more detail.
 constexpr std::size_t most_columns = 600;
@@ -114,9 +114,9 @@ std::string series_class(std::size_t k) {
 }
 
 void draw_legend(Writer& page, const std::vector<std::string>& names) {
-  page.open("ul", {{"class", "legend"}});
+  page.start("ul", {{"class", "legend"}});
   for (std::size_t k = 0; k < names.size(); ++k) {
-    page.open("li").open(
+    page.start("li").start(
         "svg", {{"viewBox", "0 0 24 8"}, {"width", "24"}, {"height", "8"}, {"aria-hidden", "true"}});
     page.empty("path", {{"class", series_class(k)}, {"d", "M0 4L24 4"}}).close().text(names[k]).close();
   }
@@ -129,7 +129,7 @@ std::vector<double> ticks(double low, double high, unsigned count) {
   if (!(high > low)) return {low};
   const double wanted = (high - low) / count, power = std::pow(10.0, std::floor(std::log10(wanted)));
   double step = 10.0 * power;
-  for (const double one : {1.0, 2.0, 5.0})
+  for (const double one : {1.0, 2.0, 2.5, 5.0})
     if (one * power >= wanted) {
       step = one * power;
       break;
@@ -156,10 +156,10 @@ void plot(Writer& page, const Plot& plot) {
   if (!plot.from_zero) up.low -= room;
   const Axis x_axis = axis_of(across, left, width - right), y_axis = axis_of(up, height - bottom, top);
 
-  page.open("figure", {{"class", "plot"}}).element("figcaption", plot.title);
-  page.open("svg", {{"viewBox", "0 0 " + place(width) + " " + place(height)},
-                    {"role", "img"},
-                    {"aria-label", plot.title}});
+  page.start("figure", {{"class", "plot"}}).element("figcaption", plot.title);
+  page.start("svg", {{"viewBox", "0 0 " + place(width) + " " + place(height)},
+                     {"role", "img"},
+                     {"aria-label", plot.title}});
   draw_axes(page, plot, x_axis, y_axis);
   if (plot.limit) {
     const std::string y = place(y_axis.at(*plot.limit));
@@ -181,34 +181,39 @@ void plot(Writer& page, const Plot& plot) {
 }
 
 void bars(Writer& page, const std::string& title, const std::vector<Bar>& bars, std::optional<double> limit) {
-  constexpr double row = 30.0, name_width = 190.0, value_width = 120.0;
+  constexpr double row = 30.0, name_width = 150.0, value_width = 110.0;
   double longest = limit.value_or(0.0);
   for (const Bar& bar : bars)
     if (std::isfinite(bar.length)) longest = std::max(longest, bar.length);
   const double all = row * static_cast<double>(bars.size());
   const Axis across{0.0, longest > 0.0 ? longest : 1.0, name_width, width - value_width};
-  page.open("figure", {{"class", "plot"}}).element("figcaption", title);
-  page.open(
+  page.start("figure", {{"class", "plot"}}).element("figcaption", title);
+  page.start(
       "svg",
       {{"viewBox", "0 0 " + place(width) + " " + place(all + 4.0)}, {"role", "img"}, {"aria-label", title}});
+  const auto length_of = [&](const Bar& bar) {
+    return across.at(std::isfinite(bar.length) ? std::clamp(bar.length, 0.0, across.high) : across.high);
+  };
   for (std::size_t k = 0; k < bars.size(); ++k) {
     const double y = row * static_cast<double>(k) + 4.0;
-    const double length =
-        std::isfinite(bars[k].length) ? std::clamp(bars[k].length, 0.0, across.high) : across.high;
-    const double end = across.at(length);
     page.element("text", bars[k].name,
                  {{"class", "end"}, {"x", place(name_width - 8.0)}, {"y", place(y + 16.0)}});
     page.empty("rect", {{"class", "bar"},
                         {"x", place(name_width)},
                         {"y", place(y)},
-                        {"width", place(std::max(end - name_width, 1.0))},
+                        {"width", place(std::max(length_of(bars[k]) - name_width, 1.0))},
                         {"height", place(row - 8.0)}});
-    page.element("text", bars[k].value, {{"x", place(end + 8.0)}, {"y", place(y + 16.0)}});
   }
   if (limit) {
     const std::string x = place(across.at(*limit));
     page.empty("line", {{"class", "limit"}, {"x1", x}, {"x2", x}, {"y1", "0"}, {"y2", place(all)}});
   }
+  // Above the line, which may run through them.
+  for (std::size_t k = 0; k < bars.size(); ++k)
+    page.element("text", bars[k].value,
+                 {{"class", "value"},
+                  {"x", place(length_of(bars[k]) + 8.0)},
+                  {"y", place(row * static_cast<double>(k) + 20.0)}});
   page.close().close();
 }
 

@@ -38,16 +38,18 @@ section { padding: 26px 0 4px; }
 .fact dd { margin: 0; font-size: 20px; font-weight: 620; line-height: 1.35; }
 .fact dd.note { color: var(--soft); font-size: 13px; font-weight: 400; }
 .grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(330px, 1fr)); gap: 18px; align-items: start; }
-figure { margin: 0 0 18px; }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(440px, 100%), 1fr)); gap: 10px 24px; }
+figure { margin: 0 0 18px; } .grid figure { margin: 0; }
 figcaption { font-size: 13.5px; margin: 6px 0; }
 figure.plot figcaption { color: var(--ink); font-weight: 600; font-size: 14px; }
 .pair { display: grid; grid-template-columns: 1fr 1fr; gap: 2px; }
 img { display: block; max-width: 100%; height: auto; border-radius: 6px; }
 svg { display: block; width: 100%; height: auto; }
+.plot { max-width: 640px; }
 .legend { list-style: none; display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 0 0 0 10%; margin: 2px 0 0;
   font-size: 13px; }
 .legend li { display: flex; align-items: center; gap: 6px; }
-.legend svg { width: 24px; height: 8px; }
+.legend svg { width: 24px; height: 8px; } .legend .swatch { width: 14px; height: 14px; border-radius: 3px; }
 svg text { fill: var(--soft); font-size: 12px; }
 svg .end { text-anchor: end; } svg .middle { text-anchor: middle; }
 svg .grid { stroke: var(--line); stroke-width: 1; }
@@ -56,7 +58,8 @@ svg .line { fill: none; stroke-width: 2; stroke-linejoin: round; }
   stroke-dasharray: 2 3; } .s3 { stroke: var(--s3); stroke-dasharray: 10 3 2 3; } .s4 { stroke: var(--s4);
   stroke-dasharray: 5 2 1 2 1 2; } .s5 { stroke: var(--s5); stroke-dasharray: 14 4; }
 svg .limit { stroke: var(--bad); stroke-width: 1.5; stroke-dasharray: 5 4; } svg .limit-name { fill: var(--bad); }
-svg .bar { fill: var(--s0); }
+svg .bar { fill: var(--s0); } svg .value { fill: var(--ink); stroke: var(--paper); stroke-width: 5px;
+  paint-order: stroke; }
 table { border-collapse: collapse; font-size: 14px; margin: 0 0 16px; max-width: 100%; }
 caption { text-align: left; padding: 0 0 6px; }
 th, td { text-align: left; vertical-align: top; padding: 5px 18px 5px 0; border-bottom: 1px solid var(--line); }

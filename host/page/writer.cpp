@@ -32,7 +32,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-void Writer::start(std::string_view name, const Attributes& attributes, std::string_view end) {
+void Writer::tag(std::string_view name, const Attributes& attributes, std::string_view end) {
   out_ += '<';
   out_ += name;
   for (const auto& [key, value] : attributes) {
@@ -43,14 +43,14 @@ void Writer::start(std::string_view name, const Attributes& attributes, std::str
   out_ += end;
 }
 
-Writer& Writer::open(std::string_view name, const Attributes& attributes) {
-  start(name, attributes, ">");
+Writer& Writer::start(std::string_view name, const Attributes& attributes) {
+  tag(name, attributes, ">");
   open_.emplace_back(name);
   return *this;
 }
 
 Writer& Writer::empty(std::string_view name, const Attributes& attributes) {
-  start(name, attributes, "/>");
+  tag(name, attributes, "/>");
   return *this;
 }
 
@@ -74,12 +74,12 @@ Writer& Writer::close() {
 }
 
 Writer& Writer::element(std::string_view name, std::string_view text, const Attributes& attributes) {
-  return open(name, attributes).text(text).close();
+  return start(name, attributes).text(text).close();
 }
 
 Writer& Writer::style(std::string_view css) {
   assert(css.find_first_of("<&") == std::string_view::npos);
-  open("style");
+  start("style");
   out_ += css;
   return close();
 }

@@ -17,13 +17,13 @@ std::string escaped(std::string_view text);
 // An element is open until it is closed; text() and other elements go into the innermost open one.
 class Writer {
  public:
-  Writer& open(std::string_view name, const Attributes& attributes = {});
+  Writer& start(std::string_view name, const Attributes& attributes = {});
   // Without content: <meta .../>, <img .../>, or an element of SVG.
   Writer& empty(std::string_view name, const Attributes& attributes = {});
   Writer& text(std::string_view text);
   Writer& line_end();
   Writer& close();
-  // open, text, close.
+  // start, text, close.
   Writer& element(std::string_view name, std::string_view text, const Attributes& attributes = {});
 
   // The page's own style, which is no one's input: it has no markup.
@@ -33,7 +33,7 @@ class Writer {
   std::string finish() &&;
 
  private:
-  void start(std::string_view name, const Attributes& attributes, std::string_view end);
+  void tag(std::string_view name, const Attributes& attributes, std::string_view end);
 
   std::string out_;
   std::vector<std::string> open_;
