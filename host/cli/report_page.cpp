@@ -146,8 +146,8 @@ void write_facts(Writer& page, const Report& report, const Json& manifest) {
                      layer + ", frame " + std::to_string(lag->frame)});
   const double solver = report.manifest.timings.solver;
   if (solver > 0.0 && clip_seconds(report) > 0.0)
-    facts.push_back({"Speed", number_text(clip_seconds(report) / solver, 3) + " x", Tone::neutral,
-                     "real time; solver " + duration_text(solver)});
+    facts.push_back({"Speed, real time", number_text(clip_seconds(report) / solver, 3) + " x", Tone::neutral,
+                     "solver " + duration_text(solver)});
   facts.push_back({"Vertices", count_at(manifest, {"model", "vertices"}), Tone::neutral,
                    count_at(manifest, {"model", "tetrahedra"}) + " tetrahedra"});
   facts.push_back({"Warnings", std::to_string(report.warnings.size()),
@@ -316,7 +316,7 @@ void write_body(Writer& page, const Report& report, const Json& manifest) {
     page.close();
     page::swatches(page, rest.layers);
     page::table(page,
-                {{"", "Skin, before", "Body, after"},
+                {{"What is counted", "Skin, before", "Body, after"},
                  {"Vertices of the surface", count(rest.skin.vertices), count(rest.body.vertices)},
                  {"Triangles", count(rest.skin.triangles), count(rest.body.triangles)},
                  {"Open edges", count(rest.skin.open_edges), count(rest.body.open_edges)},

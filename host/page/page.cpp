@@ -111,7 +111,7 @@ void table(Writer& page, const std::vector<std::vector<std::string>>& table, std
 }
 
 void swatches(Writer& page, const std::vector<std::pair<std::string, std::string>>& colours) {
-  page.start("ul", {{"class", "legend"}});
+  page.start("ul", {{"class", "legend swatches"}});
   for (const auto& [name, colour] : colours) {
     page.start("li").start("svg", {{"class", "swatch"}, {"viewBox", "0 0 14 14"}, {"aria-hidden", "true"}});
     page.empty("rect", {{"width", "14"}, {"height", "14"}, {"fill", colour}}).close().text(name).close();

@@ -49,7 +49,7 @@ svg { display: block; width: 100%; height: auto; }
 .legend { list-style: none; display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 0 0 0 10%; margin: 2px 0 0;
   font-size: 13px; }
 .legend li { display: flex; align-items: center; gap: 6px; }
-.legend svg { width: 24px; height: 8px; } .legend .swatch { width: 14px; height: 14px; border-radius: 3px; }
+.legend svg { width: 24px; height: 8px; } .swatches { padding: 0; margin: 0 0 18px; } .legend .swatch { width: 14px; height: 14px; border-radius: 3px; }
 svg text { fill: var(--soft); font-size: 12px; }
 svg .end { text-anchor: end; } svg .middle { text-anchor: middle; }
 svg .grid { stroke: var(--line); stroke-width: 1; }
@@ -66,7 +66,7 @@ th, td { text-align: left; vertical-align: top; padding: 5px 18px 5px 0; border-
 thead th { color: var(--soft); font-weight: 600; }
 tbody th { font-weight: 500; color: var(--soft); }
 .number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.scroll { overflow-x: auto; }
+.scroll { overflow-x: auto; } pre { white-space: pre-wrap; margin: 0 0 12px; }
 code, .code td { font: 13px/1.5 ui-monospace, "Cascadia Mono", "DejaVu Sans Mono", monospace; }
 ul.notes { list-style: none; margin: 0; padding: 0; }
 ul.notes > li { border-left: 3px solid var(--warning); padding: 2px 0 2px 14px; margin: 0 0 18px; }
