@@ -49,7 +49,8 @@ svg { display: block; width: 100%; height: auto; }
 .legend { list-style: none; display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 0 0 0 10%; margin: 2px 0 0;
   font-size: 13px; }
 .legend li { display: flex; align-items: center; gap: 6px; }
-.legend svg { width: 24px; height: 8px; } .swatches { padding: 0; margin: 0 0 18px; } .legend .swatch { width: 14px; height: 14px; border-radius: 3px; }
+.legend svg { width: 24px; height: 8px; }
+.swatches { padding: 0; margin: 0 0 18px; } .legend .swatch { width: 14px; height: 14px; border-radius: 3px; }
 svg text { fill: var(--soft); font-size: 12px; }
 svg .end { text-anchor: end; } svg .middle { text-anchor: middle; }
 svg .grid { stroke: var(--line); stroke-width: 1; }
