@@ -11,6 +11,7 @@
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do peers [ARGS...]  contact beside Bullet's: build and run `fascicle-bench-contact ARGS...` (minutes)
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
+#   ./do report-picture   draw docs/figures/report.png, the page of a bake as Chromium shows it
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
 #   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
 #   ./do touches [stage|format] NAME [COMMIT]   count where a model array or a scene key is named, or a stage or a
@@ -151,6 +152,19 @@ case $command in
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
     build release ${set_tests:-}
     exec /usr/bin/python3 -B docs/blender_picture.py build/release docs/figures/blender.png
+    ;;
+  report-picture)
+    need $build_packages $run_packages chromium
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    folder=$(mktemp -d)
+    trap 'rm -rf "$folder"' EXIT
+    program=$PWD/build/release/fascicle
+    (cd "$folder" && "$program" bake arm -o out/arm && "$program" report out/arm -o arm.html)
+    # Chromium's sandbox is not for root.
+    [ "$(id -u)" -ne 0 ] || set -- --no-sandbox
+    chromium --headless --disable-gpu --hide-scrollbars --window-size=1280,1000 --user-data-dir="$folder/chromium" "$@" \
+      --screenshot="$PWD/docs/figures/report.png" "file://$folder/arm.html"
     ;;
   scene-reference)
     need $build_packages $run_packages

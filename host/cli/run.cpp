@@ -113,6 +113,7 @@ int run(int argc, const char* const* argv) {
   add_studio(app, command);
   add_render(app, command);
   add_view(app, command);
+  add_report(app, command);
   add_export(app, command);
   add_verify(app, command);
   add_validate(app, command);
