@@ -327,11 +327,11 @@ def outside(bakes, count):
 
 # Name, what is done, and how often: for the table, and in CI.
 ROWS = (
-    ("killed", killed, 1000, 12),
-    ("stopped", stopped, 400, 12),
-    ("resumed", resumed, 200, 6),
+    ("killed", killed, 1000, 6),
+    ("stopped", stopped, 400, 6),
+    ("resumed", resumed, 200, 3),
     ("batches", batches_stopped, 60, 3),
-    ("disk", disk_fails, 200, 12),
-    ("damaged", damaged, 3000, 40),
+    ("disk", disk_fails, 200, 8),
+    ("damaged", damaged, 3000, 30),
     ("outside", outside, 12, 3),
 )
