@@ -140,6 +140,9 @@ std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
 
 bool Run::begin_sinks(std::uint64_t first) {
   const Stopwatch time(seconds_writing_);
+  // Only a bake that is asked for with another end has frames that were counted otherwise.
+  if (first > 0 && !files_change_ && FrameCacheReader(path_of(cache_name)).header().frames != frames_)
+    throw BakeError(path_of(cache_name).string() + ": belongs to another bake; start again with --overwrite");
   const std::vector<model::Frame> before = frames_before(first);
   const auto* character = std::get_if<rig::Character>(&scene_.geometry);
   const bool is_character = character != nullptr && model_.has_skeleton();
