@@ -8,6 +8,8 @@ RC_PARAMS="max_success=20000 verbose_progress=0" "$build/test_properties"
 for room in mesh gltf scene; do
   "$build/test_$room" --gtest_filter='*uzz*:*amage*:*alicious*:*utat*' --gtest_repeat=20
 done
+# Characters that CI leaves out.
+"$build/test_flesh" --gtest_filter='*Soak.*'
 # A device that fails at 200 of its calls.
 FASCICLE_FAULT_POINTS=200 "$build/test_cli" --gtest_filter='DeviceFaults.*'
 # All scenes on all devices for a minute of time instead of ten seconds.

@@ -66,7 +66,7 @@ TEST(InsideOut, AHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
 
 // Flesh as soft as tissues are, which is crushed when he crouches and lands. The control: without a least
 // volume it turns inside out.
-TEST(InsideOut, TissuesBearAHeavyMansJump) {
+TEST(InsideOutSoak, TissuesBearAHeavyMansJump) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
   std::vector<std::string> tissues{"layers.fat.material=fat", "layers.muscle.material=relaxed-muscle"};
   EXPECT_EQ(count("mh_fat.glb", "jump", tissues).frames, 0u);
@@ -75,7 +75,7 @@ TEST(InsideOut, TissuesBearAHeavyMansJump) {
 }
 
 // The same for the explicit integrator.
-TEST(InsideOut, AnExplicitHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
+TEST(InsideOutSoak, AnExplicitHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("mh_fat.glb"));
   EXPECT_EQ(count("mh_fat.glb", "jump", {"solver.integrator=explicit"}).frames, 0u);
   // The control: flesh that may lose its volume and swings for longer does.
@@ -87,7 +87,7 @@ TEST(InsideOut, AnExplicitHeavyMansJumpTurnsNoMoreTetrahedraThanSkinning) {
             5u);
 }
 
-TEST(InsideOut, AMuscularMansJumpTurnsNoMoreTetrahedraThanSkinning) {
+TEST(InsideOutSoak, AMuscularMansJumpTurnsNoMoreTetrahedraThanSkinning) {
   FASCICLE_NEEDS_ASSET(asset("mh_muscle.glb"));
   EXPECT_EQ(expect_no_more_than_skinning("mh_muscle.glb", "jump").at_the_end, 0u);
 }

@@ -67,7 +67,7 @@ Foreseen foreseen(const char* file, const char* clip, double softness) {
 // A wish that its clip does not bear is said before the bake, and the default is not. By default the frog's
 // skin is at worst 0.87 of the limit from skinning (0.77 in half as many substeps); at softness 2 it
 // was 1.39, over in 5 frames.
-TEST(LookOfCharacters, AFrogTooSoftForItsLeapIsForeseen) {
+TEST(LookOfCharactersSoak, AFrogTooSoftForItsLeapIsForeseen) {
   FASCICLE_NEEDS_ASSET(asset("easy_enemies_Frog.glb"));
   const Foreseen by_default = foreseen("easy_enemies_Frog.glb", "Attack", 1.0);
   EXPECT_NEAR(by_default.swing, 0.87, 0.5 * 0.87);

@@ -156,10 +156,13 @@ def small_bakes():
             Bake("built-bear", [*character, "--format", "abc"], keeps_cache=False)]
 
 
-def killed_once(bake, folder, *more):
-    """Starts it and kills it at a random moment; whether it was still at work."""
+def killed_at_work(bake, folder, *more):
+    """Starts it and kills it at a random moment; whether it was still at work. Where a bake from the start was over
+    before, the next moments are earlier: how long one takes depends on what else the machine does."""
     process = bake.start(folder, *more)
     time.sleep(bake.moment())
     was_at_work = process.poll() is None
     end_by(process, signal.SIGKILL)
+    if not was_at_work and not more:
+        bake.seconds *= 0.8
     return was_at_work
