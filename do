@@ -11,6 +11,7 @@
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
 #   ./do peers [ARGS...]  contact beside Bullet's: build and run `fascicle-bench-contact ARGS...` (minutes)
 #   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
+#   ./do report-picture   draw docs/figures/report.png, the page of a bake as Chromium shows it
 #   ./do scene-reference  write docs/scene.md, every key of the scene file
 #   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
 #   ./do touches [stage|format] NAME [COMMIT]   count where a model array or a scene key is named, or a stage or a
@@ -21,6 +22,7 @@
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do web              check the browser's pages (types, tests) and bundle them anew into web/bundle
 #   ./do view-figure      bake the bear and draw its page, docs/figures/view.png
+#   ./do studio-figure    open the bear in the studio and draw its page, docs/figures/studio.png
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
@@ -33,7 +35,7 @@ cd "$(dirname "$0")"
 build_packages="g++ cmake ninja-build glslang-tools spirv-tools spirv-headers libvulkan-dev libvulkan-volk-dev \
 libeigen3-dev libtomlplusplus-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libxxhash-dev libtet1.5-dev \
 libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmeshoptimizer-dev libassimp-dev \
-pybind11-dev python3-dev"
+pybind11-dev python3-dev libboost-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace \
 slurm-wlm munge xvfb xauth chromium"
@@ -152,6 +154,19 @@ case $command in
     build release ${set_tests:-}
     exec /usr/bin/python3 -B docs/blender_picture.py build/release docs/figures/blender.png
     ;;
+  report-picture)
+    need $build_packages $run_packages chromium
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    folder=$(mktemp -d)
+    trap 'rm -rf "$folder"' EXIT
+    program=$PWD/build/release/fascicle
+    (cd "$folder" && "$program" bake arm -o out/arm && "$program" report out/arm -o arm.html)
+    # Chromium's sandbox is not for root.
+    [ "$(id -u)" -ne 0 ] || set -- --no-sandbox
+    chromium --headless --disable-gpu --hide-scrollbars --window-size=1280,1000 --user-data-dir="$folder/chromium" "$@" \
+      --screenshot="$PWD/docs/figures/report.png" "file://$folder/arm.html"
+    ;;
   scene-reference)
     need $build_packages $run_packages
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
@@ -242,7 +257,7 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     npm run --silent check >&2
     npm test --silent >&2
     npm run --silent build >&2
-    cp bundle/*.html ../../../web/bundle/
+    cp bundle/* ../../../web/bundle/
     ;;
   view-figure)
     need $build_packages $run_packages chromium
@@ -255,6 +270,15 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     picture=$PWD/docs/figures/view.png
     cd build/release/web
     exec node tests/figure.mjs "$folder.html" "$picture" 76
+    ;;
+  studio-figure)
+    need $build_packages $run_packages chromium
+    web_tools release
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    program=$PWD/build/release/fascicle picture=$PWD/docs/figures/studio.png
+    cd build/release/web
+    exec node tests/studio_figure.mjs "$program" "$picture" jump --end 2
     ;;
   site)
     need $site_packages

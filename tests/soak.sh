@@ -12,6 +12,8 @@ done
 "$build/test_flesh" --gtest_filter='*Soak.*'
 # A device that fails at 200 of its calls.
 FASCICLE_FAULT_POINTS=200 "$build/test_cli" --gtest_filter='DeviceFaults.*'
+# Ten million damaged messages to the studio.
+FASCICLE_FUZZ_MESSAGES=10000000 "$build/test_studio" --gtest_filter='Commands.Fuzz*'
 # All scenes on all devices for a minute of time instead of ten seconds.
 FASCICLE_EXACTNESS_FRAMES=3600 "$build/test_exactness"
 echo "soak: all passed"

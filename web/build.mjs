@@ -1,5 +1,6 @@
-// Bundles the pages into the folder that is given: `node build.mjs bundle`. Everything of a page is in one file; its
-// content security policy names its script and its style by their hashes, and allows nothing else.
+// Bundles the pages into the folder that is given: `node build.mjs bundle`. Everything of the page view is in one file;
+// its content security policy names its script and its style by their hashes, and allows nothing else. The studio's
+// page is three files, which its server sends with a policy of its own.
 import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
@@ -31,7 +32,7 @@ function notice() {
 
 const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 
-async function page(name) {
+async function one_file(name) {
   const script = notice() + (await bundled({ entryPoints: [`src/${name}/main.ts`], format: "iife" }));
   const style = await bundled({ entryPoints: ["src/common/style.css"] });
   if (/<\/script|<!--|\)fascicle"/i.test(script) || script.includes("@BAKE@"))
@@ -45,5 +46,10 @@ async function page(name) {
     .replace("@SCRIPT@", () => script);
 }
 
+const put = (name, text) => writeFileSync(join(out, name), text);
+
 mkdirSync(out, { recursive: true });
-for (const name of ["view"]) writeFileSync(join(out, `${name}.html`), await page(name));
+put("view.html", await one_file("view"));
+put("studio.html", readFileSync(join(home, "src/studio/studio.html"), "utf8"));
+put("studio.js", `${notice()}${await bundled({ entryPoints: ["src/studio/main.ts"], format: "iife" })}\n`);
+put("studio.css", `${await bundled({ entryPoints: ["src/studio/studio.css"] })}\n`);

@@ -12,6 +12,7 @@
 
 #include "host/bake/look.h"
 #include "host/base/errors.h"
+#include "host/base/json_text.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/scene/scene_json.h"
@@ -147,7 +148,7 @@ Checkpoint parse_checkpoint(std::string_view bytes, const fs::path& path) {
                     ": a checkpoint of another version of fascicle; start again with --overwrite");
   Checkpoint checkpoint;
   const auto identity_bytes = parser.value<std::uint32_t>();
-  const Json identity = Json::parse(parser.take(identity_bytes), nullptr, false);
+  const Json identity = Json::parse(base::shallow_json(parser.take(identity_bytes)), nullptr, false);
   if (identity.is_discarded()) parser.damaged();
   try {
     checkpoint.identity = identity.get<Identity>();

@@ -8,6 +8,7 @@
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/base/json_text.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
 #include "host/base/version.h"
@@ -64,7 +65,7 @@ Json json_of(const model::Model& model, std::uint64_t hash) {
 Json manifest_in(const fs::path& folder) {
   const std::string text =
       base::read_input_if_there(folder / manifest_name, base::most_json_bytes).value_or("");
-  Json manifest = Json::parse(text, nullptr, false);
+  Json manifest = Json::parse(base::shallow_json(text), nullptr, false);
   return manifest.is_object() && manifest.value("kind", Json()) == kind ? manifest : Json();
 }
 

@@ -59,7 +59,7 @@ bool limit(decltype(RLIMIT_AS) resource, const std::optional<rlimit>& to) {
   for (const int number : {SIGPIPE, SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGCHLD}) ::signal(number, SIG_DFL);
   const int null = ::open("/dev/null", O_RDWR);
   if (null < 0 || ::dup2(null, STDIN_FILENO) < 0 || ::dup2(null, STDOUT_FILENO) < 0 ||
-      ::dup2(launch.error_output, STDERR_FILENO) < 0) {
+      ::dup2(launch.error_output == no_output ? null : launch.error_output, STDERR_FILENO) < 0) {
     give_up();
   }
   if (!limit(RLIMIT_CORE, launch.core) || !limit(RLIMIT_CPU, launch.processor) ||

@@ -36,8 +36,10 @@ ProcessResult run_process(const std::filesystem::path& program, const std::vecto
                           const ProcessLimits& limits);
 
 // Starts a program (its path is the first of `arguments`) in a process group of its own and does not wait for
-// it; stdin and stdout are /dev/null, stderr is `error_output`, signals are as a shell would have them. It is
-// killed when the thread that started it ends, however that ends. Throws std::system_error.
+// it; stdin and stdout are /dev/null, stderr is `error_output` or, by no_output, /dev/null, signals are as a
+// shell would have them. It is killed when the thread that started it ends, however that ends. Throws
+// std::system_error.
+inline constexpr int no_output = -1;
 pid_t start_process(const std::vector<std::string>& arguments, int error_output);
 
 }  // namespace fascicle::base

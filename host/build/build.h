@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -158,7 +159,31 @@ struct BuildOptions {
   std::function<bool()> is_cancelled = {};
 };
 
+// What a build leaves for the next one, where a scene is built again and again with other keys: the body,
+// what was measured of it, fibres, contact. The model and its report are the same, bit for bit, as without.
+class BuildMemory {
+ public:
+  BuildMemory();
+  ~BuildMemory();
+  BuildMemory(BuildMemory&&) noexcept;
+  BuildMemory& operator=(BuildMemory&&) noexcept;
+
+  struct Impl;
+  Impl& impl() { return *impl_; }
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
 // Throws scene::SceneError for input that cannot be built, with what to do, and Cancelled.
 model::Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options = {});
+// A memory that a build threw out of holds what was whole by then.
+model::Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options,
+                         BuildMemory& memory);
+
+// The name of the scene's body: changes with everything that the body follows from but the programs. Scenes
+// of one name differ in layers, forces, motion and the like alone. Nothing where a scene was made in memory
+// and has no hashes of its inputs.
+std::optional<std::string> body_key(const scene::Scene& scene);
 
 }  // namespace fascicle::build

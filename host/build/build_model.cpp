@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <iomanip>
+#include <memory>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -14,6 +16,7 @@
 #include "host/build/body.h"
 #include "host/build/boundary.h"
 #include "host/build/build.h"
+#include "host/build/build_memory.h"
 #include "host/build/check_mesh.h"
 #include "host/build/colliders.h"
 #include "host/build/contacts.h"
@@ -129,9 +132,9 @@ void warn_of_still_regions(std::vector<std::uint32_t> regions, const Model& mode
 }
 
 void write_weights(const scene::Scene& scene, const Layering& layering, const std::vector<double>& volume,
-                   OneRings rings, Model& model, Report& report) {
+                   OneRings rings, WeightMemory* memory, Model& model, Report& report) {
   const RestState state{model.rest, model.mass, model.fibre, model.beta};
-  RegionWeights weights = region_weights(rings, state, model.weight_form);
+  RegionWeights weights = weights_of(scene, layering, rings, memory, model);
   std::vector<float> stiffness = model.alpha;
   for (std::uint32_t i = 0; i < stiffness.size(); ++i)
     if (model.is_kinematic(i)) stiffness[i] = 1.0f;
@@ -139,7 +142,8 @@ void write_weights(const scene::Scene& scene, const Layering& layering, const st
     if (!model.momentum_scaled)
       fail(scene.source,
            "solver.weights: the implicit integrator needs momentum-scaled weights; say \"symmetric\"");
-    make_elastic(scene, layering, rings, state, volume, weights, model, report);
+    make_elastic(scene, layering, rings, state, volume, weights, model, report,
+                 memory != nullptr ? &memory->elastic : nullptr);
     for (std::uint32_t i = 0; i < stiffness.size(); ++i)
       stiffness[i] = static_cast<float>(model.stiffness[i]);
   }
@@ -269,17 +273,15 @@ void give_freed_memory_back() {
 #endif
 }
 
-Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  report = {};
-  Model model;
-  model.weight_form = scene.solver.weights;
-  model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
-
+std::unique_ptr<Ground> lay_ground(const scene::Scene& scene, const BuildOptions& options) {
+  auto made = std::make_unique<Ground>();
+  Ground& ground = *made;
+  Report& report = ground.report;
+  Model& model = ground.model;
   if (const auto* character = std::get_if<rig::Character>(&scene.geometry))
     for (const std::string& text : character->notes) warn(report, text);
   check_cancelled(options);
-  Body body = make_body(scene, report, options);
+  Body& body = ground.body = make_body(scene, report, options);
   check_cancelled(options);
   model.source_vertex = locality_order(body.mesh, one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra));
   renumber(body, model.source_vertex);
@@ -290,21 +292,54 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   if (std::holds_alternative<rig::Character>(scene.geometry) && scene.characters.empty())
     warn_of_size(model::extent(model), "the character", report);
 
-  OneRings rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
-  report_edges(body.mesh, rings, report);
-  Measures measures(body);
-  WhereTest test(measures);
-  const Layering layering = assign_layers(scene, test, measures, rings, model.source_vertex, report);
-  const std::vector<double> volume = lumped_volumes(body.mesh);
+  ground.rings = one_rings(body.mesh.vertices.size(), body.mesh.tetrahedra);
+  report_edges(body.mesh, ground.rings, report);
+  ground.volume = lumped_volumes(body.mesh);
+  ground.measures.emplace(body);
+  ground.test.emplace(*ground.measures);
+  return made;
+}
+
+Ground& ground_of(const scene::Scene& scene, const BuildOptions& options, BuildMemory::Impl& memory) {
+  const std::optional<std::string> key = body_key(scene);
+  if (!memory.ground || !key || *key != memory.key) {
+    memory = {};
+    memory.ground = lay_ground(scene, options);
+    memory.key = key.value_or("");
+  }
+  return *memory.ground;
+}
+
+Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptions& options,
+                     BuildMemory::Impl* memory) {
+  const auto start = std::chrono::steady_clock::now();
+  std::unique_ptr<Ground> own;
+  if (memory == nullptr) own = lay_ground(scene, options);
+  Ground& ground = memory == nullptr ? *own : ground_of(scene, options, *memory);
+  const Body& body = ground.body;
+  Measures& measures = *ground.measures;
+  WhereTest& test = *ground.test;
+  report = ground.report;
+  // What nobody needs again is not copied.
+  Model model = memory == nullptr ? std::move(ground.model) : ground.model;
+  OneRings rings;
+  model.weight_form = scene.solver.weights;
+  model.momentum_scaled = model.weight_form == model::WeightForm::symmetric;
+
+  const Layering layering = assign_layers(scene, test, measures, ground.rings, model.source_vertex, report);
   check_cancelled(options);
-  write_layers(scene, layering, volume, fibre_directions(scene, layering.layer, rings, measures, report),
+  write_layers(scene, layering, ground.volume,
+               fibres_of(scene, layering, ground, memory != nullptr ? &memory->fibres : nullptr, report),
                model, report);
-  warn_of_parts(scene, rings, body, model, report);
+  warn_of_parts(scene, ground.rings, body, model, report);
   warn_of_flat_tetrahedra(body.mesh, layering.kinematic, model.source_vertex, report);
   check_cancelled(options);
   if (const std::vector<char> slides = of_sliding_layers(scene, model); !slides.empty())
-    rings = without_sliding_pairs(rings, model, slides);
-  write_weights(scene, layering, volume, std::move(rings), model, report);
+    rings = without_sliding_pairs(ground.rings, model, slides);
+  else
+    rings = memory == nullptr ? std::move(ground.rings) : ground.rings;
+  write_weights(scene, layering, ground.volume, std::move(rings),
+                memory != nullptr ? &memory->weights : nullptr, model, report);
   check_cancelled(options);
   std::vector<double> volume_terms;
   for (const scene::Layer& layer : scene.layers) volume_terms.push_back(layer.volume);
@@ -313,7 +348,8 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   std::vector<double> least_volumes;
   for (const scene::Layer& layer : scene.layers) least_volumes.push_back(layer.least_volume);
   write_limits(least_volumes, model);
-  write_contact(scene.contact, scene.source, model, contact_groups(scene, layering.layer, measures, report));
+  add_contact(scene, contact_groups(scene, layering.layer, measures, report),
+              memory != nullptr ? &memory->contact : nullptr, model);
   write_colliders(scene, model, report);
   write_skin(body, model);
   if (!scene.characters.empty()) {
@@ -326,8 +362,8 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   write_render_mesh(body.render, model);
   write_probes(scene, test, model);
 
-  ForceTable forces = make_forces(scene, body, test, boundary_triangles(body.mesh, scene.source), model.mass,
-                                  layering.kinematic);
+  if (ground.boundary.empty()) ground.boundary = boundary_triangles(body.mesh, scene.source);
+  ForceTable forces = make_forces(scene, body, test, ground.boundary, model.mass, layering.kinematic);
   model.force_count = static_cast<std::uint32_t>(scene.forces.size());
   model.force_offset = std::move(forces.offset);
   model.force_index = std::move(forces.index);
@@ -347,9 +383,14 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
 }  // namespace
 
 Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options) {
-  Model model = assemble_model(scene, report, options);
+  Model model = assemble_model(scene, report, options, nullptr);
   give_freed_memory_back();
   return model;
+}
+
+Model build_model(const scene::Scene& scene, Report& report, const BuildOptions& options,
+                  BuildMemory& memory) {
+  return assemble_model(scene, report, options, &memory.impl());
 }
 
 }  // namespace fascicle::build

@@ -18,15 +18,15 @@
 
 namespace fascicle::build {
 
-namespace {
-
-namespace fs = std::filesystem;
-
 void add_points(base::ContentHash& hash, const std::vector<Vector3d>& points) {
   hash.add(std::uint64_t{points.size()});
   for (const Vector3d& p : points)
     for (int a = 0; a < 3; ++a) hash.add(p[a]);
 }
+
+namespace {
+
+namespace fs = std::filesystem;
 
 template <class T>
 void add_rows(base::ContentHash& hash, const std::vector<T>& rows) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/content_hash.h"
 #include "host/build/body.h"
 #include "host/build/body_mesh.h"
 #include "host/build/weld.h"
@@ -36,6 +37,8 @@ std::optional<std::string> hash_of_programs(const BuildOptions& options);
 
 // The name of the input in the cache: changes with all that changes the result, `programs` among them.
 std::string fill_key(const FillInput& input, const std::string& programs);
+
+void add_points(base::ContentHash& hash, const std::vector<Vector3d>& points);
 
 // A filled body and what was found on the way, as bytes and back. Nothing where the bytes are not a body of
 // this input that the rest of the build can rely on.

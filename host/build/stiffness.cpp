@@ -114,12 +114,15 @@ std::vector<double> moduli_of_regions(const Layering& layering, const LayerModul
 // The square of a layer's lowest circular frequency, 1/s^2, at 1 Pa; 0 where nothing holds the layer and
 // nothing but "auto" asks, which then goes by the stiffness alone.
 double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const Layering& layering,
-                                const ElasticBody& body, Report& report) {
-  std::vector<char> is_free(layering.layer.size());
-  for (std::size_t i = 0; i < is_free.size(); ++i)
-    is_free[i] = layering.layer[i] == l && layering.kinematic[i] == 0;
+                                const ElasticBody& body, ElasticMemory& memory, Report& report) {
+  if (!memory.lowest.contains(l)) {
+    std::vector<char> is_free(layering.layer.size());
+    for (std::size_t i = 0; i < is_free.size(); ++i)
+      is_free[i] = layering.layer[i] == l && layering.kinematic[i] == 0;
+    memory.lowest[l] = lowest_mode(body, is_free);
+  }
   const scene::Layer& layer = scene.layers[l];
-  const std::optional<LowestMode> lowest = lowest_mode(body, is_free);
+  const std::optional<LowestMode>& lowest = memory.lowest[l];
   if (!lowest) {
     if (!layer.frequency && !layer.damping_ratio) return 0.0;
     fail(scene.source, "layers." + layer.name +
@@ -182,11 +185,16 @@ std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState&
 
 void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
                   const RestState& state, std::span<const double> volume, RegionWeights& weights,
-                  model::Model& model, Report& report) {
-  const std::vector<char> slides = of_sliding_layers(scene, model);
-  const std::vector<double> per_pascal =
-      stiffness_per_pascal(rings, state, stress_directions(state, model, scene.source, slides), volume,
-                           model.unit, sheet_normals(rings, state, model, slides, scene.source));
+                  model::Model& model, Report& report, ElasticMemory* memory) {
+  ElasticMemory own;
+  ElasticMemory& kept = memory != nullptr ? *memory : own;
+  if (kept.per_pascal.empty()) {
+    const std::vector<char> slides = of_sliding_layers(scene, model);
+    kept.per_pascal =
+        stiffness_per_pascal(rings, state, stress_directions(state, model, scene.source, slides), volume,
+                             model.unit, sheet_normals(rings, state, model, slides, scene.source));
+  }
+  const std::vector<double>& per_pascal = kept.per_pascal;
   std::vector<std::uint32_t> flat;
   for (std::uint32_t r = 0; r < rings.size(); ++r)
     if (!(per_pascal[r] > 0.0) || !std::isfinite(per_pascal[r])) flat.push_back(model.source_vertex[r]);
@@ -203,7 +211,7 @@ void make_elastic(const scene::Scene& scene, const Layering& layering, const One
     for (std::size_t i = 0; i < layering.layer.size(); ++i)
       moves = moves || (layering.layer[i] == l && layering.kinematic[i] == 0);
     if (!moves || !needs_lowest_mode(scene, layer, model)) continue;
-    const double lowest = stiffness_of_lowest_mode(scene, l, layering, body, report);
+    const double lowest = stiffness_of_lowest_mode(scene, l, layering, body, kept, report);
     if (layer.frequency) of_layer[l] = (two_pi * *layer.frequency) * (two_pi * *layer.frequency) / lowest;
     model.layers[l].frequency = std::sqrt(of_layer[l].value() * lowest) / two_pi;
     if (layer.damping_ratio)

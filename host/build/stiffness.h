@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "host/build/layers.h"
+#include "host/build/lowest_mode.h"
 #include "host/build/one_ring.h"
 #include "host/build/weights.h"
 #include "host/model/model.h"
@@ -40,6 +43,14 @@ std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState&
                                          std::span<const double> volume, double unit,
                                          std::span<const Eigen::Vector3d> sheets = {});
 
+// What make_elastic leaves for another scene that differs in its moduli, frequencies and damping alone: body,
+// layers, masses and weights are the same.
+struct ElasticMemory {
+  std::vector<double> per_pascal;  // stiffness_per_pascal; empty: nothing is kept
+  // Of each layer whose lowest mode was asked for.
+  std::map<std::size_t, std::optional<LowestMode>> lowest;
+};
+
 // Of an implicit scene: fills the model's Young's moduli and stiffnesses, the layers' frequencies and the
 // damping that a ratio asks for, and multiplies the weights by k_r.
 //
@@ -50,6 +61,6 @@ std::vector<double> stiffness_per_pascal(const OneRings& rings, const RestState&
 // Throws scene::SceneError for a frequency or a ratio of a layer that nothing holds.
 void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
                   const RestState& state, std::span<const double> volume, RegionWeights& weights,
-                  model::Model& model, Report& report);
+                  model::Model& model, Report& report, ElasticMemory* memory = nullptr);
 
 }  // namespace fascicle::build

@@ -100,6 +100,10 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
     return nullptr;
   };
   std::cout << "look at it\n";
+  if (arguments.output.keep_frames)
+    std::cout << "  the studio: fascicle studio " << shell_word(arguments.folder)
+              << "  (to change it while it moves: fascicle studio " << shell_word(arguments.scene.name)
+              << ")\n";
   for (const fs::path& file : files)
     if (const fs::path series = file / formats::vtk_series; fs::exists(series))
       std::cout << "  ParaView: paraview " << shell_word(series.string()) << "  (Apply, then Play)\n";

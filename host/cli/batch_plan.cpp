@@ -9,6 +9,7 @@
 
 #include "host/base/errors.h"
 #include "host/base/file.h"
+#include "host/base/json_text.h"
 #include "host/base/nearest_name.h"
 #include "host/cli/exit_codes.h"
 
@@ -21,7 +22,7 @@ using PlanJson = nlohmann::ordered_json;
 BatchPlan read_plan(const fs::path& folder) {
   const std::string text = base::read_input(folder / plan_file, base::most_json_bytes);
   try {
-    const PlanJson json = PlanJson::parse(text);
+    const PlanJson json = PlanJson::parse(base::shallow_json(text));
     BatchPlan plan{.folder = folder, .output = json.at("output").get<std::string>()};
     for (const PlanJson& job : json.at("jobs"))
       plan.jobs.push_back({job.at("job"), job.at("scene"), job.at("clip"), job.at("set"), job.at("format")});

@@ -4,6 +4,7 @@
 
 #include "host/base/errors.h"
 #include "host/base/file.h"
+#include "host/base/json_text.h"
 #include "host/cli/exit_codes.h"
 #include "host/scene/jobs.h"
 
@@ -43,7 +44,7 @@ std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem:
   if (!text) return std::nullopt;
   try {
     std::vector<SummaryRow> rows;
-    const SummaryJson summary = SummaryJson::parse(*text);
+    const SummaryJson summary = SummaryJson::parse(base::shallow_json(*text));
     for (const SummaryJson& row : summary.at("jobs"))
       rows.push_back({.job = row.at("job"),
                       .folder = output / row.at("job").get<std::string>(),

@@ -7,6 +7,7 @@
 
 #include "host/bake/bake.h"
 #include "host/base/file.h"
+#include "host/base/json_text.h"
 #include "host/cli/exit_codes.h"
 #include "host/cli/text.h"
 
@@ -140,7 +141,7 @@ BenchBefore read_bench_json(const std::filesystem::path& file) {
   const std::string text = base::read_input(file, base::most_json_bytes);
   BenchBefore before;
   try {
-    const Json object = Json::parse(text);
+    const Json object = Json::parse(base::shallow_json(text));
     before.processor = object.at("machine").at("processor").get<std::string>();
     for (const Json& entry : object.at("results")) {
       BenchRow row;

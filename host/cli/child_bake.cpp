@@ -9,13 +9,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "host/base/json_text.h"
 #include "host/base/process.h"
 #include "host/cli/exit_codes.h"
 
 namespace fascicle::cli {
 
 std::optional<LogLine> read_log_line(const std::string& line) {
-  const nlohmann::json said = nlohmann::json::parse(line, nullptr, false);
+  const nlohmann::json said = nlohmann::json::parse(base::shallow_json(line), nullptr, false);
   if (!said.is_object()) return std::nullopt;
   const auto entry = [&](const char* key) {
     const auto found = said.find(key);

@@ -36,6 +36,8 @@ void add_devices(CLI::App& app, Command& command);
 void add_scenes(CLI::App& app, Command& command);
 void add_schema(CLI::App& app, Command& command);
 void add_render(CLI::App& app, Command& command);
+void add_studio(CLI::App& app, Command& command);
+void add_report(CLI::App& app, Command& command);
 void add_manual(CLI::App& app, Command& command);
 
 // -q, -v, --log-format

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "host/cli/log.h"
-#include "host/cli/open_bake.h"
+#include "host/pipeline/open_bake.h"
 #include "host/cli/render_arguments.h"
 #include "host/formats/skinned_surface.h"
 #include "host/model/model.h"

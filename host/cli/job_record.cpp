@@ -9,6 +9,7 @@
 
 #include "host/base/errors.h"
 #include "host/base/file.h"
+#include "host/base/json_text.h"
 
 namespace fascicle::cli {
 
@@ -38,7 +39,7 @@ std::optional<JobRecord> read_job_record(const fs::path& output, const std::stri
   try {
     const std::string text =
         base::read_input_if_there(job_record_file(output, job), base::most_json_bytes).value_or("");
-    const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+    const nlohmann::json json = nlohmann::json::parse(base::shallow_json(text), nullptr, false);
     JobRecord record{json.at("host"),  json.at("process"), json.at("device"), {},
                      json.at("error"), json.at("warnings")};
     if (const nlohmann::json& status = json.at("exit_status"); !status.is_null())

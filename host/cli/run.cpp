@@ -110,8 +110,10 @@ int run(int argc, const char* const* argv) {
       "else.");
   add_bake(app, command);
   add_batch(app, command);
+  add_studio(app, command);
   add_render(app, command);
   add_view(app, command);
+  add_report(app, command);
   add_export(app, command);
   add_verify(app, command);
   add_validate(app, command);

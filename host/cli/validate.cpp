@@ -5,12 +5,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/base/file.h"
 #include "host/base/text.h"
 #include "host/cli/command.h"
 #include "host/cli/compare_devices.h"
 #include "host/cli/convergence.h"
 #include "host/cli/progress.h"
 #include "host/cli/text.h"
+#include "host/cli/validate_page.h"
+#include "host/pipeline/bake_scene.h"
 #include "host/pipeline/device_choice.h"
 
 namespace fascicle::cli {
@@ -20,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 struct ValidateArguments {
   SceneArguments scene;
-  std::string devices = "cpu,vulkan";
+  std::string devices = "cpu,vulkan", html;
   std::uint64_t frames = 0;  // 0: all of the scene's
   unsigned threads = 0;
   bool json = false, oracle = true, converged = false;
@@ -199,6 +202,11 @@ std::uint64_t frames_of(const ValidateArguments& arguments, const scene::Scene& 
   return arguments.frames == 0 ? all : std::min(arguments.frames, all);
 }
 
+// --html. The page is written whatever was found.
+void write_page(const ValidateArguments& arguments, const std::string& page) {
+  base::write_whole(std::filesystem::absolute(arguments.html), page);
+}
+
 // --converged
 ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& scene,
                         const DeviceRequest& request, Log& log) {
@@ -217,6 +225,7 @@ ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& 
       measure_convergence(scene, built, device, frames_of(arguments, scene),
                           [&progress](const auto&... at) { progress.update(at...); });
   progress.end();
+  if (!arguments.html.empty()) write_page(arguments, convergence_page(scene, convergence));
   std::cout << (arguments.json ? json_text(convergence, scene.name) : table_text(convergence));
   return ExitCode::done;
 }
@@ -228,6 +237,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   if (requests.size() < 2 && !arguments.oracle && !arguments.converged)
     throw UsageError("--devices " + arguments.devices +
                      " with --no-oracle leaves nothing to compare; name two devices");
+  if (!arguments.html.empty()) refuse_unwritable("--html", arguments.html);
   const scene::Scene scene = load(arguments.scene);
   if (arguments.converged) return validate_steps(arguments, scene, requests.front(), log);
   const Built built = build(scene, log, arguments.scene.no_cache);
@@ -244,6 +254,7 @@ ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
                arguments.oracle ? frames : 0, [&progress](const auto&... at) { progress.update(at...); });
   progress.end();
 
+  if (!arguments.html.empty()) write_page(arguments, validation_page(scene, built, devices, validation));
   if (arguments.json)
     print_json(scene, built, devices, validation);
   else
@@ -272,6 +283,10 @@ void add_validate(CLI::App& app, Command& command) {
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
+  subcommand
+      ->add_option("--html", arguments->html,
+                   "Write what was found as a page, too; it replaces one that is there")
+      ->option_text("FILE");
   subcommand->add_flag("--oracle,!--no-oracle", arguments->oracle,
                        "Measure the distance to the oracle, or not; default: on");
   subcommand->add_flag(

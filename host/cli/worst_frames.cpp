@@ -1,7 +1,6 @@
 #include "host/cli/worst_frames.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -10,18 +9,12 @@
 #include "host/bake/outputs.h"
 #include "host/base/csv.h"
 #include "host/base/file.h"
+#include "host/cli/metrics_table.h"
 
 namespace fascicle::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 // What is not a number is as bad as can be.
 double badness_of(double value) {
@@ -49,7 +42,7 @@ FrameScores read_frame_scores(const fs::path& folder) {
   scores.has_look = std::count(columns.begin(), columns.end(), "look") > 0;
   while (std::getline(file, line)) {
     const std::vector<std::string> fields = base::csv_fields(line);
-    const std::optional<double> number = number_in(fields.front());
+    const std::optional<double> number = csv_number(fields.front());
     // A running bake's last line may be cut off.
     if (fields.size() < columns.size() || !number || !(*number >= 0.0 && *number < 1e15)) continue;
     FrameScore score;
@@ -57,9 +50,9 @@ FrameScores read_frame_scores(const fs::path& folder) {
     double inverted = 0.0, lag = 0.0, cause = 0.0;
     for (std::size_t c = 1; c < columns.size(); ++c) {
       const std::string& name = columns[c];
-      if (name == "look_joint") score.joint = fields[c];
-      const std::optional<double> read = number_in(fields[c]);
-      if (!read || name == "look_joint") continue;
+      if (name == bake::look_joint_column) score.joint = fields[c];
+      const std::optional<double> read = csv_number(fields[c]);
+      if (!read || name == bake::look_joint_column) continue;
       const double value = badness_of(*read);
       if (name == "look") score.look = value;
       if (name == "inverted") inverted += value;

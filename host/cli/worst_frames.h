@@ -17,7 +17,7 @@ struct FrameScore {
   std::optional<double> look;
   // The largest of the columns `look_NAME`, as "NAME"; empty without any or where all are 0.
   std::string cause;
-  std::string joint;  // the column `look_joint`: where
+  std::string joint;  // the column `worst_joint`: where
   // Larger is worse: the look score; without one how many tetrahedra are inside out that skinning does not
   // turn, and among equals the largest lag of a layer.
   std::pair<double, double> badness;

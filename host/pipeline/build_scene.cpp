@@ -50,6 +50,15 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
   return built;
 }
 
+Built build_scene_again(const scene::Scene& scene, const build::BuildOptions& options,
+                        build::BuildMemory& memory) {
+  Built built;
+  built.model = build::build_model(scene, built.report, options, memory);
+  model::check_model(built.model);
+  built.steps = build::choose_steps(scene, built.model, built.report);
+  return built;
+}
+
 model::SolverOptions solver_options(const scene::Scene& scene, const build::Steps& steps) {
   const scene::SolverSettings& solver = scene.solver;
   return {.integrator = solver.integrator, .rotation = solver.rotation, .iterations = steps.iterations};

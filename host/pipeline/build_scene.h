@@ -26,6 +26,11 @@ struct Built {
 // scene::SceneError.
 Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say);
 
+// The same for a scene that is built again and again with other keys; nothing is kept beside what the memory
+// holds.
+Built build_scene_again(const scene::Scene& scene, const build::BuildOptions& options,
+                        build::BuildMemory& memory);
+
 model::SolverOptions solver_options(const scene::Scene& scene, const build::Steps& steps);
 
 // The warning with the first of its vertices.

@@ -69,6 +69,16 @@ void read_unchanged(const std::vector<std::filesystem::path>& files, Scene& scen
   }
 }
 
+// Whether the file was read before: the scene then has its geometry and its hashes.
+bool take_from(const LoadedFiles* files, const std::filesystem::path& path, gltf::Still still, Scene& scene) {
+  const Scene* before = files != nullptr ? files->find(path, still) : nullptr;
+  if (before == nullptr) return false;
+  scene.geometry = before->geometry;
+  scene.input_hashes.insert(scene.input_hashes.end(), before->input_hashes.begin(),
+                            before->input_hashes.end());
+  return true;
+}
+
 }  // namespace
 
 std::string hash_of(std::string_view bytes) {
@@ -103,7 +113,8 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t mos
   }
 }
 
-void load_mesh(const std::filesystem::path& path, Scene& scene) {
+void load_mesh(const std::filesystem::path& path, Scene& scene, LoadedFiles* files_before) {
+  if (take_from(files_before, path, gltf::Still::left_out, scene)) return;
   if (reads_as_character(path))
     throw InputFileError(path.string() + " is a character; name it under [character]");
   std::vector<std::filesystem::path> files{path};
@@ -123,9 +134,12 @@ void load_mesh(const std::filesystem::path& path, Scene& scene) {
     throw InputFileError(
         path.string() + " is not a mesh file; mesh files are .mesh .node .ele .msh .vtu .off .obj .ply .stl");
   }
+  if (files_before != nullptr) files_before->keep(path, gltf::Still::left_out, scene);
 }
 
-void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still still) {
+void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still still,
+                    LoadedFiles* files_before) {
+  if (take_from(files_before, path, still, scene)) return;
   if (const std::string advice = conversion_advice(path, scene.converter); !advice.empty())
     throw InputFileError(advice);
   if (!reads_as_character(path, scene.converter))
@@ -141,6 +155,19 @@ void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still
     if (std::filesystem::last_write_time(files[k]) >= start) fail_as_changed(files[k]);
     add_hash(files[k], scene);
   }
+  if (files_before != nullptr) files_before->keep(path, still, scene);
+}
+
+const Scene* LoadedFiles::find(const std::filesystem::path& path, gltf::Still still) const {
+  const auto found = read_.find({path, still});
+  return found == read_.end() ? nullptr : found->second.get();
+}
+
+void LoadedFiles::keep(const std::filesystem::path& path, gltf::Still still, const Scene& loaded) {
+  auto kept = std::make_unique<Scene>();
+  kept->geometry = loaded.geometry;
+  kept->input_hashes = loaded.input_hashes;
+  read_[{path, still}] = std::move(kept);
 }
 
 std::filesystem::path character_file(const Scene& scene) {

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "host/gltf/gltf.h"
 #include "host/scene/scene.h"
@@ -29,11 +32,24 @@ std::string conversion_advice(const std::filesystem::path& path, const std::file
 // base::read_input, which throws InputFileError here.
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
 
+// What meshes and characters were read as, for scenes that are read again and again with other keys. A file
+// is read once: one that changes meanwhile stays as it was.
+class LoadedFiles {
+ public:
+  // Null where it was not read yet.
+  const Scene* find(const std::filesystem::path& path, gltf::Still still) const;
+  // Of `loaded` the geometry and the input hashes.
+  void keep(const std::filesystem::path& path, gltf::Still still, const Scene& loaded);
+
+ private:
+  std::map<std::pair<std::filesystem::path, gltf::Still>, std::unique_ptr<const Scene>> read_;
+};
+
 // Set scene.geometry (in the unit of the file) and add to scene.input_hashes; read by scene.converter. Throw
-// InputFileError, or the reader's SceneError, which names the file itself.
-void load_mesh(const std::filesystem::path& path, Scene& scene);
+// InputFileError, or the reader's SceneError, which names the file itself. `files` may be null.
+void load_mesh(const std::filesystem::path& path, Scene& scene, LoadedFiles* files = nullptr);
 void load_character(const std::filesystem::path& path, Scene& scene,
-                    gltf::Still still = gltf::Still::left_out);
+                    gltf::Still still = gltf::Still::left_out, LoadedFiles* files = nullptr);
 
 // The glTF file a scene's character was read from; empty if it was made otherwise.
 std::filesystem::path character_file(const Scene& scene);

@@ -108,12 +108,6 @@ std::vector<std::string> split_path(std::string_view text) {
   }
 }
 
-std::string quoted(const std::string& text) {
-  std::ostringstream out;
-  out << toml::toml_formatter{toml::value<std::string>(text), toml::format_flags::none};
-  return out.str();
-}
-
 // "30" frames or "0.5s" as seconds.
 std::string preroll_seconds(const std::string& text, const toml::table& root) {
   const bool in_seconds = text.ends_with('s');
@@ -183,7 +177,7 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     std::string option, value;
     for (const std::string& joint : overrides.only) {
       option += (option.empty() ? "--only " : " --only ") + joint;
-      value += (value.empty() ? "[" : ", ") + quoted(joint);
+      value += (value.empty() ? "[" : ", ") + toml_string(joint);
     }
     if (!root.contains("character"))
       throw SceneError(one_line(option + ": the scene has no character, so there is no joint to choose"));

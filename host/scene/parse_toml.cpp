@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "host/base/text.h"
@@ -108,6 +109,12 @@ toml::table parse_toml(std::string_view text, std::string_view source) {
   } catch (const toml::parse_error& error) {
     fail(error.source(), "TOML", error.description());
   }
+}
+
+std::string toml_string(const std::string& text) {
+  std::ostringstream out;
+  out << toml::toml_formatter{toml::value<std::string>(text), toml::format_flags::none};
+  return out.str();
 }
 
 }  // namespace fascicle::scene

@@ -1,6 +1,7 @@
 // The one door for TOML that comes from outside: scene files, lists of jobs, values of --set.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "host/scene/toml.h"
@@ -14,5 +15,8 @@ inline constexpr std::uint64_t most_toml_bytes = std::uint64_t{16} << 20;
 // before toml++ sees it where that would be its end: nodes of a tree as deep as a text can make it are freed
 // by recursion, and damaged UTF-8 reaches states it takes for impossible.
 toml::table parse_toml(std::string_view text, std::string_view source);
+
+// A text as it stands in TOML, with its quotes.
+std::string toml_string(const std::string& text);
 
 }  // namespace fascicle::scene

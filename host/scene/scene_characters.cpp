@@ -82,25 +82,25 @@ rig::Character character_of_mesh(mesh::SurfaceMesh mesh) {
 
 // What the file holds, in `loaded`. What nothing moves is a character where that is `rigid`: it has nothing
 // to move flesh by.
-void load_file(const std::filesystem::path& file, bool rigid, Scene& loaded) {
+void load_file(const std::filesystem::path& file, bool rigid, LoadedFiles* files, Scene& loaded) {
   if (!mesh::is_surface_mesh_file(file))
-    return load_character(file, loaded, rigid ? gltf::Still::carried : gltf::Still::left_out);
+    return load_character(file, loaded, rigid ? gltf::Still::carried : gltf::Still::left_out, files);
   if (!rigid)
     throw InputFileError(file.string() +
                          " is a mesh without a skeleton; a prop that flesh does not enter is a "
                          "[character.NAME] with rigid = true, a body of flesh stands under [mesh]");
-  load_mesh(file, loaded);
+  load_mesh(file, loaded, files);
   loaded.geometry = character_of_mesh(std::move(std::get<mesh::SurfaceMesh>(loaded.geometry)));
 }
 
 // A character as its table says, with what the scene is to know of its files.
 rig::Character load_one(const toml::table& table, const std::string& path,
-                        const std::filesystem::path& folder, Scene& scene) {
+                        const std::filesystem::path& folder, LoadedFiles* files, Scene& scene) {
   if (table.contains("made")) return made::make_character(*table["made"].value<std::string>());
   Scene loaded;
   loaded.converter = scene.converter;
   try {
-    load_file(folder / *table["file"].value<std::string>(), table["rigid"].value_or(false), loaded);
+    load_file(folder / *table["file"].value<std::string>(), table["rigid"].value_or(false), files, loaded);
   } catch (const InputFileError& error) {
     fail(table.get("file")->source(), join_path(path, "file"), error.what());
   }
@@ -152,7 +152,8 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
            " and which the scene goes by; paint both, or take it out of the scene");
 }
 
-void read_named_characters(const toml::table& root, const std::filesystem::path& folder, Scene& scene) {
+void read_named_characters(const toml::table& root, const std::filesystem::path& folder, LoadedFiles* files,
+                           Scene& scene) {
   for_each_named(
       root, "character", [&](const std::string& name, const toml::table& table, const std::string& path) {
         PlacedCharacter character;
@@ -162,7 +163,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
           fail(table.get("thickness")->source(), join_path(path, "thickness"),
                "is of a prop, which this is not; set rigid = true, or leave it out");
         if (!character.settings.file.empty()) character.file = folder / character.settings.file;
-        character.own = load_one(table, path, folder, scene);
+        character.own = load_one(table, path, folder, files, scene);
         rig::name_apart(character.own, name);
         const toml::node* clip = table.get("clip");
         try {
@@ -185,11 +186,12 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
 
 }  // namespace
 
-void read_character(const toml::table& root, const std::filesystem::path& folder, Scene& scene) {
-  if (has_named_characters(root)) return read_named_characters(root, folder, scene);
+void read_character(const toml::table& root, const std::filesystem::path& folder, LoadedFiles* files,
+                    Scene& scene) {
+  if (has_named_characters(root)) return read_named_characters(root, folder, files, scene);
   const toml::table& table = table_at(root, "character");
   read_character_keys(table, scene);
-  scene.geometry = load_one(table, "character", folder, scene);
+  scene.geometry = load_one(table, "character", folder, files, scene);
 }
 
 void join_characters(Scene& scene) {
@@ -265,7 +267,7 @@ std::size_t character_of_joint(const Scene& scene, std::size_t joint) {
 }
 
 std::vector<rig::Character> characters_to_be(const toml::table& root, const std::filesystem::path& folder,
-                                             const SceneOverrides& overrides) {
+                                             LoadedFiles* files, const SceneOverrides& overrides) {
   std::vector<rig::Character> all;
   // Whether a still mesh may stand there is asked when the character is read.
   const auto load = [&](const toml::table& table, const std::string& path) {
@@ -274,12 +276,12 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
     loaded.converter = overrides.converter;
     try {
       if (const auto file = stated("file")) {
-        load_file(folder / *file, true, loaded);
+        load_file(folder / *file, true, files, loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto made = stated("made")) {
         all.push_back(made::make_character(*made));
       } else if (const auto in_table = table["file"].value<std::string>()) {
-        load_file(folder / *in_table, true, loaded);
+        load_file(folder / *in_table, true, files, loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto name = table["made"].value<std::string>()) {
         all.push_back(made::make_character(*name));

@@ -273,7 +273,8 @@ void read_bar(const toml::table& table, Scene& scene) {
   scene.geometry = bar;
 }
 
-void read_mesh(const toml::table& table, const std::filesystem::path& folder, Scene& scene) {
+void read_mesh(const toml::table& table, const std::filesystem::path& folder, LoadedFiles* files,
+               Scene& scene) {
   read_mesh_keys(table, scene);
   if (table.contains("made")) {
     std::string name;
@@ -284,7 +285,7 @@ void read_mesh(const toml::table& table, const std::filesystem::path& folder, Sc
   std::string file;
   read(table, "file", file);
   try {
-    load_mesh(folder / file, scene);
+    load_mesh(folder / file, scene, files);
   } catch (const InputFileError& error) {
     fail(table.get("file")->source(), "mesh.file", error.what());
   }
@@ -316,9 +317,9 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
 
 // A character whose scene says nothing of layers gets those that it has without a scene file; whether there
 // was need. Comes before overrides, which may change them.
-bool add_layers(toml::table& root, const std::filesystem::path& folder, const SceneOverrides& overrides) {
+bool add_layers(toml::table& root, const SceneText& input, const SceneOverrides& overrides) {
   if (root.contains("layers")) return false;
-  const std::vector<rig::Character> characters = characters_to_be(root, folder, overrides);
+  const std::vector<rig::Character> characters = characters_to_be(root, input.folder, input.files, overrides);
   if (characters.empty()) return false;
   const auto of_solver = [&](const char* key) {
     const auto set = overridden(overrides, std::string("solver.") + key);
@@ -340,7 +341,7 @@ bool add_layers(toml::table& root, const std::filesystem::path& folder, const Sc
 
 Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   toml::table root = parse_toml(input.text, input.source);
-  const bool has_added = add_layers(root, input.folder, overrides);
+  const bool has_added = add_layers(root, input, overrides);
   apply_overrides(root, overrides);
   check_scene(root);
   if (!root.contains("layers")) fail(root.source(), "layers", "is missing; give at least one [layers.NAME]");
@@ -383,9 +384,9 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   if (root.contains("bar")) {
     read_bar(table_at(root, "bar"), scene);
   } else if (root.contains("mesh")) {
-    read_mesh(table_at(root, "mesh"), input.folder, scene);
+    read_mesh(table_at(root, "mesh"), input.folder, input.files, scene);
   } else {
-    read_character(root, input.folder, scene);
+    read_character(root, input.folder, input.files, scene);
   }
   check_muscle_bones(root, scene);
   check_collider_joints(root, scene);

@@ -8,11 +8,14 @@
 
 namespace fascicle::scene {
 
+class LoadedFiles;
+
 struct SceneText {
   std::string name;              // Scene::name
   std::string source;            // Scene::source; also stands for the file in messages
   std::string text;              // TOML
   std::filesystem::path folder;  // what [mesh] file and [character] file are relative to
+  LoadedFiles* files = nullptr;  // what was read before; null: every file is read
 };
 
 // Applies the overrides, checks everything, loads the mesh or character. Throws SceneError.

@@ -116,6 +116,8 @@ TEST(StartedBadly, ASignalThatComesAtOnceInterrupts) {
     const Outcome drawn = signalled({"render", folder / "whole", "-o", folder / "drawn.png"});
     EXPECT_EQ(drawn.status, 75) << drawn.signal << drawn.err;
     EXPECT_EQ(signalled({"verify", folder / "whole"}).status, 75);
+    EXPECT_EQ(signalled({"report", folder / "whole", "-o", folder / "page.html"}).status, 75);
+    EXPECT_FALSE(fs::exists(folder / "page.html"));
     // What has nothing to bring to an end ends as any program.
     EXPECT_EQ(signalled({"scenes"}).signal, number);
   }

@@ -25,7 +25,7 @@ class WorstFrames : public testing::Test {
 };
 
 TEST_F(WorstFrames, LookDecidesAndNeighboursAreLeftOut) {
-  std::string text = "frame,time,inverted,inverted_skinned,look,look_joint,look_stretch,look_jump\n";
+  std::string text = "frame,time,inverted,inverted_skinned,look,worst_joint,look_stretch,look_jump\n";
   const std::vector<std::string> look{"0.1", "0.2", "3", "3.5", "3.2", "0.3", "0.9", "2", "0.4", "2"};
   for (std::size_t k = 0; k < look.size(); ++k)
     text += std::to_string(k) + ",0,900,0," + look[k] + ",\"shin, \"\"left\"\"\",0.1," + look[k] + "\n";

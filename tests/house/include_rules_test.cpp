@@ -22,13 +22,13 @@ struct Room {
 };
 
 const std::vector<std::string> every_room{
-    "host/base/",    "shaders/",       "host/mesh/",   "host/rig/",   "host/gltf/",
-    "host/made/",    "host/scene/",    "host/build/",  "host/model/", "host/drive/",
-    "host/formats/", "host/bake/",     "host/render/", "host/page/",  "cpu_reference/",
-    "gpu/",          "host/pipeline/", "host/api/",    "host/cli/",   "include/fascicle/"};
-const std::vector<std::string> every_library{"Eigen",      "JSON",          "xxHash", "Vulkan", "GoogleTest",
-                                             "RapidCheck", "CLI11",         "SIMD",   "PNG",    "JPEG",
-                                             "Draco",      "meshoptimizer", "zlib",   "C",      "fascicle"};
+    "host/base/",   "shaders/",    "host/mesh/",       "host/rig/",   "host/gltf/",     "host/made/",
+    "host/scene/",  "host/build/", "host/model/",      "host/drive/", "host/formats/",  "host/bake/",
+    "host/render/", "host/page/",  "cpu_reference/",   "gpu/",        "host/pipeline/", "host/studio/",
+    "host/api/",    "host/cli/",   "include/fascicle/"};
+const std::vector<std::string> every_library{
+    "Eigen", "JSON",  "xxHash",        "Vulkan", "GoogleTest", "RapidCheck", "CLI11", "SIMD",   "PNG",
+    "JPEG",  "Draco", "meshoptimizer", "zlib",   "C",          "fascicle",   "Boost", "pugixml"};
 
 // The first folder that a path starts with holds. host/mesher is a program of its own under another licence:
 // it sees nothing of ours, and nothing but tests of it sees TetGen or CGAL. host/convert is one too.
@@ -70,6 +70,10 @@ const std::vector<Room>& rooms() {
        {"host/base/", "host/rig/", "host/scene/", "host/build/", "host/model/", "host/drive/",
         "host/formats/", "host/bake/", "cpu_reference/solver/", "gpu/"},
        {}},
+      {"host/studio/",
+       {"host/base/", "host/gltf/", "host/scene/", "host/build/", "host/model/", "host/drive/",
+        "host/formats/", "host/bake/", "host/render/", "host/pipeline/"},
+       {"Boost", "Eigen", "JSON"}},
       {"host/api/",
        {"host/base/", "host/rig/", "host/scene/", "host/build/", "host/model/", "host/drive/",
         "host/formats/", "host/bake/", "host/pipeline/", "include/fascicle/"},
@@ -91,6 +95,7 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
                                                                       {"tetgen.h", "TetGen"},
                                                                       {"CGAL/", "CGAL"},
                                                                       {"assimp/", "assimp"},
+                                                                      {"boost/", "Boost"},
                                                                       {"volk.h", "Vulkan"},
                                                                       {"vulkan/", "Vulkan"},
                                                                       {"spirv/", "SPIR-V"},
@@ -124,9 +129,9 @@ const std::vector<std::pair<std::string, std::string>>& libraries() {
 // A header of the C++ library has no dot; of POSIX these are used, some under the names of C's for what POSIX
 // adds to them, of glibc malloc.h, and those of the compiler's sanitizers.
 bool is_system_header(const std::string& header) {
-  static const std::set<std::string> posix{"dlfcn.h", "fcntl.h",   "link.h",   "malloc.h",
-                                           "poll.h",  "pthread.h", "sched.h",  "signal.h",
-                                           "spawn.h", "stdlib.h",  "string.h", "unistd.h"};
+  static const std::set<std::string> posix{"arpa/inet.h", "netinet/in.h", "dlfcn.h",   "fcntl.h", "link.h",
+                                           "malloc.h",    "poll.h",       "pthread.h", "sched.h", "signal.h",
+                                           "spawn.h",     "stdlib.h",     "string.h",  "unistd.h"};
   if (header.find('.') == std::string::npos) return header.find('/') == std::string::npos;
   return posix.contains(header) || header.starts_with("sys/") || header.starts_with("sanitizer/");
 }

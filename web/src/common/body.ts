@@ -32,24 +32,34 @@ export interface Looks {
 
 const WRAPS = { repeat: RepeatWrapping, mirror: MirroredRepeatWrapping, clamp: ClampToEdgeWrapping };
 
-export async function load_textures(textures: PageTexture[]): Promise<(Texture | null)[]> {
+// Null where it cannot be read: the material's plain colour stands for it.
+export async function load_texture_bytes(
+  bytes: Uint8Array<ArrayBuffer>,
+  type: string,
+  across: keyof typeof WRAPS,
+  down: keyof typeof WRAPS,
+): Promise<Texture | null> {
+  try {
+    const blob = new Blob([bytes], { type });
+    const image = await createImageBitmap(blob, { premultiplyAlpha: "none", colorSpaceConversion: "none" });
+    const made = new Texture(image);
+    made.wrapS = WRAPS[across];
+    made.wrapT = WRAPS[down];
+    made.flipY = false;
+    made.colorSpace = SRGBColorSpace;
+    made.anisotropy = 4;
+    made.needsUpdate = true;
+    return made;
+  } catch {
+    return null;
+  }
+}
+
+export function load_textures(textures: PageTexture[]): Promise<(Texture | null)[]> {
   return Promise.all(
-    textures.map(async (texture) => {
-      try {
-        const blob = new Blob([bytes_of_base64(texture.base64)], { type: texture.type });
-        const image = await createImageBitmap(blob, { premultiplyAlpha: "none", colorSpaceConversion: "none" });
-        const made = new Texture(image);
-        made.wrapS = WRAPS[texture.across];
-        made.wrapT = WRAPS[texture.down];
-        made.flipY = false;
-        made.colorSpace = SRGBColorSpace;
-        made.anisotropy = 4;
-        made.needsUpdate = true;
-        return made;
-      } catch {
-        return null; // the material's plain colour stands for it
-      }
-    }),
+    textures.map((texture) =>
+      load_texture_bytes(bytes_of_base64(texture.base64), texture.type, texture.across, texture.down),
+    ),
   );
 }
 
@@ -124,6 +134,7 @@ export class Body {
     private readonly surface: Surface,
     private readonly looks: Looks,
     private readonly materials: BodyMaterials,
+    private readonly linear_colours: Float32Array | null = null, // 3 a vertex, in place of the surface's own
   ) {
     const vertices = surface.place.length;
     const dynamic = () => {
@@ -184,12 +195,28 @@ export class Body {
     } else if (colouring === "layers") {
       const of_layer = this.looks.layers.map((one) => linear_of_hex(one.colour));
       for (let i = 0; i < place.length; ++i) values.set(of_layer[layer[i]] ?? [1, 1, 1], 3 * i);
+    } else if (this.linear_colours) {
+      values.set(this.linear_colours);
     } else if (colours) {
       for (let k = 0; k < values.length; ++k) values[k] = linear_of_srgb(colours[k] / 255);
     } else {
       values.fill(1);
     }
     this.colour_values.needsUpdate = true;
+  }
+
+  // By a function of the vertex's number in the bake, which writes three entries.
+  colour_by(write: (vertex: number, to: Float32Array, at: number) => void): void {
+    this.mesh.material = this.materials.coloured;
+    this.coloured_as = null;
+    const values = this.colour_values.array as Float32Array;
+    this.surface.source.forEach((vertex, i) => write(vertex, values, 3 * i));
+    this.colour_values.needsUpdate = true;
+  }
+
+  dispose(): void {
+    this.geometry.dispose();
+    this.lines?.geometry.dispose();
   }
 
   haunt(): void {

@@ -37,14 +37,14 @@ export class CurvePlot {
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly frames: number,
+    public frames: number,
     seek: (frame: number) => void,
   ) {
     this.context = canvas.getContext("2d")!;
     const at = (event: PointerEvent) => {
       const box = canvas.getBoundingClientRect();
       const share = (event.clientX - box.left) / (box.width || 1);
-      seek(Math.round(Math.min(Math.max(share, 0), 1) * (frames - 1)));
+      seek(Math.round(Math.min(Math.max(share, 0), 1) * (this.frames - 1)));
     };
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);

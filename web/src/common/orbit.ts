@@ -78,6 +78,13 @@ export class Orbit {
     this.changed();
   }
 
+  // Nearer to a place, from the same side.
+  go_to(place: Vector3, distance: number): void {
+    this.target.copy(place).sub(this.carried);
+    this.distance = distance;
+    this.changed();
+  }
+
   turn(across: number, up: number): void {
     this.azimuth -= across;
     this.elevation = Math.min(Math.max(this.elevation + up, -MOST_ELEVATION), MOST_ELEVATION);

@@ -20,6 +20,9 @@ import { Orbit } from "./orbit";
 
 export const FIELD = (32 * Math.PI) / 180; // rad, of the picture's height
 
+const SLOW = 70; // ms a picture
+const MOST_LATE = 6; // of such pictures, one after the other
+
 export interface Half {
   shown: Group[];
   hidden: Group[];
@@ -29,6 +32,7 @@ export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera();
   readonly orbit = new Orbit(() => this.invalidate());
+  spares = false; // whether a slow machine gets simpler pictures
   private readonly renderer: WebGLRenderer;
   private readonly sun = new DirectionalLight(0xffffff, 2.1);
   private readonly rim = new DirectionalLight(0xdfe8ff, 0.7);
@@ -38,9 +42,12 @@ export class Stage {
   private grid: GridHelper | null = null;
   private radius = 1;
   private stale = true;
+  private fence: WebGLSync | null = null; // after what was asked for last
+  private late = 0;
+  private asked = 0; // ms, when that was
 
   // Throws where the browser has no WebGL 2.
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
@@ -115,7 +122,7 @@ export class Stage {
       this.renderer.setSize(width, height, false);
       this.stale = true;
     }
-    if (!this.stale) return false;
+    if (!this.stale || this.is_busy()) return false;
     this.stale = false;
     this.orbit.apply(this.camera);
     const share = width / halves.length;
@@ -132,6 +139,36 @@ export class Stage {
       this.renderer.setScissor(k * share, 0, share, height);
       this.renderer.render(this.scene, this.camera);
     });
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    this.asked = performance.now();
     return true;
+  }
+
+  // While the last picture is still being drawn. Asking for more of them than are drawn would stop the page.
+  private is_busy(): boolean {
+    if (!this.fence) return false;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return true;
+    gl.deleteSync(this.fence);
+    this.fence = null;
+    this.spare(performance.now() - this.asked);
+    return false;
+  }
+
+  // What draws too slowly to look at motion goes without shadows, and then with fewer pixels.
+  private spare(milliseconds: number): void {
+    this.late = milliseconds > SLOW ? this.late + 1 : 0;
+    if (!this.spares || this.late < MOST_LATE) return;
+    this.late = 0;
+    if (this.renderer.shadowMap.enabled) {
+      this.renderer.shadowMap.enabled = false;
+      this.sun.castShadow = false;
+      this.stale = true;
+    } else if (this.renderer.getPixelRatio() > 0.5) {
+      this.renderer.setPixelRatio(this.renderer.getPixelRatio() / 1.5);
+      this.stale = true;
+    }
   }
 }

@@ -1,4 +1,4 @@
-#include "host/cli/open_bake.h"
+#include "host/pipeline/open_bake.h"
 
 #include <cmath>
 #include <map>
@@ -10,7 +10,7 @@
 #include "host/model/solver.h"
 #include "host/scene/scene_file.h"
 
-namespace fascicle::cli {
+namespace fascicle::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,4 +96,4 @@ std::vector<float> OpenBake::lag(const model::Frame& frame) {
   return lag;
 }
 
-}  // namespace fascicle::cli
+}  // namespace fascicle::pipeline

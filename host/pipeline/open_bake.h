@@ -14,7 +14,7 @@
 #include "host/model/model.h"
 #include "host/scene/scene.h"
 
-namespace fascicle::cli {
+namespace fascicle::pipeline {
 
 // The model and the frames lie in the folder; the scene is read again only where its clip is asked for.
 class OpenBake {
@@ -39,6 +39,8 @@ class OpenBake {
     std::array<double, 3> origin;  // m
   };
   Skinned skinned(std::uint64_t k);
+  // Each joint's map from its own space to the world, metres of the file; nothing without a skeleton.
+  std::vector<Eigen::Matrix4d> joints(std::uint64_t k) { return drives().joints(k); }
   // The scene's solids in a frame, metres.
   std::vector<scene::Solid> solids(std::uint64_t k);
   // Metres between each vertex and that place.
@@ -56,4 +58,4 @@ class OpenBake {
   std::optional<drive::DriveSource> drives_;
 };
 
-}  // namespace fascicle::cli
+}  // namespace fascicle::pipeline

@@ -1,0 +1,32 @@
+#include "host/base/json_text.h"
+
+namespace fascicle::base {
+
+namespace {
+
+constexpr unsigned deepest_nesting = 64;
+
+}  // namespace
+
+std::string_view shallow_json(std::string_view text) {
+  unsigned level = 0;
+  bool is_in_string = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const char c = text[at];
+    if (is_in_string) {
+      if (c == '\\')
+        ++at;
+      else if (c == '"')
+        is_in_string = false;
+    } else if (c == '"') {
+      is_in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++level > deepest_nesting) return {};
+    } else if ((c == ']' || c == '}') && level > 0) {
+      --level;
+    }
+  }
+  return text;
+}
+
+}  // namespace fascicle::base

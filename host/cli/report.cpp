@@ -1,0 +1,212 @@
+// fascicle report: one page on a bake, with all that it shows inside.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/errors.h"
+#include "host/base/file.h"
+#include "host/base/json_text.h"
+#include "host/cli/artist.h"
+#include "host/cli/command.h"
+#include "host/cli/drawn_frames.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/progress.h"
+#include "host/cli/report_page.h"
+#include "host/cli/text.h"
+#include "host/cli/worst_frames.h"
+#include "host/pipeline/bake_scene.h"
+#include "host/render/colour.h"
+#include "host/render/png.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Pictures on a page: so many evenly spaced ones, of the worst, and of warnings; their height in pixels.
+constexpr std::uint64_t still_count = 6, worst_count = 3;
+constexpr std::size_t most_of_warnings = 6;
+constexpr unsigned picture_height = 340, rest_height = 420;
+
+struct ReportArguments {
+  std::string bake, output;
+  bool overwrite = false;
+  unsigned threads = 0;
+};
+
+EncodedPicture encoded(const render::Image& image) {
+  return {render::encode_png(image), image.width, image.height};
+}
+
+// "#ede4cf"
+std::string colour_text(const Eigen::Vector3f& colour) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", render::byte_of_linear(colour[0]),
+                render::byte_of_linear(colour[1]), render::byte_of_linear(colour[2]));
+  return text.data();
+}
+
+// The manifest as it is. manifest_of has read it before, and says what is wrong with it.
+Json whole_manifest(const fs::path& folder) {
+  const std::string text = base::read_input(folder / bake::manifest_name, base::most_json_bytes);
+  return Json::parse(base::shallow_json(text), nullptr, false);
+}
+
+// "frame 40: ..." names a frame.
+std::optional<std::uint64_t> frame_in(const std::string& warning, std::uint64_t count) {
+  static const std::regex named("\\bframe ([0-9]{1,9})\\b");
+  std::smatch found;
+  // Beyond this a warning is no sentence, and the pattern would take its time.
+  const std::string beginning = warning.substr(0, 400);
+  if (!std::regex_search(beginning, found, named)) return std::nullopt;
+  const std::uint64_t frame = std::stoull(found[1]);
+  return frame < count ? std::optional(frame) : std::nullopt;
+}
+
+void choose_frames(Report& report) {
+  const std::uint64_t count = report.frame_count;
+  const std::uint64_t stills = std::min(count, still_count);
+  for (std::uint64_t k = 0; k < stills; ++k)
+    report.stills.push_back(stills == 1 ? count - 1 : k * (count - 1) / (stills - 1));
+  std::size_t with_picture = 0;
+  for (const std::string& text : report.manifest.warnings) {
+    std::optional<std::uint64_t> frame = frame_in(text, count);
+    if (frame && ++with_picture > most_of_warnings) frame.reset();
+    report.warnings.push_back({text, frame});
+  }
+  if (report.scores.has_look)
+    report.worst = worst_frames(report.scores, count, worst_count, frames_apart(count, worst_count));
+}
+
+// All frames that are shown anywhere, each once.
+std::vector<std::uint64_t> shown_frames(const Report& report) {
+  std::vector<std::uint64_t> frames = report.stills;
+  frames.insert(frames.end(), report.worst.begin(), report.worst.end());
+  for (const ReportWarning& warning : report.warnings)
+    if (warning.frame) frames.push_back(*warning.frame);
+  std::sort(frames.begin(), frames.end());
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  return frames;
+}
+
+// Why skinning alone cannot be drawn, as where the character's file has gone; empty: it can.
+std::string why_no_skinning(DrawnFrames& frames) {
+  try {
+    (void)frames.skinned_surface(0);
+  } catch (const base::SceneError& error) {
+    return error.what();
+  } catch (const base::BakeError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// False where an interrupt ended it.
+bool draw(const ReportArguments& arguments, Report& report, Log& log) {
+  RenderArguments drawing;
+  drawing.input.name = arguments.bake;
+  drawing.threads = arguments.threads;
+  DrawnFrames frames(drawing, log);
+  report.frame_count = frames.count();
+  if (const std::uint64_t counted = report.manifest.position_hashes.size(); report.frame_count < counted)
+    throw bake::BakeError((fs::path(arguments.bake) / bake::cache_name).string() + ": " +
+                          count_text(report.frame_count) + " frames are whole, and the manifest counts " +
+                          count_text(counted) +
+                          "; fascicle verify says which are damaged; bake again with --overwrite");
+  report.has_skeleton = frames.model().has_skeleton();
+  choose_frames(report);
+  if (const std::string why = why_no_skinning(frames); why.empty())
+    drawing.compare = true;
+  else
+    report.lacks = "Skinning alone is not shown: " + why;
+  const std::vector<std::uint64_t> shown = shown_frames(report);
+  const Artist artist(drawing, frames, shown, picture_height, log);
+  Progress progress(log, "drawing", shown.size() + 1);
+  for (const std::uint64_t k : shown) {
+    if (interrupts()) return false;
+    FramePictures pictures{
+        .frame = k, .time = frames.time(k), .flesh = encoded(artist.picture(k)), .skinned = {}};
+    if (drawing.compare) pictures.skinned = encoded(artist.skinned_picture(k));
+    report.pictures.push_back(std::move(pictures));
+    progress.update(report.pictures.size());
+  }
+  if (frames.model().surface_count() > 0 && !interrupts()) {
+    const std::optional<render::Looks> looks = frames.looks(log);
+    const RestPictures rest =
+        draw_rest(frames.model(), looks ? &*looks : nullptr, rest_height, arguments.threads);
+    report.rest =
+        RestReport{rest.skin, rest.body, encoded(rest.before), encoded(rest.after), encoded(rest.cut), {}};
+    for (const render::Legend::Entry& entry : rest.layers.entries)
+      report.rest->layers.emplace_back(entry.name, colour_text(entry.colour));
+  }
+  progress.update(shown.size() + 1);
+  return !interrupts();
+}
+
+ExitCode write_report(const ReportArguments& arguments, Log& log) {
+  if (fs::is_directory(arguments.output))
+    throw UsageError("-o " + arguments.output + ": is a folder; give the page a name, as in report.html");
+  if (!arguments.overwrite && fs::exists(arguments.output))
+    throw UsageError(arguments.output + ": is there already; --overwrite replaces it, or choose another -o");
+  refuse_unwritable("-o", arguments.output);
+  Report report;
+  report.folder = arguments.bake;
+  report.manifest = bake::manifest_of(arguments.bake);
+  report.metrics = read_metrics_table(arguments.bake);
+  if (!report.metrics.columns.empty()) report.scores = read_frame_scores(arguments.bake);
+  const Json manifest = whole_manifest(arguments.bake);
+  report.fps = report.manifest.fps.value_or(0.0);
+  if (report.manifest.frames_kept) {
+    if (!draw(arguments, report, log)) {
+      log.clear_bar();
+      log.warning("interrupted; nothing was written");
+      return ExitCode::interrupted;
+    }
+  } else {
+    report.lacks = "There are no pictures: the frames of this bake were not kept (--keep-frames false).";
+    report.frame_count = report.metrics.rows();
+    choose_frames(report);
+    report.stills.clear();
+    report.worst.clear();
+  }
+  log.clear_bar();
+  const std::string page = report_page(report, manifest);
+  base::write_whole(fs::absolute(arguments.output), page);
+  std::cout << "wrote " << arguments.output << ": " << bytes_text(page.size()) << ", "
+            << count_text(report.pictures.size()) << " frames\n";
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Command& command) {
+  auto* subcommand = app.add_subcommand(
+      "report", "Write one page on a bake: pictures, curves, warnings, parameters, provenance");
+  const auto arguments = std::make_shared<ReportArguments>();
+  subcommand->add_option("DIR", arguments->bake, "Folder of a bake")->required()->option_text(" ");
+  subcommand
+      ->add_option("-o,--output", arguments->output, "The page, as in report.html; it needs no other file")
+      ->required()
+      ->option_text("FILE");
+  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace a page that is there");
+  subcommand->add_option("--threads", arguments->threads, "0 takes one for each core; no byte depends on it")
+      ->check(CLI::Range(0U, 1024U).description(""))
+      ->option_text("N");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback([arguments, &command] {
+    command.watches_interrupts = true;
+    command.run = [arguments](Log& log) { return write_report(*arguments, log); };
+  });
+}
+
+}  // namespace fascicle::cli

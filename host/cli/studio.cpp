@@ -1,0 +1,140 @@
+// fascicle studio: one page on loopback, in which flesh is seen and touched while it moves.
+#include "host/studio/studio.h"
+
+#include <cstdlib>
+#include <iostream>
+#include <memory>
+#include <string_view>
+
+#include <unistd.h>
+
+#include "host/bake/folder.h"
+#include "host/base/process.h"
+#include "host/cli/command.h"
+#include "host/cli/interrupt.h"
+#include "host/cli/text.h"
+#include "host/pipeline/bake_scene.h"
+#include "host/pipeline/device_choice.h"
+#include "host/studio/bundle.h"
+
+namespace fascicle::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudioArguments {
+  SceneArguments scene;
+  std::string folder;
+  std::string device = "auto";
+  unsigned threads = 0;
+  std::uint16_t port = 0;
+  bool headless = false;
+};
+
+// Where a program stands that has no path; empty where there is none.
+fs::path on_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path != nullptr ? path : "";
+  while (!rest.empty()) {
+    const std::size_t colon = rest.find(':');
+    const fs::path file = fs::path(rest.substr(0, colon)) / program;
+    if (file.is_absolute() && ::access(file.c_str(), X_OK) == 0) return file;
+    rest.remove_prefix(colon == std::string_view::npos ? rest.size() : colon + 1);
+  }
+  return {};
+}
+
+// It is a convenience: the address is printed in any case.
+void open_browser(const std::string& address, Log& log) {
+  const fs::path opener = on_path("xdg-open");
+  if (opener.empty()) return log.info("xdg-open was not found; open the address in a browser");
+  try {
+    base::start_process({opener.string(), address}, base::no_output);
+  } catch (const std::system_error& error) {
+    log.info(std::string("the browser could not be started: ") + error.what());
+  }
+}
+
+std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& log) {
+  const Say say = say_on(log);
+  if (arguments.scene.name.empty()) arguments.scene.name = scene::default_scene;
+  const fs::path input(arguments.scene.name);
+  std::error_code none;
+  if (fs::is_directory(input, none)) {
+    if (!bake::holds_bake(input))
+      throw bake::BakeError(input.string() +
+                            ": holds no bake; give the folder of one, a scene or a character");
+    if (scene::has_overrides(arguments.scene.overrides))
+      throw UsageError(
+          "a bake's frames cannot be changed; leave options of the scene out, or open its scene");
+    return std::make_unique<studio::Session>(input, say);
+  }
+  const std::vector<DeviceRequest> devices = parse_device_order(arguments.device);
+  scene::Scene scene = load(arguments.scene);
+  if (arguments.folder.empty()) arguments.folder = (fs::path("out") / (scene.name + "-studio")).string();
+  refuse_unwritable("-o", (fs::path(arguments.folder) / "").string(), true);
+  studio::SessionOptions options;
+  options.folder = arguments.folder;
+  options.device = devices.front();
+  options.device.cache = build_options(arguments.scene.no_cache).cache;
+  options.device.keeps_pipelines = !options.device.cache.empty();
+  options.threads = arguments.threads;
+  options.build = build_options(arguments.scene.no_cache);
+  return std::make_unique<studio::Session>(std::move(scene), std::move(options), say);
+}
+
+ExitCode run_studio(const StudioArguments& arguments, Log& log) {
+  const std::atomic<bool>& interrupted = interrupts();
+  const std::unique_ptr<studio::Session> session = open_session(arguments, log);
+  const auto ready = [&](const std::string& address) {
+    std::cout << address << std::endl;
+    if (arguments.headless) return;
+    log.info("the studio of " + shown_text(session->name()) +
+             (session->is_restored() ? ", as it was left" : "") +
+             "; it ends with Ctrl-C, and what was changed stays");
+    open_browser(address, log);
+  };
+  try {
+    studio::run_studio(*session, {.port = arguments.port, .page = studio::page_bundle()}, interrupted, ready);
+  } catch (const std::system_error& error) {
+    if (arguments.port == 0) throw;
+    throw UsageError("--port " + std::to_string(arguments.port) + ": " + error.what() + "; choose another");
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_studio(CLI::App& app, Command& command) {
+  auto* subcommand =
+      app.add_subcommand("studio", "See flesh move in the browser, change it while it does, save and bake");
+  const auto arguments = std::make_shared<StudioArguments>();
+  add_scene_options(
+      *subcommand, arguments->scene,
+      std::string("Scene file, mesh, character or built-in name, or the folder of a bake; default: ") +
+          scene::default_scene,
+      false);
+  subcommand
+      ->add_option("-o,--output", arguments->folder,
+                   "Folder of the session: what is changed, saved and baked; default: out/NAME-studio")
+      ->option_text("DIR");
+  subcommand->add_option("--port", arguments->port, "Port on loopback; 0, and without it, one that is free")
+      ->check(CLI::Range(0, 65535).description(""))
+      ->option_text("N");
+  subcommand->add_flag("--headless", arguments->headless, "Print the address and open no browser");
+  subcommand
+      ->add_option("--device", arguments->device,
+                   "auto, cpu, cpu:LEVEL, vulkan or vulkan:N; auto takes a real GPU, else the CPU")
+      ->option_text("NAME");
+  subcommand
+      ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
+      ->check(CLI::Range(0U, 1024U).description(""))
+      ->option_text("N");
+  add_log_options(*subcommand, command.log);
+  subcommand->callback([arguments, &command] {
+    command.watches_interrupts = true;
+    command.run = [arguments](Log& log) { return run_studio(*arguments, log); };
+  });
+}
+
+}  // namespace fascicle::cli

@@ -1,0 +1,18 @@
+// What `fascicle validate` found, as a page.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/cli/compare_devices.h"
+#include "host/cli/convergence.h"
+
+namespace fascicle::cli {
+
+std::string validation_page(const scene::Scene& scene, const Built& built,
+                            const std::vector<ChosenDevice>& devices, const Validation& validation);
+
+// Of --converged.
+std::string convergence_page(const scene::Scene& scene, const Convergence& convergence);
+
+}  // namespace fascicle::cli

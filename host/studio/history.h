@@ -1,0 +1,45 @@
+// The texts that a scene has had, from the first to the last: every change can be taken back and made again.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace fascicle::studio {
+
+struct HistoryStep {
+  std::string label;  // what was done to come here; of the first step empty
+  std::string text;   // of the scene
+};
+
+class History {
+ public:
+  // Of the oldest steps those go that do not fit in.
+  static constexpr std::size_t most_steps = 1000, most_bytes = std::size_t{64} << 20;
+
+  explicit History(std::string text) : steps_{{"", std::move(text)}} {}
+  // `steps` is not empty and `at` is one of them.
+  History(std::vector<HistoryStep> steps, std::size_t at);
+
+  const std::string& text() const { return steps_[at_].text; }
+  // Takes the place of the last change where both have this gesture.
+  void add(std::string label, std::string text, std::optional<std::uint64_t> gesture = std::nullopt);
+  // What would be taken back, and what would be made again; null where there is nothing.
+  const std::string* undo_label() const { return at_ > 0 ? &steps_[at_].label : nullptr; }
+  const std::string* redo_label() const { return at_ + 1 < steps_.size() ? &steps_[at_ + 1].label : nullptr; }
+  bool undo();
+  bool redo();
+  // Takes the last change back for good.
+  void drop_last();
+
+  const std::vector<HistoryStep>& steps() const { return steps_; }
+  std::size_t at() const { return at_; }
+
+ private:
+  std::vector<HistoryStep> steps_;
+  std::size_t at_ = 0;
+  std::optional<std::uint64_t> gesture_;  // of the step that is in force
+};
+
+}  // namespace fascicle::studio

@@ -1,0 +1,206 @@
+#include "host/studio/live_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/bake/finite.h"
+#include "host/drive/lead_in.h"
+#include "host/formats/surface.h"
+#include "host/model/validate.h"
+
+namespace fascicle::studio {
+
+namespace {
+
+constexpr model::Read what_is_shown{.positions = true, .velocities = true, .skinned = true};
+// Of states that are kept along the clip, so that any frame of it can be had again.
+constexpr double most_kept_bytes = 192.0 * 1024 * 1024;
+// A hand that fits: this share of the body's extent, and no less than so many edges.
+constexpr double hand_share = 0.05, hand_edges = 2.5;
+
+double bytes_of(const model::State& state) {
+  return static_cast<double>(sizeof(float) *
+                             (state.positions.size() + state.velocities.size() + state.rotations.size() +
+                              state.skinned.size() + state.skinned_velocities.size() +
+                              state.positions_before.size() + state.velocities_before.size()));
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+LiveMotion::LiveMotion(std::shared_ptr<RunningBody> body)
+    : body_(std::move(body)), measures_(body_->model()) {
+  load(body_->drives().initial_state(), 0);
+}
+
+void LiveMotion::show_state(const model::State& state) {
+  now_ = {.index = frame_,
+          .origin = state.origin,
+          .positions = state.positions,
+          .velocities = state.velocities,
+          .surface = {},
+          .skinned = state.skinned};
+  seconds_ = 0.0f;
+}
+
+void LiveMotion::load(const model::State& state, std::uint64_t frame) {
+  solver().load(state);
+  frame_ = frame;
+  show_state(state);
+  if (frame != 0) return;
+  // A frame apart, or further where that would take too much.
+  const double all = bytes_of(state) * static_cast<double>(frames() + 1);
+  kept_every_ = static_cast<std::uint64_t>(std::max(1.0, std::ceil(all / most_kept_bytes)));
+}
+
+void LiveMotion::keep_state() {
+  if (hand_ || frame_ % kept_every_ != 0) return;
+  kept_[frame_] = body_->solver().save();
+}
+
+void LiveMotion::step_to(std::uint64_t frame) {
+  model::Drive drive = body_->drives().drive(frame);
+  std::vector<shader::Force> forces;
+  if (hand_) {
+    forces = hand_->forces(drive, body_->model().force_count);
+    drive.forces = forces;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  solver().submit(drive, what_is_shown);
+  now_ = solver().collect();
+  seconds_ = static_cast<float>(seconds_since(start));
+  frame_ = frame;
+  now_.index = frame;
+  if (!bake::all_finite(now_)) {
+    release();
+    load(body_->state_on_skeleton(frame), frame);
+    kept_.clear();
+    throw Diverged("the flesh flew apart in frame " + std::to_string(frame) +
+                   " and begins again on its skeleton; take the last change back, or take more substeps");
+  }
+  if (hand_) hand_->see(now_, 1.0 / fps());
+}
+
+ShownFrame LiveMotion::shown(std::uint32_t flags) {
+  ShownFrame shown{.model = &body_->model(), .frame = &now_, .numbers = {}};
+  FrameNumbers& numbers = shown.numbers;
+  numbers.revision = body_->revision();
+  numbers.frame = static_cast<std::uint32_t>(frame_);
+  numbers.flags = flags | (hand_ ? frame_is_pulled : 0u);
+  numbers.time = body_->frame_time(frame_);
+  numbers.position_hash = model::position_hash(now_);
+  numbers.seconds = seconds_;
+  measures_.fill(now_, numbers);
+  return shown;
+}
+
+ShownFrame LiveMotion::again() {
+  return shown(0);
+}
+
+ShownFrame LiveMotion::advance() {
+  if (frames() == 0) return shown(0);
+  if (frame_ >= frames()) {
+    solver().load(body_->drives().begun_again(solver().save()));
+    frame_ = 0;
+  }
+  step_to(frame_ + 1);
+  keep_state();
+  return shown(0);
+}
+
+ShownFrame LiveMotion::seek(std::uint64_t frame) {
+  const std::uint64_t wanted = std::min(frame, frames());
+  const auto after = kept_.upper_bound(wanted);
+  const bool is_near = after != kept_.begin() && wanted - std::prev(after)->first < kept_every_;
+  if (is_near)
+    load(std::prev(after)->second, std::prev(after)->first);
+  else
+    load(body_->state_on_skeleton(wanted), wanted);
+  while (frame_ < wanted) step_to(frame_ + 1);
+  return shown(frame_begins);
+}
+
+ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {
+  // The cycles that a seamless loop needs are what the loop does anyway.
+  scene::Scene lead = body_->scene();
+  lead.motion.seamless = false;
+  drive::LeadIn led = drive::lead_in(lead, body_->model(), body_->drives(), body_->solver(), stop);
+  const model::State state = led.stopped ? body_->drives().initial_state() : std::move(led.state);
+  load(state, 0);
+  kept_.clear();
+  keep_state();
+  return shown(frame_begins);
+}
+
+ShownFrame LiveMotion::take(std::shared_ptr<RunningBody> body) {
+  const model::State state = solver().save();
+  std::optional<Hand> hand = has_same_shape(body_->model(), body->model()) ? std::move(hand_) : std::nullopt;
+  release();
+  const std::uint64_t frame = std::min(frame_, body->frames());
+  const model::State next = carried_over(state, *body_, *body, frame);
+  body_ = std::move(body);
+  measures_ = FrameMeasures(body_->model());
+  kept_.clear();
+  if (hand) {
+    held_model_ = with_hand(body_->model(), hand->held());
+    held_solver_ = body_->solver_of(*held_model_);
+    hand_ = std::move(hand);
+  }
+  load(next, frame);
+  return shown(frame_begins);
+}
+
+std::size_t LiveMotion::grab(std::uint32_t vertex, double radius, const Vector3d& place) {
+  const model::Model& model = body_->model();
+  const double fits =
+      std::max(hand_share * model::extent(model), hand_edges * body_->built().report.mean_edge);
+  Held held = held_around(model, vertex, radius > 0.0 ? radius : fits);
+  if (held.empty()) return 0;
+  const model::State state = solver().save();
+  held_model_ = with_hand(model, held);
+  held_solver_ = body_->solver_of(*held_model_);
+  held_solver_->load(state);
+  hand_.emplace(model, std::move(held), now_, place);
+  return hand_->held().size();
+}
+
+void LiveMotion::release() {
+  if (held_solver_) body_->solver().load(held_solver_->save());
+  hand_.reset();
+  held_solver_.reset();
+  held_model_.reset();
+}
+
+Recording LiveMotion::record(const std::function<bool()>& stop,
+                             const std::function<void(const ShownFrame&)>& show) {
+  const auto start = std::chrono::steady_clock::now();
+  release();
+  Recording recording;
+  recording.revision = body_->revision();
+  drive::LeadIn led = drive::lead_in(body_->scene(), body_->model(), body_->drives(), body_->solver(), stop);
+  recording.stopped = led.stopped;
+  load(led.stopped ? body_->drives().initial_state() : std::move(led.state), 0);
+  kept_.clear();
+  const auto take_note = [&] {
+    keep_state();
+    const ShownFrame frame = shown(frame_is_recorded | (frame_ == 0 ? frame_begins : 0u));
+    recording.hashes.push_back(frame.numbers.position_hash);
+    show(frame);
+  };
+  if (!recording.stopped) take_note();
+  while (!recording.stopped && frame_ < frames()) {
+    recording.stopped = stop();
+    if (recording.stopped) break;
+    step_to(frame_ + 1);
+    take_note();
+  }
+  recording.seconds = seconds_since(start);
+  return recording;
+}
+
+}  // namespace fascicle::studio

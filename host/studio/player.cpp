@@ -1,0 +1,245 @@
+#include "host/studio/player.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+namespace fascicle::studio {
+
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+// s: over which the rate is a mean.
+constexpr double rate_time = 0.5;
+
+Clock::duration as_duration(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+}  // namespace
+
+const char* name_of(PlayerMode mode) {
+  switch (mode) {
+    case PlayerMode::playing:
+      return "playing";
+    case PlayerMode::paused:
+      return "paused";
+    case PlayerMode::recording:
+      return "recording";
+    case PlayerMode::baking:
+      return "baking";
+  }
+  return "";
+}
+
+Player::Player(std::unique_ptr<Motion> motion, PlayerEvents events)
+    : motion_(std::move(motion)), events_(std::move(events)), due_(Clock::now()) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Player::~Player() {
+  {
+    const std::lock_guard lock(mutex_);
+    stops_ = true;
+  }
+  wakes_.notify_all();
+  thread_.join();
+}
+
+PlayerState Player::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+void Player::tell() {
+  if (events_.on_state) events_.on_state(state());
+}
+
+bool Player::post(Work work) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= most_waiting) return false;
+    waiting_.emplace_back([this, work = std::move(work)] { work(*motion_); });
+  }
+  wakes_.notify_all();
+  return true;
+}
+
+bool Player::post_long(PlayerMode mode, Work work) {
+  return post([this, mode, work = std::move(work)](Motion& motion) {
+    PlayerMode before;
+    {
+      const std::lock_guard lock(mutex_);
+      before = std::exchange(state_.mode, mode);
+    }
+    cancels_ = false;
+    tell();
+    attempt([&] { work(motion); });
+    cancels_ = false;
+    {
+      const std::lock_guard lock(mutex_);
+      state_.mode = before;
+      state_.frame = motion.frame();
+    }
+    tell();
+  });
+}
+
+void Player::cancel() {
+  cancels_ = true;
+}
+
+bool Player::play() {
+  return post([this](Motion& motion) {
+    {
+      const std::lock_guard lock(mutex_);
+      state_.mode = PlayerMode::playing;
+    }
+    // At the end of a clip that is not played again, "play" means once more.
+    if (!state().loops && motion.frame() >= motion.frames()) show(motion.seek(0));
+    due_ = Clock::now();
+    tell();
+  });
+}
+
+bool Player::pause() {
+  return post([this](Motion&) {
+    {
+      const std::lock_guard lock(mutex_);
+      state_.mode = PlayerMode::paused;
+    }
+    tell();
+  });
+}
+
+bool Player::step() {
+  return post([this](Motion& motion) {
+    {
+      const std::lock_guard lock(mutex_);
+      state_.mode = PlayerMode::paused;
+    }
+    show(motion.advance());
+    tell();
+  });
+}
+
+bool Player::seek(std::uint64_t frame) {
+  return post([this, frame](Motion& motion) {
+    show(motion.seek(frame));
+    tell();
+  });
+}
+
+bool Player::set_speed(double factor) {
+  return post([this, factor](Motion&) {
+    {
+      const std::lock_guard lock(mutex_);
+      state_.speed = factor;
+    }
+    due_ = Clock::now();
+    tell();
+  });
+}
+
+bool Player::set_loop(bool loops) {
+  return post([this, loops](Motion&) {
+    {
+      const std::lock_guard lock(mutex_);
+      state_.loops = loops;
+    }
+    tell();
+  });
+}
+
+void Player::watch(bool is_watched) {
+  {
+    const std::lock_guard lock(mutex_);
+    is_watched_ = is_watched;
+  }
+  wakes_.notify_all();
+}
+
+bool Player::restart() {
+  return post([this](Motion& motion) {
+    // Whatever is asked meanwhile goes before the rest of what comes before frame 0.
+    const auto stop = [this] {
+      const std::lock_guard lock(mutex_);
+      return stops_ || !waiting_.empty();
+    };
+    show(motion.restart(stop));
+    tell();
+  });
+}
+
+void Player::show(ShownFrame frame) {
+  frame.numbers.sequence = ++sequence_;
+  if (frame.numbers.seconds > 0.0f) {
+    const double now = 1.0 / double{frame.numbers.seconds};
+    const double share = std::min(1.0, double{frame.numbers.seconds} / rate_time);
+    rate_ = rate_ > 0.0 ? rate_ + share * (now - rate_) : now;
+  }
+  frame.numbers.rate = static_cast<float>(rate_);
+  {
+    const std::lock_guard lock(mutex_);
+    state_.frame = frame.numbers.frame;
+  }
+  if (events_.on_frame) events_.on_frame(*motion_, frame);
+}
+
+void Player::attempt(const std::function<void()>& what) {
+  try {
+    what();
+  } catch (const Diverged& error) {
+    if (events_.on_trouble) events_.on_trouble(error.what());
+    show(motion_->again());
+  } catch (const std::exception& error) {
+    if (events_.on_trouble) events_.on_trouble(error.what());
+  }
+}
+
+void Player::advance() {
+  const PlayerState now = state();
+  if (!now.loops && motion_->frame() >= motion_->frames()) {
+    {
+      const std::lock_guard lock(mutex_);
+      state_.mode = PlayerMode::paused;
+    }
+    return tell();
+  }
+  attempt([&] { show(motion_->advance()); });
+  const double period = 1.0 / (motion_->fps() * now.speed);
+  due_ += as_duration(period);
+  // What is late does not hurry to catch up.
+  due_ = std::max(due_, Clock::now() - as_duration(period));
+}
+
+void Player::run() {
+  attempt([&] { show(motion_->again()); });
+  due_ = Clock::now();
+  while (!stops_) {
+    std::function<void()> work;
+    bool plays = false;
+    {
+      std::unique_lock lock(mutex_);
+      const auto must_play = [&] { return is_watched_ && state_.mode == PlayerMode::playing; };
+      const auto has_work = [&] { return stops_ || !waiting_.empty() || must_play() != plays; };
+      plays = must_play();
+      if (plays)
+        wakes_.wait_until(lock, due_, has_work);
+      else
+        wakes_.wait(lock, has_work);
+      if (stops_) return;
+      if (!waiting_.empty()) {
+        work = std::move(waiting_.front());
+        waiting_.pop_front();
+      }
+    }
+    if (work) attempt(work);
+    // Whoever asks for much holds no frame up that is due.
+    if (plays && state().mode == PlayerMode::playing && Clock::now() >= due_) advance();
+  }
+}
+
+}  // namespace fascicle::studio

@@ -1,0 +1,94 @@
+// The thread that plays a motion: in time with the clock, and whatever is asked of it between two frames.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "host/studio/motion.h"
+
+namespace fascicle::studio {
+
+enum class PlayerMode { playing, paused, recording, baking };
+const char* name_of(PlayerMode mode);
+
+struct PlayerState {
+  PlayerMode mode = PlayerMode::playing;
+  std::uint64_t frame = 0;
+  double speed = 1.0;
+  bool loops = true;
+};
+
+// Called on the player's thread. Must not throw.
+struct PlayerEvents {
+  // `sequence` and `rate` are filled in. The motion stands still meanwhile.
+  std::function<void(Motion&, const ShownFrame&)> on_frame;
+  std::function<void(const PlayerState&)> on_state;
+  std::function<void(const std::string&)> on_trouble;  // a motion that came apart, or work that failed
+};
+
+class Player {
+ public:
+  // Plays from where the motion stands.
+  Player(std::unique_ptr<Motion> motion, PlayerEvents events);
+  ~Player();
+  Player(const Player&) = delete;
+  Player& operator=(const Player&) = delete;
+
+  // Any thread, in order; each between two frames. Where more than most_waiting wait already, what is asked
+  // is dropped, and false returned.
+  bool play();
+  bool pause();
+  bool step();
+  bool seek(std::uint64_t frame);
+  bool set_speed(double factor);
+  bool set_loop(bool loops);
+  bool restart();
+  // Whether anybody looks: where nobody does, what plays stands still. At first somebody does. Any thread.
+  void watch(bool is_watched);
+  // Work with the motion on the player's thread. Its time counts against nothing: the clock goes on from when
+  // it ends.
+  using Work = std::function<void(Motion&)>;
+  bool post(Work work);
+  // Work that takes long and shows its frames itself by show(): the player's mode meanwhile is `mode`. It
+  // should end soon when must_stop() is true.
+  bool post_long(PlayerMode mode, Work work);
+
+  // On the player's thread only.
+  void show(ShownFrame frame);
+  bool must_stop() const { return stops_ || cancels_; }
+  // Ends long work; nothing where there is none.
+  void cancel();
+  PlayerState state() const;
+  std::uint32_t last_sequence() const { return sequence_; }
+
+  static constexpr std::size_t most_waiting = 1024;
+
+ private:
+  void run();
+  void advance();
+  void tell();
+  void attempt(const std::function<void()>& what);
+
+  std::unique_ptr<Motion> motion_;
+  PlayerEvents events_;
+  mutable std::mutex mutex_;  // of state_, waiting_ and is_watched_
+  std::condition_variable wakes_;
+  std::deque<std::function<void()>> waiting_;
+  PlayerState state_;
+  bool is_watched_ = true;
+  std::atomic<bool> stops_ = false, cancels_ = false;
+  std::atomic<std::uint32_t> sequence_ = 0;
+  std::chrono::steady_clock::time_point due_;
+  double rate_ = 0.0;
+  std::thread thread_;
+};
+
+}  // namespace fascicle::studio

@@ -1,0 +1,328 @@
+#include "host/studio/scene_keys.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace fascicle::studio {
+namespace {
+
+using scene::EditedKey;
+using scene::EditedTable;
+using scene::KeyType;
+
+// What a slider of a key spans, and its unit. A key that is not here has its own range alone.
+struct Slider {
+  std::string_view table, key;  // the table's name in the table of keys
+  std::string_view unit;
+  double least = 0.0, most = 0.0;  // both 0: none
+  bool logarithmic = false;
+};
+constexpr std::array sliders{
+    Slider{"layer", "alpha", "", 0.0, 1.0},
+    Slider{"layer", "alpha_outer", "", 0.0, 1.0},
+    Slider{"layer", "youngs_modulus", "Pa", 100.0, 1e7, true},
+    Slider{"layer", "frequency", "Hz", 0.5, 100.0, true},
+    Slider{"layer", "beta", "", 0.0, 1.0},
+    Slider{"layer", "damping", "1/s", 0.0, 60.0},
+    Slider{"layer", "damping_ratio", "", 0.0, 2.0},
+    Slider{"layer", "density", "kg/m^3", 200.0, 4000.0, true},
+    Slider{"layer", "inertia_scale", "", 0.0, 4.0},
+    Slider{"layer", "volume", "", 0.0, 1.0},
+    Slider{"layer", "least_volume", "", 0.0, 0.9},
+    Slider{"flesh", "softness", "", 0.1, 10.0, true},
+    Slider{"flesh", "exaggerate", "", 0.0, 4.0},
+    Slider{"muscle", "gain", "", 0.0, 5.0},
+    Slider{"muscle", "twist", "", -1.0, 1.0},
+    Slider{"contact", "friction", "", 0.0, 2.0},
+    Slider{"contact", "distance", "m", 0.001, 1.0, true},
+    Slider{"collider", "friction", "", 0.0, 2.0},
+    Slider{"collider", "thickness", "m", 0.0, 0.1},
+    Slider{"collider", "radius", "m", 0.0, 2.0},
+    Slider{"depth", "minimum", "", 0.0, 1.0},
+    Slider{"depth", "maximum", "", 0.0, 1.0},
+    Slider{"volume_share", "minimum", "", 0.0, 1.0},
+    Slider{"volume_share", "maximum", "", 0.0, 1.0},
+    Slider{"bone_distance", "minimum", "m", 0.0, 0.5},
+    Slider{"bone_distance", "maximum", "m", 0.0, 0.5},
+    Slider{"half_space", "fraction", "", 0.0, 1.0},
+    Slider{"half_space", "value", "m"},
+    Slider{"joint_set", "share", "", 0.01, 1.0},
+    Slider{"painted", "minimum", "", 0.0, 1.0},
+    Slider{"painted", "maximum", "", 0.0, 1.0},
+    Slider{"skeleton", "least_share", "", 0.0, 0.1},
+    Slider{"scene", "gravity", "m/s^2", -20.0, 20.0},
+    Slider{"scene", "fps", "1/s", 12.0, 120.0},
+    Slider{"scene", "start", "s"},
+    Slider{"scene", "end", "s"},
+    Slider{"motion", "preroll", "s", 0.0, 2.0},
+    Slider{"motion", "settle", "s", 0.0, 5.0},
+    Slider{"motion", "hold", "s", 0.0, 5.0},
+    Slider{"motion", "acceleration_limit", "m/s^2", 1.0, 1000.0, true},
+    Slider{"force", "start", "s"},
+    Slider{"force", "end", "s"},
+};
+
+const Slider* slider_of(std::string_view table, std::string_view key) {
+  const auto found = std::find_if(sliders.begin(), sliders.end(),
+                                  [&](const Slider& s) { return s.table == table && s.key == key; });
+  return found == sliders.end() ? nullptr : &*found;
+}
+
+const char* kind_of(const scene::Key& key) {
+  switch (key.type) {
+    case KeyType::number:
+      return "number";
+    case KeyType::integer:
+      return "integer";
+    case KeyType::text:
+      return "text";
+    case KeyType::boolean:
+      return "boolean";
+    case KeyType::vector:
+    case KeyType::integer_vector:
+      return "vector";
+    case KeyType::texts:
+      return "texts";
+    default:
+      return "other";
+  }
+}
+
+Json key_json(const EditedTable& table, const EditedKey& edited) {
+  const scene::Key& key = *edited.key;
+  Json json{{"path", edited.path},
+            {"name", key.name},
+            {"doc", key.doc},
+            {"kind", kind_of(key)},
+            {"value", edited.value},
+            {"is_set", edited.is_stated},
+            {"fallback", key.fallback},
+            {"rivals", edited.rivals},
+            {"effect", needs_new_body(edited.path) ? "rebuild" : "live"}};
+  if (std::isfinite(key.range.minimum)) {
+    json["minimum"] = key.range.minimum;
+    json["minimum_excluded"] = key.range.minimum_excluded;
+  }
+  if (std::isfinite(key.range.maximum)) json["maximum"] = key.range.maximum;
+  if (!key.allowed.empty()) json["allowed"] = key.allowed;
+  if (const Slider* slider = slider_of(table.table->name, key.name)) {
+    if (!slider->unit.empty()) json["unit"] = slider->unit;
+    if (slider->least < slider->most) {
+      json["soft_minimum"] = slider->least;
+      json["soft_maximum"] = slider->most;
+      json["logarithmic"] = slider->logarithmic;
+    }
+  }
+  return json;
+}
+
+// ---- Presets
+
+const EditedKey* find(const std::vector<EditedTable>& tables, std::string_view path) {
+  for (const EditedTable& table : tables)
+    for (const EditedKey& key : table.keys)
+      if (key.path == path) return &key;
+  return nullptr;
+}
+
+double number_at(const std::vector<EditedTable>& tables, std::string_view path, double otherwise) {
+  const EditedKey* key = find(tables, path);
+  return key != nullptr && key->value.is_number() ? key->value.get<double>() : otherwise;
+}
+
+// As people write numbers, so that the scene file stays readable.
+double rounded(double value) {
+  if (value == 0.0) return 0.0;
+  const double scale = std::pow(10.0, 2.0 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
+class Wish {
+ public:
+  Wish(const RunningBody& body, const std::vector<EditedTable>& tables) : body_(body), tables_(tables) {}
+
+  // Multiplies what holds, within the bounds.
+  void scale(const std::string& path, double factor, double least, double most) {
+    const double now = number_at(tables_, path, 1.0);
+    const double then = std::clamp(rounded(now * factor), least, most);
+    if (then != now) changes_.push_back({path, Json(then)});
+  }
+  // The damping of all layers that move, in the form that each states it.
+  void scale_damping(double factor) {
+    for_each_free([&](const std::string& path) {
+      const EditedKey* ratio = find(tables_, path + ".damping_ratio");
+      const bool by_ratio = ratio != nullptr && ratio->is_stated;
+      scale(path + (by_ratio ? ".damping_ratio" : ".damping"), factor, 0.0, by_ratio ? 100.0 : 1e4);
+    });
+  }
+  void scale_density(double factor) {
+    for_each_free([&](const std::string& path) {
+      // A material brings its own.
+      const EditedKey* density = find(tables_, path + ".density");
+      double now = density != nullptr && density->is_stated ? density->value.get<double>() : 0.0;
+      for (const scene::Layer& layer : body_.scene().layers)
+        if (now == 0.0 && path == "layers." + layer.name) now = layer.density;
+      changes_.push_back({path + ".density", Json(std::min(rounded(now * factor), 1e5))});
+    });
+  }
+  // All flesh feels at most this much of the skeleton's acceleration, whatever its layer.
+  double most_exaggeration() const {
+    double largest = 1e-6;
+    for (const scene::Layer& layer : body_.scene().layers)
+      if (!layer.kinematic) largest = std::max(largest, layer.inertia_scale / body_.scene().flesh.exaggerate);
+    return std::min(scene::most_inertia, std::floor(scene::most_inertia / largest * 100.0) / 100.0);
+  }
+  void exaggerate(double factor) {
+    if (body_.model().has_skeleton() && body_.scene().flesh.exaggerate > 0.0)
+      scale("flesh.exaggerate", factor, 0.0, most_exaggeration());
+  }
+  // Explicit flesh has a stiffest, at alpha 1.
+  void soften(double factor) {
+    double least = 0.01;
+    if (body_.scene().solver.integrator == scene::Integrator::explicit_step)
+      for (const scene::Layer& layer : body_.scene().layers)
+        if (!layer.kinematic)
+          least = std::max(
+              least, std::max(layer.alpha, layer.alpha_outer.value_or(0.0)) * body_.scene().flesh.softness);
+    scale("flesh.softness", factor, std::min(least, 100.0), 100.0);
+  }
+  void only(const std::vector<std::string>& joints, const std::vector<std::string>& held) {
+    changes_.push_back({"skeleton.only", Json(joints)});
+    changes_.push_back({"skeleton.kinematic", held.empty() ? std::nullopt : std::optional<Json>(held)});
+  }
+  std::vector<scene::KeyChange> take() { return std::move(changes_); }
+
+ private:
+  template <class Visit>
+  void for_each_free(Visit visit) const {
+    for (const scene::Layer& layer : body_.scene().layers)
+      if (!layer.kinematic) visit("layers." + layer.name);
+  }
+
+  const RunningBody& body_;
+  const std::vector<EditedTable>& tables_;
+  std::vector<scene::KeyChange> changes_;
+};
+
+std::string lowered(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+// The first joint, from the root on, whose name has one of the words, the first word first.
+std::optional<std::size_t> joint_called(const std::vector<rig::Joint>& skeleton,
+                                        std::initializer_list<std::string_view> words) {
+  for (const std::string_view word : words)
+    for (std::size_t j = 0; j < skeleton.size(); ++j)
+      if (lowered(skeleton[j].name).find(word) != std::string::npos) return j;
+  return std::nullopt;
+}
+
+const std::vector<rig::Joint>* skeleton_of(const RunningBody& body) {
+  const auto* character = std::get_if<rig::Character>(&body.scene().geometry);
+  return character == nullptr ? nullptr : &character->skeleton;
+}
+
+// Skin and flesh of the joint alone: that of the joints below it follows the skeleton.
+Preset only_joint(const RunningBody& body, const std::vector<EditedTable>& tables, Preset preset,
+                  std::initializer_list<std::string_view> words, bool with_below, const char* what) {
+  const std::vector<rig::Joint>* skeleton = skeleton_of(body);
+  const std::optional<std::size_t> joint =
+      skeleton == nullptr ? std::nullopt : joint_called(*skeleton, words);
+  if (!joint) {
+    preset.why_not = std::string("no joint is called ") + what + "; name one in skeleton.only";
+    return preset;
+  }
+  std::vector<std::string> held;
+  if (!with_below)
+    for (const rig::Joint& one : *skeleton)
+      if (one.parent == static_cast<std::int32_t>(*joint)) held.push_back(one.name);
+  Wish wish(body, tables);
+  wish.only({(*skeleton)[*joint].name}, held);
+  preset.changes = wish.take();
+  return preset;
+}
+
+Preset wished(Preset preset, Wish wish) {
+  preset.changes = wish.take();
+  if (preset.changes.empty()) preset.why_not = "it is as far as it goes";
+  return preset;
+}
+
+}  // namespace
+
+bool needs_new_body(std::string_view path) {
+  for (const std::string_view table : {"bar.", "mesh.", "body.", "bones.", "skeleton."})
+    if (path.starts_with(table)) return true;
+  // A character's clip moves what is there.
+  return path.starts_with("character") && !path.ends_with(".clip");
+}
+
+Json keys_json(const std::vector<EditedTable>& tables) {
+  Json groups = Json::array();
+  for (const EditedTable& table : tables) {
+    Json keys = Json::array();
+    for (const EditedKey& key : table.keys) keys.push_back(key_json(table, key));
+    groups.push_back(
+        {{"path", table.path}, {"title", table.path}, {"doc", table.table->doc}, {"keys", std::move(keys)}});
+  }
+  return groups;
+}
+
+std::vector<Preset> presets_of(const RunningBody& body, const std::vector<EditedTable>& tables) {
+  std::vector<Preset> presets;
+  const auto add = [&](const char* name, const char* title, const char* doc, auto fill) {
+    Wish wish(body, tables);
+    fill(wish);
+    presets.push_back(wished({name, title, doc, {}, {}}, std::move(wish)));
+  };
+  add("more-jiggle", "More jiggle", "Softer flesh that trails further and swings longer.", [](Wish& wish) {
+    wish.soften(1.6);
+    wish.exaggerate(1.25);
+    wish.scale_damping(0.7);
+  });
+  add("firmer", "Firmer", "Stiffer flesh that comes to rest sooner.", [](Wish& wish) {
+    wish.soften(1.0 / 1.6);
+    wish.scale_damping(1.25);
+  });
+  add("heavier", "Heavier", "Denser flesh of the same stiffness: it sags more and swings more slowly.",
+      [](Wish& wish) { wish.scale_density(1.5); });
+  presets.push_back(only_joint(body, tables,
+                               {"only-belly",
+                                "Only the belly",
+                                "The flesh of the belly moves, all other follows the skeleton.",
+                                {},
+                                {}},
+                               {"belly", "abdomen", "stomach", "spine", "torso"}, false,
+                               "belly, abdomen, spine or torso"));
+  presets.push_back(only_joint(
+      body, tables,
+      {"only-tail", "Only the tail", "The flesh of the tail moves, all other follows the skeleton.", {}, {}},
+      {"tail"}, true, "tail"));
+  add("cartoon", "Cartoon", "Flesh that overshoots as in a cartoon.", [](Wish& wish) {
+    wish.soften(2.5);
+    wish.exaggerate(2.0);
+    wish.scale_damping(0.5);
+  });
+  return presets;
+}
+
+Json presets_json(const std::vector<Preset>& presets) {
+  Json list = Json::array();
+  for (const Preset& preset : presets) {
+    Json changes = Json::object();
+    for (const scene::KeyChange& change : preset.changes)
+      changes[change.path] = change.value ? *change.value : Json(nullptr);
+    Json json{
+        {"name", preset.name}, {"title", preset.title}, {"doc", preset.doc}, {"changes", std::move(changes)}};
+    if (!preset.why_not.empty()) json["why_not"] = preset.why_not;
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+}  // namespace fascicle::studio

@@ -1,0 +1,450 @@
+#include "host/studio/session.h"
+
+#include <algorithm>
+#include <ctime>
+#include <string_view>
+#include <utility>
+
+#include "host/base/errors.h"
+#include "host/base/file.h"
+#include "host/base/text.h"
+#include "host/base/version.h"
+#include "host/scene/input_files.h"
+#include "host/studio/baked_motion.h"
+#include "host/studio/scene_keys.h"
+
+namespace fascicle::studio {
+
+namespace {
+
+constexpr unsigned most_refused = 100;  // messages of one page before it is cut off
+
+}  // namespace
+
+Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
+    : say_(std::move(say)),
+      options_(std::move(options)),
+      name_(scene.name),
+      source_(scene.source),
+      is_live_(true) {
+  const std::filesystem::path source(source_);
+  if (source.extension() == ".toml") source_folder_ = source.parent_path();
+  converter_ = scene.converter;
+  base_text_ = scene.text;
+  base_hash_ = scene::hash_of(base_text_);
+  bake::make_folder(options_.folder);
+  lock_.emplace(options_.folder);
+  if (std::optional<SessionRecord> record = read_session(options_.folder)) {
+    if (record->source == source_ && record->base_hash == base_hash_) {
+      history_.emplace(std::move(record->steps), record->at);
+      saved_file_ = record->saved_file;
+      saved_hash_ = record->saved_hash;
+      saved_text_ = record->saved_text;
+      if (history_->steps().size() > 1)
+        restored_ = "the session that " + options_.folder.string() + " holds goes on";
+    } else {
+      base::rename_over(options_.folder / session_file_name, options_.folder / old_session_file_name);
+      pipeline::say_warning(say_,
+                            options_.folder.string() +
+                                ": held a session of another scene, or of this one as it was before; it is "
+                                "kept as " +
+                                old_session_file_name);
+    }
+  }
+  if (!history_) history_.emplace(base_text_);
+
+  options_.build.is_cancelled = [this, outer = options_.build.is_cancelled] {
+    return stops_ || stops_build_ || (outer && outer());
+  };
+  device_ = pipeline::choose_device(options_.device, options_.threads, say_);
+  const TextSource text_source{name_, source_, source_folder_, scene.converter};
+  const auto start_workshop = [&] {
+    workshop_ = std::make_unique<Workshop>(text_source, options_.build, *device_);
+  };
+  const auto make_first = [&] {
+    try {
+      body_ = workshop_->make(history_->text(), revision_, say_);
+    } catch (const scene::SceneError& error) {
+      if (restored_.empty()) throw;
+      pipeline::say_warning(say_, std::string(error.what()) + "; the session's last change is taken back");
+      while (history_->undo()) {
+      }
+      body_ = workshop_->make(history_->text(), revision_, say_);
+    }
+  };
+  start_workshop();
+  try {
+    make_first();
+  } catch (const pipeline::NoSuchDevice& error) {
+    // The model is too large for the GPU that was there.
+    if (options_.device.kind != pipeline::DeviceRequest::Kind::automatic || device_->gpu() == nullptr) throw;
+    pipeline::say_warning(say_, error.what());
+    workshop_.reset();
+    device_ =
+        pipeline::ChosenDevice::cpu(options_.threads, options_.device.simd, "the model does not fit the GPU");
+    start_workshop();
+    make_first();
+  }
+  looks_ = read_body_looks(scene::character_file(body_->scene()), body_->model(), say_);
+  tables_ = scene::edited_tables(history_->text(), source_);
+  prepared_ = prepare(body_);
+  publish(prepared_);
+  writer_ = std::make_unique<SessionWriter>(options_.folder, [this](const std::string& error) {
+    if (!error.empty()) return pipeline::say_warning(say_, "the session could not be saved: " + error);
+    const std::lock_guard lock(mutex_);
+    autosaved_ = std::time(nullptr);
+    broadcast(history_json());
+  });
+  player_ = std::make_unique<Player>(std::make_unique<LiveMotion>(body_), player_events());
+  player_->watch(false);
+  builder_ = std::thread([this] { build_on(); });
+}
+
+Session::Session(const std::filesystem::path& bake, pipeline::Say say) : say_(std::move(say)) {
+  auto open = std::make_unique<pipeline::OpenBake>(bake);
+  name_ = open->manifest().scene_name;
+  source_ = bake.string();
+  const std::string& source = open->manifest().scene_source;
+  constexpr std::string_view builtin = "builtin:";
+  scene_to_open_ = source.starts_with(builtin) ? source.substr(builtin.size()) : source;
+  const scene::Scene* scene = nullptr;
+  try {
+    scene = &open->scene();
+  } catch (const std::runtime_error& error) {
+    pipeline::say_warning(say_, std::string(error.what()) + "; frames are shown without skinning and joints");
+  }
+  const model::Model& model = open->model();
+  const std::filesystem::path character = bake / "character.glb";
+  std::error_code none;
+  looks_ = read_body_looks(std::filesystem::exists(character, none) ? character : std::filesystem::path(),
+                           model, say_);
+  body_number_ = 1;
+  const BodyParts parts{model, nullptr, scene};
+  arrays_ = array_messages(parts, looks_, body_number_, {});
+  body_message_ = body_json(parts, looks_, body_number_, arrays_);
+  const std::uint64_t last = open->frame_count() - 1;
+  if (scene != nullptr) {
+    clip_message_ = clip_json(*scene, last, 0, 0);
+  } else {
+    clip_message_ = {
+        {"type", "clip"},         {"name", ""},     {"clips", Json::array()}, {"fps", open->fps()},
+        {"start", open->start()}, {"frames", last}, {"substeps", 0},          {"iterations", 0}};
+  }
+  std::vector<build::Warning> warnings;
+  for (const std::string& text : open->manifest().warnings) warnings.push_back({text, {}});
+  warnings_message_ = {{"type", "warnings"}, {"list", warnings_json(model, warnings)}};
+  player_ = std::make_unique<Player>(std::make_unique<BakedMotion>(std::move(open)), player_events());
+  player_->watch(false);
+}
+
+PlayerEvents Session::player_events() {
+  return {.on_frame = [this](Motion& motion, const ShownFrame& frame) { show(motion, frame); },
+          .on_state =
+              [this](const PlayerState&) {
+                const std::lock_guard lock(mutex_);
+                broadcast(player_json());
+              },
+          .on_trouble =
+              [this](const std::string& text) {
+                pipeline::say_warning(say_, text);
+                const std::lock_guard lock(mutex_);
+                let_go();
+                broadcast({{"type", "failed"}, {"what", "motion"}, {"error", text}});
+              }};
+}
+
+Session::~Session() {
+  leave();
+  stops_ = stops_bake_ = true;
+  {
+    const std::lock_guard lock(mutex_);
+    builder_wakes_.notify_all();
+  }
+  if (builder_.joinable()) builder_.join();
+  if (player_) player_->cancel();
+  player_.reset();
+  writer_.reset();
+}
+
+void Session::serve(Server& server) {
+  const std::lock_guard lock(mutex_);
+  server_ = &server;
+}
+
+void Session::leave() {
+  const std::lock_guard lock(mutex_);
+  server_ = nullptr;
+  pages_.clear();
+}
+
+void Session::send(PageId page, const Json& json) {
+  if (server_ != nullptr) server_->send_text(page, message_text(json));
+}
+
+void Session::broadcast(const Json& json) {
+  if (server_ == nullptr || pages_.empty()) return;
+  const SharedBytes text = message_text(json);
+  for (const auto& [page, state] : pages_) server_->send_text(page, text);
+}
+
+Json Session::player_json() const {
+  const PlayerState state = player_->state();
+  return {{"type", "player"},     {"state", name_of(state.mode)}, {"frame", state.frame},
+          {"speed", state.speed}, {"loop", state.loops},          {"message", player_message_}};
+}
+
+Json Session::history_json() const {
+  const auto label = [](const std::string* text) { return text != nullptr ? Json(*text) : Json(nullptr); };
+  return {{"type", "history"},
+          {"revision", revision_},
+          {"undo", label(history_->undo_label())},
+          {"redo", label(history_->redo_label())},
+          {"steps", history_->steps().size()},
+          {"saved", !saved_hash_.empty() && saved_hash_ == scene::hash_of(history_->text())},
+          {"autosaved", autosaved_}};
+}
+
+Json Session::keys_message() const {
+  return {{"type", "keys"}, {"revision", revision_}, {"groups", keys_json(tables_)}};
+}
+
+Json Session::presets_message() const {
+  return {{"type", "presets"}, {"list", presets_json(presets_of(*body_, tables_))}};
+}
+
+void Session::send_start(PageId page) {
+  Json hello{{"type", "hello"},
+             {"protocol", 1},
+             {"program", base::fascicle_version},
+             {"solver_version", base::solver_version},
+             {"kind", is_live_ ? "live" : "bake"},
+             {"name", name_},
+             {"source", source_},
+             {"folder", options_.folder.string()},
+             {"device", device_ ? device_->text() : std::string()},
+             {"can_touch", is_live_},
+             {"restored", !restored_.empty()}};
+  if (!is_live_)
+    hello["why_not"] =
+        "this is a bake: its frames are played, and nothing in them can be touched; fascicle studio " +
+        scene_to_open_ + " opens its scene";
+  if (!restored_.empty()) hello["message"] = restored_;
+  send(page, hello);
+  send(page, body_message_);
+  for (const ArrayMessage& array : arrays_) server_->send_binary(page, array.bytes);
+  send(page, clip_message_);
+  if (is_live_) {
+    send(page, keys_message());
+    send(page, presets_message());
+  }
+  send(page, warnings_message_);
+  if (is_live_) send(page, history_json());
+  send(page, player_json());
+  send(page, {{"type", "ready"}});
+}
+
+void Session::page_opened(PageId page) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (server_ == nullptr) return;
+    const bool has_surface = body_message_["counts"]["surface_vertices"] > 0;
+    pages_[page] = {.blocks = bit_of(has_surface ? Block::surface : Block::vertices), .refused = 0};
+    send_start(page);
+    player_->watch(true);
+  }
+  // A page that opens while nothing plays must not stay empty.
+  player_->post([this](Motion& motion) { player_->show(motion.again()); });
+}
+
+void Session::page_closed(PageId page) {
+  const std::lock_guard lock(mutex_);
+  pages_.erase(page);
+  player_->watch(!pages_.empty());
+  if (hand_of_ != page) return;
+  hand_of_.reset();
+  player_->post([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+}
+
+void Session::page_said(PageId page, bool is_text, const std::string& bytes) {
+  const std::lock_guard lock(mutex_);
+  const auto known = pages_.find(page);
+  if (known == pages_.end()) return;
+  const auto refuse = [&](const std::string& error, std::optional<std::int64_t> id) {
+    Json answer{{"type", "refused"}, {"error", error}};
+    if (id) answer["id"] = *id;
+    send(page, answer);
+  };
+  try {
+    if (!is_text) throw BadMessage("messages are text");
+    const Command command = parse_command(bytes);
+    try {
+      obey(page, command);
+    } catch (const BadMessage&) {
+      throw;
+    } catch (const std::exception& error) {
+      // A wish that cannot be met is no sign of a page that is out of its mind.
+      refuse(error.what(), command.id);
+    }
+  } catch (const BadMessage& error) {
+    refuse(error.what(), error.id);
+    if (++known->second.refused >= most_refused && server_ != nullptr)
+      server_->close(page, "more than " + std::to_string(most_refused) + " messages made no sense");
+  }
+}
+
+void Session::answer_done(PageId page, const Command& command, const std::string& message) {
+  if (!command.id && message.empty()) return;
+  Json answer{{"type", "done"}};
+  if (command.id) answer["id"] = *command.id;
+  if (!message.empty()) answer["message"] = message;
+  send(page, answer);
+}
+
+// The hand holds nothing any more, if it did.
+void Session::let_go() {
+  if (!hand_of_) return;
+  hand_of_.reset();
+  broadcast({{"type", "hand"}, {"is_held", false}, {"vertices", 0}});
+}
+
+void Session::must_be_live() const {
+  if (!is_live_) throw std::runtime_error("this is a bake: its frames can be played, and nothing else");
+}
+
+void Session::obey(PageId page, const Command& command) {
+  switch (command.verb) {
+    case Verb::show:
+      pages_.at(page).blocks = command.blocks;
+      player_->post([this](Motion& motion) {
+        if (player_->state().mode == PlayerMode::paused) player_->show(motion.again());
+      });
+      break;
+    case Verb::play:
+    case Verb::pause:
+    case Verb::step:
+    case Verb::seek:
+    case Verb::speed:
+    case Verb::loop:
+    case Verb::restart:
+      obey_player(command);
+      break;
+    case Verb::set:
+      must_be_live();
+      set_keys(command.changes, command.label.empty() ? command.changes.front().path : command.label,
+               command.gesture);
+      break;
+    case Verb::preset: {
+      must_be_live();
+      for (const Preset& preset : presets_of(*body_, tables_)) {
+        if (preset.name != command.name) continue;
+        if (!preset.why_not.empty()) throw std::runtime_error(preset.title + ": " + preset.why_not);
+        set_keys(preset.changes, preset.title, std::nullopt);
+        return answer_done(page, command);
+      }
+      throw BadMessage("\"" + base::shown_text(command.name.substr(0, 64)) + "\" is no preset", command.id);
+    }
+    case Verb::undo:
+    case Verb::redo: {
+      must_be_live();
+      if (!(command.verb == Verb::undo ? history_->undo() : history_->redo()))
+        throw std::runtime_error(command.verb == Verb::undo ? "there is nothing to take back"
+                                                            : "there is nothing to make again");
+      const std::vector<scene::EditedTable> before = tables_;
+      tables_ = scene::edited_tables(history_->text(), source_);
+      take_text(before);
+      break;
+    }
+    case Verb::hand:
+      must_be_live();
+      obey_hand(page, command);
+      break;
+    case Verb::record:
+      must_be_live();
+      record();
+      break;
+    case Verb::save: {
+      must_be_live();
+      Json answer{{"type", "saved"}};
+      (void)save(command, answer);
+      broadcast(answer);
+      broadcast(history_json());
+      break;
+    }
+    case Verb::bake:
+      must_be_live();
+      bake(command);
+      break;
+    case Verb::cancel:
+      stops_bake_ = true;
+      player_->cancel();
+      break;
+  }
+  answer_done(page, command);
+}
+
+void Session::obey_player(const Command& command) {
+  const bool is_taken = [&] {
+    switch (command.verb) {
+      case Verb::play:
+        return player_->play();
+      case Verb::pause:
+        return player_->pause();
+      case Verb::step:
+        return player_->step();
+      case Verb::seek:
+        return player_->seek(command.frame);
+      case Verb::speed:
+        return player_->set_speed(command.factor);
+      case Verb::loop:
+        return player_->set_loop(command.is_on);
+      default:
+        return player_->restart();
+    }
+  }();
+  if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+}
+
+void Session::obey_hand(PageId page, const Command& command) {
+  if (command.action == HandAction::grab || command.action == HandAction::force) {
+    if (hand_of_ && *hand_of_ != page) throw std::runtime_error("another page has the hand");
+    const model::Model& model = body_->model();
+    std::uint64_t vertex = command.vertex;
+    if (!command.is_of_model) {
+      if (vertex >= model.surface_count()) throw std::runtime_error("the render mesh has no such vertex");
+      // Of the four that it rides on the one that counts most.
+      const auto first = model.surface_weight.begin() + static_cast<std::ptrdiff_t>(4 * vertex);
+      const auto most = static_cast<std::size_t>(std::max_element(first, first + 4) - first);
+      vertex = model.surface_vertex[4 * vertex + most];
+    }
+    if (vertex >= model.vertex_count) throw std::runtime_error("the model has no such vertex");
+    hand_of_ = page;
+    player_->post([this, page, command, vertex, body = body_number_](Motion& motion) {
+      auto& live = static_cast<LiveMotion&>(motion);
+      const Vector3d place(command.vector[0], command.vector[1], command.vector[2]);
+      std::size_t held = 0;
+      {
+        const std::lock_guard lock(mutex_);
+        if (hand_of_ != page) return;
+        if (body != body_number_) return let_go();
+      }
+      held = live.grab(static_cast<std::uint32_t>(vertex), command.radius, place);
+      if (held > 0 && command.action == HandAction::force) live.hand()->push(place);
+      const std::lock_guard lock(mutex_);
+      if (held == 0) hand_of_.reset();
+      broadcast({{"type", "hand"}, {"is_held", held > 0}, {"vertices", held}});
+    });
+    return;
+  }
+  if (hand_of_ != page) throw std::runtime_error("this page holds nothing");
+  if (command.action == HandAction::move) {
+    player_->post([vector = command.vector](Motion& motion) {
+      if (Hand* hand = static_cast<LiveMotion&>(motion).hand())
+        hand->move(Vector3d(vector[0], vector[1], vector[2]));
+    });
+    return;
+  }
+  let_go();
+  player_->post([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+}
+
+}  // namespace fascicle::studio

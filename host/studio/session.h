@@ -1,0 +1,168 @@
+// What is open in the studio: a scene that moves and can be changed, or a bake's frames; the pages that look
+// at it; and what they ask for.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "host/bake/folder.h"
+#include "host/build/build.h"
+#include "host/model/overlap.h"
+#include "host/pipeline/device_choice.h"
+#include "host/pipeline/messages.h"
+#include "host/scene/scene.h"
+#include "host/studio/body_messages.h"
+#include "host/studio/commands.h"
+#include "host/studio/history.h"
+#include "host/studio/live_motion.h"
+#include "host/studio/player.h"
+#include "host/studio/server.h"
+#include "host/studio/session_file.h"
+#include "host/studio/workshop.h"
+
+namespace fascicle::studio {
+
+struct SessionOptions {
+  std::filesystem::path folder;  // what is saved and baked goes there
+  pipeline::DeviceRequest device;
+  unsigned threads = 0;  // of the CPU solver; 0: one for each core
+  build::BuildOptions build;
+};
+
+class Session {
+ public:
+  // Reads, builds and begins to play. `scene` is what load_scene gave: its text is what is changed. Takes up
+  // the session that the folder holds, where it is of the same scene. Throws what building a scene throws,
+  // and bake::FolderInUse where another process has the folder.
+  Session(scene::Scene scene, SessionOptions options, pipeline::Say say);
+  // Plays the frames of a bake, in which nothing can be touched. Throws base::BakeError.
+  Session(const std::filesystem::path& bake, pipeline::Say say);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  // The pages are this server's from now on, which must outlive the session's last call of it: destroy the
+  // server first. Its events are page_opened and so on.
+  void serve(Server& server);
+  // The server is about to go.
+  void leave();
+
+  void page_opened(PageId page);
+  void page_said(PageId page, bool is_text, const std::string& bytes);
+  void page_closed(PageId page);
+
+  const std::string& name() const { return name_; }
+  bool is_restored() const { return !restored_.empty(); }
+
+ private:
+  struct Page {
+    std::uint16_t blocks = 0;
+    unsigned refused = 0;
+  };
+  // A change that is not yet to be seen.
+  struct Pending {
+    std::uint32_t revision = 0;
+    bool is_rebuild = false;
+    std::chrono::steady_clock::time_point since;
+  };
+
+  // A body with what pages are sent of it.
+  struct Publication {
+    std::shared_ptr<RunningBody> body;
+    std::uint32_t number = 0;
+    std::vector<ArrayMessage> arrays;
+    Json body_message, clip_message, warnings_message;
+  };
+
+  // session.cpp
+  PlayerEvents player_events();
+  void obey(PageId page, const Command& command);
+  void obey_player(const Command& command);
+  void obey_hand(PageId page, const Command& command);
+  void must_be_live() const;
+  void let_go();
+  void send(PageId page, const Json& json);
+  void broadcast(const Json& json);
+  void send_start(PageId page);
+  void show(Motion& motion, const ShownFrame& frame);
+  Json player_json() const;
+  Json history_json() const;
+  Json keys_message() const;
+  Json presets_message() const;
+  void answer_done(PageId page, const Command& command, const std::string& message = "");
+
+  // session_changes.cpp
+  void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
+                std::optional<std::uint64_t> gesture);
+  void take_text(const std::vector<scene::EditedTable>& before);
+  void build_on();
+  void build(std::uint32_t revision, const std::string& text);
+  Publication prepare(const std::shared_ptr<RunningBody>& body) const;
+  void publish(const Publication& publication);
+  void tell_applied(const FrameNumbers& numbers);
+  void take_back(std::uint32_t revision, const std::string& error);
+  void autosave();
+
+  // session_bakes.cpp
+  void record();
+  void bake(const Command& command);
+  std::filesystem::path save(const Command& command, Json& answer);
+  std::string text_in_folder() const;
+
+  const pipeline::Say say_;
+  SessionOptions options_;
+  std::string name_, source_;
+  std::filesystem::path source_folder_, converter_;
+  std::string scene_to_open_;  // of a bake: its scene's name for the command line
+  std::string restored_;       // in words: what was taken up
+  std::string base_hash_, base_text_;
+  bool is_live_ = false;
+  std::optional<bake::FolderLock> lock_;
+  std::optional<pipeline::ChosenDevice> device_;
+  std::unique_ptr<Workshop> workshop_;  // the builder's, after the constructor
+  BodyLooks looks_;
+  Publication prepared_;  // the last one that the builder has made
+  // The player's: how deep flesh lies in other flesh, of the body of this number.
+  std::optional<model::OverlapMeter> meter_;
+  std::uint32_t meter_body_ = 0;
+
+  mutable std::mutex mutex_;  // of what follows
+  Server* server_ = nullptr;
+  std::map<PageId, Page> pages_;
+  std::optional<PageId> hand_of_;
+  std::optional<History> history_;
+  std::vector<scene::EditedTable> tables_;  // of the text in force
+  std::uint32_t revision_ = 1;              // of the text in force
+  std::uint32_t built_ = 1;                 // that the builder has taken up
+  bool builds_anew_ = false;                // what the builder is at needs a new body
+  std::vector<Pending> pending_;
+  std::string saved_file_;             // by its name in the folder; empty: none
+  std::string saved_hash_;             // of the text in force as it was saved last
+  std::string saved_text_;             // hash of what was written
+  std::shared_ptr<RunningBody> body_;  // whose frames are shown
+  std::uint32_t body_number_ = 0;
+  std::vector<ArrayMessage> arrays_;
+  Json body_message_, clip_message_, warnings_message_;
+  std::string player_message_;
+  std::int64_t autosaved_ = 0;  // s since the epoch; 0: not yet
+
+  std::condition_variable builder_wakes_;
+  std::atomic<bool> stops_ = false;
+  std::atomic<bool> stops_build_ = false;
+  std::atomic<bool> stops_bake_ = false;
+  std::unique_ptr<SessionWriter> writer_;
+  std::unique_ptr<Player> player_;
+  std::thread builder_;
+};
+
+}  // namespace fascicle::studio

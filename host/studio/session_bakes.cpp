@@ -1,0 +1,180 @@
+// What the session leaves on disk: recorded runs say what it would be, saved scenes and bakes are it.
+#include <algorithm>
+#include <utility>
+
+#include "host/base/file.h"
+#include "host/base/text.h"
+#include "host/pipeline/bake_scene.h"
+#include "host/scene/input_files.h"
+#include "host/scene/scene.h"
+#include "host/studio/session.h"
+
+namespace fascicle::studio {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+// Of a page's frames none is left out in a recorded run; a page that has gone to sleep holds it up no longer.
+constexpr auto patience = std::chrono::seconds(2);
+constexpr auto look_again = std::chrono::milliseconds(1);
+constexpr auto pace_of_progress = std::chrono::milliseconds(100);
+constexpr std::uint64_t most_scene_bytes = std::uint64_t{16} << 20;
+
+}  // namespace
+
+void Session::record() {
+  const bool is_taken = player_->post_long(PlayerMode::recording, [this](Motion& motion) {
+    auto& live = static_cast<LiveMotion&>(motion);
+    {
+      const std::lock_guard lock(mutex_);
+      hand_of_.reset();
+    }
+    const auto wait_for_pages = [this] {
+      const Clock::time_point latest = Clock::now() + patience;
+      for (;;) {
+        {
+          const std::lock_guard lock(mutex_);
+          const bool is_free = server_ == nullptr ||
+                               std::all_of(pages_.begin(), pages_.end(),
+                                           [&](const auto& page) { return server_->is_free(page.first); });
+          if (is_free || Clock::now() > latest || player_->must_stop()) return;
+        }
+        std::this_thread::sleep_for(look_again);
+      }
+    };
+    const Recording recording = live.record([this] { return player_->must_stop(); },
+                                            [&](const ShownFrame& frame) {
+                                              wait_for_pages();
+                                              player_->show(frame);
+                                            });
+    const std::lock_guard lock(mutex_);
+    if (recording.stopped) return broadcast({{"type", "cancelled"}, {"what", "record"}});
+    Json hashes = Json::array();
+    for (const std::uint64_t hash : recording.hashes) hashes.push_back(base::hash_text(hash));
+    broadcast({{"type", "recorded"},
+               {"revision", recording.revision},
+               {"frames", recording.hashes.size() - 1},
+               {"position_hash", base::hash_text(recording.hashes.back())},
+               {"hashes", std::move(hashes)},
+               {"seconds", recording.seconds}});
+  });
+  if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+}
+
+// The text in force, with its file names as they are seen from the session's folder.
+std::string Session::text_in_folder() const {
+  std::vector<scene::KeyChange> changes;
+  // The working directory's names have no folder.
+  const fs::path from = fs::absolute(source_folder_ / "."), to = fs::absolute(options_.folder);
+  for (const scene::EditedTable& table : tables_)
+    for (const scene::EditedKey& key : table.keys) {
+      if (key.key->name != "file" || !key.is_stated || !key.value.is_string()) continue;
+      const fs::path file(key.value.get<std::string>());
+      if (file.is_absolute()) continue;
+      changes.push_back({key.path, Json((from / file).lexically_normal().lexically_proximate(to).string())});
+    }
+  return changes.empty() ? history_->text() : scene::change_text(history_->text(), source_, changes).text;
+}
+
+fs::path Session::save(const Command& command, Json& answer) {
+  const std::string name = !command.name.empty()  ? command.name
+                           : !saved_file_.empty() ? saved_file_
+                                                  : name_ + ".toml";
+  const fs::path path = options_.folder / name;
+  const std::string text = text_in_folder();
+  const std::optional<std::string> there = base::read_input_if_there(path, most_scene_bytes);
+  const bool is_own =
+      there && (*there == text || (name == saved_file_ && scene::hash_of(*there) == saved_text_));
+  if (there && !is_own && !command.overwrite)
+    throw std::runtime_error(
+        path.string() +
+        " is there already, and this session did not write it; choose another name, or overwrite it");
+  base::write_whole(path, text);
+  saved_file_ = name;
+  saved_text_ = scene::hash_of(text);
+  saved_hash_ = scene::hash_of(history_->text());
+  autosave();
+  const bool had_comments = base_text_.find('#') != std::string::npos;
+  const bool keeps_comments = !had_comments || text.find('#') != std::string::npos;
+  answer["file"] = path.string();
+  answer["kept_comments"] = keeps_comments;
+  answer["message"] = keeps_comments
+                          ? "fascicle bake takes this file"
+                          : "fascicle bake takes this file; a change wrote it anew, and the comments of the "
+                            "scene that it began with are not in it";
+  return path;
+}
+
+void Session::bake(const Command& command) {
+  Command of_save;
+  of_save.verb = Verb::save;
+  Json saved{{"type", "saved"}};
+  const fs::path file = save(of_save, saved);
+  broadcast(saved);
+  broadcast(history_json());
+  const std::string folder = command.name.empty() ? "bake" : command.name;
+  pipeline::BakeRequest request;
+  request.output.folder = options_.folder / folder;
+  request.output.formats = command.formats;
+  request.output.overwrite = command.overwrite;
+  if (!command.overwrite && bake::holds_bake(request.output.folder))
+    throw std::runtime_error(request.output.folder.string() +
+                             " holds a bake; choose another name, or overwrite it");
+  request.devices = {options_.device};
+  request.threads = options_.threads;
+  request.build = options_.build;
+  request.build.is_cancelled = [this] { return stops_ || stops_bake_; };
+  request.interrupted = &stops_bake_;
+  stops_bake_ = false;
+  const bool is_taken =
+      player_->post_long(PlayerMode::baking, [this, request, file, folder](Motion&) mutable {
+        std::vector<std::string> warnings;
+        const pipeline::Say note = [&](pipeline::Severity severity, const std::string& text) {
+          if (severity == pipeline::Severity::warning) warnings.push_back(text);
+          if (say_) say_(severity, text);
+        };
+        Clock::time_point told;
+        const auto tell = [&](const char* phase, std::uint64_t frame, std::uint64_t frames) {
+          const bool is_last = frames > 0 && frame == frames;
+          if (Clock::now() - told < pace_of_progress && !is_last) return;
+          told = Clock::now();
+          const std::lock_guard lock(mutex_);
+          broadcast({{"type", "baking"}, {"phase", phase}, {"frame", frame}, {"frames", frames}});
+        };
+        const auto end = [&](Json message) {
+          const std::lock_guard lock(mutex_);
+          broadcast(std::move(message));
+        };
+        request.on_frame = [&](std::uint64_t frame, std::uint64_t frames) { tell("frames", frame, frames); };
+        request.on_lead_in = [&] { tell("lead-in", 0, 0); };
+        try {
+          tell("build", 0, 0);
+          scene::SceneOverrides overrides;
+          overrides.converter = converter_;
+          const auto prepared =
+              pipeline::prepare_bake(scene::load_scene(file.string(), overrides), request, note);
+          const bake::BakeResult result = pipeline::run_bake(*prepared, request, note);
+          pipeline::say_result(result, note);
+          if (result.interrupted) return end({{"type", "cancelled"}, {"what", "bake"}});
+          Json files = Json::array();
+          for (const fs::path& written : result.files) files.push_back(written.filename().string());
+          end({{"type", "baked"},
+               {"folder", request.output.folder.string()},
+               {"scene", file.string()},
+               {"files", std::move(files)},
+               {"frames", result.frames_done},
+               {"position_hash", result.last_position_hash},
+               {"seconds", result.seconds_total},
+               {"warnings", warnings}});
+        } catch (const build::Cancelled&) {
+          end({{"type", "cancelled"}, {"what", "bake"}});
+        } catch (const std::exception& error) {
+          end({{"type", "failed"}, {"what", "bake"}, {"error", error.what()}});
+        }
+      });
+  if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+}
+
+}  // namespace fascicle::studio

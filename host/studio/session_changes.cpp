@@ -1,0 +1,212 @@
+// The session's keys: how a change gets from the page into the flesh that moves.
+#include <algorithm>
+#include <utility>
+
+#include "host/pipeline/build_scene.h"
+#include "host/scene/input_files.h"
+#include "host/studio/scene_keys.h"
+#include "host/studio/session.h"
+
+namespace fascicle::studio {
+
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr std::size_t most_pending = 256;
+constexpr auto post_again = std::chrono::milliseconds(5);
+
+// What has another value, or none any more, by its path.
+Json differences(const std::vector<scene::EditedTable>& before,
+                 const std::vector<scene::EditedTable>& after) {
+  std::map<std::string, const scene::EditedKey*> old;
+  for (const scene::EditedTable& table : before)
+    for (const scene::EditedKey& key : table.keys) old[key.path] = &key;
+  Json changes = Json::object();
+  for (const scene::EditedTable& table : after)
+    for (const scene::EditedKey& key : table.keys) {
+      const auto found = old.find(key.path);
+      const bool is_same = found != old.end() && found->second->value == key.value &&
+                           found->second->is_stated == key.is_stated;
+      if (!is_same) changes[key.path] = key.value;
+      if (found != old.end()) old.erase(found);
+    }
+  for (const auto& [path, key] : old) changes[path] = nullptr;
+  return changes;
+}
+
+}  // namespace
+
+void Session::set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
+                       std::optional<std::uint64_t> gesture) {
+  const scene::ChangedText changed = scene::change_text(history_->text(), source_, changes);
+  if (changed.text == history_->text()) return;
+  std::vector<scene::EditedTable> after = scene::edited_tables(changed.text, source_);
+  history_->add(label, changed.text, gesture);
+  const std::vector<scene::EditedTable> before = std::exchange(tables_, std::move(after));
+  take_text(before);
+}
+
+// The text in force is another one.
+void Session::take_text(const std::vector<scene::EditedTable>& before) {
+  ++revision_;
+  const Json changes = differences(before, tables_);
+  bool is_rebuild = false;
+  for (const auto& [path, value] : changes.items()) is_rebuild = is_rebuild || needs_new_body(path);
+  if (pending_.size() == most_pending) pending_.erase(pending_.begin());
+  pending_.push_back({revision_, is_rebuild, Clock::now()});
+  // A body that nobody wants any more need not be finished.
+  if (builds_anew_) stops_build_ = true;
+  Json message{{"type", "changed"},
+               {"revision", revision_},
+               {"changes", changes},
+               {"effect", is_rebuild ? "rebuild" : "live"}};
+  if (is_rebuild) {
+    message["message"] = "builds the body anew; what moves stays as it was until then";
+    player_message_ = "building the body anew";
+    broadcast(player_json());
+  }
+  broadcast(message);
+  broadcast(keys_message());
+  broadcast(history_json());
+  autosave();
+  builder_wakes_.notify_all();
+}
+
+void Session::autosave() {
+  writer_->put(
+      {source_, base_hash_, history_->steps(), history_->at(), saved_file_, saved_hash_, saved_text_});
+}
+
+// The builder's thread. It takes up the newest text alone.
+void Session::build_on() {
+  try {
+    workshop_->warm();
+  } catch (const std::exception&) {
+    // The first change will say what is wrong.
+  }
+  for (;;) {
+    std::uint32_t revision = 0;
+    std::string text;
+    {
+      std::unique_lock lock(mutex_);
+      builder_wakes_.wait(lock, [this] { return stops_ || revision_ != built_; });
+      if (stops_) return;
+      revision = built_ = revision_;
+      text = history_->text();
+      builds_anew_ =
+          std::any_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.is_rebuild; });
+      stops_build_ = false;
+    }
+    build(revision, text);
+    const std::lock_guard lock(mutex_);
+    builds_anew_ = false;
+  }
+}
+
+void Session::build(std::uint32_t revision, const std::string& text) {
+  try {
+    Publication made = prepare(workshop_->make(text, revision, say_));
+    prepared_ = made;
+    const auto take = [this, made = std::move(made)](Motion& motion) {
+      auto& live = static_cast<LiveMotion&>(motion);
+      const ShownFrame frame = live.take(made.body);
+      {
+        const std::lock_guard lock(mutex_);
+        publish(made);
+        if (live.hand() == nullptr) let_go();
+      }
+      player_->show(frame);
+    };
+    while (!player_->post(take) && !stops_) std::this_thread::sleep_for(post_again);
+  } catch (const build::Cancelled&) {
+    // A newer text waits, or the session ends.
+  } catch (const std::exception& error) {
+    take_back(revision, error.what());
+  }
+}
+
+Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) const {
+  const BodyParts parts{body->model(), &body->built().report, &body->scene()};
+  Publication made;
+  made.body = body;
+  const std::uint32_t number = prepared_.number + 1;
+  made.arrays = array_messages(parts, looks_, number, prepared_.arrays);
+  made.body_message = body_json(parts, looks_, number, made.arrays);
+  made.number = number;
+  Json old = prepared_.body_message;
+  if (!old.is_null()) old["body"] = number;
+  const bool is_same =
+      old == made.body_message &&
+      std::equal(made.arrays.begin(), made.arrays.end(), prepared_.arrays.begin(), prepared_.arrays.end(),
+                 [](const ArrayMessage& a, const ArrayMessage& b) { return a.bytes == b.bytes; });
+  if (is_same) {
+    made.number = prepared_.number;
+    made.body_message = prepared_.body_message;
+  }
+  made.clip_message =
+      clip_json(body->scene(), body->frames(), body->built().steps.substeps, body->built().steps.iterations);
+  made.warnings_message = {{"type", "warnings"},
+                           {"list", warnings_json(body->model(), body->built().report.warnings)}};
+  return made;
+}
+
+// What pages do not know yet goes to them.
+void Session::publish(const Publication& made) {
+  const bool is_new = made.number != body_number_;
+  const std::vector<ArrayMessage> before = std::exchange(arrays_, made.arrays);
+  body_ = made.body;
+  body_number_ = made.number;
+  body_message_ = made.body_message;
+  if (is_new) {
+    broadcast(body_message_);
+    for (const ArrayMessage& array : arrays_) {
+      const bool is_known = std::any_of(before.begin(), before.end(),
+                                        [&](const ArrayMessage& old) { return old.bytes == array.bytes; });
+      for (const auto& [page, state] : pages_)
+        if (!is_known && server_ != nullptr) server_->send_binary(page, array.bytes);
+    }
+  }
+  if (is_new || clip_message_ != made.clip_message) broadcast(made.clip_message);
+  if (is_new || warnings_message_ != made.warnings_message) broadcast(made.warnings_message);
+  clip_message_ = made.clip_message;
+  warnings_message_ = made.warnings_message;
+  broadcast(presets_message());
+  if (is_new) broadcast({{"type", "ready"}});
+}
+
+// On the player's thread, with the mutex held: whether this frame is the first that shows a change.
+void Session::tell_applied(const FrameNumbers& numbers) {
+  if (pending_.empty() || pending_.front().revision > numbers.revision) return;
+  // Where nothing moves no frame is computed; there the frame that stands is the first.
+  if (!(numbers.seconds > 0.0f) && player_->state().mode == PlayerMode::playing) return;
+  Pending last = pending_.front();
+  while (!pending_.empty() && pending_.front().revision <= numbers.revision) {
+    const bool was_rebuild = last.is_rebuild;
+    last = pending_.front();
+    last.is_rebuild = last.is_rebuild || was_rebuild;
+    pending_.erase(pending_.begin());
+  }
+  const std::chrono::duration<double> seconds = Clock::now() - last.since;
+  if (!player_message_.empty() && pending_.empty()) {
+    player_message_.clear();
+    broadcast(player_json());
+  }
+  broadcast({{"type", "applied"},
+             {"revision", last.revision},
+             {"effect", last.is_rebuild ? "rebuild" : "live"},
+             {"seconds", seconds.count()},
+             {"sequence", numbers.sequence}});
+}
+
+void Session::take_back(std::uint32_t revision, const std::string& error) {
+  const std::lock_guard lock(mutex_);
+  broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
+  if (revision_ != revision) return;
+  history_->drop_last();
+  const std::vector<scene::EditedTable> before = tables_;
+  tables_ = scene::edited_tables(history_->text(), source_);
+  take_text(before);
+}
+
+}  // namespace fascicle::studio

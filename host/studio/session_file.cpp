@@ -1,0 +1,103 @@
+#include "host/studio/session_file.h"
+
+#include <chrono>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/file.h"
+#include "host/base/json_text.h"
+#include "host/scene/scene_json.h"
+
+namespace fascicle::studio {
+
+using scene::Json;
+
+namespace {
+
+constexpr int version = 1;
+constexpr const char* version_key = "fascicle_studio";
+constexpr auto pace = std::chrono::milliseconds(100);
+
+}  // namespace
+
+std::string session_text(const SessionRecord& record) {
+  Json steps = Json::array();
+  for (const HistoryStep& step : record.steps) steps.push_back({{"label", step.label}, {"text", step.text}});
+  return scene::dump({{version_key, version},
+                      {"source", record.source},
+                      {"base_hash", record.base_hash},
+                      {"at", record.at},
+                      {"saved_file", record.saved_file},
+                      {"saved_hash", record.saved_hash},
+                      {"saved_text", record.saved_text},
+                      {"steps", std::move(steps)}},
+                     1);
+}
+
+std::optional<SessionRecord> parse_session(const std::string& text) {
+  try {
+    const Json json = Json::parse(base::shallow_json(text));
+    if (json.at(version_key) != version) return std::nullopt;
+    SessionRecord record;
+    record.source = json.at("source").get<std::string>();
+    record.base_hash = json.at("base_hash").get<std::string>();
+    record.at = json.at("at").get<std::size_t>();
+    record.saved_file = json.at("saved_file").get<std::string>();
+    record.saved_hash = json.at("saved_hash").get<std::string>();
+    record.saved_text = json.at("saved_text").get<std::string>();
+    for (const Json& step : json.at("steps"))
+      record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>()});
+    if (record.at >= record.steps.size()) return std::nullopt;
+    return record;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<SessionRecord> read_session(const std::filesystem::path& folder) {
+  const std::optional<std::string> text =
+      base::read_input_if_there(folder / session_file_name, base::most_json_bytes);
+  return text ? parse_session(*text) : std::nullopt;
+}
+
+SessionWriter::SessionWriter(std::filesystem::path folder, std::function<void(const std::string&)> told)
+    : folder_(std::move(folder)), told_(std::move(told)), thread_([this] { run(); }) {}
+
+SessionWriter::~SessionWriter() {
+  {
+    const std::lock_guard lock(mutex_);
+    stops_ = true;
+  }
+  wakes_.notify_all();
+  thread_.join();
+}
+
+void SessionWriter::put(SessionRecord record) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_ = std::move(record);
+  }
+  wakes_.notify_all();
+}
+
+void SessionWriter::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wakes_.wait(lock, [this] { return stops_ || waiting_; });
+    if (!waiting_) return;
+    const SessionRecord record = *std::exchange(waiting_, std::nullopt);
+    lock.unlock();
+    std::string error;
+    try {
+      base::write_whole(folder_ / session_file_name, session_text(record));
+    } catch (const std::exception& failure) {
+      error = failure.what();
+    }
+    if (told_) told_(error);
+    lock.lock();
+    wakes_.wait_for(lock, pace, [this] { return stops_; });
+  }
+}
+
+}  // namespace fascicle::studio

@@ -1,0 +1,59 @@
+// Binary messages of the studio's protocol, byte by byte as docs/design/studio.md has them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fascicle::studio {
+
+// An array that is sent once. `name` has at most 64 characters.
+std::string encode_array(std::string_view name, std::uint32_t body, std::span<const std::uint8_t> items);
+std::string encode_array(std::string_view name, std::uint32_t body, std::span<const std::uint32_t> items);
+std::string encode_array(std::string_view name, std::uint32_t body, std::span<const float> items);
+
+// A bit each.
+enum class Block : std::uint16_t {
+  surface = 1,
+  ghost = 2,
+  vertices = 4,
+  ghost_vertices = 8,
+  joints = 16,
+  contact = 32,
+};
+constexpr std::uint16_t bit_of(Block block) {
+  return static_cast<std::uint16_t>(block);
+}
+// The names that pages call them by, in the order of their bits.
+inline constexpr std::array<std::string_view, 6> block_names{"surface",        "ghost",  "vertices",
+                                                             "ghost-vertices", "joints", "contact"};
+
+inline constexpr std::uint32_t frame_is_recorded = 1, frame_is_pulled = 2, frame_begins = 4;
+
+// What a frame says beside its points.
+struct FrameNumbers {
+  std::uint32_t sequence = 0, body = 0, revision = 0, frame = 0, flags = 0;
+  double time = 0.0;                // s of the clip
+  std::uint64_t position_hash = 0;  // model::position_hash
+  float seconds = 0.0f, rate = 0.0f;
+  float lag = 0.0f, largest_lag = 0.0f;  // m
+  float energy = 0.0f;                   // J
+  float volume = 1.0f;                   // over that at rest
+  std::uint32_t inverted = 0;            // tetrahedra
+  float speed = 0.0f;                    // m/s
+};
+
+// Points of one block: 3 finite numbers each, m.
+struct BlockPoints {
+  Block block = Block::surface;
+  std::span<const float> points;
+};
+
+// Blocks by ascending bit. A coordinate is off by at most half a step, which is the block's extent over
+// 65535.
+std::string encode_frame(const FrameNumbers& numbers, std::span<const BlockPoints> blocks);
+
+}  // namespace fascicle::studio

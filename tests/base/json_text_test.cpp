@@ -1,0 +1,40 @@
+#include "host/base/json_text.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace fascicle::tests {
+namespace {
+
+std::string nested(std::size_t levels) {
+  return std::string(levels, '[') + std::string(levels, ']');
+}
+
+TEST(JsonText, AsDeepAsOurOwnStaysAsItIs) {
+  for (const std::string& text : {nested(64), std::string(R"({"a": "[[[\"{{{", "b": [1, {"c": "\\"}]})"),
+                                  std::string(), std::string("]]]]"), std::string("\"\\")})
+    EXPECT_EQ(base::shallow_json(text), text);
+}
+
+TEST(JsonText, DeeperIsNoJson) {
+  for (const std::size_t levels : {65UL, 1000000UL}) EXPECT_TRUE(base::shallow_json(nested(levels)).empty());
+  // Brackets of different kinds, and after what looks like the end of a text.
+  std::string mixed;
+  for (int k = 0; k < 40; ++k) mixed += "{\"\\\"\":[";
+  EXPECT_TRUE(base::shallow_json(mixed).empty());
+  EXPECT_TRUE(
+      nlohmann::ordered_json::parse(base::shallow_json(nested(1000000)), nullptr, false).is_discarded());
+}
+
+// The control: what is one after the other is not deep.
+TEST(JsonText, LongIsNotDeep) {
+  std::string text = "[";
+  for (int k = 0; k < 100000; ++k) text += "[1],";
+  text += "{}]";
+  EXPECT_EQ(base::shallow_json(text).size(), text.size());
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,103 @@
+// fascicle studio as a user starts and ends it. What it says to its page is tests/studio's.
+#include <csignal>
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "tests/cli/program.h"
+
+namespace fascicle::tests {
+namespace {
+
+// A socket on loopback; port 0 takes one that is free.
+class LoopbackSocket {
+ public:
+  explicit LoopbackSocket(std::uint16_t port) : descriptor_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address_.sin_port = htons(port);
+  }
+  ~LoopbackSocket() { ::close(descriptor_); }
+  LoopbackSocket(const LoopbackSocket&) = delete;
+  LoopbackSocket& operator=(const LoopbackSocket&) = delete;
+
+  bool connects() { return ::connect(descriptor_, plain(), sizeof address_) == 0; }
+  std::uint16_t listen() {
+    EXPECT_EQ(::bind(descriptor_, plain(), sizeof address_), 0);
+    EXPECT_EQ(::listen(descriptor_, 1), 0);
+    socklen_t size = sizeof address_;
+    EXPECT_EQ(::getsockname(descriptor_, plain(), &size), 0);
+    return ntohs(address_.sin_port);
+  }
+
+ private:
+  sockaddr* plain() { return reinterpret_cast<sockaddr*>(&address_); }
+  int descriptor_;
+  sockaddr_in address_{};
+};
+
+std::uint16_t free_port() {
+  return LoopbackSocket(0).listen();
+}
+
+void wait_until_open(std::uint16_t port, Program& program) {
+  while (program.is_running() && !LoopbackSocket(port).connects())
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
+TEST(StudioProgram, PrintsItsAddressAndEndsWithASignal) {
+  const TemporaryFolder folder;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::uint16_t port = free_port();
+    Program program({"studio", "bar-beta-1", "--headless", "--port", std::to_string(port), "-o",
+                     folder / "session", "--device", "cpu"});
+    wait_until_open(port, program);
+    program.send(signal);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const std::string begin = "http://127.0.0.1:" + std::to_string(port) + "/#";
+    EXPECT_EQ(outcome.out.substr(0, begin.size()), begin);
+    // A token of 32 digits and a line end, and nothing else.
+    EXPECT_EQ(outcome.out.size(), begin.size() + 33) << outcome.out;
+  }
+}
+
+TEST(StudioProgram, AFolderIsOneStudiosAndAPortToo) {
+  const TemporaryFolder folder;
+  const std::uint16_t port = free_port();
+  Program first({"studio", "bar-beta-1", "--headless", "--port", std::to_string(port), "-o",
+                 folder / "session", "--device", "cpu"});
+  wait_until_open(port, first);
+  const Outcome same_folder =
+      fascicle({"studio", "bar-beta-1", "--headless", "-o", folder / "session", "--device", "cpu"});
+  EXPECT_EQ(same_folder.status, 2);
+  EXPECT_TRUE(contains(same_folder.err, "another fascicle is writing there")) << same_folder.err;
+  const Outcome same_port = fascicle({"studio", "bar-beta-1", "--headless", "--port", std::to_string(port),
+                                      "-o", folder / "other", "--device", "cpu"});
+  EXPECT_EQ(same_port.status, 2);
+  EXPECT_TRUE(contains(same_port.err, "cannot listen")) << same_port.err;
+  first.send(SIGINT);
+  EXPECT_EQ(first.wait().status, 0);
+}
+
+TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {
+  const TemporaryFolder folder;
+  const Outcome no_bake = fascicle({"studio", folder.path().string(), "--headless"});
+  EXPECT_EQ(no_bake.status, 3);
+  EXPECT_TRUE(contains(no_bake.err, "holds no bake")) << no_bake.err;
+  const Outcome no_scene = fascicle({"studio", "bar-beta-11", "--headless"});
+  EXPECT_EQ(no_scene.status, 3);
+  EXPECT_TRUE(contains(no_scene.err, "bar-beta-1")) << no_scene.err;
+  EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "--port", "65536"}).status, 2);
+  EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "--device", "cuda"}).status, 2);
+  EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "-o", "/proc/nowhere"}).status, 3);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

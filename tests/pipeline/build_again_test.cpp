@@ -1,0 +1,110 @@
+// A scene that is built again and again with other keys: what is kept in between changes no bit and no word.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/bake/identity.h"
+#include "host/build/byte_archive.h"
+#include "host/build/report_fields.h"
+#include "host/pipeline/build_scene.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string words_of_build(build::Report report) {
+  report.seconds = report.fibres.seconds = 0.0;
+  report.fill.cage.wrap_seconds = report.fill.cage.fill_seconds = report.fill.cage.cut_seconds = 0.0;
+  report.is_kept = report.body_from_cache = false;
+  std::string bytes;
+  build::ByteWriter write(bytes);
+  write(report);
+  return bytes;
+}
+
+class BuildAgainTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
+    options_.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+    options_.cache = fs::temp_directory_path() / ("fascicle-build-again-" + std::string(info->name()));
+    fs::remove_all(options_.cache);
+  }
+  void TearDown() override { fs::remove_all(options_.cache); }
+
+  // One after the other with one memory, each beside a build that knows of none.
+  void expect_same(const std::string& name, const std::vector<std::vector<std::string>>& changes) {
+    build::BuildMemory memory;
+    for (const std::vector<std::string>& set : changes) {
+      scene::SceneOverrides overrides;
+      overrides.set = set;
+      const scene::Scene scene = scene::load_scene(name, overrides);
+      build::Report report;
+      const model::Model model = build::build_model(scene, report, options_);
+      const pipeline::Built again = pipeline::build_scene_again(scene, options_, memory);
+      const std::string what = name + " " + (set.empty() ? "" : set.back());
+      EXPECT_EQ(bake::model_hash(again.model), bake::model_hash(model)) << what;
+      // Probes are in no hash.
+      ASSERT_EQ(again.model.probes.size(), model.probes.size());
+      for (std::size_t k = 0; k < model.probes.size(); ++k)
+        EXPECT_EQ(again.model.probes[k].vertices, model.probes[k].vertices) << what;
+      build::Steps steps = build::choose_steps(scene, model, report);
+      EXPECT_EQ(words_of_build(again.report), words_of_build(report)) << what;
+      EXPECT_EQ(again.steps.substeps, steps.substeps) << what;
+    }
+  }
+
+  build::BuildOptions options_;
+};
+
+// Each change by itself and back again: whatever is kept, it must be of the scene at hand.
+TEST_F(BuildAgainTest, ABarHasTheSameBits) {
+  expect_same("bar-layers-iii", {{},
+                                 {"layers.fat.alpha=0.2"},
+                                 {"layers.fat.beta=0.5"},
+                                 {},
+                                 {"layers.fat.density=500"},
+                                 {"scene.gravity=[0,-3,0]"},
+                                 {"bar.jitter=0.2"},
+                                 {}});
+  expect_same("rod-hang", {{}, {"layers.body.youngs_modulus=3000"}, {"layers.body.frequency=4"}, {}});
+}
+
+TEST_F(BuildAgainTest, ACharacterHasTheSameBits) {
+  const std::string coarse = "character.resolution=0.12";
+  expect_same("crouch", {{coarse},
+                         {coarse, "flesh.softness=2"},
+                         {coarse, "contact.friction=0.1"},
+                         {coarse, "contact.self=false"},
+                         {coarse},
+                         {coarse, "contact.distance=0.05"},
+                         {coarse, "layers.bone.where={ depth = { maximum = 0.4 } }"},
+                         {coarse, "layers.fat.density=700"},
+                         {coarse, "layers.fat.least_volume=0"},
+                         {coarse, "layers.fat.fibre_field=true"},
+                         {coarse, "layers.fat.fibre=[1,0,0]"},
+                         {coarse, "skeleton.connect=false"},
+                         {"character.resolution=0.14"},
+                         {coarse}});
+}
+
+TEST(BodyKey, TellsBodiesApartAndNothingElse) {
+  const auto key = [](const std::vector<std::string>& set) {
+    scene::SceneOverrides overrides;
+    overrides.set = set;
+    return build::body_key(scene::load_scene("arm", overrides)).value();
+  };
+  const std::string plain = key({});
+  for (const char* same : {"flesh.softness=2", "scene.gravity=[0,0,0]", "scene.end=0.5", "motion.settle=1",
+                           "contact.self=true", "scene.fps=30"})
+    EXPECT_EQ(key({same}), plain) << same;
+  for (const char* other : {"character.resolution=0.02", "character.made=arm-bent", "body.cage=wrap",
+                            "skeleton.least_share=0.02", "skeleton.connect=false"})
+    EXPECT_NE(key({other}), plain) << other;
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,137 @@
+// Messages from a page: what is taken, and that nothing else is.
+#include "host/studio/commands.h"
+
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/studio/wire.h"
+
+namespace fascicle::tests {
+namespace {
+
+using studio::BadMessage;
+using studio::Command;
+using studio::HandAction;
+using studio::parse_command;
+using studio::Verb;
+
+std::string refusal(const std::string& text) {
+  try {
+    (void)parse_command(text);
+    return "";
+  } catch (const BadMessage& error) {
+    return error.what();
+  }
+}
+
+TEST(Commands, AreRead) {
+  EXPECT_EQ(parse_command(R"({"type":"play","id":7})").id, 7);
+  EXPECT_EQ(parse_command(R"({"type":"play"})").verb, Verb::play);
+  EXPECT_EQ(parse_command(R"({"type":"seek","frame":12})").frame, 12u);
+  EXPECT_EQ(parse_command(R"({"type":"speed","factor":0.25})").factor, 0.25);
+  EXPECT_TRUE(parse_command(R"({"type":"loop","on":true})").is_on);
+  EXPECT_EQ(parse_command(R"({"type":"show","blocks":["surface","joints"]})").blocks, 1 + 16);
+  const Command set = parse_command(
+      R"({"type":"set","changes":{"layers.fat.beta":0.5,"layers.fat.alpha":null},"label":"x","gesture":3})");
+  ASSERT_EQ(set.changes.size(), 2u);
+  EXPECT_EQ(set.changes[0].path, "layers.fat.beta");
+  EXPECT_EQ(set.changes[0].value, 0.5);
+  EXPECT_FALSE(set.changes[1].value);
+  EXPECT_EQ(set.label, "x");
+  EXPECT_EQ(set.gesture, 3u);
+  const Command hand =
+      parse_command(R"({"type":"hand","action":"grab","vertex":5,"place":[1,2,3],"of":"vertices"})");
+  EXPECT_EQ(hand.action, HandAction::grab);
+  EXPECT_TRUE(hand.is_of_model);
+  EXPECT_EQ(hand.vector[2], 3.0);
+  const Command bake =
+      parse_command(R"({"type":"bake","folder":"mine","formats":["glb","pc2"],"overwrite":true})");
+  EXPECT_EQ(bake.name, "mine");
+  EXPECT_EQ(bake.formats.size(), 2u);
+  EXPECT_TRUE(bake.overwrite);
+}
+
+TEST(Commands, RefusalsSayWhatIsWrong) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"", "no JSON"},
+      {"{", "no JSON"},
+      {"7", "one JSON object"},
+      {"[]", "one JSON object"},
+      {"{}", "type is missing"},
+      {R"({"type":7})", "takes text"},
+      {R"({"type":"plya"})", "play"},
+      {R"({"type":"play","more":1})", "more"},
+      {R"({"type":"play","id":1.5})", "whole number"},
+      {R"({"type":"seek"})", "frame is missing"},
+      {R"({"type":"seek","frame":-1})", "must be from 0"},
+      {R"({"type":"seek","frame":1e300})", "must be from 0"},
+      {R"({"type":"speed","factor":0})", "must be from"},
+      {R"({"type":"loop"})", "on is missing"},
+      {R"({"type":"show","blocks":["surfaces"]})", "surface"},
+      {R"({"type":"set","changes":{}})", "1 to"},
+      {R"({"type":"hand","action":"grab","vertex":0})", "place is missing"},
+      {R"({"type":"hand","action":"grab","vertex":0,"place":[1,2]})", "three numbers"},
+      {R"({"type":"hand","action":"move","place":[1,2,1e9]})", "must be from"},
+      {R"({"type":"save","file":"../x.toml"})", "without folders"},
+      {R"({"type":"save","file":"x.txt"})", ".toml"},
+      {R"({"type":"save","file":"/etc/x.toml"})", "without folders"},
+      {R"({"type":"bake","folder":".."})", "without folders"},
+      {R"({"type":"bake","folder":"a/b"})", "without folders"},
+      {R"({"type":"bake","formats":["exe"]})", "no format"}};
+  for (const auto& [text, word] : cases)
+    EXPECT_NE(refusal(text).find(word), std::string::npos) << text << " was answered: " << refusal(text);
+  EXPECT_NE(refusal(R"({"type":"set","changes":{"a":)" + std::string(40, '[') + std::string(40, ']') + "}}")
+                .find("deeper"),
+            std::string::npos);
+  EXPECT_NE(refusal(std::string(100000, '[')), "");
+}
+
+// Whatever comes is taken or refused; nothing else happens. FASCICLE_FUZZ_MESSAGES says how many.
+TEST(Commands, FuzzedMessagesAreTakenOrRefused) {
+  const std::vector<std::string> seeds{
+      R"({"type":"set","id":1,"changes":{"layers.fat.beta":0.5,"scene.gravity":[0,-9,0]},"label":"x","gesture":3})",
+      R"({"type":"hand","action":"grab","vertex":5,"place":[1,2,3],"of":"vertices","radius":0.1})",
+      R"({"type":"bake","folder":"mine","formats":["glb","pc2"],"overwrite":true})",
+      R"({"type":"show","blocks":["surface","ghost"]})", R"({"type":"seek","frame":12})"};
+  const char* wanted = std::getenv("FASCICLE_FUZZ_MESSAGES");
+  const std::uint64_t count = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 100000;
+  std::mt19937_64 random(1);
+  std::uint64_t taken = 0;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    std::string text = seeds[random() % seeds.size()];
+    for (std::uint64_t edits = random() % 4; edits > 0 && !text.empty(); --edits) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 4) {
+        case 0:
+          text[at] = static_cast<char>(random());
+          break;
+        case 1:
+          text.erase(at, random() % 8);
+          break;
+        case 2:
+          text.insert(at, text.substr(random() % text.size(), random() % 16));
+          break;
+        default:
+          text.insert(at, 1, "{}[]\",:0-9e.\\"[random() % 13]);
+          break;
+      }
+    }
+    try {
+      const Command command = parse_command(text);
+      ++taken;
+      const bool is_preset = command.verb == Verb::preset;
+      EXPECT_TRUE(is_preset || command.name.find('/') == std::string::npos);
+    } catch (const BadMessage& error) {
+      EXPECT_LT(std::string(error.what()).size(), 400u);
+    }
+  }
+  EXPECT_GT(taken, count / 20);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

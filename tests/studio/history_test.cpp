@@ -1,0 +1,79 @@
+// Undo and redo.
+#include "host/studio/history.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace fascicle::tests {
+namespace {
+
+using studio::History;
+
+TEST(History, TakesBackAndMakesAgain) {
+  History history("a");
+  EXPECT_EQ(history.undo_label(), nullptr);
+  EXPECT_FALSE(history.undo());
+  history.add("to b", "b");
+  history.add("to c", "c");
+  EXPECT_EQ(*history.undo_label(), "to c");
+  EXPECT_TRUE(history.undo());
+  EXPECT_EQ(history.text(), "b");
+  EXPECT_EQ(*history.redo_label(), "to c");
+  EXPECT_TRUE(history.undo());
+  EXPECT_EQ(history.text(), "a");
+  EXPECT_TRUE(history.redo());
+  EXPECT_TRUE(history.redo());
+  EXPECT_FALSE(history.redo());
+  EXPECT_EQ(history.text(), "c");
+}
+
+TEST(History, AChangeAfterTakingBackEndsWhatCouldBeMadeAgain) {
+  History history("a");
+  history.add("to b", "b");
+  history.undo();
+  history.add("to d", "d");
+  EXPECT_EQ(history.redo_label(), nullptr);
+  history.undo();
+  EXPECT_EQ(history.text(), "a");
+}
+
+TEST(History, AGestureIsOneStep) {
+  History history("a");
+  history.add("drag", "b", 1);
+  history.add("drag", "c", 1);
+  history.add("drag", "d", 2);
+  EXPECT_EQ(history.text(), "d");
+  history.undo();
+  EXPECT_EQ(history.text(), "c");
+  // The same number after something else is another gesture.
+  history.add("drag", "e", 1);
+  history.undo();
+  EXPECT_EQ(history.text(), "c");
+  history.undo();
+  EXPECT_EQ(history.text(), "a");
+}
+
+TEST(History, WhatFailedIsDropped) {
+  History history("a");
+  history.add("to b", "b");
+  history.drop_last();
+  EXPECT_EQ(history.text(), "a");
+  EXPECT_EQ(history.redo_label(), nullptr);
+  history.drop_last();
+  EXPECT_EQ(history.text(), "a");
+}
+
+TEST(History, KeepsTheNewestOfTooMany) {
+  History history("0");
+  for (std::size_t k = 1; k <= 2 * History::most_steps; ++k) history.add("step", std::to_string(k));
+  EXPECT_EQ(history.steps().size(), History::most_steps);
+  EXPECT_EQ(history.text(), std::to_string(2 * History::most_steps));
+  const std::string large(History::most_bytes / 2, 'x');
+  for (int k = 0; k < 4; ++k) history.add("large", large + std::to_string(k));
+  EXPECT_LE(history.steps().size(), 2u);
+  EXPECT_EQ(history.text().back(), '3');
+}
+
+}  // namespace
+}  // namespace fascicle::tests

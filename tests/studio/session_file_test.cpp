@@ -1,0 +1,77 @@
+// The session on disk.
+#include "host/studio/session_file.h"
+
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host/base/file.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using studio::parse_session;
+using studio::SessionRecord;
+
+SessionRecord sample() {
+  return {.source = "man.toml",
+          .base_hash = "0123456789abcdef",
+          .steps = {{"", "[scene]\n# \xc3\xa4\n"}, {"softer", "[scene]\nfps = 30\n"}},
+          .at = 1,
+          .saved_file = "man.toml",
+          .saved_hash = "fedcba9876543210",
+          .saved_text = "0011"};
+}
+
+TEST(SessionFile, ReadsBack) {
+  const SessionRecord record = sample();
+  const auto again = parse_session(studio::session_text(record));
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->source, record.source);
+  EXPECT_EQ(again->base_hash, record.base_hash);
+  EXPECT_EQ(again->at, record.at);
+  EXPECT_EQ(again->saved_file, record.saved_file);
+  EXPECT_EQ(again->saved_hash, record.saved_hash);
+  EXPECT_EQ(again->saved_text, record.saved_text);
+  ASSERT_EQ(again->steps.size(), 2u);
+  EXPECT_EQ(again->steps[0].text, record.steps[0].text);
+  EXPECT_EQ(again->steps[1].label, "softer");
+}
+
+TEST(SessionFile, WhatIsDamagedIsNoSession) {
+  const std::string text = studio::session_text(sample());
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    EXPECT_FALSE(parse_session(text.substr(0, k)));
+    std::string changed = text;
+    changed[k] = static_cast<char>(changed[k] ^ 1);
+    (void)parse_session(changed);  // may be a session, and does not throw
+  }
+  EXPECT_FALSE(parse_session("{}"));
+  EXPECT_FALSE(parse_session("[]"));
+  SessionRecord beyond = sample();
+  beyond.at = 2;
+  EXPECT_FALSE(parse_session(studio::session_text(beyond)));
+}
+
+TEST(SessionFile, TheNewestIsOnDiskWhenTheWriterGoes) {
+  const fs::path folder = fs::temp_directory_path() / "fascicle-session-writer";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  {
+    studio::SessionWriter writer(folder, [](const std::string& error) { EXPECT_EQ(error, ""); });
+    for (int k = 0; k < 200; ++k) {
+      SessionRecord record = sample();
+      record.steps[1].text = std::to_string(k);
+      writer.put(std::move(record));
+    }
+  }
+  const auto found = studio::read_session(folder);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->steps[1].text, "199");
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,109 @@
+// The studio in a real Chromium: web/tests/studio.mjs starts the program and uses its page, and what it saw
+// is judged here.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/program.h"
+#include "tests/support/web.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json used_studio(const std::string& name, const std::string& script, const std::string& scene) {
+  const fs::path folder = fs::path(FASCICLE_BINARY_DIR) / "screenshots" / name;
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  const TemporaryFolder logs;
+  EXPECT_EQ(run_web("timeout 400 node tests/" + script + " '" + FASCICLE_PROGRAM + "' '" + folder.string() +
+                        "' " + scene,
+                    logs / "log"),
+            0)
+      << read_text(logs / "log");
+  return fs::exists(folder / "report.json") ? json::parse(read_text(folder / "report.json"), nullptr, false)
+                                            : json();
+}
+
+// A bar that comes to rest within its clip: how deep it hangs at the end is what its stiffness says.
+constexpr const char* resting_bar = R"([scene]
+fps = 60
+end = 1.5
+
+[bar]
+size = [0.4, 0.1, 0.1]
+vertices = [9, 3, 3]
+
+[layers.body]
+frequency = 3.0
+damping = 14.0
+
+[pin.wall]
+where = { below = { axis = "x", fraction = 0.0 } }
+)";
+
+TEST(StudioPage, IsTouchedSavedAndBaked) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "bar.toml", resting_bar);
+  const json seen = used_studio("studio", "studio.mjs", "'" + folder / "bar.toml" + "'");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["said"], json::array()) << "the console is silent";
+  EXPECT_TRUE(seen["moves"]);
+  for (const json& path : seen["asked"])
+    EXPECT_TRUE(path == "/" || path == "/studio.js" || path == "/studio.css") << path;
+
+  // Twice as soft, the bar's free end hangs lower: by several rows of pixels.
+  EXPECT_NEAR(seen["softness"].get<double>(), 2.0, 0.05);
+  EXPECT_GT(seen["bottoms"][1].get<int>(), seen["bottoms"][0].get<int>() + 4) << seen["bottoms"];
+  EXPECT_NE(seen["hashes"][0], seen["hashes"][1]);
+  EXPECT_NE(seen["undone"], seen["softness"]);
+
+  // What was shown is what the saved file bakes: by the page, and by the program.
+  EXPECT_EQ(seen["baked"], seen["hashes"][1]);
+  const fs::path session = fs::path(FASCICLE_BINARY_DIR) / "screenshots/studio/session";
+  ASSERT_TRUE(fs::exists(session / "soft.toml"));
+  const Outcome baked =
+      fascicle({"bake", (session / "soft.toml").string(), "-o", folder / "again", "--device", "cpu"});
+  ASSERT_EQ(baked.status, 0) << baked.err;
+  EXPECT_TRUE(contains(baked.out, seen["hashes"][1].get<std::string>())) << baked.out;
+
+  for (const auto& [key, did] : seen["keys"].items()) EXPECT_TRUE(did.get<bool>()) << "key " << key;
+  for (const auto& [what, violations] : seen["axe"].items())
+    EXPECT_EQ(violations, json::array()) << "axe-core, " << what;
+  EXPECT_GE(seen["found"], 1) << "gravity is found by its name";
+
+  EXPECT_TRUE(contains(seen["lost"].get<std::string>(), "gone"));
+  EXPECT_EQ(seen["restored"], seen["softness"]) << "nothing is lost when the program dies";
+  EXPECT_EQ(seen["ended"], 0);
+}
+
+// A character, and a bake's folder, which is looked at and not touched.
+TEST(StudioPage, OpensCharactersAndBakes) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  const Outcome made = fascicle({"bake", "arm", "-o", folder / "arm", "--end", "0.2", "--device", "cpu"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  for (const auto& [input, can_touch] :
+       {std::pair(folder / "arm/character.glb", true), std::pair(folder / "arm", false)}) {
+    SCOPED_TRACE(input);
+    const json seen =
+        used_studio(can_touch ? "studio-character" : "studio-bake", "studio_opens.mjs", "'" + input + "'");
+    ASSERT_TRUE(seen.is_object());
+    EXPECT_EQ(seen["said"], json::array());
+    EXPECT_TRUE(seen["moves"]);
+    EXPECT_EQ(seen["can_touch"], can_touch);
+    EXPECT_GT(seen["body"].get<double>(), 0.01) << "share of the picture";
+    EXPECT_EQ(seen["axe"], json::array());
+    EXPECT_EQ(seen["ended"], 0);
+  }
+}
+
+}  // namespace
+}  // namespace fascicle::tests

@@ -1,0 +1,101 @@
+// The studio's keys: a key for each control.
+import { choose, choose_next, element, say, toggle } from "../common/dom";
+import type { BindingGroup } from "../common/keys";
+import type { Orbit } from "../common/orbit";
+
+// What no control of the page does.
+export interface Actions {
+  step_back(): void;
+  change_speed(by: number): void;
+  tug(): void;
+  help(): void;
+}
+
+export function bindings(orbit: Orbit, does: Actions): BindingGroup[] {
+  const click = (id: string) => () => element(id).click();
+  const next_option = (id: string, by: number) => {
+    const list = element<HTMLSelectElement>(id);
+    for (let k = 1; k <= list.options.length; ++k) {
+      const at = (list.selectedIndex + by * k + k * list.options.length) % list.options.length;
+      if (list.options[at].disabled) continue;
+      list.selectedIndex = at;
+      break;
+    }
+    list.dispatchEvent(new Event("change", { bubbles: true }));
+    say(list.selectedOptions[0]?.text ?? "");
+  };
+  const move_range = (id: string, by: number) => {
+    const range = element<HTMLInputElement>(id);
+    range.value = String(Number(range.value) + by);
+    range.dispatchEvent(new Event("input", { bubbles: true }));
+  };
+  return [
+    {
+      title: "Time",
+      bindings: [
+        { keys: [" "], shown: "Space", does: "Play or pause", run: click("play") },
+        { keys: ["ArrowRight"], shown: "→", does: "A frame forward", run: click("forward") },
+        { keys: ["ArrowLeft"], shown: "←", does: "Ten frames back", run: () => does.step_back() },
+        { keys: ["Home"], shown: "Home", does: "From the start", run: click("restart") },
+        { keys: ["l"], shown: "L", does: "Loop", run: click("loop") },
+        { keys: ["["], shown: "[", does: "Slower", run: () => does.change_speed(-1) },
+        { keys: ["]"], shown: "]", does: "Faster", run: () => does.change_speed(1) },
+        { keys: ["q"], shown: "Q", does: "Record, or stop it", run: click("record") },
+      ],
+    },
+    {
+      title: "Change",
+      bindings: [
+        { keys: ["1"], shown: "1", does: "Keys to touch", run: () => choose("tab", "touch") },
+        { keys: ["2"], shown: "2", does: "Wishes", run: () => choose("tab", "wishes") },
+        { keys: ["3"], shown: "3", does: "Warnings", run: () => choose("tab", "warnings") },
+        { keys: ["/"], shown: "/", does: "Find a key", run: () => { choose("tab", "touch"); element("find").focus(); } },
+        { keys: ["z"], shown: "Z", does: "Undo", run: click("undo") },
+        { keys: ["y"], shown: "Y", does: "Redo", run: click("redo") },
+        { keys: ["x"], shown: "X", does: "Save", run: click("save") },
+        { keys: ["k"], shown: "K", does: "Bake", run: click("bake") },
+        { keys: ["h"], shown: "H", does: "Mouse: turn or pull", run: () => choose_next("tool") },
+        { keys: ["p"], shown: "P", does: "Tug at the picture's middle", run: () => does.tug() },
+      ],
+    },
+    {
+      title: "Look",
+      bindings: [
+        { keys: ["m"], shown: "M", does: "Next colours", run: () => next_option("colour", 1) },
+        { keys: ["c"], shown: "C", does: "Flesh, ghost, both", run: () => choose_next("comparison") },
+        { keys: ["b"], shown: "B", does: "Skin or tetrahedra", run: () => choose_next("body") },
+        { keys: ["u"], shown: "U", does: "Cut: next axis", run: () => { choose("body", "tetrahedra"); next_option("cut-axis", 1); } },
+        { keys: [","], shown: ",", does: "Move the cut back", run: () => move_range("cut", -2) },
+        { keys: ["."], shown: ".", does: "Move the cut forward", run: () => move_range("cut", 2) },
+        { keys: ["i"], shown: "I", does: "Fibres", run: () => toggle("fibres") },
+        { keys: ["j"], shown: "J", does: "Skeleton", run: () => toggle("skeleton") },
+        { keys: ["o"], shown: "O", does: "Inside out", run: () => toggle("inverted") },
+        { keys: ["e"], shown: "E", does: "Edges", run: () => toggle("edges") },
+        { keys: ["n"], shown: "N", does: "Floor", run: () => toggle("floor") },
+      ],
+    },
+    {
+      title: "Camera",
+      bindings: [
+        { keys: ["a"], shown: "A", does: "Turn left", run: () => orbit.turn(0.12, 0) },
+        { keys: ["d"], shown: "D", does: "Turn right", run: () => orbit.turn(-0.12, 0) },
+        { keys: ["w"], shown: "W", does: "Up", run: () => orbit.turn(0, 0.1) },
+        { keys: ["s"], shown: "S", does: "Down", run: () => orbit.turn(0, -0.1) },
+        { keys: ["Shift+a"], shown: "Shift A", does: "Move left", run: () => orbit.pan(0.05, 0) },
+        { keys: ["Shift+d"], shown: "Shift D", does: "Move right", run: () => orbit.pan(-0.05, 0) },
+        { keys: ["Shift+w"], shown: "Shift W", does: "Move up", run: () => orbit.pan(0, 0.05) },
+        { keys: ["Shift+s"], shown: "Shift S", does: "Move down", run: () => orbit.pan(0, -0.05) },
+        { keys: ["+", "="], shown: "+", does: "Nearer", run: () => orbit.zoom(1.15) },
+        { keys: ["-"], shown: "−", does: "Farther", run: () => orbit.zoom(1 / 1.15) },
+        { keys: ["r"], shown: "R", does: "Home", run: () => orbit.reset() },
+      ],
+    },
+    {
+      title: "Page",
+      bindings: [
+        { keys: ["t"], shown: "T", does: "Dark or light", run: click("theme") },
+        { keys: ["?"], shown: "?", does: "These keys", run: () => does.help() },
+      ],
+    },
+  ];
+}

@@ -1,0 +1,120 @@
+// The dialogs that save the scene and bake it.
+import { element } from "../common/dom";
+import { short_number } from "../common/numbers";
+import type { Hello, ServerMessage } from "./protocol";
+
+const FORMATS = ["pc2", "mdd", "glb", "abc", "usda", "obj", "vtu"];
+
+// What the dialogs need of the page.
+export interface DialogUser {
+  hello(): Hello | null;
+  command(type: string, members: object): Promise<string>;
+  send(type: string): void;
+  say(text: string): void;
+}
+
+export class Dialogs {
+  constructor(private readonly user: DialogUser) {}
+
+  private open_save(): void {
+    const hello = this.user.hello();
+    element("save-error").textContent = "";
+    element("save-note").textContent = hello ? `Into ${hello.folder}` : "";
+    const name = element<HTMLInputElement>("save-name");
+    if (!name.value && hello) name.value = `${hello.name.replaceAll(/[^A-Za-z0-9._-]/g, "_").replace(/\.toml$/, "")}.toml`;
+    element<HTMLDialogElement>("save-dialog").showModal();
+  }
+
+  private async save(): Promise<void> {
+    element("save-error").textContent = "";
+    try {
+      await this.user.command("save", {
+        file: element<HTMLInputElement>("save-name").value,
+        overwrite: element<HTMLInputElement>("save-over").checked,
+      });
+    } catch (error) {
+      element("save-error").textContent = (error as Error).message;
+    }
+  }
+
+  private async bake(): Promise<void> {
+    element("bake-error").textContent = "";
+    element("bake-files").replaceChildren();
+    element("bake-progress").hidden = false;
+    element("bake-cancel").hidden = false;
+    element<HTMLButtonElement>("bake-go").disabled = true;
+    try {
+      await this.user.command("bake", {
+        folder: element<HTMLInputElement>("bake-name").value,
+        formats: [...document.querySelectorAll<HTMLInputElement>("#formats input:checked")].map((one) => one.value),
+        overwrite: element<HTMLInputElement>("bake-over").checked,
+      });
+    } catch (error) {
+      element("bake-error").textContent = (error as Error).message;
+      this.end_bake();
+    }
+  }
+
+  end_bake(): void {
+    element("bake-progress").hidden = true;
+    element("bake-cancel").hidden = true;
+    element<HTMLButtonElement>("bake-go").disabled = false;
+  }
+
+  baked(message: Extract<ServerMessage, { type: "baked" }>): void {
+    this.end_bake();
+    const list = element("bake-files");
+    list.replaceChildren();
+    const add = (text: string) => {
+      const item = document.createElement("li");
+      item.textContent = text;
+      list.append(item);
+    };
+    add(`${message.frames} frames in ${short_number(message.seconds)} s; hash of the last ${message.position_hash}`);
+    for (const file of message.files) add(`${message.folder}/${file}`);
+    for (const warning of message.warnings) add(warning);
+    document.documentElement.dataset.baked = message.position_hash;
+    this.user.say(`Baked into ${message.folder}`);
+  }
+
+  saved(message: Extract<ServerMessage, { type: "saved" }>): void {
+    element("save-note").textContent =
+      `Wrote ${message.file}${message.kept_comments ? "" : "; its comments are lost"}. ${message.message}`;
+    this.user.say(`Saved ${message.file}`);
+    document.documentElement.dataset.saved = message.file;
+  }
+
+  baking(message: Extract<ServerMessage, { type: "baking" }>): void {
+    const before = message.phase === "build" ? "Building the body" : "Before frame 0";
+    element("bake-phase").textContent = message.phase === "frames" ? `Frame ${message.frame} of ${message.frames}` : before;
+    element<HTMLProgressElement>("bake-bar").value = message.frames > 0 ? message.frame / message.frames : 0;
+  }
+
+  listen(): void {
+    const on = (id: string, run: () => void) => element(id).addEventListener("click", run);
+    on("save", () => this.open_save());
+    on("save-close", () => element<HTMLDialogElement>("save-dialog").close());
+    element("save-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.save();
+    });
+    const formats = element("formats");
+    for (const name of FORMATS) {
+      const label = document.createElement("label");
+      label.className = "check";
+      const box = document.createElement("input");
+      box.type = "checkbox";
+      box.value = name;
+      box.checked = name === "pc2";
+      label.append(box, name);
+      formats.append(label);
+    }
+    on("bake", () => element<HTMLDialogElement>("bake-dialog").showModal());
+    on("bake-close", () => element<HTMLDialogElement>("bake-dialog").close());
+    on("bake-cancel", () => this.user.send("cancel"));
+    element("bake-form").addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.bake();
+    });
+  }
+}

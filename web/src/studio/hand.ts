@@ -1,0 +1,114 @@
+// The hand: takes hold of flesh under the mouse, pulls it and lets go.
+import { Raycaster, Vector2, Vector3 } from "three";
+import { checked } from "../common/dom";
+import type { Picture } from "./picture";
+import { hit } from "./surface";
+
+// What the hand needs of the page.
+export interface HandUser {
+  can_touch(): boolean;
+  draws_model(): boolean; // whether what is drawn are the model's own vertices
+  send(type: string, members: object): void;
+  command(type: string, members: object): Promise<string>;
+  say(text: string, is_bad: boolean): void;
+}
+
+export class Hand {
+  private grip: { place: Vector3; finger: number } | null = null;
+
+  constructor(
+    private readonly picture: Picture,
+    private readonly user: HandUser,
+  ) {}
+
+  private ray_at(x: number, y: number): Raycaster {
+    const canvas = this.picture.stage.canvas;
+    const box = canvas.getBoundingClientRect();
+    const ray = new Raycaster();
+    const { camera, orbit } = this.picture.stage;
+    orbit.apply(camera);
+    camera.updateMatrixWorld();
+    ray.setFromCamera(new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
+    return ray;
+  }
+
+  // True where there is flesh to take.
+  private grab(x: number, y: number, finger: number): boolean {
+    const { surface, places } = this.picture;
+    if (!surface || !places || checked("comparison") === "sides") return false;
+    const { origin, direction } = this.ray_at(x, y).ray;
+    const found = hit(origin.toArray(), direction.toArray(), places, surface);
+    if (!found) return false;
+    this.grip = { place: new Vector3(...found.place), finger };
+    const is_model = this.user.draws_model();
+    this.user.send("hand", {
+      action: "grab",
+      vertex: found.vertex,
+      radius: 0,
+      place: found.place,
+      ...(is_model ? { of: "vertices" } : {}),
+    });
+    this.picture.show_grip(found.place);
+    return true;
+  }
+
+  private drag(x: number, y: number): void {
+    if (!this.grip) return;
+    const ray = this.ray_at(x, y).ray;
+    const normal = this.picture.stage.camera.getWorldDirection(new Vector3());
+    const along = normal.dot(ray.direction);
+    if (Math.abs(along) < 1e-6) return;
+    const distance = normal.dot(this.grip.place.clone().sub(ray.origin)) / along;
+    const place = ray.origin.clone().addScaledVector(ray.direction, distance);
+    this.user.command("hand", { action: "move", place: place.toArray() }).catch(() => this.drop());
+    this.picture.show_grip(place.toArray() as [number, number, number]);
+  }
+
+  drop(): void {
+    this.grip = null;
+    this.picture.show_grip(null);
+  }
+
+  private release(): void {
+    if (!this.grip) return;
+    this.drop();
+    this.user.send("hand", { action: "release" });
+  }
+
+  // Without a mouse: takes what is in the picture's middle, pulls it near and lets go.
+  tug(): void {
+    const canvas = this.picture.stage.canvas;
+    const box = canvas.getBoundingClientRect();
+    const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
+    if (!this.grab(x, y, -1)) {
+      this.user.say("No flesh in the middle of the picture", true);
+      return;
+    }
+    const towards = this.picture.stage.camera.getWorldDirection(new Vector3()).multiplyScalar(-0.12 * this.picture.size);
+    const place = this.grip!.place.clone().add(towards);
+    this.user.send("hand", { action: "move", place: place.toArray() });
+    setTimeout(() => this.release(), 450);
+  }
+
+  listen(): void {
+    const canvas = this.picture.stage.canvas;
+    // Before the camera's own listeners.
+    canvas.addEventListener(
+      "pointerdown",
+      (event) => {
+        if (checked("tool") !== "pull" || event.button !== 0 || event.shiftKey || !this.user.can_touch()) return;
+        if (!this.grab(event.clientX, event.clientY, event.pointerId)) return;
+        canvas.setPointerCapture(event.pointerId);
+        event.stopImmediatePropagation();
+      },
+      { capture: true },
+    );
+    canvas.addEventListener("pointermove", (event) => {
+      if (this.grip?.finger === event.pointerId) this.drag(event.clientX, event.clientY);
+    });
+    for (const end of ["pointerup", "pointercancel"] as const)
+      canvas.addEventListener(end, (event) => {
+        if (this.grip?.finger === event.pointerId) this.release();
+      });
+  }
+}

@@ -1,0 +1,153 @@
+// Lines and marks over a body: fibres, skeleton, tetrahedra that are inside out, the place of a warning.
+import {
+  BufferAttribute,
+  BufferGeometry,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  Object3D,
+  SphereGeometry,
+} from "three";
+
+class Lines {
+  readonly object: LineSegments;
+  private positions: BufferAttribute;
+
+  constructor(colour: number, over: boolean, coloured = false) {
+    const geometry = new BufferGeometry();
+    this.positions = new BufferAttribute(new Float32Array(0), 3);
+    geometry.setAttribute("position", this.positions);
+    this.object = new LineSegments(
+      geometry,
+      new LineBasicMaterial({ color: coloured ? 0xffffff : colour, depthTest: !over, vertexColors: coloured, transparent: over }),
+    );
+    this.object.frustumCulled = false;
+    this.object.renderOrder = over ? 3 : 0;
+    this.object.visible = false;
+  }
+
+  // 6 numbers a line.
+  draw(points: Float32Array, colours?: Float32Array): void {
+    if (this.positions.count * 3 < points.length) {
+      this.positions = new BufferAttribute(new Float32Array(points.length), 3);
+      this.object.geometry.setAttribute("position", this.positions);
+    }
+    (this.positions.array as Float32Array).set(points);
+    this.positions.needsUpdate = true;
+    if (colours) this.object.geometry.setAttribute("color", new BufferAttribute(colours, 3));
+    this.object.geometry.setDrawRange(0, points.length / 3);
+  }
+}
+
+// Squares add to one: every direction is equally bright, and the axes are pure.
+const AXIS_COLOURS = [
+  [0.68, 0.033, 0.025],
+  [0.028, 0.342, 0.052],
+  [0.024, 0.122, 0.694],
+];
+
+// Short lines along the fibres, as the flesh carries them.
+export class Fibres {
+  readonly lines = new Lines(0xffffff, false, true);
+  private readonly at: number[] = []; // vertices that a fibre runs through
+  private readonly tetrahedron: number[] = [];
+  private readonly weights: number[] = []; // 3 a vertex: its direction in the tetrahedron's edges
+  private readonly length: number;
+
+  constructor(
+    private readonly tetrahedra: Uint32Array,
+    rest: Float32Array,
+    fibre: Float32Array,
+    drawn: Uint32Array,
+  ) {
+    const first = new Map<number, number>();
+    for (let t = 0; t < tetrahedra.length; t += 4)
+      for (let c = 0; c < 4; ++c) if (!first.has(tetrahedra[t + c])) first.set(tetrahedra[t + c], t);
+    let edges = 0;
+    for (const vertex of new Set(drawn)) {
+      const t = first.get(vertex);
+      const d = [fibre[3 * vertex], fibre[3 * vertex + 1], fibre[3 * vertex + 2]];
+      if (t === undefined || Math.hypot(...d) === 0) continue;
+      const edge = (k: number) =>
+        [0, 1, 2].map((c) => rest[3 * tetrahedra[t + k] + c] - rest[3 * tetrahedra[t] + c]);
+      const [a, b, c] = [edge(1), edge(2), edge(3)];
+      const cross = (u: number[], v: number[]) => [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+      const dot = (u: number[], v: number[]) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+      const volume = dot(a, cross(b, c));
+      if (!(Math.abs(volume) > 0)) continue;
+      this.at.push(vertex);
+      this.tetrahedron.push(t);
+      this.weights.push(dot(d, cross(b, c)) / volume, dot(d, cross(c, a)) / volume, dot(d, cross(a, b)) / volume);
+      edges += Math.hypot(...a);
+    }
+    this.length = this.at.length > 0 ? (0.45 * edges) / this.at.length : 0;
+  }
+
+  draw(positions: Float32Array): void {
+    const points = new Float32Array(6 * this.at.length);
+    const colours = new Float32Array(6 * this.at.length);
+    this.at.forEach((vertex, i) => {
+      const t = this.tetrahedron[i];
+      const direction = [0, 0, 0];
+      for (let k = 0; k < 3; ++k)
+        for (let c = 0; c < 3; ++c)
+          direction[c] +=
+            this.weights[3 * i + k] * (positions[3 * this.tetrahedra[t + k + 1] + c] - positions[3 * this.tetrahedra[t] + c]);
+      const length = Math.hypot(...direction) || 1;
+      for (let c = 0; c < 3; ++c) {
+        const along = (this.length * direction[c]) / length;
+        points[6 * i + c] = positions[3 * vertex + c] - along;
+        points[6 * i + 3 + c] = positions[3 * vertex + c] + along;
+        const colour = AXIS_COLOURS.reduce((sum, axis, a) => sum + (direction[a] / length) ** 2 * axis[c], 0);
+        colours[6 * i + c] = colours[6 * i + 3 + c] = colour;
+      }
+    });
+    this.lines.draw(points, colours);
+  }
+}
+
+export class Skeleton {
+  readonly lines = new Lines(0xffd24a, true);
+  constructor(private readonly parents: number[]) {}
+  draw(joints: Float32Array): void {
+    const points: number[] = [];
+    this.parents.forEach((parent, joint) => {
+      if (parent < 0) return;
+      points.push(...joints.subarray(3 * parent, 3 * parent + 3), ...joints.subarray(3 * joint, 3 * joint + 3));
+    });
+    this.lines.draw(Float32Array.from(points));
+  }
+}
+
+// The edges of tetrahedra that are flat or turned inside out.
+export class Inverted {
+  readonly lines = new Lines(0xff3b3b, true);
+  constructor(private readonly tetrahedra: Uint32Array) {}
+  draw(positions: Float32Array): void {
+    const { tetrahedra } = this;
+    const points: number[] = [];
+    const at = (vertex: number) => positions.subarray(3 * vertex, 3 * vertex + 3);
+    for (let t = 0; t < tetrahedra.length; t += 4) {
+      const [o, a, b, c] = [at(tetrahedra[t]), at(tetrahedra[t + 1]), at(tetrahedra[t + 2]), at(tetrahedra[t + 3])];
+      const [ax, ay, az] = [a[0] - o[0], a[1] - o[1], a[2] - o[2]];
+      const [bx, by, bz] = [b[0] - o[0], b[1] - o[1], b[2] - o[2]];
+      const [cx, cy, cz] = [c[0] - o[0], c[1] - o[1], c[2] - o[2]];
+      const six = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx);
+      if (six > 0) continue;
+      for (const [p, q] of [[o, a], [o, b], [o, c], [a, b], [b, c], [c, a]]) points.push(...p, ...q);
+    }
+    this.lines.draw(Float32Array.from(points));
+  }
+}
+
+// A ball that is seen through what lies before it.
+export function marker(colour: number): Object3D {
+  const ball = new Mesh(
+    new SphereGeometry(1, 24, 16),
+    new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.75, depthTest: false }),
+  );
+  ball.renderOrder = 4;
+  ball.visible = false;
+  return ball;
+}

@@ -1,0 +1,290 @@
+// The studio's picture: the body that the server describes, as it is to be looked at.
+import { Object3D, Vector3 } from "three";
+import { Body, BodyMaterials } from "../common/body";
+import type { Colouring, Looks } from "../common/body";
+import { write_scale_colour } from "../common/colours";
+import type { Surface } from "../common/film";
+import { nice_above } from "../common/numbers";
+import { FIELD, Stage } from "../common/stage";
+import { Fibres, Inverted, marker, Skeleton } from "./overlays";
+import type { BodyMessage } from "./protocol";
+import { skin_of, tetrahedra_surface } from "./surface";
+import type { Cut, Skin } from "./surface";
+import type { BlockName, FrameMessage, Items } from "./wire";
+
+export type ShownColour = Colouring | "muscles" | "contact";
+
+export interface Choice {
+  colour: ShownColour;
+  comparison: "flesh" | "ghost" | "sides";
+  tetrahedra: boolean;
+  cut: Cut | null;
+  edges: boolean;
+  fibres: boolean;
+  skeleton: boolean;
+  inverted: boolean;
+  lag_scale: number; // m
+}
+
+// What frames must hold for it.
+export function blocks_for(choice: Choice, has_skin: boolean): BlockName[] {
+  const blocks: BlockName[] = [];
+  const tetrahedra = choice.tetrahedra || !has_skin;
+  const ghost = choice.comparison !== "flesh" || choice.colour === "lag";
+  blocks.push(tetrahedra ? "vertices" : "surface");
+  if (ghost) blocks.push(tetrahedra ? "ghost-vertices" : "ghost");
+  if ((choice.fibres || choice.inverted) && !blocks.includes("vertices")) blocks.push("vertices");
+  if (choice.skeleton) blocks.push("joints");
+  if (choice.colour === "contact") blocks.push("contact");
+  return blocks;
+}
+
+const CONTACT_SCALE = 0.02; // m of depth that take the scale's last colour
+
+export class Picture {
+  readonly stage: Stage;
+  most_lag = 0; // m, that was seen
+  private message: BodyMessage | null = null;
+  private arrays = new Map<string, Items>();
+  private skin: Skin | null = null;
+  private materials: BodyMaterials | null = null;
+  private looks: Looks | null = null;
+  private flesh: Body | null = null;
+  private ghost: Body | null = null;
+  private drawn: Surface | null = null;
+  private drawn_as = "";
+  private fibres: Fibres | null = null;
+  private skeleton: Skeleton | null = null;
+  private inverted: Inverted | null = null;
+  private positions: Float32Array | null = null; // of the drawn surface's places, m
+  private readonly lag = { values: new Float32Array(0) };
+  private readonly mark = marker(0xff5a52);
+  private readonly grip = marker(0x62b0ff);
+  private is_framed = false;
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.stage = new Stage(canvas);
+    this.stage.spares = true;
+    this.stage.scene.add(this.mark, this.grip);
+  }
+
+  get has_skin(): boolean {
+    return this.arrays.has("surface.triangle");
+  }
+  get has_muscles(): boolean {
+    return this.arrays.has("muscle.vertex");
+  }
+
+  // The body that `arrays` describe; textures are there already.
+  set_body(message: BodyMessage, arrays: Map<string, Items>, looks: Omit<Looks, "groups">): void {
+    this.message = message;
+    this.arrays = arrays;
+    const colours = (arrays.get("surface.colour") as Float32Array | undefined) ?? null;
+    this.skin = this.has_skin
+      ? skin_of({
+          rest: arrays.get("surface.rest") as Float32Array,
+          triangles: arrays.get("surface.triangle") as Uint32Array,
+          material: (arrays.get("surface.material") as Uint32Array | undefined) ?? null,
+          uvs: (arrays.get("surface.uv") as Float32Array | undefined) ?? null,
+          colours,
+          layer: arrays.get("surface.layer") as Uint8Array,
+        })
+      : null;
+    this.looks = { ...looks, groups: this.skin?.groups ?? [] };
+    this.materials = new BodyMaterials(this.looks, colours !== null);
+    this.drawn_as = "";
+    for (const overlay of [this.fibres, this.skeleton, this.inverted])
+      if (overlay) this.stage.scene.remove(overlay.lines.object);
+    this.fibres = this.skeleton = this.inverted = null;
+    if (this.is_framed) return;
+    this.is_framed = true;
+    const [least, most] = message.bounds;
+    const middle = new Vector3(...least).add(new Vector3(...most)).multiplyScalar(0.5);
+    const radius = 0.5 * new Vector3(...least).distanceTo(new Vector3(...most)) || 1;
+    this.stage.furnish(middle, 1.3 * radius, least[1]);
+    const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
+    // A clip moves about; a quarter more takes in most of it.
+    const points = Float32Array.from(rest, (value, k) => 1.25 * (value - middle.getComponent(k % 3)));
+    const canvas = this.stage.canvas;
+    this.stage.orbit.frame(middle, points, FIELD, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
+  }
+
+  private rest(): Float32Array {
+    return this.arrays.get("rest") as Float32Array;
+  }
+
+  private make_bodies(choice: Choice): void {
+    const tetrahedra = choice.tetrahedra || !this.skin;
+    const key = tetrahedra ? `tetrahedra ${choice.cut?.axis} ${choice.cut?.place}` : "skin";
+    if (key === this.drawn_as || !this.looks || !this.materials) return;
+    this.drawn_as = key;
+    for (const body of [this.flesh, this.ghost]) {
+      if (!body) continue;
+      this.stage.scene.remove(body.group);
+      body.dispose();
+    }
+    const surface = tetrahedra
+      ? tetrahedra_surface(
+          this.rest(),
+          this.arrays.get("tetrahedron") as Uint32Array,
+          this.arrays.get("layer") as Uint8Array,
+          choice.cut,
+        )
+      : this.skin!.surface;
+    const looks = tetrahedra
+      ? { ...this.looks, groups: [{ material: 0, triangles: surface.triangles.length / 3 }] }
+      : this.looks;
+    const materials = tetrahedra
+      ? new BodyMaterials({ ...looks, materials: [{ name: "", colour: [0.62, 0.6, 0.57], cutoff: 0, texture: -1 }] }, false)
+      : this.materials;
+    this.flesh = new Body(surface, looks, materials, tetrahedra ? null : this.skin!.linear_colours);
+    this.ghost = new Body(surface, looks, materials, null);
+    this.drawn = surface;
+    this.stage.scene.add(this.flesh.group, this.ghost.group);
+  }
+
+  // False where the frame does not hold what the choice wants.
+  show(frame: FrameMessage, choice: Choice): boolean {
+    this.make_bodies(choice);
+    const tetrahedra = choice.tetrahedra || !this.skin;
+    const positions = frame.blocks[tetrahedra ? "vertices" : "surface"];
+    const ghost = frame.blocks[tetrahedra ? "ghost-vertices" : "ghost"];
+    if (!positions || !this.flesh || !this.ghost || !this.drawn || positions.length !== 3 * this.drawn.places) return false;
+    this.positions = positions;
+    this.flesh.move(positions);
+    const has_ghost = ghost !== undefined && ghost.length === positions.length;
+    if (has_ghost) this.ghost.move(ghost);
+    this.paint(choice, positions, has_ghost ? ghost : null, frame.blocks.contact ?? null);
+    if (has_ghost && choice.comparison === "ghost") this.ghost.haunt();
+    if (has_ghost && choice.comparison === "sides") {
+      this.ghost.stand();
+      this.ghost.colour(choice.colour === "layers" || choice.colour === "materials" ? choice.colour : "lag", null, 1);
+    }
+    this.flesh.show_edges(choice.edges || tetrahedra);
+    this.ghost.show_edges((choice.edges || tetrahedra) && choice.comparison === "sides");
+    this.draw_overlays(choice, frame);
+    this.stage.invalidate();
+    return true;
+  }
+
+  private paint(
+    choice: Choice,
+    positions: Float32Array,
+    ghost: Float32Array | null,
+    contact: Float32Array | null,
+  ): void {
+    const flesh = this.flesh!;
+    const drawn = this.drawn!;
+    if (choice.colour === "lag" && ghost) {
+      if (this.lag.values.length !== drawn.places) this.lag.values = new Float32Array(drawn.places);
+      const { values } = this.lag;
+      for (let p = 0; p < values.length; ++p) {
+        const k = 3 * p;
+        values[p] = Math.hypot(positions[k] - ghost[k], positions[k + 1] - ghost[k + 1], positions[k + 2] - ghost[k + 2]);
+        if (values[p] > this.most_lag) this.most_lag = values[p];
+      }
+      flesh.colour("lag", values, choice.lag_scale);
+    } else if (choice.colour === "muscles") {
+      flesh.colour_by((vertex, to, at) => this.muscle_colour(vertex, to, at));
+    } else if (choice.colour === "contact" && contact) {
+      flesh.colour_by((vertex, to, at) => {
+        const depth = contact[3 * vertex];
+        if (depth >= 0) write_scale_colour(depth / CONTACT_SCALE, to, at);
+        else to.fill(0.55, at, at + 3);
+      });
+    } else {
+      flesh.colour(choice.colour === "layers" ? "layers" : "materials", null, 1);
+    }
+  }
+
+  private muscle_of: Map<number, number> | null = null;
+  private muscle_colour(vertex: number, to: Float32Array, at: number): void {
+    if (!this.muscle_of) {
+      this.muscle_of = new Map();
+      const pairs = this.arrays.get("muscle.vertex") as Uint32Array;
+      for (let k = 0; k < pairs.length; k += 2) this.muscle_of.set(pairs[k], pairs[k + 1]);
+    }
+    const muscle = this.muscle_of.get(vertex);
+    if (muscle === undefined) {
+      to.fill(0.55, at, at + 3);
+      return;
+    }
+    // Hues a golden angle apart: neighbours in number are told apart.
+    const hue = (0.02 + 0.618034 * muscle) % 1;
+    for (let c = 0; c < 3; ++c) to[at + c] = 0.08 + 0.55 * Math.max(0, 1 - 3 * Math.abs(((hue - c / 3 + 1.5) % 1) - 0.5));
+  }
+
+  private draw_overlays(choice: Choice, frame: FrameMessage): void {
+    const { vertices, joints } = frame.blocks;
+    const tetrahedra = this.arrays.get("tetrahedron") as Uint32Array;
+    const add = <T extends { lines: { object: Object3D } }>(overlay: T): T => {
+      this.stage.scene.add(overlay.lines.object);
+      return overlay;
+    };
+    if (choice.fibres && vertices) {
+      const drawn = choice.tetrahedra || !this.skin ? this.drawn!.source : Uint32Array.from({ length: this.rest().length / 3 }, (_, k) => k);
+      this.fibres ??= add(new Fibres(tetrahedra, this.rest(), this.arrays.get("fibre") as Float32Array, drawn));
+      this.fibres.draw(vertices);
+    }
+    if (choice.inverted && vertices) {
+      this.inverted ??= add(new Inverted(tetrahedra));
+      this.inverted.draw(vertices);
+    }
+    if (choice.skeleton && joints) {
+      this.skeleton ??= add(new Skeleton(this.message!.joints.map((joint) => joint.parent)));
+      this.skeleton.draw(joints);
+    }
+    if (this.fibres) this.fibres.lines.object.visible = choice.fibres && vertices !== undefined;
+    if (this.inverted) this.inverted.lines.object.visible = choice.inverted && vertices !== undefined;
+    if (this.skeleton) this.skeleton.lines.object.visible = choice.skeleton && joints !== undefined;
+  }
+
+  scale_for_lag(): number {
+    return nice_above(Math.max(this.most_lag, 1e-4), [1, 1.5, 2, 3, 4, 5, 6, 8, 10]);
+  }
+
+  render(choice: Choice): void {
+    const { flesh, ghost, stage } = this;
+    if (!flesh || !ghost) return;
+    if (choice.comparison === "sides")
+      stage.render([
+        { shown: [ghost.group], hidden: [flesh.group] },
+        { shown: [flesh.group], hidden: [ghost.group] },
+      ]);
+    else if (choice.comparison === "ghost") stage.render([{ shown: [flesh.group, ghost.group], hidden: [] }]);
+    else stage.render([{ shown: [flesh.group], hidden: [ghost.group] }]);
+  }
+
+  get surface(): Surface | null {
+    return this.drawn;
+  }
+  get places(): Float32Array | null {
+    return this.positions;
+  }
+  get size(): number {
+    if (!this.message) return 1;
+    const [least, most] = this.message.bounds;
+    return new Vector3(...least).distanceTo(new Vector3(...most)) || 1;
+  }
+
+  // Looks at a place of the body, and marks it.
+  point_at(place: readonly [number, number, number]): void {
+    this.mark.visible = true;
+    this.mark.position.set(...place);
+    this.mark.scale.setScalar(0.012 * this.size);
+    this.stage.orbit.go_to(new Vector3(...place), 0.55 * this.size);
+  }
+  point_at_nothing(): void {
+    this.mark.visible = false;
+    this.stage.invalidate();
+  }
+
+  show_grip(place: readonly [number, number, number] | null): void {
+    this.grip.visible = place !== null;
+    if (place) {
+      this.grip.position.set(...place);
+      this.grip.scale.setScalar(0.01 * this.size);
+    }
+    this.stage.invalidate();
+  }
+}
