@@ -6,9 +6,11 @@
 #include <memory>
 #include <string_view>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "host/bake/folder.h"
+#include "host/base/file.h"
 #include "host/base/process.h"
 #include "host/cli/command.h"
 #include "host/cli/interrupt.h"
@@ -44,14 +46,53 @@ fs::path on_path(const std::string& program) {
   return {};
 }
 
-// It is a convenience: the address is printed in any case.
-void open_browser(const std::string& address, Log& log) {
+// A file that leads a browser to the address, for as long as the studio runs. The address itself holds the
+// token, and what stands in a command line can be read by every user of the machine: so the file, which is
+// its owner's alone, is what the browser is started with.
+class WayToAddress {
+ public:
+  WayToAddress(fs::path file, const std::string& address) : file_(std::move(file)) {
+    const mode_t before = ::umask(S_IRWXG | S_IRWXO);
+    try {
+      base::write_whole(file_,
+                        "<!doctype html><meta charset=\"utf-8\"><title>fascicle studio</title>"
+                        "<meta name=\"referrer\" content=\"no-referrer\">"
+                        "<meta http-equiv=\"refresh\" content=\"0; url=" +
+                            address + "\"><a href=\"" + address + "\">the studio</a>\n");
+    } catch (const std::system_error&) {
+      ::umask(before);
+      throw;
+    }
+    ::umask(before);
+  }
+  ~WayToAddress() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+  WayToAddress(const WayToAddress&) = delete;
+  WayToAddress& operator=(const WayToAddress&) = delete;
+  const fs::path& file() const { return file_; }
+
+ private:
+  fs::path file_;
+};
+
+// It is a convenience: the address is printed in any case. `folder`: the session's; empty: none.
+std::unique_ptr<WayToAddress> open_browser(const std::string& address, const fs::path& folder, Log& log) {
   const fs::path opener = on_path("xdg-open");
-  if (opener.empty()) return log.info("xdg-open was not found; open the address in a browser");
+  if (opener.empty()) {
+    log.info("xdg-open was not found; open the address in a browser");
+    return nullptr;
+  }
   try {
-    base::start_process({opener.string(), address}, base::no_output);
+    const std::string name = "fascicle-studio-" + std::to_string(::getpid()) + ".html";
+    auto way = std::make_unique<WayToAddress>(
+        fs::absolute(folder.empty() ? fs::temp_directory_path() : folder) / name, address);
+    base::start_process({opener.string(), way->file().string()}, base::no_output);
+    return way;
   } catch (const std::system_error& error) {
     log.info(std::string("the browser could not be started: ") + error.what());
+    return nullptr;
   }
 }
 
@@ -85,14 +126,16 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
 
 ExitCode run_studio(const StudioArguments& arguments, Log& log) {
   const std::atomic<bool>& interrupted = interrupts();
+  log.info("reads and builds what is to be shown; its address comes when it stands");
   const std::unique_ptr<studio::Session> session = open_session(arguments, log);
+  std::unique_ptr<WayToAddress> way;
   const auto ready = [&](const std::string& address) {
     std::cout << address << std::endl;
     if (arguments.headless) return;
     log.info("the studio of " + shown_text(session->name()) +
              (session->is_restored() ? ", as it was left" : "") +
              "; it ends with Ctrl-C, and what was changed stays");
-    open_browser(address, log);
+    way = open_browser(address, session->folder(), log);
   };
   try {
     studio::run_studio(*session, {.port = arguments.port, .page = studio::page_bundle()}, interrupted, ready);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
+#include <set>
 
 namespace fascicle::page {
 namespace {
@@ -60,15 +62,20 @@ std::vector<std::pair<double, double>> thinned(const std::vector<double>& x, con
   }
   for (std::size_t c = 0; c < most_columns; ++c) {
     const std::size_t begin = c * count / most_columns, end = (c + 1) * count / most_columns;
-    std::size_t least = begin, most = begin;
+    std::optional<std::size_t> least, most, gap;
     for (std::size_t k = begin; k < end; ++k) {
-      if (!std::isfinite(y[k])) least = most = k;
-      if (!std::isfinite(y[k])) break;
-      if (y[k] < y[least]) least = k;
-      if (y[k] > y[most]) most = k;
+      if (!std::isfinite(y[k])) {
+        gap = k;
+        continue;
+      }
+      if (!least || y[k] < y[*least]) least = k;
+      if (!most || y[k] > y[*most]) most = k;
     }
-    points.emplace_back(x[std::min(least, most)], y[std::min(least, most)]);
-    if (least != most) points.emplace_back(x[std::max(least, most)], y[std::max(least, most)]);
+    // A gap stays one, and hides no peak beside it.
+    std::set<std::size_t> kept;
+    for (const std::optional<std::size_t>& k : {least, most, gap})
+      if (k) kept.insert(*k);
+    for (const std::size_t k : kept) points.emplace_back(x[k], y[k]);
   }
   return points;
 }

@@ -1,14 +1,28 @@
 #include "host/page/writer.h"
 
 #include <cassert>
+#include <utility>
 
 #include "host/base/text.h"
 
 namespace fascicle::page {
 
+namespace {
+
+// Two code points that Unicode has and XML does not.
+std::string without_noncharacters(std::string text) {
+  for (const auto& [code_point, shown] :
+       {std::pair("\xef\xbf\xbe", "\\ufffe"), std::pair("\xef\xbf\xbf", "\\uffff")})
+    for (std::size_t at = text.find(code_point); at != std::string::npos; at = text.find(code_point, at))
+      text.replace(at, 3, shown);
+  return text;
+}
+
+}  // namespace
+
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : base::shown_text(text)) {
+  for (const char c : without_noncharacters(base::shown_text(text))) {
     switch (c) {
       case '<':
         out += "&lt;";

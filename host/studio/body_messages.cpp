@@ -86,18 +86,6 @@ std::vector<std::uint8_t> surface_layers(const model::Model& model) {
   return layers;
 }
 
-std::vector<std::uint32_t> strongest_joints(const model::Model& model) {
-  std::vector<std::uint32_t> joints;
-  for (std::uint32_t i = 0; i < model.vertex_count && model.has_skeleton(); ++i) {
-    const auto first = model.skin_weight.begin() + model.skin_offset[i];
-    const auto last = model.skin_weight.begin() + model.skin_offset[i + 1];
-    joints.push_back(
-        model
-            .skin_joint[static_cast<std::size_t>(std::max_element(first, last) - model.skin_weight.begin())]);
-  }
-  return joints;
-}
-
 std::vector<std::uint32_t> muscle_vertices(const model::Model& model) {
   std::vector<std::uint32_t> pairs;
   for (std::uint32_t i = 0; i < model.vertex_count && model.muscle_count > 0; ++i)
@@ -157,6 +145,18 @@ Json joints_json(const BodyParts& parts) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> strongest_joints(const model::Model& model) {
+  std::vector<std::uint32_t> joints;
+  for (std::uint32_t i = 0; i < model.vertex_count && model.has_skeleton(); ++i) {
+    const auto first = model.skin_weight.begin() + model.skin_offset[i];
+    const auto last = model.skin_weight.begin() + model.skin_offset[i + 1];
+    joints.push_back(
+        model
+            .skin_joint[static_cast<std::size_t>(std::max_element(first, last) - model.skin_weight.begin())]);
+  }
+  return joints;
+}
 
 SharedBytes message_text(const Json& json) {
   return std::make_shared<const std::string>(scene::dump(json));

@@ -36,6 +36,9 @@ struct BodyLooks {
 BodyLooks read_body_looks(const std::filesystem::path& character, const model::Model& model,
                           const pipeline::Say& say);
 
+// Of each vertex the joint that it follows most; empty without a skeleton.
+std::vector<std::uint32_t> strongest_joints(const model::Model& model);
+
 // What the messages are made from. A bake has no report, and no scene where that cannot be read any more.
 struct BodyParts {
   const model::Model& model;

@@ -41,11 +41,21 @@ bool History::redo() {
   return true;
 }
 
-void History::drop_last() {
-  if (at_ == 0) return;
-  steps_.erase(steps_.begin() + static_cast<std::ptrdiff_t>(at_));
-  --at_;
+void History::fall_back(const std::string& text) {
   gesture_.reset();
+  for (std::size_t away = 1; away < steps_.size(); ++away) {
+    const std::size_t before = at_ - away, after = at_ + away;
+    if (away <= at_ && steps_[before].text == text) {
+      if (away == 1 && after == steps_.size()) steps_.pop_back();
+      at_ = before;
+      return;
+    }
+    if (after < steps_.size() && steps_[after].text == text) {
+      at_ = after;
+      return;
+    }
+  }
+  steps_[at_].text = text;
 }
 
 }  // namespace fascicle::studio

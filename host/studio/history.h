@@ -30,8 +30,9 @@ class History {
   const std::string* redo_label() const { return at_ + 1 < steps_.size() ? &steps_[at_ + 1].label : nullptr; }
   bool undo();
   bool redo();
-  // Takes the last change back for good.
-  void drop_last();
+  // The step in force does not hold after all: the nearest one with this text is in force again. The last
+  // change goes for good where it led away from that; where no step has the text, the step in force gets it.
+  void fall_back(const std::string& text);
 
   const std::vector<HistoryStep>& steps() const { return steps_; }
   std::size_t at() const { return at_; }

@@ -51,7 +51,6 @@ void LiveMotion::load(const model::State& state, std::uint64_t frame) {
   solver().load(state);
   frame_ = frame;
   show_state(state);
-  if (frame != 0) return;
   // A frame apart, or further where that would take too much.
   const double all = bytes_of(state) * static_cast<double>(frames() + 1);
   kept_every_ = static_cast<std::uint64_t>(std::max(1.0, std::ceil(all / most_kept_bytes)));
@@ -125,34 +124,49 @@ ShownFrame LiveMotion::seek(std::uint64_t frame) {
   return shown(frame_begins);
 }
 
+// What comes before frame 0 may come apart as well.
+void LiveMotion::load_led(model::State state) {
+  load(state, 0);
+  kept_.clear();
+  if (bake::all_finite(now_)) return;
+  load(body_->drives().initial_state(), 0);
+  throw Diverged(
+      "the flesh flew apart before frame 0 and begins again on its skeleton; take the last change back, or "
+      "take more "
+      "substeps");
+}
+
 ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {
   // The cycles that a seamless loop needs are what the loop does anyway.
   scene::Scene lead = body_->scene();
   lead.motion.seamless = false;
   drive::LeadIn led = drive::lead_in(lead, body_->model(), body_->drives(), body_->solver(), stop);
-  const model::State state = led.stopped ? body_->drives().initial_state() : std::move(led.state);
-  load(state, 0);
-  kept_.clear();
+  load_led(led.stopped ? body_->drives().initial_state() : std::move(led.state));
   keep_state();
   return shown(frame_begins);
 }
 
 ShownFrame LiveMotion::take(std::shared_ptr<RunningBody> body) {
   const model::State state = solver().save();
-  std::optional<Hand> hand = has_same_shape(body_->model(), body->model()) ? std::move(hand_) : std::nullopt;
-  release();
   const std::uint64_t frame = std::min(frame_, body->frames());
   const model::State next = carried_over(state, *body_, *body, frame);
+  // All that may fail comes before anything is another one.
+  std::unique_ptr<HeldSolver> held;
+  if (hand_ && has_same_shape(body_->model(), body->model())) held = hold(*body, hand_->held());
+  std::optional<Hand> hand = held ? std::move(hand_) : std::nullopt;
+  hand_ = std::move(hand);
+  held_ = std::move(held);
   body_ = std::move(body);
   measures_ = FrameMeasures(body_->model());
   kept_.clear();
-  if (hand) {
-    held_model_ = with_hand(body_->model(), hand->held());
-    held_solver_ = body_->solver_of(*held_model_);
-    hand_ = std::move(hand);
-  }
   load(next, frame);
   return shown(frame_begins);
+}
+
+std::unique_ptr<LiveMotion::HeldSolver> LiveMotion::hold(const RunningBody& body, const Held& held) {
+  auto made = std::make_unique<HeldSolver>(HeldSolver{with_hand(body.model(), held), nullptr});
+  made->solver = body.solver_of(made->model);
+  return made;
 }
 
 std::size_t LiveMotion::grab(std::uint32_t vertex, double radius, const Vector3d& place) {
@@ -160,20 +174,22 @@ std::size_t LiveMotion::grab(std::uint32_t vertex, double radius, const Vector3d
   const double fits =
       std::max(hand_share * model::extent(model), hand_edges * body_->built().report.mean_edge);
   Held held = held_around(model, vertex, radius > 0.0 ? radius : fits);
-  if (held.empty()) return 0;
+  if (held.empty()) {
+    release();
+    return 0;
+  }
   const model::State state = solver().save();
-  held_model_ = with_hand(model, held);
-  held_solver_ = body_->solver_of(*held_model_);
-  held_solver_->load(state);
+  std::unique_ptr<HeldSolver> made = hold(*body_, held);
+  made->solver->load(state);
+  held_ = std::move(made);
   hand_.emplace(model, std::move(held), now_, place);
   return hand_->held().size();
 }
 
 void LiveMotion::release() {
-  if (held_solver_) body_->solver().load(held_solver_->save());
+  if (held_) body_->solver().load(held_->solver->save());
   hand_.reset();
-  held_solver_.reset();
-  held_model_.reset();
+  held_.reset();
 }
 
 Recording LiveMotion::record(const std::function<bool()>& stop,
@@ -184,8 +200,7 @@ Recording LiveMotion::record(const std::function<bool()>& stop,
   recording.revision = body_->revision();
   drive::LeadIn led = drive::lead_in(body_->scene(), body_->model(), body_->drives(), body_->solver(), stop);
   recording.stopped = led.stopped;
-  load(led.stopped ? body_->drives().initial_state() : std::move(led.state), 0);
-  kept_.clear();
+  load_led(led.stopped ? body_->drives().initial_state() : std::move(led.state));
   const auto take_note = [&] {
     keep_state();
     const ShownFrame frame = shown(frame_is_recorded | (frame_ == 0 ? frame_begins : 0u));

@@ -51,8 +51,17 @@ class LiveMotion final : public Motion {
   Recording record(const std::function<bool()>& stop, const std::function<void(const ShownFrame&)>& show);
 
  private:
-  model::Solver& solver() { return held_solver_ ? *held_solver_ : body_->solver(); }
+  // The body's solver with the hand's force beside the scene's. The model stands still while the solver
+  // lives.
+  struct HeldSolver {
+    model::Model model;
+    std::unique_ptr<model::Solver> solver;
+  };
+  static std::unique_ptr<HeldSolver> hold(const RunningBody& body, const Held& held);
+
+  model::Solver& solver() { return held_ ? *held_->solver : body_->solver(); }
   void load(const model::State& state, std::uint64_t frame);
+  void load_led(model::State state);
   void step_to(std::uint64_t frame);
   void keep_state();
   ShownFrame shown(std::uint32_t flags);
@@ -68,8 +77,7 @@ class LiveMotion final : public Motion {
   std::map<std::uint64_t, model::State> kept_;
   std::uint64_t kept_every_ = 1;
 
-  std::optional<model::Model> held_model_;
-  std::unique_ptr<model::Solver> held_solver_;
+  std::unique_ptr<HeldSolver> held_;
   std::optional<Hand> hand_;
 };
 

@@ -13,6 +13,8 @@ namespace {
 
 // s: over which the rate is a mean.
 constexpr double rate_time = 0.5;
+// A motion that comes apart so often, with fewer calm frames between, is paused: it would go on so for ever.
+constexpr unsigned most_divergences = 5, calm_enough = 60;
 
 Clock::duration as_duration(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -40,12 +42,16 @@ Player::Player(std::unique_ptr<Motion> motion, PlayerEvents events)
 }
 
 Player::~Player() {
+  stop();
+}
+
+void Player::stop() {
   {
     const std::lock_guard lock(mutex_);
     stops_ = true;
   }
   wakes_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 PlayerState Player::state() const {
@@ -67,14 +73,23 @@ bool Player::post(Work work) {
   return true;
 }
 
+void Player::post_needed(Work work) {
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.emplace_back([this, work = std::move(work)] { work(*motion_); });
+  }
+  wakes_.notify_all();
+}
+
 bool Player::post_long(PlayerMode mode, Work work) {
+  // What is cancelled from now on is this.
+  cancels_ = false;
   return post([this, mode, work = std::move(work)](Motion& motion) {
     PlayerMode before;
     {
       const std::lock_guard lock(mutex_);
       before = std::exchange(state_.mode, mode);
     }
-    cancels_ = false;
     tell();
     attempt([&] { work(motion); });
     cancels_ = false;
@@ -126,10 +141,24 @@ bool Player::step() {
 }
 
 bool Player::seek(std::uint64_t frame) {
-  return post([this, frame](Motion& motion) {
-    show(motion.seek(frame));
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(seek_, frame)) return true;
+  }
+  const bool is_taken = post([this](Motion& motion) {
+    std::uint64_t wanted = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      wanted = std::exchange(seek_, std::nullopt).value_or(motion.frame());
+    }
+    show(motion.seek(wanted));
     tell();
   });
+  if (!is_taken) {
+    const std::lock_guard lock(mutex_);
+    seek_.reset();
+  }
+  return is_taken;
 }
 
 bool Player::set_speed(double factor) {
@@ -188,27 +217,49 @@ void Player::show(ShownFrame frame) {
   if (events_.on_frame) events_.on_frame(*motion_, frame);
 }
 
-void Player::attempt(const std::function<void()>& what) {
+void Player::pause_now() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (state_.mode == PlayerMode::playing) state_.mode = PlayerMode::paused;
+  }
+  tell();
+}
+
+// What goes wrong while trouble is told must not end the thread.
+void Player::tell_trouble(const char* text, bool shows_again) {
+  try {
+    if (events_.on_trouble) events_.on_trouble(text);
+    if (shows_again) show(motion_->again());
+  } catch (const std::exception&) {
+    pause_now();
+  }
+}
+
+bool Player::attempt(const std::function<void()>& what) {
   try {
     what();
+    return true;
   } catch (const Diverged& error) {
-    if (events_.on_trouble) events_.on_trouble(error.what());
-    show(motion_->again());
+    calm_frames_ = 0;
+    ++divergences_;
+    tell_trouble(error.what(), true);
   } catch (const std::exception& error) {
-    if (events_.on_trouble) events_.on_trouble(error.what());
+    tell_trouble(error.what(), false);
   }
+  return false;
 }
 
 void Player::advance() {
   const PlayerState now = state();
-  if (!now.loops && motion_->frame() >= motion_->frames()) {
-    {
-      const std::lock_guard lock(mutex_);
-      state_.mode = PlayerMode::paused;
-    }
-    return tell();
+  if (!now.loops && motion_->frame() >= motion_->frames()) return pause_now();
+  const unsigned before = divergences_;
+  if (attempt([&] { show(motion_->advance()); })) {
+    if (++calm_frames_ >= calm_enough) divergences_ = 0;
+  } else if (divergences_ == before || divergences_ >= most_divergences) {
+    // What fails in this frame fails in the next one too.
+    divergences_ = 0;
+    pause_now();
   }
-  attempt([&] { show(motion_->advance()); });
   const double period = 1.0 / (motion_->fps() * now.speed);
   due_ += as_duration(period);
   // What is late does not hurry to catch up.

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -41,13 +42,16 @@ class Player {
   ~Player();
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
+  // Ends the thread, long work too; after that nothing is played any more. Whoever has events that reach back
+  // to the player calls it before the player goes.
+  void stop();
 
   // Any thread, in order; each between two frames. Where more than most_waiting wait already, what is asked
   // is dropped, and false returned.
   bool play();
   bool pause();
   bool step();
-  bool seek(std::uint64_t frame);
+  bool seek(std::uint64_t frame);  // of several that wait the last one goes
   bool set_speed(double factor);
   bool set_loop(bool loops);
   bool restart();
@@ -57,6 +61,8 @@ class Player {
   // it ends.
   using Work = std::function<void(Motion&)>;
   bool post(Work work);
+  // The same for work that must not be lost, such as letting go; it is always taken.
+  void post_needed(Work work);
   // Work that takes long and shows its frames itself by show(): the player's mode meanwhile is `mode`. It
   // should end soon when must_stop() is true.
   bool post_long(PlayerMode mode, Work work);
@@ -75,19 +81,24 @@ class Player {
   void run();
   void advance();
   void tell();
-  void attempt(const std::function<void()>& what);
+  // False where it came to trouble.
+  bool attempt(const std::function<void()>& what);
+  void tell_trouble(const char* text, bool shows_again);
+  void pause_now();
 
   std::unique_ptr<Motion> motion_;
   PlayerEvents events_;
-  mutable std::mutex mutex_;  // of state_, waiting_ and is_watched_
+  mutable std::mutex mutex_;  // of state_, waiting_, is_watched_ and seek_
   std::condition_variable wakes_;
   std::deque<std::function<void()>> waiting_;
   PlayerState state_;
   bool is_watched_ = true;
+  std::optional<std::uint64_t> seek_;  // that waits
   std::atomic<bool> stops_ = false, cancels_ = false;
   std::atomic<std::uint32_t> sequence_ = 0;
   std::chrono::steady_clock::time_point due_;
   double rate_ = 0.0;
+  unsigned divergences_ = 0, calm_frames_ = 0;  // of the last frames; the player's thread alone has them
   std::thread thread_;
 };
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string_view>
+
+#include "host/studio/body_messages.h"
 
 namespace fascicle::studio {
 namespace {
@@ -213,12 +216,36 @@ std::string lowered(std::string text) {
   return text;
 }
 
-// The first joint, from the root on, whose name has one of the words, the first word first.
+// How many vertices that move by themselves follow each joint more than any other, by its name.
+std::map<std::string, std::size_t> flesh_of_joints(const RunningBody& body) {
+  const model::Model& model = body.model();
+  std::map<std::string, std::size_t> flesh;
+  if (!model.has_skeleton()) return flesh;
+  const std::vector<std::uint32_t> joints = strongest_joints(model);
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    if (!model.is_kinematic(i) && joints[i] < body.built().report.joints.size())
+      ++flesh[body.built().report.joints[joints[i]].name];
+  return flesh;
+}
+
+// Of the joints whose names have one of the words, the first word first, the one with most flesh: a spine has
+// many, and the belly hangs on one of them.
 std::optional<std::size_t> joint_called(const std::vector<rig::Joint>& skeleton,
+                                        const std::map<std::string, std::size_t>& flesh,
                                         std::initializer_list<std::string_view> words) {
-  for (const std::string_view word : words)
-    for (std::size_t j = 0; j < skeleton.size(); ++j)
-      if (lowered(skeleton[j].name).find(word) != std::string::npos) return j;
+  for (const std::string_view word : words) {
+    std::optional<std::size_t> best;
+    std::size_t most = 0;
+    for (std::size_t j = 0; j < skeleton.size(); ++j) {
+      if (lowered(skeleton[j].name).find(word) == std::string::npos) continue;
+      const auto found = flesh.find(skeleton[j].name);
+      const std::size_t count = found == flesh.end() ? 0 : found->second;
+      if (best && count <= most) continue;
+      best = j;
+      most = count;
+    }
+    if (best) return best;
+  }
   return std::nullopt;
 }
 
@@ -232,7 +259,10 @@ Preset only_joint(const RunningBody& body, const std::vector<EditedTable>& table
                   std::initializer_list<std::string_view> words, bool with_below, const char* what) {
   const std::vector<rig::Joint>* skeleton = skeleton_of(body);
   const std::optional<std::size_t> joint =
-      skeleton == nullptr ? std::nullopt : joint_called(*skeleton, words);
+      skeleton == nullptr
+          ? std::nullopt
+          : joint_called(*skeleton, with_below ? std::map<std::string, std::size_t>() : flesh_of_joints(body),
+                         words);
   if (!joint) {
     preset.why_not = std::string("no joint is called ") + what + "; name one in skeleton.only";
     return preset;
@@ -281,12 +311,11 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
     presets.push_back(wished({name, title, doc, {}, {}}, std::move(wish)));
   };
   add("more-jiggle", "More jiggle", "Softer flesh that trails further and swings longer.", [](Wish& wish) {
-    wish.soften(1.6);
-    wish.exaggerate(1.25);
-    wish.scale_damping(0.7);
+    wish.soften(1.25);
+    wish.scale_damping(0.8);
   });
   add("firmer", "Firmer", "Stiffer flesh that comes to rest sooner.", [](Wish& wish) {
-    wish.soften(1.0 / 1.6);
+    wish.soften(1.0 / 1.25);
     wish.scale_damping(1.25);
   });
   add("heavier", "Heavier", "Denser flesh of the same stiffness: it sags more and swings more slowly.",
@@ -304,9 +333,9 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
       {"only-tail", "Only the tail", "The flesh of the tail moves, all other follows the skeleton.", {}, {}},
       {"tail"}, true, "tail"));
   add("cartoon", "Cartoon", "Flesh that overshoots as in a cartoon.", [](Wish& wish) {
-    wish.soften(2.5);
-    wish.exaggerate(2.0);
-    wish.scale_damping(0.5);
+    wish.soften(1.5);
+    wish.exaggerate(1.3);
+    wish.scale_damping(0.6);
   });
   return presets;
 }

@@ -1,6 +1,7 @@
 #include "host/studio/server.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <map>
@@ -59,7 +60,7 @@ struct Server::Impl {
 
   const ServerOptions options;
   const ServerEvents events;
-  std::size_t connections = 0;  // of the server's thread; those that are left count down as the context goes
+  std::atomic<std::size_t> connections = 0;  // a page's last owner may be another thread
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
   asio::steady_timer pause{context};

@@ -18,6 +18,7 @@ namespace fascicle::studio {
 namespace {
 
 constexpr unsigned most_refused = 100;  // messages of one page before it is cut off
+constexpr unsigned gesture_bits = 40;
 
 }  // namespace
 
@@ -43,13 +44,10 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       if (history_->steps().size() > 1)
         restored_ = "the session that " + options_.folder.string() + " holds goes on";
     } else {
-      base::rename_over(options_.folder / session_file_name, options_.folder / old_session_file_name);
-      pipeline::say_warning(say_,
-                            options_.folder.string() +
-                                ": held a session of another scene, or of this one as it was before; it is "
-                                "kept as " +
-                                old_session_file_name);
+      keep_old_session("held a session of another scene, or of this one as it was before");
     }
+  } else if (std::filesystem::exists(options_.folder / session_file_name)) {
+    keep_old_session("held a session that cannot be read: damaged, or of another version of fascicle");
   }
   if (!history_) history_.emplace(base_text_);
 
@@ -66,7 +64,8 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       body_ = workshop_->make(history_->text(), revision_, say_);
     } catch (const scene::SceneError& error) {
       if (restored_.empty()) throw;
-      pipeline::say_warning(say_, std::string(error.what()) + "; the session's last change is taken back");
+      pipeline::say_warning(say_,
+                            std::string(error.what()) + "; the session begins with the scene as it was");
       while (history_->undo()) {
       }
       body_ = workshop_->make(history_->text(), revision_, say_);
@@ -85,9 +84,9 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
     start_workshop();
     make_first();
   }
-  looks_ = read_body_looks(scene::character_file(body_->scene()), body_->model(), say_);
   tables_ = scene::edited_tables(history_->text(), source_);
   prepared_ = prepare(body_);
+  prepared_.text = history_->text();
   publish(prepared_);
   writer_ = std::make_unique<SessionWriter>(options_.folder, [this](const std::string& error) {
     if (!error.empty()) return pipeline::say_warning(say_, "the session could not be saved: " + error);
@@ -98,6 +97,12 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   player_ = std::make_unique<Player>(std::make_unique<LiveMotion>(body_), player_events());
   player_->watch(false);
   builder_ = std::thread([this] { build_on(); });
+}
+
+void Session::keep_old_session(const std::string& why) {
+  base::rename_over(options_.folder / session_file_name, options_.folder / old_session_file_name);
+  pipeline::say_warning(say_,
+                        options_.folder.string() + ": " + why + "; it is kept as " + old_session_file_name);
 }
 
 Session::Session(const std::filesystem::path& bake, pipeline::Say say) : say_(std::move(say)) {
@@ -148,6 +153,8 @@ PlayerEvents Session::player_events() {
               [this](const std::string& text) {
                 pipeline::say_warning(say_, text);
                 const std::lock_guard lock(mutex_);
+                if (hand_of_)
+                  player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
                 let_go();
                 broadcast({{"type", "failed"}, {"what", "motion"}, {"error", text}});
               }};
@@ -161,7 +168,10 @@ Session::~Session() {
     builder_wakes_.notify_all();
   }
   if (builder_.joinable()) builder_.join();
-  if (player_) player_->cancel();
+  if (player_) {
+    player_->cancel();
+    player_->stop();
+  }
   player_.reset();
   writer_.reset();
 }
@@ -262,7 +272,7 @@ void Session::page_closed(PageId page) {
   player_->watch(!pages_.empty());
   if (hand_of_ != page) return;
   hand_of_.reset();
-  player_->post([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+  player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
 }
 
 void Session::page_said(PageId page, bool is_text, const std::string& bytes) {
@@ -330,8 +340,9 @@ void Session::obey(PageId page, const Command& command) {
       break;
     case Verb::set:
       must_be_live();
+      // Each page counts gestures from 1.
       set_keys(command.changes, command.label.empty() ? command.changes.front().path : command.label,
-               command.gesture);
+               command.gesture ? std::optional((page << gesture_bits) ^ *command.gesture) : std::nullopt);
       break;
     case Verb::preset: {
       must_be_live();
@@ -344,16 +355,10 @@ void Session::obey(PageId page, const Command& command) {
       throw BadMessage("\"" + base::shown_text(command.name.substr(0, 64)) + "\" is no preset", command.id);
     }
     case Verb::undo:
-    case Verb::redo: {
+    case Verb::redo:
       must_be_live();
-      if (!(command.verb == Verb::undo ? history_->undo() : history_->redo()))
-        throw std::runtime_error(command.verb == Verb::undo ? "there is nothing to take back"
-                                                            : "there is nothing to make again");
-      const std::vector<scene::EditedTable> before = tables_;
-      tables_ = scene::edited_tables(history_->text(), source_);
-      take_text(before);
+      step_in_history(command.verb == Verb::undo);
       break;
-    }
     case Verb::hand:
       must_be_live();
       obey_hand(page, command);
@@ -437,14 +442,23 @@ void Session::obey_hand(PageId page, const Command& command) {
   }
   if (hand_of_ != page) throw std::runtime_error("this page holds nothing");
   if (command.action == HandAction::move) {
-    player_->post([vector = command.vector](Motion& motion) {
-      if (Hand* hand = static_cast<LiveMotion&>(motion).hand())
-        hand->move(Vector3d(vector[0], vector[1], vector[2]));
+    // Of places that wait the last one counts.
+    const bool waits = hand_place_.has_value();
+    hand_place_ = Vector3d(command.vector[0], command.vector[1], command.vector[2]);
+    if (waits) return;
+    player_->post_needed([this](Motion& motion) {
+      std::optional<Vector3d> place;
+      {
+        const std::lock_guard lock(mutex_);
+        place.swap(hand_place_);
+      }
+      Hand* hand = static_cast<LiveMotion&>(motion).hand();
+      if (hand != nullptr && place) hand->move(*place);
     });
     return;
   }
   let_go();
-  player_->post([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
+  player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
 }
 
 }  // namespace fascicle::studio

@@ -62,6 +62,8 @@ class Session {
   void page_closed(PageId page);
 
   const std::string& name() const { return name_; }
+  // Empty where a bake is played.
+  const std::filesystem::path& folder() const { return options_.folder; }
   bool is_restored() const { return !restored_.empty(); }
 
  private:
@@ -82,6 +84,7 @@ class Session {
     std::uint32_t number = 0;
     std::vector<ArrayMessage> arrays;
     Json body_message, clip_message, warnings_message;
+    std::string text;
   };
 
   // session.cpp
@@ -104,10 +107,13 @@ class Session {
   // session_changes.cpp
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
                 std::optional<std::uint64_t> gesture);
-  void take_text(const std::vector<scene::EditedTable>& before);
+  // `is_running`: the flesh that moves is of this text already.
+  void take_text(const std::vector<scene::EditedTable>& before, bool is_running = false);
+  void step_in_history(bool is_undo);
+  void keep_old_session(const std::string& why);
   void build_on();
   void build(std::uint32_t revision, const std::string& text);
-  Publication prepare(const std::shared_ptr<RunningBody>& body) const;
+  Publication prepare(const std::shared_ptr<RunningBody>& body);
   void publish(const Publication& publication);
   void tell_applied(const FrameNumbers& numbers);
   void take_back(std::uint32_t revision, const std::string& error);
@@ -131,7 +137,8 @@ class Session {
   std::optional<pipeline::ChosenDevice> device_;
   std::unique_ptr<Workshop> workshop_;  // the builder's, after the constructor
   BodyLooks looks_;
-  Publication prepared_;  // the last one that the builder has made
+  std::filesystem::path looks_of_;  // the file that they are of
+  Publication prepared_;            // the last one that the builder has made
   // The player's: how deep flesh lies in other flesh, of the body of this number.
   std::optional<model::OverlapMeter> meter_;
   std::uint32_t meter_body_ = 0;
@@ -140,10 +147,14 @@ class Session {
   Server* server_ = nullptr;
   std::map<PageId, Page> pages_;
   std::optional<PageId> hand_of_;
+  std::optional<Vector3d> hand_place_;  // where it shall go, and the player does not know yet
   std::optional<History> history_;
   std::vector<scene::EditedTable> tables_;  // of the text in force
   std::uint32_t revision_ = 1;              // of the text in force
   std::uint32_t built_ = 1;                 // that the builder has taken up
+  std::optional<Publication> next_;         // that waits for the player
+  std::string running_text_;                // of the body whose frames are shown
+  bool bakes_ = false;                      // a bake waits or is under way
   bool builds_anew_ = false;                // what the builder is at needs a new body
   std::vector<Pending> pending_;
   std::string saved_file_;             // by its name in the folder; empty: none

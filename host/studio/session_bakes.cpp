@@ -1,5 +1,6 @@
 // What the session leaves on disk: recorded runs say what it would be, saved scenes and bakes are it.
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "host/base/file.h"
@@ -31,15 +32,24 @@ void Session::record() {
       const std::lock_guard lock(mutex_);
       hand_of_.reset();
     }
-    const auto wait_for_pages = [this] {
+    std::set<PageId> asleep;  // pages that were waited for in vain
+    const auto wait_for_pages = [&] {
       const Clock::time_point latest = Clock::now() + patience;
       for (;;) {
         {
           const std::lock_guard lock(mutex_);
-          const bool is_free = server_ == nullptr ||
-                               std::all_of(pages_.begin(), pages_.end(),
-                                           [&](const auto& page) { return server_->is_free(page.first); });
-          if (is_free || Clock::now() > latest || player_->must_stop()) return;
+          if (server_ == nullptr || player_->must_stop()) return;
+          const bool is_late = Clock::now() > latest;
+          bool waits = false;
+          for (const auto& [page, state] : pages_) {
+            if (server_->is_free(page))
+              asleep.erase(page);
+            else if (is_late)
+              asleep.insert(page);
+            else
+              waits = waits || !asleep.contains(page);
+          }
+          if (!waits) return;
         }
         std::this_thread::sleep_for(look_again);
       }
@@ -108,20 +118,22 @@ fs::path Session::save(const Command& command, Json& answer) {
 }
 
 void Session::bake(const Command& command) {
+  if (bakes_) throw std::runtime_error("a bake is under way; stop it, or wait for its end");
+  const std::string folder = command.name.empty() ? "bake" : command.name;
+  if (!command.overwrite && bake::holds_bake(options_.folder / folder))
+    throw std::runtime_error((options_.folder / folder).string() +
+                             " holds a bake; choose another name, or overwrite it");
   Command of_save;
   of_save.verb = Verb::save;
+  of_save.overwrite = command.overwrite;
   Json saved{{"type", "saved"}};
   const fs::path file = save(of_save, saved);
   broadcast(saved);
   broadcast(history_json());
-  const std::string folder = command.name.empty() ? "bake" : command.name;
   pipeline::BakeRequest request;
   request.output.folder = options_.folder / folder;
   request.output.formats = command.formats;
   request.output.overwrite = command.overwrite;
-  if (!command.overwrite && bake::holds_bake(request.output.folder))
-    throw std::runtime_error(request.output.folder.string() +
-                             " holds a bake; choose another name, or overwrite it");
   request.devices = {options_.device};
   request.threads = options_.threads;
   request.build = options_.build;
@@ -145,6 +157,7 @@ void Session::bake(const Command& command) {
         };
         const auto end = [&](Json message) {
           const std::lock_guard lock(mutex_);
+          bakes_ = false;
           broadcast(std::move(message));
         };
         request.on_frame = [&](std::uint64_t frame, std::uint64_t frames) { tell("frames", frame, frames); };
@@ -175,6 +188,7 @@ void Session::bake(const Command& command) {
         }
       });
   if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
+  bakes_ = true;
 }
 
 }  // namespace fascicle::studio

@@ -14,7 +14,6 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::size_t most_pending = 256;
-constexpr auto post_again = std::chrono::milliseconds(5);
 
 // What has another value, or none any more, by its path.
 Json differences(const std::vector<scene::EditedTable>& before,
@@ -47,14 +46,33 @@ void Session::set_keys(const std::vector<scene::KeyChange>& changes, const std::
   take_text(before);
 }
 
+void Session::step_in_history(bool is_undo) {
+  if (!(is_undo ? history_->undo() : history_->redo()))
+    throw std::runtime_error(is_undo ? "there is nothing to take back" : "there is nothing to make again");
+  std::vector<scene::EditedTable> after;
+  try {
+    after = scene::edited_tables(history_->text(), source_);
+  } catch (const scene::SceneError&) {
+    // A session that somebody else has edited.
+    is_undo ? history_->redo() : history_->undo();
+    throw;
+  }
+  take_text(std::exchange(tables_, std::move(after)));
+}
+
 // The text in force is another one.
-void Session::take_text(const std::vector<scene::EditedTable>& before) {
+void Session::take_text(const std::vector<scene::EditedTable>& before, bool is_running) {
   ++revision_;
+  if (is_running) built_ = revision_;
   const Json changes = differences(before, tables_);
   bool is_rebuild = false;
   for (const auto& [path, value] : changes.items()) is_rebuild = is_rebuild || needs_new_body(path);
+  is_rebuild = is_rebuild && !is_running;
   if (pending_.size() == most_pending) pending_.erase(pending_.begin());
-  pending_.push_back({revision_, is_rebuild, Clock::now()});
+  if (is_running)
+    pending_.clear();
+  else
+    pending_.push_back({revision_, is_rebuild, Clock::now()});
   // A body that nobody wants any more need not be finished.
   if (builds_anew_) stops_build_ = true;
   Json message{{"type", "changed"},
@@ -80,11 +98,20 @@ void Session::autosave() {
 
 // The builder's thread. It takes up the newest text alone.
 void Session::build_on() {
+  const std::string getting_ready = "gets ready for changes";
+  const auto say_on_top = [&](const std::string& text, const std::string& in_place_of) {
+    const std::lock_guard lock(mutex_);
+    if (player_message_ != in_place_of) return;
+    player_message_ = text;
+    broadcast(player_json());
+  };
+  say_on_top(getting_ready, "");
   try {
     workshop_->warm();
   } catch (const std::exception&) {
     // The first change will say what is wrong.
   }
+  say_on_top("", getting_ready);
   for (;;) {
     std::uint32_t revision = 0;
     std::string text;
@@ -107,18 +134,30 @@ void Session::build_on() {
 void Session::build(std::uint32_t revision, const std::string& text) {
   try {
     Publication made = prepare(workshop_->make(text, revision, say_));
+    made.text = text;
     prepared_ = made;
-    const auto take = [this, made = std::move(made)](Motion& motion) {
-      auto& live = static_cast<LiveMotion&>(motion);
-      const ShownFrame frame = live.take(made.body);
+    {
+      // Of bodies that wait for a player who is busy the last one counts.
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(next_, std::move(made))) return;
+    }
+    player_->post_needed([this](Motion& motion) {
+      std::optional<Publication> next;
       {
         const std::lock_guard lock(mutex_);
-        publish(made);
+        next.swap(next_);
+      }
+      if (!next) return;
+      auto& live = static_cast<LiveMotion&>(motion);
+      const ShownFrame frame = live.take(next->body);
+      meter_.reset();  // it was the old model's
+      {
+        const std::lock_guard lock(mutex_);
+        publish(*next);
         if (live.hand() == nullptr) let_go();
       }
       player_->show(frame);
-    };
-    while (!player_->post(take) && !stops_) std::this_thread::sleep_for(post_again);
+    });
   } catch (const build::Cancelled&) {
     // A newer text waits, or the session ends.
   } catch (const std::exception& error) {
@@ -126,7 +165,14 @@ void Session::build(std::uint32_t revision, const std::string& text) {
   }
 }
 
-Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) const {
+Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) {
+  // Another file has other looks, and the same file read otherwise has vertices that they do not fit.
+  if (const std::filesystem::path file = scene::character_file(body->scene());
+      prepared_.number == 0 || file != looks_of_ ||
+      body->model().surface_count() != prepared_.body->model().surface_count()) {
+    looks_ = read_body_looks(file, body->model(), say_);
+    looks_of_ = file;
+  }
   const BodyParts parts{body->model(), &body->built().report, &body->scene()};
   Publication made;
   made.body = body;
@@ -156,6 +202,7 @@ void Session::publish(const Publication& made) {
   const bool is_new = made.number != body_number_;
   const std::vector<ArrayMessage> before = std::exchange(arrays_, made.arrays);
   body_ = made.body;
+  running_text_ = made.text;
   body_number_ = made.number;
   body_message_ = made.body_message;
   if (is_new) {
@@ -199,14 +246,20 @@ void Session::tell_applied(const FrameNumbers& numbers) {
              {"sequence", numbers.sequence}});
 }
 
+// What moves is right as it is, so nothing is built: its text is in force again.
 void Session::take_back(std::uint32_t revision, const std::string& error) {
   const std::lock_guard lock(mutex_);
-  broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
+  // A newer text waits, and will say for itself what is wrong with it.
   if (revision_ != revision) return;
-  history_->drop_last();
-  const std::vector<scene::EditedTable> before = tables_;
-  tables_ = scene::edited_tables(history_->text(), source_);
-  take_text(before);
+  broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
+  history_->fall_back(next_ ? next_->text : running_text_);
+  player_message_.clear();
+  try {
+    take_text(std::exchange(tables_, scene::edited_tables(history_->text(), source_)), true);
+  } catch (const std::exception& failure) {
+    pipeline::say_warning(say_, failure.what());
+  }
+  broadcast(player_json());
 }
 
 }  // namespace fascicle::studio

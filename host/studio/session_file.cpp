@@ -8,6 +8,7 @@
 #include "host/base/file.h"
 #include "host/base/json_text.h"
 #include "host/scene/scene_json.h"
+#include "host/studio/commands.h"
 
 namespace fascicle::studio {
 
@@ -49,6 +50,8 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     for (const Json& step : json.at("steps"))
       record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>()});
     if (record.at >= record.steps.size()) return std::nullopt;
+    // It is written to: another's session must not name what lies elsewhere.
+    if (!record.saved_file.empty() && !is_plain_name(record.saved_file)) return std::nullopt;
     return record;
   } catch (const Json::exception&) {
     return std::nullopt;

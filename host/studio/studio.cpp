@@ -19,10 +19,14 @@ void run_studio(Session& session, const StudioOptions& options, const std::atomi
                  .received = [&](PageId page, bool is_text,
                                  const std::string& bytes) { session.page_said(page, is_text, bytes); },
                  .closed = [&](PageId page) { session.page_closed(page); }});
+  // Whatever comes, the session lets go of the server before that is gone.
+  const struct Serving {
+    Session& session;
+    ~Serving() { session.leave(); }
+  } serving{session};
   session.serve(server);
   ready("http://127.0.0.1:" + std::to_string(server.port()) + "/#" + token);
   while (!interrupted) std::this_thread::sleep_for(moment);
-  session.leave();
 }
 
 }  // namespace fascicle::studio

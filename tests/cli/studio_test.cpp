@@ -1,6 +1,8 @@
 // fascicle studio as a user starts and ends it. What it says to its page is tests/studio's.
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <thread>
 
@@ -14,6 +16,8 @@
 
 namespace fascicle::tests {
 namespace {
+
+namespace fs = std::filesystem;
 
 // A socket on loopback; port 0 takes one that is free.
 class LoopbackSocket {
@@ -84,6 +88,32 @@ TEST(StudioProgram, AFolderIsOneStudiosAndAPortToo) {
   EXPECT_TRUE(contains(same_port.err, "cannot listen")) << same_port.err;
   first.send(SIGINT);
   EXPECT_EQ(first.wait().status, 0);
+}
+
+// Every user of a machine can read the command lines of all programs.
+TEST(StudioProgram, TheTokenStandsInNoCommandLine) {
+  const TemporaryFolder folder;
+  write_text(folder / "xdg-open",
+             "#!/bin/sh\ncd '" + folder.path().string() +
+                 "'\ncp \"$1\" seen.html\nstat -c %a \"$1\" > mode\necho \"$@\" > line.part\n"
+                 "mv line.part line\n");
+  fs::permissions(folder / "xdg-open", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
+  Program program({"studio", "bar-beta-1", "-o", folder / "session", "--device", "cpu"});
+  ::setenv("PATH", path.c_str(), 1);
+  while (program.is_running() && !fs::exists(folder / "line"))
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  program.send(SIGINT);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  std::string address = outcome.out.substr(0, outcome.out.find('\n'));
+  const std::string line = read_text(folder / "line"), token = address.substr(address.find('#') + 1);
+  EXPECT_EQ(token.size(), 32u);
+  EXPECT_FALSE(contains(line, token)) << line;
+  EXPECT_TRUE(contains(read_text(folder / "seen.html"), "url=" + address + "\""));
+  EXPECT_EQ(read_text(folder / "mode"), "600\n");
+  EXPECT_FALSE(fs::exists(line.substr(0, line.find('\n')))) << "it outlives the studio";
 }
 
 TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {

@@ -57,10 +57,10 @@ TEST(History, AGestureIsOneStep) {
 TEST(History, WhatFailedIsDropped) {
   History history("a");
   history.add("to b", "b");
-  history.drop_last();
+  history.fall_back("a");
   EXPECT_EQ(history.text(), "a");
   EXPECT_EQ(history.redo_label(), nullptr);
-  history.drop_last();
+  history.fall_back("a");
   EXPECT_EQ(history.text(), "a");
 }
 

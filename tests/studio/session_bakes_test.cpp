@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -161,6 +162,44 @@ double tip_height(const DecodedFrame& frame, const std::vector<float>& rest) {
 }
 
 // Where a bar of other stiffness comes to rest, in the running loop and in a bake of its own that settles.
+// A change to flesh that is being baked waits; of many the last one is what comes.
+TEST_F(SessionTest, ChangesDuringABakeComeAfterIt) {
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 20.0}}}});
+  client->wait_for("applied");
+  client->say({{"type", "bake"}});
+  client->wait_for("baking");
+  client->say({{"type", "bake"}});
+  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("under way"), std::string::npos);
+  std::uint32_t last = 0;
+  for (int k = 0; k < 40; ++k) {
+    client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 3.0 + 0.05 * k}}}});
+    last = client->wait_for("changed").at("revision");
+  }
+  client->say({{"type", "cancel"}});
+  client->wait_for("cancelled");
+  Json applied = client->wait_for("applied");
+  while (applied.at("revision") != last) applied = client->wait_for("applied");
+}
+
+// Ctrl-C comes when it comes.
+TEST_F(SessionTest, EndsInTheMiddleOfARunAndOfABake) {
+  for (const char* work : {"record", "bake"}) {
+    std::optional<Running> studio(std::in_place, scene_.string(), folder_ / "session", folder_ / "cache");
+    const auto client = studio->open();
+    start_of(*client);
+    client->say({{"type", "set"}, {"changes", {{"scene.end", 60.0 + work[0]}}}});
+    client->wait_for("applied");
+    client->say({{"type", work}});
+    Json state = client->wait_for("player");
+    while (state.at("state") != "recording" && state.at("state") != "baking")
+      state = client->wait_for("player");
+    studio.reset();
+  }
+}
+
 TEST_F(SessionTest, ASoftenedBarComesToRestWhereABakeOfItDoes) {
   const Running studio = open();
   const auto client = studio.open();

@@ -50,6 +50,12 @@ TEST(SessionFile, WhatIsDamagedIsNoSession) {
   }
   EXPECT_FALSE(parse_session("{}"));
   EXPECT_FALSE(parse_session("[]"));
+  // Nothing elsewhere is named, as it is what a bake writes to.
+  for (const char* elsewhere : {"../man.toml", "/root/.bashrc", ".bashrc", "a/b.toml"}) {
+    SessionRecord stranger = sample();
+    stranger.saved_file = elsewhere;
+    EXPECT_FALSE(parse_session(studio::session_text(stranger))) << elsewhere;
+  }
   SessionRecord beyond = sample();
   beyond.at = 2;
   EXPECT_FALSE(parse_session(studio::session_text(beyond)));

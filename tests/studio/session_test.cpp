@@ -51,7 +51,8 @@ TEST_F(SessionTest, ThePlayerObeys) {
   const auto client = studio.open();
   start_of(*client);
   client->say({{"type", "pause"}});
-  EXPECT_EQ(client->wait_for("player").at("state"), "paused");
+  while (client->wait_for("player").at("state") != "paused") {
+  }
   client->say({{"type", "seek"}, {"frame", 12}});
   const DecodedFrame at = decode_frame(
       client->wait_for_frame([](const std::string& bytes) { return decode_frame(bytes).frame == 12; }));
@@ -250,6 +251,31 @@ TEST_F(SessionTest, AnotherSceneBeginsAnewAndTheOldSessionIsKept) {
   EXPECT_EQ(start.messages.at("hello").at("restored"), false);
   EXPECT_EQ(key_of(start.messages.at("keys"), "layers.body.frequency").at("value"), 6.0);
   EXPECT_TRUE(fs::exists(folder_ / "session" / studio::old_session_file_name));
+}
+
+TEST_F(SessionTest, ASessionThatCannotBeReadIsKept) {
+  fs::create_directories(folder_ / "session");
+  base::write_whole(folder_ / "session" / "session.json", "{\"fascicle_studio\": 2}");
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
+  client->wait_for("applied");
+  EXPECT_EQ(read(folder_ / "session" / "session.before.json"), "{\"fascicle_studio\": 2}");
+}
+
+// Each page counts its gestures from 1.
+TEST_F(SessionTest, GesturesOfTwoPagesAreTwoSteps) {
+  const Running studio = open();
+  const auto one = studio.open(), other = studio.open();
+  start_of(*one);
+  start_of(*other);
+  one->say({{"type", "set"}, {"gesture", 1}, {"changes", {{"layers.body.frequency", 5.0}}}});
+  EXPECT_EQ(one->wait_for("history").at("steps"), 2);
+  other->say({{"type", "set"}, {"gesture", 1}, {"changes", {{"layers.body.damping", 5.0}}}});
+  Json history = other->wait_for("history");
+  while (history.at("undo") != "layers.body.damping") history = other->wait_for("history");
+  EXPECT_EQ(history.at("steps"), 3);
 }
 
 TEST_F(SessionTest, ASlowPageGetsTheNewestFrameAndNoMemory) {

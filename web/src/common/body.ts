@@ -102,6 +102,11 @@ export class BodyMaterials {
       surface.polygonOffsetUnits = 1;
     }
   }
+
+  // Textures are whoever's they were.
+  dispose(): void {
+    for (const one of [...this.painted, this.coloured, this.plain, this.ghost, this.lines]) one.dispose();
+  }
 }
 
 function edges_of(triangles: Uint32Array, place: Uint32Array): Uint32Array {

@@ -66,6 +66,13 @@ export class Connection {
     this.listener.said(message);
   }
 
+  // For good.
+  close(): void {
+    const socket = this.socket;
+    this.socket = null;
+    socket?.close();
+  }
+
   // What the server says to it; throws Refused with the reason.
   command(type: string, members: object = {}): Promise<string> {
     const socket = this.socket;

@@ -5,6 +5,13 @@ import { element } from "../common/dom";
 import type { Curve } from "../common/film";
 import type { FrameMessage } from "./wire";
 
+const MEANINGS: Record<string, string> = {
+  lag: "Root mean square distance of all free flesh from where skinning alone would have it",
+  energy: "Kinetic energy of the body",
+  volume: "Volume of the body over that at rest",
+  "real time": "How many times as fast as the clip the solver can go",
+};
+
 export class LiveCurves {
   private plot: CurvePlot | null = null;
   private curves: Curve[] = [];
@@ -26,6 +33,11 @@ export class LiveCurves {
     this.list();
     if (!this.plot) this.plot = new CurvePlot(element<HTMLCanvasElement>("plot"), count, (frame) => this.seek(frame));
     else this.plot.frames = count;
+  }
+
+  // All frames are to come again.
+  clear(): void {
+    for (const curve of this.curves) curve.values.fill(null);
   }
 
   // `fps`: of the clip.
@@ -50,6 +62,7 @@ export class LiveCurves {
     list.replaceChildren();
     for (const lane of this.lanes) {
       const label = document.createElement("label");
+      label.title = MEANINGS[lane.curve.name];
       const box = document.createElement("input");
       box.type = "checkbox";
       box.checked = true;

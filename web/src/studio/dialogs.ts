@@ -69,10 +69,11 @@ export class Dialogs {
       const item = document.createElement("li");
       item.textContent = text;
       list.append(item);
+      return item;
     };
     add(`${message.frames} frames in ${short_number(message.seconds)} s; hash of the last ${message.position_hash}`);
+    for (const warning of message.warnings) add(warning).className = "warning";
     for (const file of message.files) add(`${message.folder}/${file}`);
-    for (const warning of message.warnings) add(warning);
     document.documentElement.dataset.baked = message.position_hash;
     this.user.say(`Baked into ${message.folder}`);
   }

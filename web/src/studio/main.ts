@@ -15,7 +15,7 @@ import { Hand } from "./hand";
 import { list_presets, list_warnings, show_legend } from "./lists";
 import { blocks_for, Picture } from "./picture";
 import type { Choice, ShownColour } from "./picture";
-import type { BodyMessage, ClipMessage, Hello, KeyValue, PlayerMessage, ServerMessage } from "./protocol";
+import type { BodyMessage, ClipMessage, Hello, KeyValue, PlayerMessage, SceneWarning, ServerMessage } from "./protocol";
 import { TouchPanel } from "./touch";
 import type { ArrayMessage, FrameMessage, Items } from "./wire";
 
@@ -31,6 +31,7 @@ class Studio {
   private hello: Hello | null = null;
   private body: BodyMessage | null = null;
   private readonly arrays = new Map<string, Items>();
+  private readonly textures = new Map<Items, Promise<Texture | null>>(); // by the bytes that they are of
   private clip: ClipMessage | null = null;
   private player: PlayerMessage | null = null;
   private frame: FrameMessage | null = null;
@@ -40,6 +41,8 @@ class Studio {
   private readonly hand: Hand;
   private readonly dialogs: Dialogs;
   private legend_shown = "";
+  private warnings: SceneWarning[] = [];
+  private bake_warnings: SceneWarning[] = [];
   private seen = { frames: 0, since: 0, rate: 0 };
 
   constructor(address: string) {
@@ -64,8 +67,11 @@ class Studio {
       send: (type) => this.send(type),
       say: (text) => this.toast(text),
     });
-    this.touch = new TouchPanel(element("groups"), element<HTMLInputElement>("find"), (path, value, gesture) =>
-      this.set(path, value, gesture),
+    this.touch = new TouchPanel(
+      element("groups"),
+      element<HTMLInputElement>("find"),
+      (path, value, gesture) => this.set(path, value, gesture),
+      element("nothing-found"),
     );
   }
 
@@ -77,13 +83,14 @@ class Studio {
     });
     this.connection.open();
     const tick = () => {
+      // First, so that what goes wrong in one picture is not the end of all.
+      requestAnimationFrame(tick);
       if (this.is_new) this.refresh();
       this.picture.render(this.choice());
       if (this.toast_until > 0 && performance.now() > this.toast_until) {
         element("toast").hidden = true;
         this.toast_until = 0;
       }
-      requestAnimationFrame(tick);
     };
     requestAnimationFrame(tick);
   }
@@ -97,6 +104,7 @@ class Studio {
   private lost(): void {
     this.set_status("The program is gone. Start it again and open its address: nothing is lost", "lost");
     this.blocks = "";
+    this.dialogs.end_bake();
     this.hand.drop();
     for (const id of ["undo", "redo"]) element<HTMLButtonElement>(id).disabled = true;
     document.documentElement.dataset.state = "lost";
@@ -105,6 +113,7 @@ class Studio {
   private set_status(text: string, state: string): void {
     const status = element("status");
     if (status.textContent !== text) status.textContent = text;
+    status.title = text; // it may be cut off
     status.dataset.state = state;
   }
 
@@ -132,9 +141,8 @@ class Studio {
       case "presets":
         return list_presets(message.list, (name) => this.send("preset", { name }));
       case "warnings":
-        return list_warnings(message.list, (place, vertex) =>
-          this.picture.point_at(this.place_of(vertex) ?? place),
-        );
+        this.warnings = message.list;
+        return this.list_warnings();
       case "history": {
         const undo = element<HTMLButtonElement>("undo");
         const redo = element<HTMLButtonElement>("redo");
@@ -155,13 +163,18 @@ class Studio {
         return this.toast(message.message);
       case "applied":
         document.documentElement.dataset.applied = String(message.revision);
+        // What was computed before is of other flesh.
+        this.curves.clear();
+        if (this.player?.state === "paused") return this.toast("In force; play to see it");
         return this.toast(
           message.seconds < 1
             ? `In the flesh after ${Math.round(1000 * message.seconds)} ms`
             : `In the flesh after ${short_number(message.seconds)} s`,
         );
       case "failed":
-        return this.toast(`Taken back: ${message.error}`, true);
+        if (message.what === "bake") this.dialogs.end_bake();
+        if (message.what === "change") this.touch.restore();
+        return this.toast(message.what === "change" ? `Taken back: ${message.error}` : message.error, true);
       case "recorded":
         document.documentElement.dataset.recorded = message.position_hash;
         return this.toast(
@@ -172,6 +185,9 @@ class Studio {
       case "baking":
         return this.dialogs.baking(message);
       case "baked":
+        // What a bake found stands until the next one, or until the body is another one.
+        this.bake_warnings = message.warnings.map((text) => ({ text: `The bake: ${text}`, places: [], vertices: [] }));
+        this.list_warnings();
         return this.dialogs.baked(message);
       case "cancelled":
         this.dialogs.end_bake();
@@ -186,6 +202,7 @@ class Studio {
   private greet(hello: Hello): void {
     this.hello = hello;
     if (hello.protocol !== 1) {
+      this.connection.close();
       this.fail(`The program speaks protocol ${hello.protocol}, and this page 1: load the page again.`);
       return;
     }
@@ -212,17 +229,29 @@ class Studio {
     const textures: (Texture | null)[] = await Promise.all(
       body.textures.map((texture, k) => {
         const bytes = this.arrays.get(`texture.${k}`) as Uint8Array | undefined;
-        return bytes ? load_texture_bytes(new Uint8Array(bytes), texture.type, texture.wrap[0], texture.wrap[1]) : null;
+        if (!bytes) return null;
+        // What is the same as before is not decoded again.
+        let texture_of = this.textures.get(bytes);
+        if (!texture_of) {
+          texture_of = load_texture_bytes(new Uint8Array(bytes), texture.type, texture.wrap[0], texture.wrap[1]);
+          this.textures.set(bytes, texture_of);
+        }
+        return texture_of;
       }),
     );
     if (body !== this.body) return;
+    for (const [bytes, texture] of this.textures) {
+      if ([...this.arrays.values()].includes(bytes)) continue;
+      this.textures.delete(bytes);
+      void texture.then((one) => one?.dispose());
+    }
     const materials = body.materials.map((material) => ({
       name: material.name,
       colour: [material.colour[0], material.colour[1], material.colour[2]] as [number, number, number],
       cutoff: material.alpha_cutoff,
       texture: material.texture,
     }));
-    this.picture.set_body(body, this.arrays, {
+    this.picture.set_body(body, new Map(this.arrays), {
       // What says nothing of its colour is skin.
       materials: materials.length > 0 ? materials : [{ name: "skin", colour: SKIN, cutoff: 0, texture: -1 }],
       textures,
@@ -273,7 +302,8 @@ class Studio {
         facts[4].textContent = `${Math.round(this.seen.rate)} frames/s`;
       }
     }
-    if (this.clip) this.curves.note(frame, this.clip.fps);
+    // After a jump along the clip the flesh has been carried there, and says nothing of how it moves.
+    if (this.clip && !frame.begins) this.curves.note(frame, this.clip.fps);
     this.is_new = true;
   }
 
@@ -306,7 +336,7 @@ class Studio {
       case "baking":
         return "Baking";
       case "paused":
-        return "Paused";
+        return this.frame?.begins && this.hello?.can_touch ? "Paused; play to see the flesh move" : "Paused";
       default:
         return "Live";
     }
@@ -358,7 +388,10 @@ class Studio {
         changes: { [pending.path]: pending.value },
         ...(pending.gesture === null ? {} : { gesture: pending.gesture }),
       })
-      .catch((error: Error) => this.toast(error.message, true))
+      .catch((error: Error) => {
+        this.touch.restore();
+        this.toast(error.message, true);
+      })
       .finally(() => {
         this.is_sending = false;
         this.flush();
@@ -426,6 +459,12 @@ class Studio {
     show_legend(choice.colour, millimetres, this.body?.layers ?? []);
   }
 
+  private list_warnings(): void {
+    list_warnings([...this.bake_warnings, ...this.warnings], (place, vertex) =>
+      this.picture.point_at(this.place_of(vertex) ?? place),
+    );
+  }
+
   // Where a vertex of the model is now, where frames tell.
   private place_of(vertex: number | undefined): [number, number, number] | null {
     const vertices = this.frame?.blocks.vertices;
@@ -480,6 +519,14 @@ class Studio {
     });
     fill_help(element("help-table"), groups);
     listen_to_keys(groups, () => document.querySelector("dialog[open]") !== null);
+    // As elsewhere; a field that is typed in has its own.
+    window.addEventListener("keydown", (event) => {
+      if (!(event.ctrlKey || event.metaKey) || event.target instanceof HTMLInputElement) return;
+      const key = event.key.toLowerCase();
+      if (key !== "z" && key !== "y") return;
+      event.preventDefault();
+      element(key === "y" || event.shiftKey ? "redo" : "undo").click();
+    });
     this.hand.listen();
     window.addEventListener("resize", () => this.curves.draw(this.frame?.frame ?? 0));
   }

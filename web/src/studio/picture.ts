@@ -91,10 +91,15 @@ export class Picture {
         })
       : null;
     this.looks = { ...looks, groups: this.skin?.groups ?? [] };
+    this.materials?.dispose();
     this.materials = new BodyMaterials(this.looks, colours !== null);
+    this.muscle_of = null;
     this.drawn_as = "";
     for (const overlay of [this.fibres, this.skeleton, this.inverted])
-      if (overlay) this.stage.scene.remove(overlay.lines.object);
+      if (overlay) {
+        this.stage.scene.remove(overlay.lines.object);
+        overlay.lines.object.geometry.dispose();
+      }
     this.fibres = this.skeleton = this.inverted = null;
     if (this.is_framed) return;
     this.is_framed = true;
@@ -103,8 +108,8 @@ export class Picture {
     const radius = 0.5 * new Vector3(...least).distanceTo(new Vector3(...most)) || 1;
     this.stage.furnish(middle, 1.3 * radius, least[1]);
     const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
-    // A clip moves about; a quarter more takes in most of it.
-    const points = Float32Array.from(rest, (value, k) => 1.25 * (value - middle.getComponent(k % 3)));
+    // A clip moves about; half as much again takes in most of it, a jump with raised arms too.
+    const points = Float32Array.from(rest, (value, k) => 1.5 * (value - middle.getComponent(k % 3)));
     const canvas = this.stage.canvas;
     this.stage.orbit.frame(middle, points, FIELD, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
   }

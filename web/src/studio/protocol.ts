@@ -120,7 +120,7 @@ export type ServerMessage =
   | { type: "ready" }
   | { type: "changed"; revision: number; changes: Record<string, KeyValue>; effect: string; message: string }
   | { type: "applied"; revision: number; effect: string; seconds: number; sequence: number }
-  | { type: "failed"; revision: number; error: string }
+  | { type: "failed"; what: "change" | "motion" | "bake"; error: string }
   | { type: "hand"; is_held: boolean; vertices: number; force: [number, number, number] }
   | { type: "recorded"; frames: number; position_hash: string; seconds: number }
   | { type: "saved"; file: string; kept_comments: boolean; message: string }

@@ -4,10 +4,13 @@ import { range_of, step_of, STEPS, value_of } from "./slider";
 
 export type Change = (path: string, value: KeyValue, gesture: number | null) => void;
 
+// Shows what holds; unless by force not in a control that is in use.
+type Fill = (key: SceneKey, by_force: boolean) => void;
+
 interface Row {
   key: SceneKey;
   element: HTMLElement;
-  fill: (key: SceneKey) => void;
+  fill: Fill;
 }
 
 // Whether it is shown unasked: what has a slider, what the scene states, and what moves flesh from outside. Of the forms
@@ -50,6 +53,7 @@ export class TouchPanel {
     private readonly home: HTMLElement,
     private readonly find: HTMLInputElement,
     private readonly change: Change,
+    private readonly nothing: HTMLElement, // what says that no key was found
   ) {
     find.addEventListener("input", () => this.filter());
   }
@@ -64,8 +68,13 @@ export class TouchPanel {
       this.shape = shape;
       this.build();
     }
-    for (const group of groups) for (const key of group.keys) this.rows.get(key.path)?.fill(key);
+    for (const group of groups) for (const key of group.keys) this.rows.get(key.path)?.fill(key, false);
     this.filter();
+  }
+
+  // What was chosen does not hold: controls show what does, also where somebody is typing.
+  restore(): void {
+    for (const group of this.groups) for (const key of group.keys) this.rows.get(key.path)?.fill(key, true);
   }
 
   private build(): void {
@@ -93,6 +102,7 @@ export class TouchPanel {
   private filter(): void {
     const set = new Set(this.groups.flatMap((group) => group.keys.filter((key) => key.is_set).map((key) => key.path)));
     const words = this.find.value.trim().toLowerCase().split(/\s+/).filter((word) => word);
+    let all = 0;
     for (const details of this.home.querySelectorAll("details")) {
       let shown = 0;
       const group = this.groups.find((one) => one.path === details.dataset.path);
@@ -105,7 +115,9 @@ export class TouchPanel {
       }
       details.hidden = shown === 0;
       if (words.length > 0 && shown > 0) details.open = true;
+      all += shown;
     }
+    this.nothing.hidden = all > 0;
   }
 
   private row_of(key: SceneKey): Row {
@@ -138,16 +150,16 @@ export class TouchPanel {
     return {
       key,
       element,
-      fill: (now) => {
+      fill: (now, by_force) => {
         element.classList.toggle("is-set", now.is_set);
         reset.style.visibility = now.is_set ? "visible" : "hidden";
-        fill_value(now);
+        fill_value(now, by_force);
       },
     };
   }
 
   // Adds the control of a key's kind; returns what fills it.
-  private control(element: HTMLElement, name: HTMLElement, key: SceneKey, id: string): (key: SceneKey) => void {
+  private control(element: HTMLElement, name: HTMLElement, key: SceneKey, id: string): Fill {
     const value = document.createElement("span");
     value.className = "value";
     element.append(name, value);
@@ -183,10 +195,10 @@ export class TouchPanel {
         if (inputs.every((input) => input.value !== "") && numbers.every(Number.isFinite)) this.change(key.path, numbers, null);
       };
       for (const input of inputs) input.addEventListener("change", send);
-      return (now) => {
+      return (now, by_force) => {
         const numbers = shown_value(now);
         inputs.forEach((input, k) => {
-          if (document.activeElement !== input) input.value = Array.isArray(numbers) ? String(numbers[k] ?? "") : "";
+          if (by_force || document.activeElement !== input) input.value = Array.isArray(numbers) ? String(numbers[k] ?? "") : "";
         });
       };
     }
@@ -199,9 +211,9 @@ export class TouchPanel {
       this.change(key.path, is_list ? words : input.value, null);
     });
     value.append(input);
-    return (now) => {
+    return (now, by_force) => {
       const shown = shown_value(now);
-      if (document.activeElement !== input) input.value = Array.isArray(shown) ? shown.join(", ") : String(shown ?? "");
+      if (by_force || document.activeElement !== input) input.value = Array.isArray(shown) ? shown.join(", ") : String(shown ?? "");
     };
   }
 
@@ -210,7 +222,7 @@ export class TouchPanel {
     value: HTMLElement,
     key: SceneKey,
     id: string,
-  ): (key: SceneKey) => void {
+  ): Fill {
     const input = document.createElement("input");
     input.type = "number";
     input.id = id;
@@ -223,6 +235,7 @@ export class TouchPanel {
     value.append(input, unit);
     input.addEventListener("change", () => {
       if (input.value !== "" && Number.isFinite(Number(input.value))) this.change(key.path, Number(input.value), null);
+      else this.restore();
     });
     const range = range_of(key);
     let slider: HTMLInputElement | null = null;
@@ -249,14 +262,14 @@ export class TouchPanel {
       own.addEventListener("blur", () => (gesture = 0));
       element.append(own);
     }
-    return (now) => {
+    return (now, by_force) => {
       const shown = shown_value(now);
       const number = typeof shown === "number" ? shown : null;
-      if (document.activeElement !== input && !is_busy()) {
+      if (by_force || (document.activeElement !== input && !is_busy())) {
         input.value = number === null ? "" : String(number);
         input.placeholder = number === null ? "auto" : "";
       }
-      if (slider && range && !is_busy()) {
+      if (slider && range && (by_force || !is_busy())) {
         slider.value = String(number === null ? STEPS / 2 : step_of(number, range));
         slider.setAttribute("aria-valuetext", number === null ? "auto" : `${number} ${now.unit ?? ""}`.trim());
       }

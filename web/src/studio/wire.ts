@@ -25,6 +25,7 @@ export interface FrameMessage {
   revision: number;
   frame: number;
   is_recorded: boolean;
+  begins: boolean; // the first after a start, a jump along the clip or a swap of the body
   time: number; // s of the clip
   hash: string; // 16 hex digits
   solver_seconds: number;
@@ -91,6 +92,7 @@ export function read_frame(buffer: ArrayBuffer): FrameMessage {
     revision: view.getUint32(12, true),
     frame: view.getUint32(16, true),
     is_recorded: (view.getUint32(20, true) & 1) !== 0,
+    begins: (view.getUint32(20, true) & 4) !== 0,
     time: view.getFloat64(24, true),
     hash: view.getBigUint64(32, true).toString(16).padStart(16, "0"),
     solver_seconds: view.getFloat32(40, true),
