@@ -100,7 +100,7 @@ fs::path Session::save(const Command& command, Json& answer) {
   if (there && !is_own && !command.overwrite)
     throw std::runtime_error(
         path.string() +
-        " is there already, and this session did not write it; choose another name, or overwrite it");
+        " is there already, and this session did not write it; choose another name, or replace it");
   base::write_whole(path, text);
   saved_file_ = name;
   saved_text_ = scene::hash_of(text);
@@ -122,7 +122,7 @@ void Session::bake(const Command& command) {
   const std::string folder = command.name.empty() ? "bake" : command.name;
   if (!command.overwrite && bake::holds_bake(options_.folder / folder))
     throw std::runtime_error((options_.folder / folder).string() +
-                             " holds a bake; choose another name, or overwrite it");
+                             " holds a bake; choose another name, or replace it");
   Command of_save;
   of_save.verb = Verb::save;
   of_save.overwrite = command.overwrite;

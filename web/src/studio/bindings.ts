@@ -35,7 +35,7 @@ export function bindings(orbit: Orbit, does: Actions): BindingGroup[] {
       bindings: [
         { keys: [" "], shown: "Space", does: "Play or pause", run: click("play") },
         { keys: ["ArrowRight"], shown: "→", does: "A frame forward", run: click("forward") },
-        { keys: ["ArrowLeft"], shown: "←", does: "Ten frames back", run: () => does.step_back() },
+        { keys: ["ArrowLeft"], shown: "←", does: "A frame back", run: () => does.step_back() },
         { keys: ["Home"], shown: "Home", does: "From the start", run: click("restart") },
         { keys: ["l"], shown: "L", does: "Loop", run: click("loop") },
         { keys: ["["], shown: "[", does: "Slower", run: () => does.change_speed(-1) },

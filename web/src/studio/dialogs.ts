@@ -29,7 +29,7 @@ export class Dialogs {
     element("save-error").textContent = "";
     try {
       await this.user.command("save", {
-        file: element<HTMLInputElement>("save-name").value,
+        file: this.save_name(),
         overwrite: element<HTMLInputElement>("save-over").checked,
       });
     } catch (error) {
@@ -53,6 +53,12 @@ export class Dialogs {
       element("bake-error").textContent = (error as Error).message;
       this.end_bake();
     }
+  }
+
+  private save_name(): string {
+    const input = element<HTMLInputElement>("save-name");
+    if (input.value && !input.value.endsWith(".toml")) input.value += ".toml";
+    return input.value;
   }
 
   end_bake(): void {

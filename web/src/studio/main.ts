@@ -338,7 +338,7 @@ class Studio {
       case "paused":
         return this.frame?.begins && this.hello?.can_touch ? "Paused; play to see the flesh move" : "Paused";
       default:
-        return "Live";
+        return this.hello?.can_touch === false ? "A bake" : "Live";
     }
   }
 
@@ -512,7 +512,7 @@ class Studio {
     on("help-open", () => help.showModal());
     on("help-close", () => help.close());
     const groups = bindings(this.picture.stage.orbit, {
-      step_back: () => this.seek((this.frame?.frame ?? 0) - 10),
+      step_back: () => this.seek((this.frame?.frame ?? 0) - 1),
       change_speed: (by) => this.change_speed(by),
       tug: () => this.hand.tug(),
       help: () => help.showModal(),
