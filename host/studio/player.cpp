@@ -82,17 +82,16 @@ void Player::post_needed(Work work) {
 }
 
 bool Player::post_long(PlayerMode mode, Work work) {
-  // What is cancelled from now on is this.
-  cancels_ = false;
-  return post([this, mode, work = std::move(work)](Motion& motion) {
+  return post([this, mode, number = ++posted_long_, work = std::move(work)](Motion& motion) {
     PlayerMode before;
     {
       const std::lock_guard lock(mutex_);
       before = std::exchange(state_.mode, mode);
     }
     tell();
+    running_long_ = number;
     attempt([&] { work(motion); });
-    cancels_ = false;
+    running_long_ = 0;
     {
       const std::lock_guard lock(mutex_);
       state_.mode = before;
@@ -103,7 +102,7 @@ bool Player::post_long(PlayerMode mode, Work work) {
 }
 
 void Player::cancel() {
-  cancels_ = true;
+  cancelled_long_ = posted_long_.load();
 }
 
 bool Player::play() {

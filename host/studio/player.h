@@ -69,8 +69,8 @@ class Player {
 
   // On the player's thread only.
   void show(ShownFrame frame);
-  bool must_stop() const { return stops_ || cancels_; }
-  // Ends long work; nothing where there is none.
+  bool must_stop() const { return stops_ || (running_long_ > 0 && cancelled_long_ >= running_long_); }
+  // Ends the long work that was posted before, under way or waiting, and none that is posted later.
   void cancel();
   PlayerState state() const;
   std::uint32_t last_sequence() const { return sequence_; }
@@ -94,7 +94,9 @@ class Player {
   PlayerState state_;
   bool is_watched_ = true;
   std::optional<std::uint64_t> seek_;  // that waits
-  std::atomic<bool> stops_ = false, cancels_ = false;
+  std::atomic<bool> stops_ = false;
+  std::atomic<std::uint64_t> posted_long_ = 0, cancelled_long_ = 0;
+  std::uint64_t running_long_ = 0;  // 0: none; the player's thread alone has it
   std::atomic<std::uint32_t> sequence_ = 0;
   std::chrono::steady_clock::time_point due_;
   double rate_ = 0.0;

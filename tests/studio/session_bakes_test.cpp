@@ -162,6 +162,20 @@ double tip_height(const DecodedFrame& frame, const std::vector<float>& rest) {
 }
 
 // Where a bar of other stiffness comes to rest, in the running loop and in a bake of its own that settles.
+// What is cancelled is what was asked for before, and nothing that comes after.
+TEST_F(SessionTest, CancelIsOfWhatWasAskedBefore) {
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 2.0}}}});
+  client->wait_for("applied");
+  client->say({{"type", "record"}});
+  client->say({{"type", "cancel"}});
+  client->say({{"type", "record"}});
+  EXPECT_EQ(client->wait_for("cancelled").at("what"), "record");
+  EXPECT_EQ(client->wait_for("recorded").at("frames"), 120);
+}
+
 // A change to flesh that is being baked waits; of many the last one is what comes.
 TEST_F(SessionTest, ChangesDuringABakeComeAfterIt) {
   const Running studio = open();
