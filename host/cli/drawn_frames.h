@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "host/cli/log.h"
-#include "host/pipeline/open_bake.h"
 #include "host/cli/render_arguments.h"
 #include "host/formats/skinned_surface.h"
 #include "host/model/model.h"
+#include "host/pipeline/open_bake.h"
 #include "host/render/looks.h"
 #include "host/scene/scene.h"
 #include "host/scene/solids.h"
