@@ -333,11 +333,11 @@ def outside(bakes, count):
 
 # Name, what is done, and how often: for the table, and in CI.
 ROWS = (
-    ("killed", killed, 1000, 6),
-    ("stopped", stopped, 400, 6),
-    ("resumed", resumed, 200, 3),
+    ("killed", killed, 1000, 4),
+    ("stopped", stopped, 400, 4),
+    ("resumed", resumed, 200, 2),
     ("batches", batches_stopped, 60, 3),
-    ("disk", disk_fails, 200, 8),
+    ("disk", disk_fails, 200, 5),
     ("damaged", damaged, 3000, 30),
     ("outside", outside, 12, 3),
 )
