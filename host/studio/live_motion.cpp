@@ -153,9 +153,8 @@ ShownFrame LiveMotion::take(std::shared_ptr<RunningBody> body) {
   // All that may fail comes before anything is another one.
   std::unique_ptr<HeldSolver> held;
   if (hand_ && has_same_shape(body_->model(), body->model())) held = hold(*body, hand_->held());
-  std::optional<Hand> hand = held ? std::move(hand_) : std::nullopt;
-  hand_ = std::move(hand);
   held_ = std::move(held);
+  if (!held_) hand_.reset();
   body_ = std::move(body);
   measures_ = FrameMeasures(body_->model());
   kept_.clear();

@@ -39,16 +39,15 @@ constexpr std::uint64_t longest_body = 1 << 10;
 // there.
 constexpr int socket_buffer = 256 << 10;
 
-struct Outgoing {
-  bool is_text = false;
-  SharedBytes bytes;
-};
-
 }  // namespace
 
 struct Server::Impl {
   class Page;
   class Request;
+  struct Outgoing {
+    bool is_text = false;
+    SharedBytes bytes;
+  };
 
   Impl(ServerOptions given, ServerEvents given_events);
   ~Impl();
