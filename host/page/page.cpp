@@ -1,9 +1,8 @@
 #include "host/page/page.h"
 
-#include <algorithm>
 #include <array>
-#include <cstdint>
 
+#include "host/page/base64.h"
 #include "host/page/style.h"
 
 namespace fascicle::page {
@@ -16,21 +15,6 @@ constexpr const char* policy =
 const char* class_of(Tone tone) {
   constexpr std::array<const char*, 4> classes{"neutral", "good", "warning", "bad"};
   return classes[static_cast<std::size_t>(tone)];
-}
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t k = 0; k < bytes.size(); k += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - k);
-    std::uint32_t word = 0;
-    for (std::size_t b = 0; b < 3; ++b)
-      word = (word << 8U) | (b < left ? static_cast<unsigned char>(bytes[k + b]) : 0U);
-    for (std::size_t d = 0; d < 4; ++d)
-      out += d <= left ? digits[(word >> (18U - 6U * static_cast<unsigned>(d))) & 63U] : '=';
-  }
-  return out;
 }
 
 }  // namespace
