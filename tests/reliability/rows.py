@@ -171,10 +171,12 @@ def batches_stopped(bakes, count):
     seconds = time.monotonic() - begin
     expected = files_of(whole)
     left = os.path.join(root, "left")
-    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)", left])
+    script = "import time; print(flush=True); time.sleep(60)"
+    child = subprocess.Popen([sys.executable, "-c", script, left], stdout=subprocess.PIPE)
+    child.stdout.readline()  # a program that has only just begun has no arguments yet
     must_be_found(lambda: hold(not processes_in(left), "a child lives"), "a child that lives")
     child.kill()
-    child.wait()
+    child.communicate()
     for k in range(count):
         folder = os.path.join(root, "batch-%d" % k)
         number = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)[k % 3]
