@@ -97,9 +97,8 @@ BUFFERS_CONSTANT uint buffer_contact_box = 61u;         // two vec4 a leaf: wher
 BUFFERS_CONSTANT uint buffer_contact_branch_box = 62u;  // the same of a branch
 BUFFERS_CONSTANT uint buffer_contact_found = 63u;       // the tetrahedron that a point lies in, or no_contact
 BUFFERS_CONSTANT uint buffer_contact_place = 64u;       // three vec4 a point: weights, push, normal
-BUFFERS_CONSTANT uint buffer_contact_range = 65u;       // uvec2 a block of points: lowest and highest found
-BUFFERS_CONSTANT uint buffer_contact_blocks =
-    66u;  // uvec2 a leaf: first and last block that found it, and one
+BUFFERS_CONSTANT uint buffer_contact_first = 65u;    // the first point of each tetrahedron's chain, or none
+BUFFERS_CONSTANT uint buffer_contact_next = 66u;     // the next of each point in its chain, or none
 BUFFERS_CONSTANT uint buffer_contact_crowd = 67u;    // S, a float a vertex
 BUFFERS_CONSTANT uint buffer_contact_impulse = 68u;  // J, a vec4 a point
 

@@ -1,4 +1,4 @@
-// Stage contact, first: boxes around the tetrahedra. One invocation a leaf.
+// Stage contact, first: boxes around the tetrahedra, whose chains are empty. One invocation a leaf.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact.glsl"
@@ -12,6 +12,7 @@ void main() {
   vec4 low = nothing_is_lower;
   vec4 high = nothing_is_higher;
   for (uint t = first; t < end; ++t) {
+    contact_first[t] = no_contact;
     uvec4 corners = contact_tetrahedron[t];
     for (uint k = 0u; k < 4u; ++k) {
       vec4 x = record_of(place_of(corners[k]));

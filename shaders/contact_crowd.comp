@@ -1,4 +1,4 @@
-// Stage contact, sixth: the sum of a vertex's coefficients in all contacts. One invocation a vertex.
+// Stage contact, fifth: the sum of a vertex's coefficients in all contacts. One invocation a vertex.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/indexing/contact_gather.glsl"
@@ -15,16 +15,11 @@ void main() {
   }
   for (uint e = contact_offset[i]; e < contact_offset[i + 1u]; ++e) {
     uint t = contact_entry[e] >> 2u;
-    uvec2 blocks = blocks_of(t);
-    for (uint block = blocks.x; block < blocks.y; ++block) {
-      uvec2 points = points_of(block, t);
-      for (uint p = points.x; p < points.y; ++p) {
-        if (contact_found[p] != t) continue;
-        float weight = weight_of(p, contact_entry[e] & 3u);
-        if (first) sum = weight;
-        else sum = sum + weight;
-        first = false;
-      }
+    for (uint p = point_from(t, 0u); p != no_contact; p = point_from(t, p + 1u)) {
+      float weight = weight_of(p, contact_entry[e] & 3u);
+      if (first) sum = weight;
+      else sum = sum + weight;
+      first = false;
     }
   }
   contact_crowd[i] = sum;

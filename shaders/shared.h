@@ -160,11 +160,10 @@ SHARED_CONSTANT uint limit_passes = 12u;
 // out.
 SHARED_CONSTANT uint contact_passes = 2u;
 
-// The search for contacts: tetrahedra whose boxes have one box around them, such boxes that have one, and
-// points whose finds are surveyed together. No result depends on them.
+// The search for contacts: tetrahedra whose boxes have one box around them, and such boxes that have one. No
+// result depends on them.
 SHARED_CONSTANT uint contact_leaf = 32u;
 SHARED_CONSTANT uint contact_branch = 32u;
-SHARED_CONSTANT uint contact_block = 32u;
 SHARED_CONSTANT uint no_contact = 0xffffffffu;
 
 // Looks at all solids in a row, most: what one moves into another is moved on along both.

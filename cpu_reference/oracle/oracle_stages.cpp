@@ -331,8 +331,7 @@ void Oracle::Impl::run(model::Kernel kernel, const Substep& now, std::uint32_t i
       return;
     case Kernel::contact_bound:
     case Kernel::contact_enclose:
-    case Kernel::contact_survey:
-    case Kernel::contact_locate:
+    case Kernel::contact_chain:
     case Kernel::contact_crowd:
     case Kernel::contact_hold:
     case Kernel::contact_settle:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cpu_reference/solver/contact_meets.h"
@@ -21,19 +22,12 @@ bool is_found(const Model& model, const Fields& fields, std::uint32_t p) {
   return fields.contact_found[p] < model.contact_tetrahedron_count();
 }
 
-// The blocks of points that may have found tetrahedron t.
-Range blocks_of(const Model& model, const Fields& fields, std::uint32_t t) {
-  const std::uint32_t* blocks = fields.contact_blocks.data() + 2 * std::size_t{t / shader::contact_leaf};
-  // Without a find the first block is the number of blocks, and the range empty.
-  return {blocks[0], std::min(blocks[1], model.contact_block_count())};
-}
-
-// A block's points, if one of them may have found tetrahedron t.
-Range points_of(const Model& model, const Fields& fields, std::uint32_t block, std::uint32_t t) {
-  const std::uint32_t* range = fields.contact_range.data() + 2 * std::size_t{block};
-  if (t < range[0] || t > range[1]) return {0, 0};
-  return {block * shader::contact_block,
-          std::min((block + 1) * shader::contact_block, static_cast<std::uint32_t>(model.contact.size()))};
+// The lowest point from `from` on that has found tetrahedron t, no_contact after the last.
+std::uint32_t point_from(const Model& model, const Fields& fields, std::uint32_t t, std::uint32_t from) {
+  std::uint32_t lowest = shader::no_contact;
+  for (std::uint32_t p = fields.contact_first[t]; p < model.contact.size(); p = fields.contact_next[p])
+    if (p >= from) lowest = std::min(lowest, p);
+  return lowest;
 }
 
 // Calls use(point, weight) for each contact of a tetrahedron at vertex i.
@@ -41,12 +35,9 @@ template <class Use>
 void for_each_contact_at(const Model& model, const Fields& fields, std::uint32_t i, const Use& use) {
   for (std::uint32_t e = model.contact_offset[i]; e < model.contact_offset[i + 1]; ++e) {
     const std::uint32_t t = model.contact_entry[e] / 4, corner = model.contact_entry[e] % 4;
-    const Range blocks = blocks_of(model, fields, t);
-    for (std::uint32_t block = blocks.first; block < blocks.last; ++block) {
-      const Range points = points_of(model, fields, block, t);
-      for (std::uint32_t p = points.first; p < points.last; ++p)
-        if (fields.contact_found[p] == t) use(p, fields.contact_place[contact_place_stride * p + corner]);
-    }
+    for (std::uint32_t p = point_from(model, fields, t, 0); p != shader::no_contact;
+         p = point_from(model, fields, t, p + 1))
+      use(p, fields.contact_place[contact_place_stride * p + corner]);
   }
 }
 
@@ -54,8 +45,12 @@ void for_each_contact_at(const Model& model, const Fields& fields, std::uint32_t
 
 void contact_bound(const Model& model, const SubstepInput&, Fields& fields, Range range) {
   const auto place_of = [&](std::uint32_t i) { return position_of(fields, i); };
-  for (std::uint32_t leaf = range.first; leaf < range.last; ++leaf)
+  for (std::uint32_t leaf = range.first; leaf < range.last; ++leaf) {
     put_contact_box(fields.contact_box, leaf, contact_leaf_box(model, leaf, place_of));
+    const std::uint32_t first = leaf * shader::contact_leaf,
+                        end = std::min(first + shader::contact_leaf, model.contact_tetrahedron_count());
+    std::fill(fields.contact_first.begin() + first, fields.contact_first.begin() + end, shader::no_contact);
+  }
 }
 
 void contact_enclose(const Model& model, const SubstepInput&, Fields& fields, Range range) {
@@ -100,35 +95,10 @@ void contact_find(const Model& model, const SubstepInput&, Fields& fields, Range
     fields.contact_found[p] = found_by(model, fields, p);
 }
 
-void contact_survey(const Model& model, const SubstepInput&, Fields& fields, Range range) {
-  const auto count = static_cast<std::uint32_t>(model.contact.size());
-  for (std::uint32_t block = range.first; block < range.last; ++block) {
-    std::uint32_t lowest = shader::no_contact, highest = 0;
-    const std::uint32_t end = std::min((block + 1) * shader::contact_block, count);
-    for (std::uint32_t p = block * shader::contact_block; p < end; ++p) {
-      if (!is_found(model, fields, p)) continue;
-      lowest = std::min(lowest, fields.contact_found[p]);
-      highest = std::max(highest, fields.contact_found[p]);
-    }
-    fields.contact_range[2 * std::size_t{block}] = lowest;
-    fields.contact_range[2 * std::size_t{block} + 1] = highest;
-  }
-}
-
-void contact_locate(const Model& model, const SubstepInput&, Fields& fields, Range range) {
-  const std::uint32_t blocks = model.contact_block_count();
-  for (std::uint32_t leaf = range.first; leaf < range.last; ++leaf) {
-    const std::uint32_t first = leaf * shader::contact_leaf;
-    std::uint32_t from = blocks, to = 0;
-    for (std::uint32_t block = 0; block < blocks; ++block) {
-      const std::uint32_t* found = fields.contact_range.data() + 2 * std::size_t{block};
-      if (found[0] >= first + shader::contact_leaf || found[1] < first) continue;
-      if (from == blocks) from = block;
-      to = block + 1;
-    }
-    fields.contact_blocks[2 * std::size_t{leaf}] = from;
-    fields.contact_blocks[2 * std::size_t{leaf} + 1] = to;
-  }
+void contact_chain(const Model& model, const SubstepInput&, Fields& fields, Range range) {
+  for (std::uint32_t p = range.first; p < range.last; ++p)
+    if (is_found(model, fields, p))
+      fields.contact_next[p] = std::exchange(fields.contact_first[fields.contact_found[p]], p);
 }
 
 void contact_crowd(const Model& model, const SubstepInput&, Fields& fields, Range range) {

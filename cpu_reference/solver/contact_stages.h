@@ -11,13 +11,12 @@
 
 namespace fascicle::cpu_reference {
 
-// Over the leaves, the branches, the points, the blocks of points, the leaves, the vertices; then over the
-// points and over the vertices in turn.
+// Over the leaves, the branches, the points, the points, the vertices; then over the points and over the
+// vertices in turn. contact_chain does not run on several threads.
 void contact_bound(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_enclose(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_find(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
-void contact_survey(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
-void contact_locate(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
+void contact_chain(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_crowd(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_hold(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);
 void contact_yield(const model::Model& model, const SubstepInput& in, Fields& fields, Range range);

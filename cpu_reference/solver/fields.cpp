@@ -37,8 +37,8 @@ void size_fields(const model::Model& model, Fields& fields) {
 void size_plain_contact_fields(const model::Model& model, Fields& fields) {
   fields.contact_box.resize(6 * std::size_t{model.contact_leaf_count()});
   fields.contact_branch_box.resize(6 * std::size_t{model.contact_branch_count()});
-  fields.contact_range.resize(2 * std::size_t{model.contact_block_count()});
-  fields.contact_blocks.resize(2 * std::size_t{model.contact_leaf_count()});
+  fields.contact_first.resize(model.contact_tetrahedron_count());
+  fields.contact_next.resize(model.contact.size());
 }
 
 Column vectors_of(const Floats& field) {
@@ -110,8 +110,8 @@ std::vector<Column> columns_of(const Fields& fields, model::Field field) {
     case Field::contact_branch_box:
     case Field::contact_found:
     case Field::contact_place:
-    case Field::contact_range:
-    case Field::contact_blocks:
+    case Field::contact_first:
+    case Field::contact_next:
       break;
   }
   return {};

@@ -91,8 +91,8 @@ struct Fields {
   std::vector<float> contact_crowd;          // 1: S
   std::vector<float> contact_impulse;        // 3 a point: J
   // The same, of the stage's plain form alone. Boxes are six floats: least, most.
-  std::vector<float> contact_box, contact_branch_box;        // of a leaf, of a branch
-  std::vector<std::uint32_t> contact_range, contact_blocks;  // 2 a block of points, 2 a leaf
+  std::vector<float> contact_box, contact_branch_box;      // of a leaf, of a branch
+  std::vector<std::uint32_t> contact_first, contact_next;  // 1 a tetrahedron, 1 a point
 };
 
 // Gives all fields that the model's stages need without a probe their sizes, in whole slices.

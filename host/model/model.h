@@ -187,9 +187,6 @@ struct Model {                                 // each member has a row in model
   std::uint32_t contact_branch_count() const {
     return parts_of(contact_leaf_count(), shader::contact_branch);
   }
-  std::uint32_t contact_block_count() const {
-    return parts_of(static_cast<std::uint32_t>(contact.size()), shader::contact_block);
-  }
   bool has_contact() const { return !contact.empty(); }
   bool has_ignored_contact() const { return !contact_ignored.empty(); }
   // Whether the scene keeps point p of `contact` from meeting tetrahedron t of contact_tetrahedron.

@@ -329,13 +329,13 @@ std::uint64_t solver_bytes(const Model& m) {
                                         (m.carried.empty() ? 0 : 3) + (m.has_ties() ? 3 : 0) +
                                         (m.is_implicit() ? 3 + 3 + 3 + 3 + 8 : 0);
   const std::uint64_t of_limits = m.has_limits() ? m.limit.size() + n : 0;
-  // Of a point: what it has found, weights, push and normal, impulse; of a vertex: crowd and acceleration;
-  // boxes and ranges.
-  const std::uint64_t of_contact = m.has_contact() ? m.contact.size() * (1 + 4 + 3 + 3 + 3) + n * (1 + 3) +
-                                                         m.contact_leaf_count() * std::uint64_t{6 + 2} +
-                                                         m.contact_branch_count() * std::uint64_t{6} +
-                                                         m.contact_block_count() * std::uint64_t{2}
-                                                   : 0;
+  // Of a point: what it has found, the next of its chain, weights, push and normal, impulse; of a vertex:
+  // crowd and acceleration; boxes; of a tetrahedron: its chain.
+  const std::uint64_t of_contact =
+      m.has_contact() ? m.contact.size() * (1 + 1 + 4 + 3 + 3 + 3) + n * (1 + 3) +
+                            (std::uint64_t{m.contact_leaf_count()} + m.contact_branch_count()) * 6 +
+                            m.contact_tetrahedron_count()
+                      : 0;
   return arrays + (of_limits + of_contact + n * floats_of_state + std::uint64_t{m.surface_count()} * 3) *
                       sizeof(float);
 }

@@ -36,8 +36,7 @@ enum class Kernel : std::uint8_t {
   contact_bound,
   contact_enclose,
   contact_find,
-  contact_survey,
-  contact_locate,
+  contact_chain,
   contact_crowd,
   contact_hold,
   contact_yield,
@@ -85,8 +84,8 @@ enum class Field : std::uint8_t {
   contact_branch_box,
   contact_found,
   contact_place,
-  contact_range,
-  contact_blocks,
+  contact_first,
+  contact_next,
   contact_crowd,
   contact_impulse,
 };
@@ -121,7 +120,7 @@ enum class KernelItems : std::uint8_t {
   contact_leaves,
   contact_branches,
   contact_points,
-  contact_blocks
+  contact_tetrahedra
 };
 
 // What a field is, whoever holds it.
@@ -165,9 +164,9 @@ inline constexpr FieldTraits field_rows[] = {
      KernelItems::contact_branches},
     {Field::contact_found, "contact_found", shader::buffer_contact_found, 4, 0, KernelItems::contact_points},
     {Field::contact_place, "contact_place", shader::buffer_contact_place, 48, 0, KernelItems::contact_points},
-    {Field::contact_range, "contact_range", shader::buffer_contact_range, 8, 0, KernelItems::contact_blocks},
-    {Field::contact_blocks, "contact_blocks", shader::buffer_contact_blocks, 8, 0,
-     KernelItems::contact_leaves},
+    {Field::contact_first, "contact_first", shader::buffer_contact_first, 4, 0,
+     KernelItems::contact_tetrahedra},
+    {Field::contact_next, "contact_next", shader::buffer_contact_next, 4, 0, KernelItems::contact_points},
     {Field::contact_crowd, "contact_crowd", shader::buffer_contact_crowd, 4, 1, KernelItems::vertices,
      &Model::has_contact},
     {Field::contact_impulse, "contact_impulse", shader::buffer_contact_impulse, 16, 3,
@@ -184,6 +183,9 @@ constexpr std::string_view name_of(Field field) {
 
 // What a kernel may touch, in any model. An invocation writes only its own item's numbers, so the items of
 // one kernel may run in any order: no field that it reads of other items is one that it writes.
+//
+// By an atomic exchange an item may put its number in another's place and take what stood there. Which items
+// met in which order is left open: who reads on takes them by their numbers.
 struct KernelAccess {
   Kernel kernel;
   std::string_view name;  // and of the shader
@@ -192,8 +194,9 @@ struct KernelAccess {
   FieldSet ring;  // read at the item and in its one-ring
   FieldSet any;   // read anywhere
   FieldSet writes;
+  FieldSet exchanged = {};  // of those, the ones exchanged at other items
 
-  constexpr FieldSet reads() const { return own | ring | any; }
+  constexpr FieldSet reads() const { return own | ring | any | exchanged; }
 };
 
 inline constexpr FieldSet forces_on_vertex{Field::gravity, Field::tied};
@@ -210,8 +213,8 @@ inline constexpr FieldSet integrate_writes{Field::position, Field::velocity, Fie
 inline constexpr FieldSet relax_reads{Field::position, Field::iterate_before, Field::predicted};
 inline constexpr FieldSet relax_writes{Field::position, Field::iterate_before};
 
-inline constexpr FieldSet contacts_of_vertex{Field::contact_found, Field::contact_place, Field::contact_range,
-                                             Field::contact_blocks, Field::contact_impulse};
+inline constexpr FieldSet contacts_of_vertex{Field::contact_found, Field::contact_place, Field::contact_first,
+                                             Field::contact_next, Field::contact_impulse};
 
 inline constexpr KernelAccess kernel_rows[] = {
     {Kernel::rebase,
@@ -229,7 +232,7 @@ inline constexpr KernelAccess kernel_rows[] = {
      {},
      {},
      {Field::position},
-     {Field::contact_box}},
+     {Field::contact_box, Field::contact_first}},
     {Kernel::contact_enclose,
      "contact_enclose",
      KernelItems::contact_branches,
@@ -244,26 +247,20 @@ inline constexpr KernelAccess kernel_rows[] = {
      {},
      {Field::position, Field::contact_box, Field::contact_branch_box},
      {Field::contact_found, Field::contact_place}},
-    {Kernel::contact_survey,
-     "contact_survey",
-     KernelItems::contact_blocks,
-     {},
-     {},
+    {Kernel::contact_chain,
+     "contact_chain",
+     KernelItems::contact_points,
      {Field::contact_found},
-     {Field::contact_range}},
-    {Kernel::contact_locate,
-     "contact_locate",
-     KernelItems::contact_leaves,
      {},
      {},
-     {Field::contact_range},
-     {Field::contact_blocks}},
+     {Field::contact_first, Field::contact_next},
+     {Field::contact_first}},
     {Kernel::contact_crowd,
      "contact_crowd",
      KernelItems::vertices,
      {},
      {},
-     {Field::contact_found, Field::contact_place, Field::contact_range, Field::contact_blocks},
+     {Field::contact_found, Field::contact_place, Field::contact_first, Field::contact_next},
      {Field::contact_crowd}},
     {Kernel::contact_hold,
      "contact_hold",

@@ -29,8 +29,8 @@ std::uint32_t item_count(const Model& model, KernelItems items) {
       return model.contact_branch_count();
     case KernelItems::contact_points:
       return static_cast<std::uint32_t>(model.contact.size());
-    case KernelItems::contact_blocks:
-      return model.contact_block_count();
+    case KernelItems::contact_tetrahedra:
+      return model.contact_tetrahedron_count();
   }
   return 0;
 }
@@ -58,8 +58,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
     plan.push_back({.steps = {{Kernel::contact_bound},
                               {Kernel::contact_enclose},
                               {Kernel::contact_find},
-                              {Kernel::contact_survey},
-                              {Kernel::contact_locate},
+                              {Kernel::contact_chain},
                               {Kernel::contact_crowd}}});
   const Block respond{Block::Repeat::contact_passes,
                       shader::contact_passes,

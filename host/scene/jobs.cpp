@@ -63,9 +63,14 @@ const toml::table& table_of(const toml::node& node, const std::string& path) {
 // As `--set` takes it.
 std::string value_text(const toml::node& value) {
   if (value.is_floating_point()) return shortest(*value.value<double>());
+  if (const toml::array* values = value.as_array()) {
+    std::string text;
+    for (const toml::node& one : *values) text += (text.empty() ? "" : ", ") + value_text(one);
+    return "[" + text + "]";
+  }
   std::ostringstream out;
   value.visit([&out](const auto& v) { out << toml::toml_formatter{v}; });
-  // A long array goes over several lines.
+  // A long table goes over several lines.
   std::string text = out.str();
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
@@ -85,6 +90,7 @@ std::string file_name(const std::string& text) {
     if (kept) name += c;
     if (!kept && c != '"' && !name.empty() && name.back() != '_') name += '_';
   }
+  if (text.ends_with(']') && name.ends_with('_')) name.pop_back();
   return name;
 }
 

@@ -19,14 +19,13 @@ layout(std430, binding = buffer_contact_box) buffer ContactBoxBuffer { vec4 cont
 layout(std430, binding = buffer_contact_branch_box) buffer ContactBranchBoxBuffer { vec4 contact_branch_box[]; };
 layout(std430, binding = buffer_contact_found) buffer ContactFoundBuffer { uint contact_found[]; };
 layout(std430, binding = buffer_contact_place) buffer ContactPlaceBuffer { vec4 contact_place[]; };
-layout(std430, binding = buffer_contact_range) buffer ContactRangeBuffer { uvec2 contact_range[]; };
-layout(std430, binding = buffer_contact_blocks) buffer ContactBlocksBuffer { uvec2 contact_blocks[]; };
+layout(std430, binding = buffer_contact_first) buffer ContactFirstBuffer { uint contact_first[]; };
+layout(std430, binding = buffer_contact_next) buffer ContactNextBuffer { uint contact_next[]; };
 layout(std430, binding = buffer_contact_crowd) buffer ContactCrowdBuffer { float contact_crowd[]; };
 layout(std430, binding = buffer_contact_impulse) buffer ContactImpulseBuffer { vec4 contact_impulse_of[]; };
 
 uint leaf_count() { return (push.substep.contact_tetrahedron_count + (contact_leaf - 1u)) / contact_leaf; }
 uint branch_count() { return (leaf_count() + (contact_branch - 1u)) / contact_branch; }
-uint block_count() { return (push.substep.contact_count + (contact_block - 1u)) / contact_block; }
 
 Vector place_of(uint i) { return vector_of(position[i]); }
 

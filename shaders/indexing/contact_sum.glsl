@@ -14,16 +14,11 @@ bool is_in_contact(uint i, out Vector sum) {
   }
   for (uint e = contact_offset[i]; e < contact_offset[i + 1u]; ++e) {
     uint t = contact_entry[e] >> 2u;
-    uvec2 blocks = blocks_of(t);
-    for (uint block = blocks.x; block < blocks.y; ++block) {
-      uvec2 points = points_of(block, t);
-      for (uint p = points.x; p < points.y; ++p) {
-        if (contact_found[p] != t) continue;
-        Vector term = scaled_vector(-weight_of(p, contact_entry[e] & 3u), vector_of(contact_impulse_of[p]));
-        if (first) sum = term;
-        else sum = vector_sum(sum, term);
-        first = false;
-      }
+    for (uint p = point_from(t, 0u); p != no_contact; p = point_from(t, p + 1u)) {
+      Vector term = scaled_vector(-weight_of(p, contact_entry[e] & 3u), vector_of(contact_impulse_of[p]));
+      if (first) sum = term;
+      else sum = vector_sum(sum, term);
+      first = false;
     }
   }
   return !first;

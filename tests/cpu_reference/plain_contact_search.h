@@ -35,8 +35,7 @@ inline void find_plainly(const model::Model& m, const cpu_reference::SubstepInpu
   contact_bound(m, in, fields, {0, m.contact_leaf_count()});
   contact_enclose(m, in, fields, {0, m.contact_branch_count()});
   contact_find(m, in, fields, {0, points});
-  contact_survey(m, in, fields, {0, m.contact_block_count()});
-  contact_locate(m, in, fields, {0, m.contact_leaf_count()});
+  contact_chain(m, in, fields, {0, points});
   contact_crowd(m, in, fields, {0, m.vertex_count});
 }
 

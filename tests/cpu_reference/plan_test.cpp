@@ -100,10 +100,10 @@ Place place_of(cpu::Fields& fields, Field field, const Model& m) {
       return wholes(fields.contact_found, 1);
     case Field::contact_place:
       return numbers(fields.contact_place, 10);
-    case Field::contact_range:
-      return wholes(fields.contact_range, 2);
-    case Field::contact_blocks:
-      return wholes(fields.contact_blocks, 2);
+    case Field::contact_first:
+      return wholes(fields.contact_first, 1);
+    case Field::contact_next:
+      return wholes(fields.contact_next, 1);
     case Field::contact_crowd:
       return numbers(fields.contact_crowd, 1);
     case Field::contact_impulse:
@@ -177,15 +177,15 @@ struct PlanCase {
   }
 
   static bool is_whole(Field f) {
-    return f == Field::contact_found || f == Field::contact_range || f == Field::contact_blocks;
+    return f == Field::contact_found || f == Field::contact_first || f == Field::contact_next;
   }
-  // Number k of a field of whole numbers: some points have found nothing, a block all but the outermost
-  // tetrahedra, and a leaf may have been found by all blocks.
+  // Number k of a field of whole numbers: some points have found nothing, some chains are empty, and each
+  // ends.
   std::uint32_t whole(Field f, std::uint32_t k) const {
     const std::uint32_t tetrahedra = model.contact_tetrahedron_count();
     if (f == Field::contact_found) return k % (tetrahedra + 2);
-    if (f == Field::contact_range) return k % 2 == 0 ? 1 : tetrahedra - 2;
-    return k % 2 == 0 ? 0 : model.contact_block_count() + 1;
+    if (f == Field::contact_first) return k % (points().last + 2);
+    return k % 3 == 0 ? shader::no_contact : k + 1;
   }
 
   // Fields of a body in motion: every number is random, positions near rest.
@@ -235,10 +235,8 @@ struct PlanCase {
         return contact_enclose(model, in, fields, {0, model.contact_branch_count()});
       case Kernel::contact_find:
         return contact_find(model, in, fields, points());
-      case Kernel::contact_survey:
-        return contact_survey(model, in, fields, {0, model.contact_block_count()});
-      case Kernel::contact_locate:
-        return contact_locate(model, in, fields, {0, model.contact_leaf_count()});
+      case Kernel::contact_chain:
+        return contact_chain(model, in, fields, points());
       case Kernel::contact_crowd:
         return contact_crowd(model, in, fields, vertices);
       case Kernel::contact_hold:

@@ -18,10 +18,10 @@ namespace {
 using model::Kernel;
 
 struct Bindings {
-  std::set<std::uint32_t> read, written;
+  std::set<std::uint32_t> read, written, exchanged;
 };
 
-// The bindings that loads and stores of a module go to.
+// The bindings that loads, stores and atomic exchanges of a module go to.
 Bindings bindings_in(spirv_exact::Module module) {
   std::map<std::uint32_t, std::uint32_t> binding_of;  // of a variable, and of what chains begin at it
   Bindings bindings;
@@ -36,6 +36,11 @@ Bindings bindings_in(spirv_exact::Module module) {
       bindings.read.insert(binding_of.at(i.words[3]));
     if (i.opcode == spv::OpStore && binding_of.count(i.words[1]) > 0)
       bindings.written.insert(binding_of.at(i.words[1]));
+    if (i.opcode == spv::OpAtomicExchange && binding_of.count(i.words[3]) > 0) {
+      bindings.read.insert(binding_of.at(i.words[3]));
+      bindings.written.insert(binding_of.at(i.words[3]));
+      bindings.exchanged.insert(binding_of.at(i.words[3]));
+    }
   }
   return bindings;
 }
@@ -62,6 +67,7 @@ TEST(SubstepPlanOnTheGpu, ShadersTouchWhatTheScheduleSays) {
     const Bindings bindings = bindings_in(shader::module_of(access.name));
     EXPECT_EQ(names_of(access.reads()), names_of(bindings.read));
     EXPECT_EQ(names_of(access.writes), names_of(bindings.written));
+    EXPECT_EQ(names_of(access.exchanged), names_of(bindings.exchanged));
   }
 }
 

@@ -72,7 +72,7 @@ TEST(CheckModel, AcceptsContact) {
   EXPECT_NO_THROW(check_model(without_contact(model)));
 }
 
-// Its arrays, and by hand the numbers of its fields: of points, vertices, leaves, branches and blocks.
+// Its arrays, and by hand the numbers of its fields: of points, vertices, leaves, branches and tetrahedra.
 TEST(SolverBytes, CountContact) {
   Model model = make_model(kuhn_bar(3, 2, 2, 0.25));
   const std::uint64_t without = solver_bytes(touching(model)) - solver_bytes(without_contact(model));
@@ -83,10 +83,9 @@ TEST(SolverBytes, CountContact) {
            model.contact_rest_box.size() + model.mobility.size()) +
       sizeof(shader::ContactPoint) * model.contact.size();
   const std::uint64_t fields =
-      sizeof(float) *
-      (14 * model.contact.size() + 4 * std::uint64_t{model.vertex_count} +
-       8 * std::uint64_t{model.contact_leaf_count()} + 6 * std::uint64_t{model.contact_branch_count()} +
-       2 * std::uint64_t{model.contact_block_count()});
+      sizeof(float) * (15 * model.contact.size() + 4 * std::uint64_t{model.vertex_count} +
+                       6 * std::uint64_t{model.contact_leaf_count()} +
+                       6 * std::uint64_t{model.contact_branch_count()} + model.contact_tetrahedron_count());
   EXPECT_EQ(without, arrays + fields);
 }
 

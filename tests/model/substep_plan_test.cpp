@@ -46,8 +46,7 @@ TEST(SubstepPlan, HasTheStagesInTheirOrder) {
             "skin tie predict | 7 (region goal relax) | integrate");
   EXPECT_EQ(plan_of({.skeleton = true, .implicit = true, .limits = true}, false),
             "skin predict | 7 (region iterate) | 12 (lack crowd limit) | integrate");
-  const std::string search =
-      "contact_bound contact_enclose contact_find contact_survey contact_locate contact_crowd | ";
+  const std::string search = "contact_bound contact_enclose contact_find contact_chain contact_crowd | ";
   const std::string respond = " | 2 (contact_press contact)", settle = " | contact_settle contact_rest";
   EXPECT_EQ(plan_of({.contact = true}, true), search + "predict region goal integrate" + respond);
   EXPECT_EQ(plan_of({.skeleton = true, .contact = true}, false), search + "skin region update" + respond);
@@ -103,9 +102,9 @@ TEST(SubstepPlan, WaitsOnlyForWhatIsTouched) {
   // substep's skin writes.
   EXPECT_TRUE(must_wait(access_of(Kernel::skin), {Field::skinned_before}, {}));
   EXPECT_FALSE(wait_for_each_other(Kernel::skin, Kernel::contact_bound));
-  const Kernel contact[] = {Kernel::contact_bound,  Kernel::contact_enclose, Kernel::contact_find,
-                            Kernel::contact_survey, Kernel::contact_locate,  Kernel::contact_crowd,
-                            Kernel::contact_press,  Kernel::contact,         Kernel::contact_press};
+  const Kernel contact[] = {Kernel::contact_bound, Kernel::contact_enclose, Kernel::contact_find,
+                            Kernel::contact_chain, Kernel::contact_crowd,   Kernel::contact_press,
+                            Kernel::contact,       Kernel::contact_press};
   for (std::size_t k = 1; k < std::size(contact); ++k)
     EXPECT_TRUE(wait_for_each_other(contact[k - 1], contact[k])) << name_of(contact[k]);
   const Kernel held[] = {Kernel::contact_crowd, Kernel::contact_hold, Kernel::contact_yield,

@@ -63,6 +63,16 @@ TEST_F(ReadJobs, TakesEachCombinationOfClipsAndValues) {
   EXPECT_EQ(read.jobs[4].clip, "");
 }
 
+// The least digits that read back to the number, in lists too.
+TEST_F(ReadJobs, NamesVectorsShortly) {
+  const scene::Jobs read =
+      jobs("[job.a]\nscene = \"jump\"\n[job.a.vary]\n\"scene.gravity\" = [[0, -9.56, 0], [0, -9.5, 0.1]]\n");
+  ASSERT_EQ(read.jobs.size(), 2u);
+  EXPECT_EQ(read.jobs[0].name, "a-0_-9.56_0");
+  EXPECT_EQ(read.jobs[1].name, "a-0_-9.5_0.1");
+  EXPECT_EQ(read.jobs[0].set, std::vector<std::string>{"scene.gravity=[0, -9.56, 0]"});
+}
+
 TEST_F(ReadJobs, KeepsFramesAsItSaysOrAsAllDo) {
   const scene::Jobs read =
       jobs("keep_frames = false\n[job.a]\nscene = \"jump\"\n[job.b]\nscene = \"arm\"\nkeep_frames = true\n");

@@ -42,8 +42,7 @@ std::string all_of(const std::vector<std::string>& lines) {
 
 // Shaders that compute nothing in floats: there is no operation for the pass to decorate.
 bool only_compares(const std::string& shader) {
-  return shader == "contact_bound" || shader == "contact_enclose" || shader == "contact_locate" ||
-         shader == "contact_survey";
+  return shader == "contact_bound" || shader == "contact_enclose" || shader == "contact_chain";
 }
 
 class OurShader : public testing::TestWithParam<std::string> {};
@@ -112,7 +111,7 @@ TEST_P(Planted, IsRefusedByLintAndTool) {
 
 INSTANTIATE_TEST_SUITE_P(Shaders, Planted,
                          testing::Values("square_root", "division", "fused", "dot_product", "vector_sum",
-                                         "double_precision", "subgroup_sum", "conversion"),
+                                         "double_precision", "subgroup_sum", "conversion", "atomic_sum"),
                          [](const auto& of) { return std::string(of.param); });
 
 TEST(Lint, AnUndefinedValueIsRefused) {
