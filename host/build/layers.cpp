@@ -57,6 +57,10 @@ void claim(const scene::Scene& scene, WhereTest& test, bool painted, std::vector
     scene::Where where;
     for (const scene::Shape& shape : scene.layers[l].where)
       if (is_painted(shape) == painted) where.push_back(shape);
+    if (painted) {
+      const scene::Where& by_paint = scene.layers[l].by_paint;
+      where.insert(where.end(), by_paint.begin(), by_paint.end());
+    }
     if (where.empty()) continue;
     const std::vector<char> inside = test.contains(where, "layers." + scene.layers[l].name, scene.source);
     for (std::size_t i = 0; i < inside.size(); ++i)

@@ -26,6 +26,7 @@ struct Command {
 // One subcommand each; bake.cpp, validate.cpp, ...
 void add_bake(CLI::App& app, Command& command);
 void add_export(CLI::App& app, Command& command);
+void add_paint(CLI::App& app, Command& command);
 void add_validate(CLI::App& app, Command& command);
 void add_verify(CLI::App& app, Command& command);
 void add_view(CLI::App& app, Command& command);

@@ -115,6 +115,7 @@ int run(int argc, const char* const* argv) {
   add_view(app, command);
   add_report(app, command);
   add_export(app, command);
+  add_paint(app, command);
   add_verify(app, command);
   add_validate(app, command);
   add_inspect(app, command);

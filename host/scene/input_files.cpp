@@ -170,6 +170,20 @@ void LoadedFiles::keep(const std::filesystem::path& path, gltf::Still still, con
   read_[{path, still}] = std::move(kept);
 }
 
+const std::string& LoadedFiles::text_of(const std::filesystem::path& path, std::uintmax_t most_bytes) {
+  if (const auto given = given_.find(path); given != given_.end()) return given->second;
+  const auto read = texts_.find(path);
+  return read != texts_.end() ? read->second
+                              : texts_.emplace(path, read_text_file(path, most_bytes)).first->second;
+}
+
+void LoadedFiles::give(const std::filesystem::path& path, std::optional<std::string> text) {
+  if (text)
+    given_[path] = std::move(*text);
+  else
+    given_.erase(path);
+}
+
 std::filesystem::path character_file(const Scene& scene) {
   if (std::holds_alternative<rig::Character>(scene.geometry) && scene.characters.empty())
     for (const auto& [file, hash] : scene.input_hashes)

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -41,8 +42,14 @@ class LoadedFiles {
   // Of `loaded` the geometry and the input hashes.
   void keep(const std::filesystem::path& path, gltf::Still still, const Scene& loaded);
 
+  // Of a file of text: what is given for it, else what was read first. Throws InputFileError.
+  const std::string& text_of(const std::filesystem::path& path, std::uintmax_t most_bytes);
+  // What stands for a file of text, whether it is there or not; nothing: the file itself.
+  void give(const std::filesystem::path& path, std::optional<std::string> text);
+
  private:
   std::map<std::pair<std::filesystem::path, gltf::Still>, std::unique_ptr<const Scene>> read_;
+  std::map<std::filesystem::path, std::string> texts_, given_;
 };
 
 // Set scene.geometry (in the unit of the file) and add to scene.input_hashes; read by scene.converter. Throw

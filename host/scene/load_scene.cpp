@@ -8,6 +8,7 @@
 #include "host/scene/overrides.h"
 #include "host/scene/parse_toml.h"
 #include "host/scene/scene_file.h"
+#include "host/scene/scene_paint.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::scene {
@@ -73,14 +74,21 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       Scene sized;
       sized.converter = overrides.converter;
       load_character(path, sized);
-      return parse_scene({stem,
-                          name,
-                          scene_for_character(path, std::get<rig::Character>(sized.geometry),
-                                              stiffness_for(std::get<rig::Character>(sized.geometry),
-                                                            overridden(overrides, "solver.integrator"),
-                                                            overridden(overrides, "solver.weights"))),
-                          {}},
-                         overrides);
+      auto& character = std::get<rig::Character>(sized.geometry);
+      try {
+        const std::string paint = overridden(overrides, "character.paint").value_or("");
+        if (!paint.empty()) lay_paint_over(paint, nullptr, sized, character);
+      } catch (const InputFileError&) {
+        // Is found again, and told with its place, when the scene is read.
+      }
+      return parse_scene(
+          {stem,
+           name,
+           scene_for_character(path, character,
+                               stiffness_for(character, overridden(overrides, "solver.integrator"),
+                                             overridden(overrides, "solver.weights"))),
+           {}},
+          overrides);
     }
   } catch (const InputFileError& error) {
     throw SceneError(error.what());

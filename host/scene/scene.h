@@ -138,7 +138,8 @@ struct Layer {
   double volume = 0.0;         // [0, 1]: how strongly volume is drawn back to rest
   double least_volume = 0.0;   // [0, 0.9]: share of its volume below which it is not crushed
   bool contact = true;         // its flesh meets other flesh, where that is asked for
-  Where where;  // empty: everything no other layer claims; else the last layer that matches wins
+  Where where;          // empty: everything no other layer claims; else the last layer that matches wins
+  Where by_paint = {};  // where a paint file puts it as well; goes before all that is not painted
 };
 
 // One of several characters of a scene, [character.NAME], and where it stands.
@@ -146,6 +147,7 @@ struct CharacterSettings {
   std::string name;
   std::string file = {};  // relative to the scene file's folder; empty: `made`
   std::string made = {};
+  std::string paint = {};                 // file with what is painted on it, relative as `file`; empty: none
   std::string clip = {};                  // name or index; empty: the first
   std::string joint = {};                 // of another character, that it goes with; empty: none
   Vector3d at = Vector3d::Zero();         // m: where its origin stands; with `joint` from that one's place
@@ -399,6 +401,7 @@ struct Scene {
   double start = 0.0;  // s of the clip where frame 0 stands
   double end = 2.0;    // s of the clip; a cycle has round((end - start) fps) frames
   std::string clip;    // name or index; empty: the first
+  std::string paint;   // file with what is painted on the only character; empty: none
 };
 
 // Frames of one cycle of the clip.

@@ -17,6 +17,7 @@
 #include "host/scene/input_files.h"
 #include "host/scene/overrides.h"
 #include "host/scene/scene_keys.h"
+#include "host/scene/scene_paint.h"
 #include "host/scene/scene_values.h"
 
 namespace fascicle::scene {
@@ -93,9 +94,9 @@ void load_file(const std::filesystem::path& file, bool rigid, LoadedFiles* files
   loaded.geometry = character_of_mesh(std::move(std::get<mesh::SurfaceMesh>(loaded.geometry)));
 }
 
-// A character as its table says, with what the scene is to know of its files.
-rig::Character load_one(const toml::table& table, const std::string& path,
-                        const std::filesystem::path& folder, LoadedFiles* files, Scene& scene) {
+// What its file or its maker has of a character, with what the scene is to know of that file.
+rig::Character load_unpainted(const toml::table& table, const std::string& path,
+                              const std::filesystem::path& folder, LoadedFiles* files, Scene& scene) {
   if (table.contains("made")) return made::make_character(*table["made"].value<std::string>());
   Scene loaded;
   loaded.converter = scene.converter;
@@ -108,6 +109,23 @@ rig::Character load_one(const toml::table& table, const std::string& path,
     if (std::find(scene.input_hashes.begin(), scene.input_hashes.end(), input) == scene.input_hashes.end())
       scene.input_hashes.push_back(input);
   return std::move(std::get<rig::Character>(loaded.geometry));
+}
+
+// A character as its table says. What a file paints on it goes into `paint`.
+rig::Character load_one(const toml::table& table, const std::string& path,
+                        const std::filesystem::path& folder, LoadedFiles* files, Scene& scene,
+                        std::vector<FilePaint>& paint) {
+  rig::Character character = load_unpainted(table, path, folder, files, scene);
+  const std::string file = table["paint"].value_or(std::string());
+  if (file.empty()) return character;
+  const toml::source_region& source = table.get("paint")->source();
+  const std::string key = join_path(path, "paint");
+  try {
+    paint.push_back(file_paint(lay_paint_over(folder / file, files, scene, character), source, key));
+  } catch (const InputFileError& error) {
+    fail(source, key, error.what());
+  }
+  return character;
 }
 
 // Names in [skeleton] say which character's they are. What they name there is asked once its body is made.
@@ -154,6 +172,7 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
 
 void read_named_characters(const toml::table& root, const std::filesystem::path& folder, LoadedFiles* files,
                            Scene& scene) {
+  std::vector<FilePaint> paint;
   for_each_named(
       root, "character", [&](const std::string& name, const toml::table& table, const std::string& path) {
         PlacedCharacter character;
@@ -163,7 +182,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
           fail(table.get("thickness")->source(), join_path(path, "thickness"),
                "is of a prop, which this is not; set rigid = true, or leave it out");
         if (!character.settings.file.empty()) character.file = folder / character.settings.file;
-        character.own = load_one(table, path, folder, files, scene);
+        character.own = load_one(table, path, folder, files, scene, paint);
         rig::name_apart(character.own, name);
         const toml::node* clip = table.get("clip");
         try {
@@ -180,6 +199,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
     fail(root.get("character")->source(), "character", error.what());
   }
   check_skeleton_names(root, scene);
+  let_paint_act(paint, scene);
   for (const Layer& layer : scene.layers) check_paint(root, scene, layer.alpha_attribute, false);
   check_paint(root, scene, scene.contact.attribute, true);
 }
@@ -191,7 +211,9 @@ void read_character(const toml::table& root, const std::filesystem::path& folder
   if (has_named_characters(root)) return read_named_characters(root, folder, files, scene);
   const toml::table& table = table_at(root, "character");
   read_character_keys(table, scene);
-  scene.geometry = load_one(table, "character", folder, files, scene);
+  std::vector<FilePaint> paint;
+  scene.geometry = load_one(table, "character", folder, files, scene, paint);
+  let_paint_act(paint, scene);
 }
 
 void join_characters(Scene& scene) {
@@ -285,7 +307,12 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto name = table["made"].value<std::string>()) {
         all.push_back(made::make_character(*name));
+      } else {
+        return;
       }
+      const auto paint = stated("paint");
+      const std::string file = paint ? *paint : table["paint"].value_or(std::string());
+      if (!file.empty()) lay_paint_over(folder / file, files, loaded, all.back());
     } catch (const std::runtime_error&) {
       // Is found again, and told with its place, when the character is read.
     }

@@ -69,6 +69,12 @@ const auto& character_rows() {
                  .doc = "A character made in code: a bear that jumps, an arm that curls, straight or bent by "
                         "46 degrees in its bind pose.",
                  .allowed = made::made_character_names()}),
+      key(&Scene::paint,
+          {.name = "paint",
+           .doc =
+               "A file with what is painted on it, relative to the scene file's folder: it goes before what "
+               "the character's own file has painted there; empty: none."},
+          {.shown = Shown::where_set}),
       key(&Scene::clip,
           {.name = "clip", .doc = "The animation, by name or by number from 0; empty: the first."}),
       key(&Scene::resolution,
@@ -91,6 +97,12 @@ const auto& placed_character_rows() {
       key(&CharacterSettings::made,
           {.name = "made", .doc = "A character made in code.", .allowed = made::made_character_names()},
           {.depends = true}),
+      key(&CharacterSettings::paint,
+          {.name = "paint",
+           .doc =
+               "A file with what is painted on it, relative to the scene file's folder: it goes before what "
+               "its own file has painted there; empty: none."},
+          {.shown = Shown::where_set}),
       key(&CharacterSettings::clip,
           {.name = "clip", .doc = "Its animation, by name or by number from 0; empty: the first."}),
       key(&CharacterSettings::joint,

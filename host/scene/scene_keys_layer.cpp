@@ -80,7 +80,8 @@ const auto& layer_rows() {
           {.name = "contact", .doc = "Where flesh meets: its flesh does. false: it meets nothing."},
           {.shown = Shown::where_set}),
       where_key(&Layer::where, false,
-                "What belongs to the layer; where absent, all that no other layer claims.")};
+                "What belongs to the layer; where absent, all that no other layer claims."),
+      member("by_paint", &Layer::by_paint, Shown::never)};
   static_assert(base::has_row_for_each_member<Layer, decltype(all)>, "a member of Layer has no row here");
   return all;
 }

@@ -227,6 +227,21 @@ TEST(Layers, PaintWinsOverOtherShapesWhateverTheOrder) {
     EXPECT_EQ(layering.layer[i], bar.body.mesh.vertices[i][0] < 0.09 ? 1u : 2u);
 }
 
+// A layer that a paint file claims vertices for is the rest of the body all the same.
+TEST(Layers, PaintOfAFileWinsAsPaintOfWhereDoes) {
+  const PaintedBar bar;
+  scene::Scene scene = two_layers(scene::Everywhere{});
+  scene.layers[0].by_paint = {scene::Painted{"_LAYER", 1.5, 2.5}};
+  const build::Layering painted = bar.layer(scene);
+  scene.layers[1].where = {scene::HalfSpace{scene::Axis::x, false, true, 0.5}};
+  const build::Layering rest = bar.layer(scene);
+  for (std::size_t i = 0; i < painted.layer.size(); ++i) {
+    const double x = bar.body.mesh.vertices[i][0];
+    EXPECT_EQ(painted.layer[i], x < 0.09 ? 0u : 1u) << x;
+    EXPECT_EQ(rest.layer[i], x < 0.199 ? 0u : 1u) << x;
+  }
+}
+
 TEST(Layers, PaintedStiffnessMultipliesAlpha) {
   const PaintedBar bar;
   scene::Scene scene = two_layers(scene::Everywhere{});

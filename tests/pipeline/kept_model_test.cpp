@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,7 +15,9 @@
 #include "host/build/byte_archive.h"
 #include "host/build/cache.h"
 #include "host/build/report_fields.h"
+#include "host/made/made_character.h"
 #include "host/pipeline/build_scene.h"
+#include "host/scene/paint_file.h"
 #include "host/scene/scene_table.h"
 
 namespace fascicle::tests {
@@ -146,6 +150,42 @@ TEST_F(KeptModelTest, AnotherContentHasAnotherKey) {
   const std::string low = key_with_top_at("1.0");
   EXPECT_NE(key_with_top_at("1.5"), low);
   EXPECT_EQ(key_with_top_at("1.0"), low);
+}
+
+// Paint of one name and another content makes another body, and each is found again as it would be built.
+TEST_F(KeptModelTest, AnotherPaintIsAnotherModel) {
+  fs::create_directories(options_.cache);
+  const fs::path file = options_.cache / "bear.paint.json";
+  const rig::Character bear = made::make_character("bear");
+  const std::vector<std::string> set{"character.resolution=0.12", "character.paint=" + file.string()};
+  // Of one whole side, as far as one of the numbers says.
+  const auto scene_painted = [&](const char* name, float value, bool left) {
+    rig::Paint paint{rig::surface_hash(bear.surface), bear.surface.vertices.size(), {{name, {}, {}}}};
+    for (std::uint32_t v = 0; v < bear.surface.vertices.size(); ++v) {
+      if ((bear.surface.vertices[v][0] > 0.05) != left) continue;
+      paint.attributes[0].vertex.push_back(v);
+      paint.attributes[0].value.push_back(value);
+    }
+    std::ofstream(file) << scene::paint_text(paint);
+    return scene_of("crouch", set);
+  };
+  build::BuildOptions without_cache = options_;
+  without_cache.cache.clear();
+  std::set<std::uint64_t> seen;
+  std::set<std::string> keys{key_of("crouch", {"character.resolution=0.12"})};
+  build::BuildMemory memory;
+  for (const bool is_again : {false, true})
+    for (const auto& [name, value, left] :
+         {std::tuple("_LAYER", 1.0f, true), {"_LAYER", 1.0f, false}, {"_RIGID", 1.0f, true}}) {
+      const scene::Scene scene = scene_painted(name, value, left);
+      build::Report report;
+      const std::uint64_t hash = bake::model_hash(build::build_model(scene, report, without_cache));
+      EXPECT_EQ(bake::model_hash(pipeline::build_scene(scene, options_, {}).model), hash) << name << value;
+      EXPECT_EQ(bake::model_hash(pipeline::build_scene_again(scene, options_, memory).model), hash)
+          << name << value;
+      EXPECT_EQ(seen.insert(hash).second, !is_again) << "the control: paint changes the model";
+      EXPECT_EQ(keys.insert(kept_model_key(scene, options_).value()).second, !is_again);
+    }
 }
 
 // A muscle may be told by the clip, and where several characters are joined, so are their clips.

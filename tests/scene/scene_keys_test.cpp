@@ -90,6 +90,7 @@ class SceneKeys : public ::testing::Test {
  protected:
   SceneKeys() {
     write_tetrahedron_off(folder_.path() / "tetrahedron.off");
+    write_arm_paint(folder_.path() / "arm.paint.json");
     samples_.push_back(sample_of(bar_sample()));
     samples_.push_back(sample_of(mesh_sample()));
     if (std::filesystem::exists(character_))

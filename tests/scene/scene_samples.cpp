@@ -4,6 +4,10 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+
+#include "host/made/made_character.h"
+#include "host/scene/paint_file.h"
+
 namespace fascicle::tests {
 
 using namespace scene;
@@ -247,6 +251,7 @@ std::string made_sample() {
   return R"(# What a character made in code has instead of a file.
 [character]
 made = "arm"
+paint = "arm.paint.json"
 
 [layers.body]
 alpha = 0.5
@@ -279,6 +284,7 @@ std::string characters_sample() {
   return R"(# What one of several characters has.
 [character.left]
 made = "arm"
+paint = "arm.paint.json"
 clip = "curl"
 joint = "right"
 at = [-0.5, 0.25, 0.125]
@@ -330,6 +336,15 @@ quality = "draft"
 
 void write_tetrahedron_off(const std::filesystem::path& path) {
   write_file(path, "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+}
+
+void write_arm_paint(const std::filesystem::path& path) {
+  rig::Paint paint;
+  const rig::Character arm = made::make_character("arm");
+  paint.surface = rig::surface_hash(arm.surface);
+  paint.vertices = arm.surface.vertices.size();
+  paint.attributes = {{"_RIGID", {3}, {1.0f}}};
+  write_file(path, paint_text(paint));
 }
 
 namespace {
@@ -412,9 +427,9 @@ std::string describe(const Scene& scene) {
     for (const Vector3d& p : character->surface.vertices) d.line("vertex", p);
   }
   for (const PlacedCharacter& c : scene.characters)
-    d.line("character", c.settings.name, c.settings.file, c.settings.made, c.settings.clip, c.settings.joint,
-           c.settings.at, c.settings.turn, c.settings.start, c.settings.rigid, c.settings.thickness,
-           c.settings.resolution, c.bind_offset, c.first_joint);
+    d.line("character", c.settings.name, c.settings.file, c.settings.made, c.settings.paint, c.settings.clip,
+           c.settings.joint, c.settings.at, c.settings.turn, c.settings.start, c.settings.rigid,
+           c.settings.thickness, c.settings.resolution, c.bind_offset, c.first_joint);
   for (const BoneSegment& bone : scene.bones) d.line("bone", bone.name, bone.from, bone.to);
   d.line("skeleton", scene.skeleton.bones, scene.skeleton.not_bones, scene.skeleton.kinematic,
          scene.skeleton.simulated, scene.skeleton.rigid, scene.skeleton.only, scene.skeleton.least_share,
@@ -454,7 +469,7 @@ std::string describe(const Scene& scene) {
   d.line("gravity", scene.gravity);
   d.line("solver", scene.solver.integrator, scene.solver.rotation, scene.solver.weights,
          scene.solver.substeps, scene.solver.auto_substeps, scene.solver.iterations, scene.solver.quality);
-  d.line("time", scene.fps, scene.start, scene.end, scene.clip);
+  d.line("time", scene.fps, scene.start, scene.end, scene.clip, scene.paint);
   const Motion& m = scene.motion;
   d.line("motion", m.rest, m.interpolation, m.preroll, m.settle, m.loop, m.seamless, m.seamless_tolerance,
          m.seamless_cycles, m.hold, m.handles, m.acceleration_limit, m.cut_distance);

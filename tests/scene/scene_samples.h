@@ -13,13 +13,15 @@ namespace fascicle::tests {
 std::string bar_sample();
 std::string mesh_sample();       // of a file tetrahedron.off beside it
 std::string character_sample();  // of a file CesiumMan.glb beside it
-std::string made_sample();
+std::string made_sample();       // of a file arm.paint.json beside it
 std::string made_surface_sample();
-std::string characters_sample();  // of a file CesiumMan.glb beside it
+std::string characters_sample();  // of both of these files
 std::string implicit_sample();
 
 // A closed surface of four triangles.
 void write_tetrahedron_off(const std::filesystem::path& path);
+// Of one vertex of the made arm.
+void write_arm_paint(const std::filesystem::path& path);
 
 // Every field of the scene but its text and hashes, all digits.
 std::string describe(const scene::Scene& scene);

@@ -1,0 +1,99 @@
+#include "host/formats/painted_gltf.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <Eigen/LU>
+
+#include "host/formats/gltf_writer.h"
+#include "host/gltf/gltf_rig.h"
+#include "host/rig/rig_math.h"
+
+namespace fascicle::formats {
+namespace {
+
+using Eigen::Vector3d;
+using nlohmann::json;
+
+// From the file's own space to the bind pose at vertices of one part, as read_gltf turns directions.
+class Turns {
+ public:
+  Turns(const gltf::RigPart& part, const rig::Character& character) : character_(character) {
+    for (std::size_t slot = 0; slot < part.skin_joint.size(); ++slot) {
+      const std::uint32_t joint = part.skin_joint[slot];
+      const Eigen::Matrix4d bind = rig::affine_inverse(character.skeleton[joint].inverse_bind);
+      turn_of_.emplace(joint, (bind * part.inverse_bind[slot]).topLeftCorner<3, 3>());
+    }
+  }
+
+  // 0 where the skin leaves nothing of it.
+  Vector3d back(std::size_t vertex, const Vector3d& direction) const {
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+    for (std::size_t k = 0; k < character_.weights[vertex].size(); ++k) {
+      const auto found = turn_of_.find(character_.joints[vertex][k]);
+      if (found != turn_of_.end()) turn += character_.weights[vertex][k] * found->second;
+    }
+    const Vector3d raw = turn.inverse() * direction;
+    if (!raw.allFinite() || !(raw.norm() > 0.0)) return Vector3d::Zero();
+    return raw * (direction.norm() / raw.norm());
+  }
+
+ private:
+  const rig::Character& character_;
+  std::map<std::uint32_t, Eigen::Matrix3d> turn_of_;
+};
+
+std::vector<float> values_of_part(const rig::PaintedAttribute& attribute, bool is_direction,
+                                  const gltf::RigPart& part, std::size_t first,
+                                  const rig::Character& character) {
+  std::vector<float> values;
+  const Turns turns(part, character);
+  for (std::size_t i = first; i < first + part.positions.size(); ++i) {
+    const double* value = attribute.values.data() + attribute.width * i;
+    if (!is_direction) {
+      values.push_back(static_cast<float>(*value));
+      continue;
+    }
+    const Vector3d raw = turns.back(i, Vector3d(value[0], value[1], value[2]));
+    for (int axis = 0; axis < 3; ++axis) values.push_back(static_cast<float>(raw[axis]));
+  }
+  return values;
+}
+
+}  // namespace
+
+std::string painted_glb(const std::filesystem::path& file, const rig::Character& character,
+                        const rig::Paint& paint, std::vector<std::string>& missing) {
+  gltf::GltfDocument document = gltf::pack_gltf(file, missing);
+  const gltf::Rig rig = gltf::read_rig(file);
+  json& meshes = document.json["meshes"];
+  std::map<std::uint32_t, std::size_t> mesh_of_node;
+  std::set<std::size_t> shown;
+  for (const gltf::RigPart& part : rig.parts) {
+    if (mesh_of_node.contains(part.node)) continue;
+    std::size_t mesh = part.mesh;
+    if (!shown.insert(mesh).second) {
+      mesh = meshes.size();
+      meshes.push_back(json(meshes[part.mesh]));
+      document.json["nodes"][part.node]["mesh"] = mesh;
+    }
+    mesh_of_node[part.node] = mesh;
+  }
+  std::size_t first = 0;
+  for (const gltf::RigPart& part : rig.parts) {
+    json& attributes = meshes[mesh_of_node.at(part.node)]["primitives"][part.primitive]["attributes"];
+    for (const rig::PaintedVertices& painted : paint.attributes) {
+      const rig::PaintKind& kind = *rig::find_paint_kind(painted.name);
+      const auto laid_over =
+          std::find_if(character.painted.begin(), character.painted.end(),
+                       [&](const rig::PaintedAttribute& a) { return a.name == painted.name; });
+      const std::vector<float> values = values_of_part(*laid_over, kind.is_direction, part, first, character);
+      attributes[painted.name] = add_accessor(document, std::span<const float>(values), kind.width);
+    }
+    first += part.positions.size();
+  }
+  return glb_text(std::move(document));
+}
+
+}  // namespace fascicle::formats
