@@ -1,7 +1,8 @@
 #include "host/cli/bench_results.h"
 
 #include <algorithm>
-#include <fstream>
+#include <filesystem>
+#include <system_error>
 
 #include <nlohmann/json.hpp>
 
@@ -41,11 +42,12 @@ Json json_of(const BenchRow& row) {
           {"ns_by_stage", row.stages}};
 }
 
-void write_text_file(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) throw bake::BakeError(path.string() + ": cannot be written; choose another file");
+// Whole or not at all, and in the place of a link, not through it.
+void write_text_file(const std::filesystem::path& path, const std::string& text) try {
+  base::write_whole(std::filesystem::absolute(path), text);
+} catch (const std::system_error& error) {
+  throw bake::BakeError(path.string() + ": cannot be written (" + error.code().message() +
+                        "); choose another file");
 }
 
 std::string or_nothing(const std::optional<double>& value, int digits) {

@@ -1,5 +1,7 @@
 // fascicle bench as a user runs it, and how two of its results are compared. No time is judged here.
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -49,6 +51,20 @@ TEST(Bench, WritesEveryRowOnceWithItsNumbers) {
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_TRUE(contains(again.out, "cpu, explicit, ")) << again.out;
   EXPECT_TRUE(contains(again.out, ", 1 thread: median x ")) << again.out;
+}
+
+// A link in the place of a result is replaced; what it names stays.
+TEST(Bench, WritesThroughNoLink) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "kept") << "kept";
+  std::filesystem::create_symlink(folder / "kept", folder / "a.json");
+  const Outcome outcome =
+      fascicle({"bench", "--vertices", "300", "--rounds", "1", "--threads", "1", "--devices", "cpu",
+                "--integrator", "explicit", "--no-peers", "--json", folder / "a.json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(read_text(folder / "kept"), "kept");
+  EXPECT_FALSE(std::filesystem::is_symlink(std::filesystem::path(folder / "a.json")));
+  EXPECT_NO_THROW((void)json::parse(read_text(folder / "a.json")));
 }
 
 // The same bar as the mesher fills it, and a row of its own in a comparison.
