@@ -64,7 +64,7 @@ TEST(Bench, WritesThroughNoLink) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(read_text(folder / "kept"), "kept");
   EXPECT_FALSE(std::filesystem::is_symlink(std::filesystem::path(folder / "a.json")));
-  EXPECT_NO_THROW((void)json::parse(read_text(folder / "a.json")));
+  EXPECT_TRUE(json::accept(read_text(folder / "a.json")));
 }
 
 // The same bar as the mesher fills it, and a row of its own in a comparison.
