@@ -17,9 +17,12 @@ constexpr std::size_t most_changes = 256, most_formats = 32, longest_text = 4096
 constexpr double farthest = 1e6;  // m, N
 constexpr double slowest = 0.01, fastest = 4.0;
 
-constexpr std::array<std::string_view, 17> verbs{"show", "play",    "pause", "step", "seek",  "speed",
-                                                 "loop", "restart", "set",   "undo", "redo",  "preset",
-                                                 "hand", "record",  "save",  "bake", "cancel"};
+constexpr std::size_t most_stroke_places = 256;
+constexpr double largest_brush = 1e3;  // m
+constexpr std::array<std::string_view, 18> verbs{"show", "play",    "pause", "step", "seek",   "speed",
+                                                 "loop", "restart", "set",   "undo", "redo",   "preset",
+                                                 "hand", "record",  "save",  "bake", "cancel", "paint"};
+constexpr std::array<std::string_view, 3> falloffs{"smooth", "linear", "constant"};
 constexpr std::array<std::string_view, 4> hand_actions{"grab", "move", "release", "force"};
 
 template <std::size_t count>
@@ -95,12 +98,19 @@ class Members {
     return value->get<bool>();
   }
 
-  std::array<double, 3> must_vector(const char* name) {
+  std::array<double, 3> must_vector(const char* name) { return vector_of(must(take(name), name), name); }
+  std::optional<std::array<double, 3>> vector(const char* name) {
+    const std::optional<Json> value = take(name);
+    if (!value) return std::nullopt;
+    return vector_of(*value, name);
+  }
+  std::vector<std::array<double, 3>> must_vectors(const char* name, std::size_t most) {
     const Json value = must(take(name), name);
-    if (!value.is_array() || value.size() != 3) refuse(std::string(name) + " takes three numbers");
-    std::array<double, 3> vector{};
-    for (std::size_t a = 0; a < 3; ++a) vector[a] = number_of(value[a], name, -farthest, farthest);
-    return vector;
+    if (!value.is_array() || value.empty() || value.size() > most)
+      refuse(std::string(name) + " takes a list of 1 to " + std::to_string(most) + " places");
+    std::vector<std::array<double, 3>> vectors;
+    for (const Json& one : value) vectors.push_back(vector_of(one, name));
+    return vectors;
   }
 
   std::vector<std::string> texts(const char* name, std::size_t most) {
@@ -141,6 +151,12 @@ class Members {
   T must(std::optional<T> value, const char* name) const {
     if (!value) refuse(std::string(name) + " is missing");
     return std::move(*value);
+  }
+  std::array<double, 3> vector_of(const Json& value, const char* name) const {
+    if (!value.is_array() || value.size() != 3) refuse(std::string(name) + " takes three numbers");
+    std::array<double, 3> vector{};
+    for (std::size_t a = 0; a < 3; ++a) vector[a] = number_of(value[a], name, -farthest, farthest);
+    return vector;
   }
   double number_of(const Json& value, const char* name, double least, double most) const {
     if (!value.is_number()) refuse(std::string(name) + " takes a number");
@@ -216,6 +232,37 @@ void read_bake(Members& members, Command& command) {
   }
 }
 
+void read_paint(Members& members, StrokePiece& piece) {
+  const std::string attribute = members.must_text("attribute");
+  Brush& brush = piece.brush;
+  brush.kind = rig::find_paint_kind(attribute);
+  if (brush.kind == nullptr) {
+    std::vector<std::string> names;
+    for (const rig::PaintKind& kind : rig::paint_kinds()) names.emplace_back(kind.name);
+    members.refuse("\"" + base::shown_text(attribute.substr(0, longest_name)) + "\" cannot be painted" +
+                   base::nearest_name_hint(attribute, names));
+  }
+  brush.erases = members.truth("erase").value_or(false);
+  if (!brush.erases && !brush.kind->is_direction) {
+    const double value = members.must_number("value", brush.kind->least, brush.kind->most);
+    if (brush.kind->is_whole && value != std::floor(value)) members.refuse("value takes a whole number");
+    brush.value = static_cast<float>(value);
+  }
+  brush.radius = members.must_number("radius", 0.0, largest_brush);
+  brush.strength = members.number("strength", 0.0, 1.0).value_or(1.0);
+  const std::string falloff = members.text("falloff").value_or(std::string(falloffs[0]));
+  const auto found = find(falloffs, falloff);
+  if (!found)
+    members.refuse("\"" + base::shown_text(falloff.substr(0, longest_name)) + "\" is no falloff" +
+                   hint(falloffs, falloff));
+  brush.falloff = static_cast<Falloff>(*found);
+  brush.is_mirrored = members.truth("mirror").value_or(false);
+  piece.places = members.must_vectors("places", most_stroke_places);
+  piece.direction = members.vector("direction").value_or(piece.direction);
+  piece.stroke = members.must_count("stroke", 9e15);
+  piece.is_last = members.truth("last").value_or(true);
+}
+
 }  // namespace
 
 bool is_plain_name(std::string_view name) {
@@ -266,6 +313,9 @@ Command parse_command(std::string_view text) {
       break;
     case Verb::bake:
       read_bake(members, command);
+      break;
+    case Verb::paint:
+      read_paint(members, command.piece);
       break;
     default:
       break;

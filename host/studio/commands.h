@@ -12,6 +12,7 @@
 
 #include "host/scene/scene_edit.h"
 #include "host/scene/scene_json.h"
+#include "host/studio/brush.h"
 
 namespace fascicle::studio {
 
@@ -42,10 +43,20 @@ enum class Verb {
   record,
   save,
   bake,
-  cancel
+  cancel,
+  paint
 };
 
 enum class HandAction { grab, move, release, force };
+
+// A piece of a stroke of the brush.
+struct StrokePiece {
+  std::uint64_t stroke = 0;  // pieces of one number are one change
+  bool is_last = true;
+  Brush brush;
+  std::vector<std::array<double, 3>> places;  // m, of the bind pose, one after the other
+  std::array<double, 3> direction{0, 0, 0};   // where the stroke has one place alone
+};
 
 struct Command {
   std::optional<std::int64_t> id;
@@ -65,6 +76,7 @@ struct Command {
   std::array<double, 3> vector{0, 0, 0};  // a place, m, or a force, N
   std::vector<std::string> formats;       // bake
   bool overwrite = false;                 // save, bake
+  StrokePiece piece;                      // paint
 };
 
 // Throws BadMessage.

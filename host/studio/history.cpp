@@ -9,17 +9,30 @@ History::History(std::vector<HistoryStep> steps, std::size_t at) : steps_(std::m
   assert(at_ < steps_.size());
 }
 
-void History::add(std::string label, std::string text, std::optional<std::uint64_t> gesture) {
+namespace {
+
+bool is_same(const PaintText& a, const PaintText& b) {
+  return a == b || (a && b && *a == *b);
+}
+
+}  // namespace
+
+void History::add(std::string label, std::string text, PaintText paint,
+                  std::optional<std::uint64_t> gesture) {
   steps_.resize(at_ + 1);
   if (gesture && gesture == gesture_ && at_ > 0) {
     steps_.back().text = std::move(text);
+    steps_.back().paint = std::move(paint);
     return;
   }
   gesture_ = gesture;
-  steps_.push_back({std::move(label), std::move(text)});
+  steps_.push_back({std::move(label), std::move(text), std::move(paint)});
   std::size_t bytes = 0, kept = 0;
   for (std::size_t k = steps_.size(); k > 0; --k) {
-    bytes += steps_[k - 1].text.size() + steps_[k - 1].label.size();
+    const HistoryStep& step = steps_[k - 1];
+    bytes += step.text.size() + step.label.size();
+    // What the next step has as well is there once.
+    if (step.paint && (k == steps_.size() || steps_[k].paint != step.paint)) bytes += step.paint->size();
     if (kept > 0 && (bytes > most_bytes || kept == most_steps)) break;
     ++kept;
   }
@@ -41,21 +54,25 @@ bool History::redo() {
   return true;
 }
 
-void History::fall_back(const std::string& text) {
+void History::fall_back(const std::string& text, const PaintText& paint) {
   gesture_.reset();
+  const auto has_both = [&](std::size_t k) {
+    return steps_[k].text == text && is_same(steps_[k].paint, paint);
+  };
   for (std::size_t away = 1; away < steps_.size(); ++away) {
     const std::size_t before = at_ - away, after = at_ + away;
-    if (away <= at_ && steps_[before].text == text) {
+    if (away <= at_ && has_both(before)) {
       if (away == 1 && after == steps_.size()) steps_.pop_back();
       at_ = before;
       return;
     }
-    if (after < steps_.size() && steps_[after].text == text) {
+    if (after < steps_.size() && has_both(after)) {
       at_ = after;
       return;
     }
   }
   steps_[at_].text = text;
+  steps_[at_].paint = paint;
 }
 
 }  // namespace fascicle::studio

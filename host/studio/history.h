@@ -1,16 +1,22 @@
-// The texts that a scene has had, from the first to the last: every change can be taken back and made again.
+// The texts that a scene has had, and what was painted on its character, from the first to the last: every
+// change can be taken back and made again.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace fascicle::studio {
 
+// A paint file's text, which steps share; null: nothing is painted.
+using PaintText = std::shared_ptr<const std::string>;
+
 struct HistoryStep {
-  std::string label;  // what was done to come here; of the first step empty
-  std::string text;   // of the scene
+  std::string label;     // what was done to come here; of the first step empty
+  std::string text;      // of the scene
+  PaintText paint = {};  // of character.paint
 };
 
 class History {
@@ -18,21 +24,25 @@ class History {
   // Of the oldest steps those go that do not fit in.
   static constexpr std::size_t most_steps = 1000, most_bytes = std::size_t{64} << 20;
 
-  explicit History(std::string text) : steps_{{"", std::move(text)}} {}
+  explicit History(std::string text, PaintText paint = {})
+      : steps_{{"", std::move(text), std::move(paint)}} {}
   // `steps` is not empty and `at` is one of them.
   History(std::vector<HistoryStep> steps, std::size_t at);
 
   const std::string& text() const { return steps_[at_].text; }
+  const PaintText& paint() const { return steps_[at_].paint; }
   // Takes the place of the last change where both have this gesture.
-  void add(std::string label, std::string text, std::optional<std::uint64_t> gesture = std::nullopt);
+  void add(std::string label, std::string text, PaintText paint,
+           std::optional<std::uint64_t> gesture = std::nullopt);
   // What would be taken back, and what would be made again; null where there is nothing.
   const std::string* undo_label() const { return at_ > 0 ? &steps_[at_].label : nullptr; }
   const std::string* redo_label() const { return at_ + 1 < steps_.size() ? &steps_[at_ + 1].label : nullptr; }
   bool undo();
   bool redo();
-  // The step in force does not hold after all: the nearest one with this text is in force again. The last
-  // change goes for good where it led away from that; where no step has the text, the step in force gets it.
-  void fall_back(const std::string& text);
+  // The step in force does not hold after all: the nearest one with this text and paint is in force again.
+  // The last change goes for good where it led away from that; where no step has them, the step in force gets
+  // them.
+  void fall_back(const std::string& text, const PaintText& paint);
 
   const std::vector<HistoryStep>& steps() const { return steps_; }
   std::size_t at() const { return at_; }

@@ -292,6 +292,11 @@ bool needs_new_body(std::string_view path) {
   return path.starts_with("character") && !path.ends_with(".clip");
 }
 
+std::string paint_key(const std::vector<EditedTable>& tables) {
+  const EditedKey* key = find(tables, paint_path);
+  return key != nullptr && key->value.is_string() ? key->value.get<std::string>() : std::string();
+}
+
 Json keys_json(const std::vector<EditedTable>& tables) {
   Json groups = Json::array();
   for (const EditedTable& table : tables) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/scene/scene_edit.h"
@@ -15,6 +16,13 @@ using scene::Json;
 // Whether a change of the key asks for a new body: what is filled with tetrahedra, and from which bones it is
 // measured.
 bool needs_new_body(std::string_view path);
+
+// The key that names what is painted on a scene's only character.
+inline constexpr std::string_view paint_path = "character.paint";
+// What its file's name ends in.
+inline constexpr const char* paint_suffix = ".paint.json";
+// What it holds; empty where there is no such key, or nothing in it.
+std::string paint_key(const std::vector<scene::EditedTable>& tables);
 
 // "groups" of the message `keys`.
 Json keys_json(const std::vector<scene::EditedTable>& tables);

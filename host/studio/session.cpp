@@ -1,6 +1,7 @@
 #include "host/studio/session.h"
 
 #include <algorithm>
+#include <array>
 #include <ctime>
 #include <string_view>
 #include <utility>
@@ -32,7 +33,8 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   if (source.extension() == ".toml") source_folder_ = source.parent_path();
   converter_ = scene.converter;
   base_text_ = scene.text;
-  base_hash_ = scene::hash_of(base_text_);
+  base_paint_ = read_paint_file(scene.characters.empty() ? scene.paint : std::string());
+  base_hash_ = scene::hash_of(base_paint_ ? base_text_ + *base_paint_ : base_text_);
   bake::make_folder(options_.folder);
   lock_.emplace(options_.folder);
   if (std::optional<SessionRecord> record = read_session(options_.folder)) {
@@ -41,6 +43,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       saved_file_ = record->saved_file;
       saved_hash_ = record->saved_hash;
       saved_text_ = record->saved_text;
+      saved_paint_ = record->saved_paint;
       if (history_->steps().size() > 1)
         restored_ = "the session that " + options_.folder.string() + " holds goes on";
     } else {
@@ -49,7 +52,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   } else if (std::filesystem::exists(options_.folder / session_file_name)) {
     keep_old_session("held a session that cannot be read: damaged, or of another version of fascicle");
   }
-  if (!history_) history_.emplace(base_text_);
+  if (!history_) history_.emplace(base_text_, base_paint_);
 
   options_.build.is_cancelled = [this, outer = options_.build.is_cancelled] {
     return stops_ || stops_build_ || (outer && outer());
@@ -61,14 +64,14 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   };
   const auto make_first = [&] {
     try {
-      body_ = workshop_->make(history_->text(), revision_, say_);
+      body_ = workshop_->make(history_->text(), history_->paint(), revision_, say_);
     } catch (const scene::SceneError& error) {
       if (restored_.empty()) throw;
       pipeline::say_warning(say_,
                             std::string(error.what()) + "; the session begins with the scene as it was");
       while (history_->undo()) {
       }
-      body_ = workshop_->make(history_->text(), revision_, say_);
+      body_ = workshop_->make(history_->text(), history_->paint(), revision_, say_);
     }
   };
   start_workshop();
@@ -87,6 +90,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   tables_ = scene::edited_tables(history_->text(), source_);
   prepared_ = prepare(body_);
   prepared_.text = history_->text();
+  prepared_.paint = history_->paint();
   publish(prepared_);
   writer_ = std::make_unique<SessionWriter>(options_.folder, [this](const std::string& error) {
     if (!error.empty()) return pipeline::say_warning(say_, "the session could not be saved: " + error);
@@ -210,7 +214,7 @@ Json Session::history_json() const {
           {"undo", label(history_->undo_label())},
           {"redo", label(history_->redo_label())},
           {"steps", history_->steps().size()},
-          {"saved", !saved_hash_.empty() && saved_hash_ == scene::hash_of(history_->text())},
+          {"saved", !saved_hash_.empty() && saved_hash_ == state_hash()},
           {"autosaved", autosaved_}};
 }
 
@@ -248,6 +252,7 @@ void Session::send_start(PageId page) {
     send(page, presets_message());
   }
   send(page, warnings_message_);
+  if (is_live_) send_paint(page);
   if (is_live_) send(page, history_json());
   send(page, player_json());
   send(page, {{"type", "ready"}});
@@ -270,6 +275,11 @@ void Session::page_closed(PageId page) {
   const std::lock_guard lock(mutex_);
   pages_.erase(page);
   player_->watch(!pages_.empty());
+  if (stroke_ && stroke_->page == page) try {
+      end_stroke();
+    } catch (const std::exception& error) {
+      pipeline::say_warning(say_, error.what());
+    }
   if (hand_of_ != page) return;
   hand_of_.reset();
   player_->post_needed([](Motion& motion) { static_cast<LiveMotion&>(motion).release(); });
@@ -322,6 +332,11 @@ void Session::must_be_live() const {
 }
 
 void Session::obey(PageId page, const Command& command) {
+  // What is painted comes before what is asked for next.
+  constexpr std::array after_strokes{Verb::set,    Verb::preset, Verb::undo, Verb::redo,
+                                     Verb::record, Verb::save,   Verb::bake};
+  if (std::find(after_strokes.begin(), after_strokes.end(), command.verb) != after_strokes.end())
+    end_stroke();
   switch (command.verb) {
     case Verb::show:
       pages_.at(page).blocks = command.blocks;
@@ -378,6 +393,10 @@ void Session::obey(PageId page, const Command& command) {
     case Verb::bake:
       must_be_live();
       bake(command);
+      break;
+    case Verb::paint:
+      must_be_live();
+      paint(page, command.piece);
       break;
     case Verb::cancel:
       stops_bake_ = true;

@@ -85,6 +85,16 @@ class Session {
     std::vector<ArrayMessage> arrays;
     Json body_message, clip_message, warnings_message;
     std::string text;
+    PaintText paint;
+    std::shared_ptr<const PaintGround> ground;
+  };
+  // A stroke of the brush that is under way.
+  struct Stroke {
+    PageId page = 0;
+    std::uint64_t number = 0;
+    const rig::PaintKind* kind = nullptr;
+    Painting painting;
+    Vector3d last = Vector3d::Zero();
   };
 
   // session.cpp
@@ -108,22 +118,35 @@ class Session {
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
                 std::optional<std::uint64_t> gesture);
   // `is_running`: the flesh that moves is of this text already.
-  void take_text(const std::vector<scene::EditedTable>& before, bool is_running = false);
+  void take_text(const std::vector<scene::EditedTable>& before, const PaintText& painted_before,
+                 bool is_running = false);
   void step_in_history(bool is_undo);
   void keep_old_session(const std::string& why);
   void build_on();
-  void build(std::uint32_t revision, const std::string& text);
+  void build(std::uint32_t revision, const std::string& text, const PaintText& paint);
   Publication prepare(const std::shared_ptr<RunningBody>& body);
   void publish(const Publication& publication);
   void tell_applied(const FrameNumbers& numbers);
   void take_back(std::uint32_t revision, const std::string& error);
   void autosave();
 
+  // session_paint.cpp
+  PaintText read_paint_file(const std::string& name) const;
+  std::string why_no_paint(const rig::PaintKind* kind = nullptr) const;
+  Painting painting_in_force() const;
+  void paint(PageId page, const StrokePiece& piece);
+  void end_stroke();
+  void keep_stroke(const Stroke& stroke);
+  void send_paint(std::optional<PageId> page);
+  void send_sheet(const Painting& painting, const rig::PaintKind& kind, std::optional<PageId> page);
+  std::string state_hash() const;
+
   // session_bakes.cpp
   void record();
   void bake(const Command& command);
   std::filesystem::path save(const Command& command, Json& answer);
-  std::string text_in_folder() const;
+  std::string text_in_folder(const std::string& paint_name) const;
+  void save_paint(const std::filesystem::path& file, bool is_own_name, bool overwrite);
 
   const pipeline::Say say_;
   SessionOptions options_;
@@ -132,6 +155,7 @@ class Session {
   std::string scene_to_open_;  // of a bake: its scene's name for the command line
   std::string restored_;       // in words: what was taken up
   std::string base_hash_, base_text_;
+  PaintText base_paint_;
   bool is_live_ = false;
   std::optional<bake::FolderLock> lock_;
   std::optional<pipeline::ChosenDevice> device_;
@@ -154,12 +178,16 @@ class Session {
   std::uint32_t built_ = 1;                 // that the builder has taken up
   std::optional<Publication> next_;         // that waits for the player
   std::string running_text_;                // of the body whose frames are shown
-  bool bakes_ = false;                      // a bake waits or is under way
-  bool builds_anew_ = false;                // what the builder is at needs a new body
+  PaintText running_paint_;                 // the same
+  std::shared_ptr<const PaintGround> ground_;
+  std::optional<Stroke> stroke_;
+  bool bakes_ = false;        // a bake waits or is under way
+  bool builds_anew_ = false;  // what the builder is at needs a new body
   std::vector<Pending> pending_;
   std::string saved_file_;             // by its name in the folder; empty: none
   std::string saved_hash_;             // of the text in force as it was saved last
   std::string saved_text_;             // hash of what was written
+  std::string saved_paint_;            // the same of the paint; empty: none was
   std::shared_ptr<RunningBody> body_;  // whose frames are shown
   std::uint32_t body_number_ = 0;
   std::vector<ArrayMessage> arrays_;

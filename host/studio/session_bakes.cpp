@@ -7,7 +7,9 @@
 #include "host/base/text.h"
 #include "host/pipeline/bake_scene.h"
 #include "host/scene/input_files.h"
+#include "host/scene/paint_file.h"
 #include "host/scene/scene.h"
+#include "host/studio/scene_keys.h"
 #include "host/studio/session.h"
 
 namespace fascicle::studio {
@@ -73,19 +75,39 @@ void Session::record() {
   if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
 }
 
-// The text in force, with its file names as they are seen from the session's folder.
-std::string Session::text_in_folder() const {
+// The text in force, with its file names as they are seen from the session's folder. What the session has
+// painted lies there under this name.
+std::string Session::text_in_folder(const std::string& paint_name) const {
   std::vector<scene::KeyChange> changes;
   // The working directory's names have no folder.
   const fs::path from = fs::absolute(source_folder_ / "."), to = fs::absolute(options_.folder);
   for (const scene::EditedTable& table : tables_)
     for (const scene::EditedKey& key : table.keys) {
-      if (key.key->name != "file" || !key.is_stated || !key.value.is_string()) continue;
+      const bool is_paint = key.key->name == "paint";
+      if ((key.key->name != "file" && !is_paint) || !key.is_stated || !key.value.is_string()) continue;
+      if (is_paint && key.path == paint_path && history_->paint()) {
+        changes.push_back({key.path, Json(paint_name)});
+        continue;
+      }
       const fs::path file(key.value.get<std::string>());
-      if (file.is_absolute()) continue;
+      if (file.is_absolute() || file.empty()) continue;
       changes.push_back({key.path, Json((from / file).lexically_normal().lexically_proximate(to).string())});
     }
   return changes.empty() ? history_->text() : scene::change_text(history_->text(), source_, changes).text;
+}
+
+// Beside the scene that names it.
+void Session::save_paint(const fs::path& file, bool is_own_name, bool overwrite) {
+  if (!history_->paint()) return;
+  const std::string& text = *history_->paint();
+  const std::optional<std::string> there = base::read_input_if_there(file, scene::most_paint_bytes);
+  const bool is_own = there && (*there == text || (is_own_name && scene::hash_of(*there) == saved_paint_));
+  if (there && !is_own && !overwrite)
+    throw std::runtime_error(
+        file.string() +
+        " is there already, and this session did not write it; choose another name, or replace it");
+  base::write_whole(file, text);
+  saved_paint_ = scene::hash_of(text);
 }
 
 fs::path Session::save(const Command& command, Json& answer) {
@@ -93,7 +115,8 @@ fs::path Session::save(const Command& command, Json& answer) {
                            : !saved_file_.empty() ? saved_file_
                                                   : name_ + ".toml";
   const fs::path path = options_.folder / name;
-  const std::string text = text_in_folder();
+  const fs::path paint_file = options_.folder / (path.stem().string() + paint_suffix);
+  const std::string text = text_in_folder(paint_file.filename().string());
   const std::optional<std::string> there = base::read_input_if_there(path, most_scene_bytes);
   const bool is_own =
       there && (*there == text || (name == saved_file_ && scene::hash_of(*there) == saved_text_));
@@ -101,14 +124,16 @@ fs::path Session::save(const Command& command, Json& answer) {
     throw std::runtime_error(
         path.string() +
         " is there already, and this session did not write it; choose another name, or replace it");
+  save_paint(paint_file, name == saved_file_, command.overwrite);
   base::write_whole(path, text);
   saved_file_ = name;
   saved_text_ = scene::hash_of(text);
-  saved_hash_ = scene::hash_of(history_->text());
+  saved_hash_ = state_hash();
   autosave();
   const bool had_comments = base_text_.find('#') != std::string::npos;
   const bool keeps_comments = !had_comments || text.find('#') != std::string::npos;
   answer["file"] = path.string();
+  if (history_->paint()) answer["paint"] = paint_file.string();
   answer["kept_comments"] = keeps_comments;
   answer["message"] = keeps_comments
                           ? "fascicle bake takes this file"

@@ -41,12 +41,16 @@ void Session::set_keys(const std::vector<scene::KeyChange>& changes, const std::
   const scene::ChangedText changed = scene::change_text(history_->text(), source_, changes);
   if (changed.text == history_->text()) return;
   std::vector<scene::EditedTable> after = scene::edited_tables(changed.text, source_);
-  history_->add(label, changed.text, gesture);
+  const PaintText painted = history_->paint();
+  // Another file has other paint.
+  const std::string file = paint_key(after);
+  history_->add(label, changed.text, file == paint_key(tables_) ? painted : read_paint_file(file), gesture);
   const std::vector<scene::EditedTable> before = std::exchange(tables_, std::move(after));
-  take_text(before);
+  take_text(before, painted);
 }
 
 void Session::step_in_history(bool is_undo) {
+  const PaintText painted = history_->paint();
   if (!(is_undo ? history_->undo() : history_->redo()))
     throw std::runtime_error(is_undo ? "there is nothing to take back" : "there is nothing to make again");
   std::vector<scene::EditedTable> after;
@@ -57,15 +61,17 @@ void Session::step_in_history(bool is_undo) {
     is_undo ? history_->redo() : history_->undo();
     throw;
   }
-  take_text(std::exchange(tables_, std::move(after)));
+  take_text(std::exchange(tables_, std::move(after)), painted);
 }
 
 // The text in force is another one.
-void Session::take_text(const std::vector<scene::EditedTable>& before, bool is_running) {
+void Session::take_text(const std::vector<scene::EditedTable>& before, const PaintText& painted_before,
+                        bool is_running) {
   ++revision_;
   if (is_running) built_ = revision_;
   const Json changes = differences(before, tables_);
-  bool is_rebuild = false;
+  const bool is_painted_anew = history_->paint() != painted_before;
+  bool is_rebuild = is_painted_anew;
   for (const auto& [path, value] : changes.items()) is_rebuild = is_rebuild || needs_new_body(path);
   is_rebuild = is_rebuild && !is_running;
   if (pending_.size() == most_pending) pending_.erase(pending_.begin());
@@ -85,6 +91,7 @@ void Session::take_text(const std::vector<scene::EditedTable>& before, bool is_r
     broadcast(player_json());
   }
   broadcast(message);
+  if (is_painted_anew) send_paint(std::nullopt);
   broadcast(keys_message());
   broadcast(history_json());
   autosave();
@@ -92,8 +99,8 @@ void Session::take_text(const std::vector<scene::EditedTable>& before, bool is_r
 }
 
 void Session::autosave() {
-  writer_->put(
-      {source_, base_hash_, history_->steps(), history_->at(), saved_file_, saved_hash_, saved_text_});
+  writer_->put({source_, base_hash_, history_->steps(), history_->at(), saved_file_, saved_hash_, saved_text_,
+                saved_paint_});
 }
 
 // The builder's thread. It takes up the newest text alone.
@@ -115,26 +122,29 @@ void Session::build_on() {
   for (;;) {
     std::uint32_t revision = 0;
     std::string text;
+    PaintText paint;
     {
       std::unique_lock lock(mutex_);
       builder_wakes_.wait(lock, [this] { return stops_ || revision_ != built_; });
       if (stops_) return;
       revision = built_ = revision_;
       text = history_->text();
+      paint = history_->paint();
       builds_anew_ =
           std::any_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.is_rebuild; });
       stops_build_ = false;
     }
-    build(revision, text);
+    build(revision, text, paint);
     const std::lock_guard lock(mutex_);
     builds_anew_ = false;
   }
 }
 
-void Session::build(std::uint32_t revision, const std::string& text) {
+void Session::build(std::uint32_t revision, const std::string& text, const PaintText& paint) {
   try {
-    Publication made = prepare(workshop_->make(text, revision, say_));
+    Publication made = prepare(workshop_->make(text, paint, revision, say_));
     made.text = text;
+    made.paint = paint;
     prepared_ = made;
     {
       // Of bodies that wait for a player who is busy the last one counts.
@@ -176,6 +186,7 @@ Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) 
   const BodyParts parts{body->model(), &body->built().report, &body->scene()};
   Publication made;
   made.body = body;
+  made.ground = workshop_->ground(body->scene(), prepared_.ground);
   const std::uint32_t number = prepared_.number + 1;
   made.arrays = array_messages(parts, looks_, number, prepared_.arrays);
   made.body_message = body_json(parts, looks_, number, made.arrays);
@@ -201,8 +212,13 @@ Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) 
 void Session::publish(const Publication& made) {
   const bool is_new = made.number != body_number_;
   const std::vector<ArrayMessage> before = std::exchange(arrays_, made.arrays);
+  const bool is_same_ground = ground_ == made.ground;
+  const bool paints_otherwise =
+      !is_same_ground || body_->scene().solver.integrator != made.body->scene().solver.integrator;
   body_ = made.body;
+  ground_ = made.ground;
   running_text_ = made.text;
+  running_paint_ = made.paint;
   body_number_ = made.number;
   body_message_ = made.body_message;
   if (is_new) {
@@ -219,6 +235,10 @@ void Session::publish(const Publication& made) {
   clip_message_ = made.clip_message;
   warnings_message_ = made.warnings_message;
   broadcast(presets_message());
+  if (paints_otherwise) {
+    if (!is_same_ground) stroke_.reset();  // it was on another mesh
+    send_paint(std::nullopt);
+  }
   if (is_new) broadcast({{"type", "ready"}});
 }
 
@@ -252,10 +272,11 @@ void Session::take_back(std::uint32_t revision, const std::string& error) {
   // A newer text waits, and will say for itself what is wrong with it.
   if (revision_ != revision) return;
   broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
-  history_->fall_back(next_ ? next_->text : running_text_);
+  const PaintText painted = history_->paint();
+  history_->fall_back(next_ ? next_->text : running_text_, next_ ? next_->paint : running_paint_);
   player_message_.clear();
   try {
-    take_text(std::exchange(tables_, scene::edited_tables(history_->text(), source_)), true);
+    take_text(std::exchange(tables_, scene::edited_tables(history_->text(), source_)), painted, true);
   } catch (const std::exception& failure) {
     pipeline::say_warning(say_, failure.what());
   }

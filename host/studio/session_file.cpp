@@ -1,6 +1,7 @@
 #include "host/studio/session_file.h"
 
 #include <chrono>
+#include <map>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -23,8 +24,15 @@ constexpr auto pace = std::chrono::milliseconds(100);
 }  // namespace
 
 std::string session_text(const SessionRecord& record) {
-  Json steps = Json::array();
-  for (const HistoryStep& step : record.steps) steps.push_back({{"label", step.label}, {"text", step.text}});
+  Json steps = Json::array(), paints = Json::array();
+  std::map<const std::string*, std::size_t> number_of;
+  for (const HistoryStep& step : record.steps) {
+    steps.push_back({{"label", step.label}, {"text", step.text}});
+    if (!step.paint) continue;
+    const auto [known, is_new] = number_of.try_emplace(step.paint.get(), paints.size());
+    if (is_new) paints.push_back(*step.paint);
+    steps.back()["paint"] = known->second;
+  }
   return scene::dump({{version_key, version},
                       {"source", record.source},
                       {"base_hash", record.base_hash},
@@ -32,6 +40,8 @@ std::string session_text(const SessionRecord& record) {
                       {"saved_file", record.saved_file},
                       {"saved_hash", record.saved_hash},
                       {"saved_text", record.saved_text},
+                      {"saved_paint", record.saved_paint},
+                      {"paints", std::move(paints)},
                       {"steps", std::move(steps)}},
                      1);
 }
@@ -47,8 +57,17 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     record.saved_file = json.at("saved_file").get<std::string>();
     record.saved_hash = json.at("saved_hash").get<std::string>();
     record.saved_text = json.at("saved_text").get<std::string>();
-    for (const Json& step : json.at("steps"))
-      record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>()});
+    record.saved_paint = json.value("saved_paint", std::string());
+    std::vector<PaintText> paints;
+    for (const Json& paint : json.value("paints", Json::array()))
+      paints.push_back(std::make_shared<const std::string>(paint.get<std::string>()));
+    for (const Json& step : json.at("steps")) {
+      record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>(), {}});
+      if (!step.contains("paint")) continue;
+      const auto number = step["paint"].get<std::size_t>();
+      if (number >= paints.size()) return std::nullopt;
+      record.steps.back().paint = paints[number];
+    }
     if (record.at >= record.steps.size()) return std::nullopt;
     // It is written to: another's session must not name what lies elsewhere.
     if (!record.saved_file.empty() && !is_plain_name(record.saved_file)) return std::nullopt;

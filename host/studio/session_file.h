@@ -24,8 +24,9 @@ struct SessionRecord {
   std::string base_hash;  // of the text that the session began with
   std::vector<HistoryStep> steps;
   std::size_t at = 0;
-  // The scene file that was saved last, the hash of the text that was in force, and that of what was written.
-  std::string saved_file = {}, saved_hash = {}, saved_text = {};
+  // The scene file that was saved last, the hash of the text that was in force, and those of what was
+  // written.
+  std::string saved_file = {}, saved_hash = {}, saved_text = {}, saved_paint = {};
 };
 
 std::string session_text(const SessionRecord& record);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/build/build.h"
@@ -12,6 +13,8 @@
 #include "host/pipeline/messages.h"
 #include "host/scene/input_files.h"
 #include "host/scene/scene.h"
+#include "host/studio/brush.h"
+#include "host/studio/history.h"
 #include "host/studio/running_body.h"
 
 namespace fascicle::studio {
@@ -29,15 +32,20 @@ class Workshop {
   Workshop(TextSource source, build::BuildOptions options, const pipeline::ChosenDevice& device);
 
   // Throws scene::SceneError, build::Cancelled, pipeline::NoSuchDevice.
-  std::shared_ptr<RunningBody> make(const std::string& text, std::uint32_t revision,
+  // `paint` stands for the file that character.paint names.
+  std::shared_ptr<RunningBody> make(const std::string& text, const PaintText& paint, std::uint32_t revision,
                                     const pipeline::Say& say);
   // Whether a text's body has to be built anew, which takes long. Throws scene::SceneError.
   bool needs_new_body(const std::string& text);
+  // The mesh of the last text's scene without its paint file, to be painted on; null where there is not
+  // exactly one character. That of `before` where it is the same.
+  std::shared_ptr<const PaintGround> ground(const scene::Scene& scene,
+                                            const std::shared_ptr<const PaintGround>& before);
   // Does for the last text what make() will need for the next ones and did not need for that.
   void warm();
 
  private:
-  scene::Scene read(const std::string& text);
+  scene::Scene read(const std::string& text, const scene::SceneOverrides& more = {});
 
   TextSource source_;
   build::BuildOptions options_;
@@ -45,7 +53,8 @@ class Workshop {
   scene::LoadedFiles files_;
   build::BuildMemory memory_;
   std::string body_key_;  // of what the memory holds
-  std::string last_text_;
+  std::string last_text_, ground_of_;
+  std::optional<std::filesystem::path> given_;  // the file that a paint stands for
   bool is_warm_ = false;
 };
 

@@ -71,7 +71,7 @@ const std::vector<Room>& rooms() {
         "host/formats/", "host/bake/", "cpu_reference/solver/", "gpu/"},
        {}},
       {"host/studio/",
-       {"host/base/", "host/gltf/", "host/scene/", "host/build/", "host/model/", "host/drive/",
+       {"host/base/", "host/rig/", "host/gltf/", "host/scene/", "host/build/", "host/model/", "host/drive/",
         "host/formats/", "host/bake/", "host/render/", "host/pipeline/"},
        {"Boost", "Eigen", "JSON"}},
       {"host/api/",

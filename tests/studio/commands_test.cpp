@@ -54,6 +54,22 @@ TEST(Commands, AreRead) {
   EXPECT_EQ(bake.name, "mine");
   EXPECT_EQ(bake.formats.size(), 2u);
   EXPECT_TRUE(bake.overwrite);
+  const Command paint = parse_command(
+      R"({"type":"paint","attribute":"_STIFFNESS","value":0.25,"radius":0.1,"strength":0.5,"falloff":"linear",)"
+      R"("mirror":true,"places":[[1,2,3],[4,5,6]],"stroke":7,"last":false})");
+  EXPECT_EQ(paint.piece.brush.kind->name, std::string("_STIFFNESS"));
+  EXPECT_EQ(paint.piece.brush.value, 0.25f);
+  EXPECT_EQ(paint.piece.brush.strength, 0.5);
+  EXPECT_EQ(paint.piece.brush.falloff, studio::Falloff::linear);
+  EXPECT_TRUE(paint.piece.brush.is_mirrored);
+  ASSERT_EQ(paint.piece.places.size(), 2u);
+  EXPECT_EQ(paint.piece.places[1][2], 6.0);
+  EXPECT_EQ(paint.piece.stroke, 7u);
+  EXPECT_FALSE(paint.piece.is_last);
+  const Command erase = parse_command(
+      R"({"type":"paint","attribute":"_LAYER","erase":true,"radius":0.1,"places":[[1,2,3]],"stroke":8})");
+  EXPECT_TRUE(erase.piece.brush.erases);
+  EXPECT_TRUE(erase.piece.is_last);
 }
 
 TEST(Commands, RefusalsSayWhatIsWrong) {
@@ -82,7 +98,18 @@ TEST(Commands, RefusalsSayWhatIsWrong) {
       {R"({"type":"save","file":"/etc/x.toml"})", "without folders"},
       {R"({"type":"bake","folder":".."})", "without folders"},
       {R"({"type":"bake","folder":"a/b"})", "without folders"},
-      {R"({"type":"bake","formats":["exe"]})", "no format"}};
+      {R"({"type":"bake","formats":["exe"]})", "no format"},
+      {R"({"type":"paint"})", "attribute is missing"},
+      {R"({"type":"paint","attribute":"_LAYR"})", "did you mean _LAYER"},
+      {R"({"type":"paint","attribute":"_LAYER"})", "value is missing"},
+      {R"({"type":"paint","attribute":"_LAYER","value":1.5})", "whole number"},
+      {R"({"type":"paint","attribute":"_RIGID","value":2})", "must be from 0 to 1"},
+      {R"({"type":"paint","attribute":"_FIBER"})", "radius is missing"},
+      {R"({"type":"paint","attribute":"_FIBER","radius":-1})", "must be from"},
+      {R"({"type":"paint","attribute":"_FIBER","radius":1,"falloff":"lineal"})", "did you mean linear"},
+      {R"({"type":"paint","attribute":"_FIBER","radius":1,"places":[]})", "1 to 256"},
+      {R"({"type":"paint","attribute":"_FIBER","radius":1,"places":[[1,2]]})", "three numbers"},
+      {R"({"type":"paint","attribute":"_FIBER","radius":1,"places":[[1,2,3]]})", "stroke is missing"}};
   for (const auto& [text, word] : cases)
     EXPECT_NE(refusal(text).find(word), std::string::npos) << text << " was answered: " << refusal(text);
   EXPECT_NE(refusal(R"({"type":"set","changes":{"a":)" + std::string(40, '[') + std::string(40, ']') + "}}")
@@ -97,7 +124,9 @@ TEST(Commands, FuzzedMessagesAreTakenOrRefused) {
       R"({"type":"set","id":1,"changes":{"layers.fat.beta":0.5,"scene.gravity":[0,-9,0]},"label":"x","gesture":3})",
       R"({"type":"hand","action":"grab","vertex":5,"place":[1,2,3],"of":"vertices","radius":0.1})",
       R"({"type":"bake","folder":"mine","formats":["glb","pc2"],"overwrite":true})",
-      R"({"type":"show","blocks":["surface","ghost"]})", R"({"type":"seek","frame":12})"};
+      R"({"type":"paint","attribute":"_FIBER","radius":0.1,"places":[[1,2,3],[4,5,6]],"stroke":7,"mirror":true})",
+      R"({"type":"show","blocks":["surface","ghost"]})",
+      R"({"type":"seek","frame":12})"};
   const char* wanted = std::getenv("FASCICLE_FUZZ_MESSAGES");
   const std::uint64_t count = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 100000;
   std::mt19937_64 random(1);

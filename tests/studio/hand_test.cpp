@@ -33,7 +33,7 @@ class HandTest : public testing::Test {
   std::shared_ptr<RunningBody> body_of(const std::string& text) {
     build::BuildOptions options;
     options.mesher = std::filesystem::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
-    return studio::Workshop({"bar", "bar.toml", {}}, options, device_).make(text, 1, {});
+    return studio::Workshop({"bar", "bar.toml", {}}, options, device_).make(text, {}, 1, {});
   }
   static std::uint32_t farthest_along_x(const model::Model& model) {
     std::uint32_t best = 0;

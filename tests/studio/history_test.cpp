@@ -1,6 +1,7 @@
 // Undo and redo.
 #include "host/studio/history.h"
 
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,8 +15,8 @@ TEST(History, TakesBackAndMakesAgain) {
   History history("a");
   EXPECT_EQ(history.undo_label(), nullptr);
   EXPECT_FALSE(history.undo());
-  history.add("to b", "b");
-  history.add("to c", "c");
+  history.add("to b", "b", {});
+  history.add("to c", "c", {});
   EXPECT_EQ(*history.undo_label(), "to c");
   EXPECT_TRUE(history.undo());
   EXPECT_EQ(history.text(), "b");
@@ -30,9 +31,9 @@ TEST(History, TakesBackAndMakesAgain) {
 
 TEST(History, AChangeAfterTakingBackEndsWhatCouldBeMadeAgain) {
   History history("a");
-  history.add("to b", "b");
+  history.add("to b", "b", {});
   history.undo();
-  history.add("to d", "d");
+  history.add("to d", "d", {});
   EXPECT_EQ(history.redo_label(), nullptr);
   history.undo();
   EXPECT_EQ(history.text(), "a");
@@ -40,14 +41,14 @@ TEST(History, AChangeAfterTakingBackEndsWhatCouldBeMadeAgain) {
 
 TEST(History, AGestureIsOneStep) {
   History history("a");
-  history.add("drag", "b", 1);
-  history.add("drag", "c", 1);
-  history.add("drag", "d", 2);
+  history.add("drag", "b", {}, 1);
+  history.add("drag", "c", {}, 1);
+  history.add("drag", "d", {}, 2);
   EXPECT_EQ(history.text(), "d");
   history.undo();
   EXPECT_EQ(history.text(), "c");
   // The same number after something else is another gesture.
-  history.add("drag", "e", 1);
+  history.add("drag", "e", {}, 1);
   history.undo();
   EXPECT_EQ(history.text(), "c");
   history.undo();
@@ -56,23 +57,47 @@ TEST(History, AGestureIsOneStep) {
 
 TEST(History, WhatFailedIsDropped) {
   History history("a");
-  history.add("to b", "b");
-  history.fall_back("a");
+  history.add("to b", "b", {});
+  history.fall_back("a", {});
   EXPECT_EQ(history.text(), "a");
   EXPECT_EQ(history.redo_label(), nullptr);
-  history.fall_back("a");
+  history.fall_back("a", {});
   EXPECT_EQ(history.text(), "a");
+}
+
+// What is painted is taken back with the text that it was painted beside, and found by what it says.
+TEST(History, HoldsPaintBesideTheText) {
+  const auto painted = [](const char* text) { return std::make_shared<const std::string>(text); };
+  History history("a", painted("bare"));
+  history.add("paint", "a", painted("red"));
+  history.add("paint", "a", painted("blue"));
+  EXPECT_EQ(*history.paint(), "blue");
+  history.undo();
+  EXPECT_EQ(*history.paint(), "red");
+  history.redo();
+  history.fall_back("a", painted("red"));
+  EXPECT_EQ(*history.paint(), "red");
+  EXPECT_EQ(history.redo_label(), nullptr);
+  history.fall_back("a", nullptr);
+  EXPECT_EQ(history.paint(), nullptr) << "no step has it, so that this one gets it";
 }
 
 TEST(History, KeepsTheNewestOfTooMany) {
   History history("0");
-  for (std::size_t k = 1; k <= 2 * History::most_steps; ++k) history.add("step", std::to_string(k));
+  for (std::size_t k = 1; k <= 2 * History::most_steps; ++k) history.add("step", std::to_string(k), {});
   EXPECT_EQ(history.steps().size(), History::most_steps);
   EXPECT_EQ(history.text(), std::to_string(2 * History::most_steps));
   const std::string large(History::most_bytes / 2, 'x');
-  for (int k = 0; k < 4; ++k) history.add("large", large + std::to_string(k));
+  for (int k = 0; k < 4; ++k) history.add("large", large + std::to_string(k), {});
   EXPECT_LE(history.steps().size(), 2u);
   EXPECT_EQ(history.text().back(), '3');
+  // Paint counts once, however many steps have it.
+  History small("0");
+  const auto paint = std::make_shared<const std::string>(large);
+  for (int k = 0; k < 10; ++k) small.add("step", std::to_string(k), paint);
+  EXPECT_EQ(small.steps().size(), 11u);
+  for (int k = 0; k < 10; ++k) small.add("paint", "p", std::make_shared<const std::string>(large));
+  EXPECT_LE(small.steps().size(), 2u);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "host/studio/session_file.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -38,6 +39,27 @@ TEST(SessionFile, ReadsBack) {
   ASSERT_EQ(again->steps.size(), 2u);
   EXPECT_EQ(again->steps[0].text, record.steps[0].text);
   EXPECT_EQ(again->steps[1].label, "softer");
+}
+
+// Steps that share a paint share it on disk.
+TEST(SessionFile, KeepsPaintOnce) {
+  SessionRecord record = sample();
+  record.saved_paint = "1234";
+  const auto paint = std::make_shared<const std::string>("{\"fascicle_paint\": 1}");
+  record.steps.push_back({"paint", "a", paint});
+  record.steps.push_back({"softer", "b", paint});
+  const std::string text = studio::session_text(record);
+  EXPECT_EQ(text.find("fascicle_paint"), text.rfind("fascicle_paint"));
+  const auto again = parse_session(text);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->saved_paint, "1234");
+  EXPECT_EQ(again->steps[1].paint, nullptr);
+  ASSERT_TRUE(again->steps[2].paint);
+  EXPECT_EQ(*again->steps[2].paint, *paint);
+  EXPECT_EQ(again->steps[3].paint, again->steps[2].paint);
+  std::string beyond = text;
+  beyond.replace(beyond.find("\"paint\": 0"), 10, "\"paint\": 7");
+  EXPECT_FALSE(parse_session(beyond));
 }
 
 TEST(SessionFile, WhatIsDamagedIsNoSession) {

@@ -84,6 +84,43 @@ TEST(StudioPage, IsTouchedSavedAndBaked) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
+// The brush: by mouse and by keyboard, taken back, saved beside the scene, and baked to what was recorded.
+TEST(StudioPage, PaintsACharacter) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "arm.toml", "[scene]\nend = 0.2\n[character]\nmade = \"arm\"\nresolution = 0.03\n");
+  const json seen = used_studio("studio-paint", "studio_paint.mjs", "'" + folder / "arm.toml" + "'");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["said"], json::array()) << "the console is silent";
+  EXPECT_TRUE(seen["brush"]);
+  const json& painted = seen["painted"];
+  EXPECT_EQ(painted["start"], 0);
+  EXPECT_GT(painted["stroke"], 3);
+  EXPECT_EQ(seen["bone_pixels"][0], 0);
+  EXPECT_GT(seen["bone_pixels"][1], 50) << "the colours show it";
+  EXPECT_TRUE(seen["larger"]);
+  EXPECT_TRUE(seen["smaller"]);
+  EXPECT_GT(painted["dab"], 0);
+  EXPECT_GT(painted["fibres"], 3);
+  EXPECT_TRUE(contains(seen["why"].get<std::string>(), "alpha")) << seen["why"];
+  EXPECT_EQ(seen["can_dab"], false);
+  EXPECT_EQ(painted["undone"], 0);
+  EXPECT_EQ(painted["redone"], painted["fibres"]);
+  EXPECT_EQ(painted["restored"], painted["fibres"]) << "nothing is lost when the program dies";
+  for (const auto& [what, violations] : seen["axe"].items())
+    EXPECT_EQ(violations, json::array()) << "axe-core, " << what;
+
+  EXPECT_NE(seen["before"], seen["recorded"]) << "the control: paint acts";
+  EXPECT_EQ(seen["baked"], seen["recorded"]);
+  const fs::path session = fs::path(FASCICLE_BINARY_DIR) / "screenshots/studio-paint/session";
+  ASSERT_TRUE(fs::exists(session / "painted.paint.json"));
+  const Outcome baked =
+      fascicle({"bake", (session / "painted.toml").string(), "-o", folder / "again", "--device", "cpu"});
+  ASSERT_EQ(baked.status, 0) << baked.err;
+  EXPECT_TRUE(contains(baked.out, seen["recorded"].get<std::string>())) << baked.out;
+  EXPECT_EQ(seen["ended"], 0);
+}
+
 // A character, and a bake's folder, which is looked at and not touched.
 TEST(StudioPage, OpensCharactersAndBakes) {
   FASCICLE_NEEDS_CHROMIUM;

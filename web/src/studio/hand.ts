@@ -1,5 +1,5 @@
 // The hand: takes hold of flesh under the mouse, pulls it and lets go.
-import { Raycaster, Vector2, Vector3 } from "three";
+import { Vector3 } from "three";
 import { checked } from "../common/dom";
 import type { Picture } from "./picture";
 import { hit } from "./surface";
@@ -21,22 +21,11 @@ export class Hand {
     private readonly user: HandUser,
   ) {}
 
-  private ray_at(x: number, y: number): Raycaster {
-    const canvas = this.picture.stage.canvas;
-    const box = canvas.getBoundingClientRect();
-    const ray = new Raycaster();
-    const { camera, orbit } = this.picture.stage;
-    orbit.apply(camera);
-    camera.updateMatrixWorld();
-    ray.setFromCamera(new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
-    return ray;
-  }
-
   // True where there is flesh to take.
   private grab(x: number, y: number, finger: number): boolean {
     const { surface, places } = this.picture;
     if (!surface || !places || checked("comparison") === "sides") return false;
-    const { origin, direction } = this.ray_at(x, y).ray;
+    const { origin, direction } = this.picture.ray_at(x, y).ray;
     const found = hit(origin.toArray(), direction.toArray(), places, surface);
     if (!found) return false;
     this.grip = { place: new Vector3(...found.place), finger };
@@ -54,7 +43,7 @@ export class Hand {
 
   private drag(x: number, y: number): void {
     if (!this.grip) return;
-    const ray = this.ray_at(x, y).ray;
+    const ray = this.picture.ray_at(x, y).ray;
     const normal = this.picture.stage.camera.getWorldDirection(new Vector3());
     const along = normal.dot(ray.direction);
     if (Math.abs(along) < 1e-6) return;

@@ -63,7 +63,13 @@ point: (place: [number, number, number], vertex: number | undefined) => void,
   }
 }
 
-export function show_legend(colour: ShownColour, millimetres: string, layers: Layer[]): void {
+// `paint`: the entries where paint is shown.
+export function show_legend(
+  colour: ShownColour,
+  millimetres: string,
+  layers: Layer[],
+  paint: [string, string | null][],
+): void {
   const legend = element("legend");
   legend.replaceChildren();
   legend.hidden = colour === "materials" || colour === "muscles";
@@ -73,19 +79,28 @@ export function show_legend(colour: ShownColour, millimetres: string, layers: La
     item.append(text);
     legend.append(item);
   };
-  if (colour === "layers") {
-    for (const layer of layers) {
-      const swatch = document.createElement("i");
-      swatch.className = "swatch";
-      swatch.style.background = layer.colour;
-      entry(layer.name, swatch);
-    }
-  } else if (colour === "lag" || colour === "contact") {
+  const swatch_of = (background: string) => {
+    const swatch = document.createElement("i");
+    swatch.className = "swatch";
+    swatch.style.background = background;
+    return swatch;
+  };
+  const scale_of = () => {
     const scale = document.createElement("i");
     scale.className = "scale";
     scale.style.background = `linear-gradient(to right, ${SCALE.join(", ")})`;
+    return scale;
+  };
+  if (colour === "layers") {
+    for (const layer of layers) entry(layer.name, swatch_of(layer.colour));
+  } else if (colour === "paint") {
+    for (const [text, background] of paint) {
+      if (text === "scale") legend.append(scale_of());
+      else entry(text, background === null ? null : swatch_of(background));
+    }
+  } else if (colour === "lag" || colour === "contact") {
     entry("0", null);
-    legend.append(scale);
+    legend.append(scale_of());
     entry(colour === "lag" ? millimetres : "20 mm", null);
   }
 }

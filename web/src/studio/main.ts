@@ -15,6 +15,7 @@ import { Hand } from "./hand";
 import { list_presets, list_warnings, show_legend } from "./lists";
 import { blocks_for, Picture } from "./picture";
 import type { Choice, ShownColour } from "./picture";
+import { Painter } from "./paint";
 import type { BodyMessage, ClipMessage, Hello, KeyValue, PlayerMessage, SceneWarning, ServerMessage } from "./protocol";
 import { TouchPanel } from "./touch";
 import type { ArrayMessage, FrameMessage, Items } from "./wire";
@@ -39,6 +40,7 @@ class Studio {
   private readonly curves = new LiveCurves((frame) => this.seek(frame));
   private toast_until = 0;
   private readonly hand: Hand;
+  private readonly painter: Painter;
   private readonly dialogs: Dialogs;
   private legend_shown = "";
   private warnings: SceneWarning[] = [];
@@ -61,6 +63,15 @@ class Studio {
       command,
       say: (text, is_bad) => this.toast(text, is_bad),
     });
+    this.painter = new Painter(this.picture, {
+      command,
+      say: (text, is_bad) => this.toast(text, is_bad),
+      changed: () => {
+        this.legend_shown = "";
+        this.is_new = true;
+      },
+    });
+    this.picture.paint_colour = this.painter.colour;
     this.dialogs = new Dialogs({
       hello: () => this.hello,
       command,
@@ -138,6 +149,8 @@ class Studio {
         return this.set_clip(message);
       case "keys":
         return this.touch.fill(message.groups);
+      case "paint":
+        return this.painter.said(message);
       case "presets":
         return list_presets(message.list, (name) => this.send("preset", { name }));
       case "warnings":
@@ -214,12 +227,15 @@ class Studio {
     note.textContent = hello.why_not ?? "";
     element("find").parentElement!.hidden = !hello.can_touch;
     for (const id of ["save", "bake", "record"]) element<HTMLButtonElement>(id).disabled = !hello.can_touch;
-    for (const input of document.querySelectorAll<HTMLInputElement>('input[name="tool"]')) input.disabled = !hello.can_touch;
+    for (const input of document.querySelectorAll<HTMLInputElement>('input[name="tool"]'))
+      input.disabled = !hello.can_touch || input.value === "paint";
     if (hello.restored && hello.message) this.toast(hello.message);
   }
 
   private array(message: ArrayMessage): void {
-    this.arrays.set(message.name, message.items);
+    // What is painted is of no body.
+    if (message.name.startsWith("paint.")) this.painter.array(message.name, message.items);
+    else this.arrays.set(message.name, message.items);
   }
 
   private async make_body(): Promise<void> {
@@ -404,10 +420,12 @@ class Studio {
 
   private choice(): Choice {
     const axis = element<HTMLSelectElement>("cut-axis").value;
-    const colour = element<HTMLSelectElement>("colour").value as ShownColour;
+    const paints = this.painter.is_chosen;
+    const colour = paints ? "paint" : (element<HTMLSelectElement>("colour").value as ShownColour);
     const is_on = (id: string) => element<HTMLInputElement>(id).checked;
     // Muscles and contact are of the model's own vertices.
-    const tetrahedra = checked("body") === "tetrahedra" || colour === "muscles" || colour === "contact" || axis !== "";
+    const of_model = checked("body") === "tetrahedra" || colour === "muscles" || colour === "contact" || axis !== "";
+    const tetrahedra = of_model && !paints;
     return {
       colour,
       comparison: checked("comparison") as Choice["comparison"],
@@ -456,7 +474,7 @@ class Studio {
     const key = `${choice.colour} ${millimetres} ${this.body?.body}`;
     if (key === this.legend_shown) return;
     this.legend_shown = key;
-    show_legend(choice.colour, millimetres, this.body?.layers ?? []);
+    show_legend(choice.colour, millimetres, this.body?.layers ?? [], this.painter.legend());
   }
 
   private list_warnings(): void {
@@ -515,6 +533,8 @@ class Studio {
       step_back: () => this.seek((this.frame?.frame ?? 0) - 1),
       change_speed: (by) => this.change_speed(by),
       tug: () => this.hand.tug(),
+      dab: () => this.painter.dab(),
+      resize_brush: (by) => this.painter.resize(by),
       help: () => help.showModal(),
     });
     fill_help(element("help-table"), groups);
@@ -528,6 +548,7 @@ class Studio {
       element(key === "y" || event.shiftKey ? "redo" : "undo").click();
     });
     this.hand.listen();
+    this.painter.listen();
     window.addEventListener("resize", () => this.curves.draw(this.frame?.frame ?? 0));
   }
 

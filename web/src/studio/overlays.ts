@@ -142,10 +142,10 @@ export class Inverted {
 }
 
 // A ball that is seen through what lies before it.
-export function marker(colour: number): Object3D {
+export function marker(colour: number, opacity = 0.75): Object3D {
   const ball = new Mesh(
     new SphereGeometry(1, 24, 16),
-    new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.75, depthTest: false }),
+    new MeshBasicMaterial({ color: colour, transparent: true, opacity, depthTest: false }),
   );
   ball.renderOrder = 4;
   ball.visible = false;

@@ -1,5 +1,5 @@
 // The studio's picture: the body that the server describes, as it is to be looked at.
-import { Object3D, Vector3 } from "three";
+import { Object3D, Raycaster, Vector2, Vector3 } from "three";
 import { Body, BodyMaterials } from "../common/body";
 import type { Colouring, Looks } from "../common/body";
 import { write_scale_colour } from "../common/colours";
@@ -12,7 +12,7 @@ import { skin_of, tetrahedra_surface } from "./surface";
 import type { Cut, Skin } from "./surface";
 import type { BlockName, FrameMessage, Items } from "./wire";
 
-export type ShownColour = Colouring | "muscles" | "contact";
+export type ShownColour = Colouring | "muscles" | "contact" | "paint";
 
 export interface Choice {
   colour: ShownColour;
@@ -60,12 +60,14 @@ export class Picture {
   private readonly lag = { values: new Float32Array(0) };
   private readonly mark = marker(0xff5a52);
   private readonly grip = marker(0x62b0ff);
+  private readonly brush = marker(0xffffff, 0.18);
+  paint_colour: (vertex: number, to: Float32Array, at: number) => void = () => undefined; // for the colours "paint"
   private is_framed = false;
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
     this.stage.spares = true;
-    this.stage.scene.add(this.mark, this.grip);
+    this.stage.scene.add(this.mark, this.grip, this.brush);
   }
 
   get has_skin(): boolean {
@@ -189,6 +191,8 @@ export class Picture {
         if (values[p] > this.most_lag) this.most_lag = values[p];
       }
       flesh.colour("lag", values, choice.lag_scale);
+    } else if (choice.colour === "paint") {
+      flesh.colour_by(this.paint_colour);
     } else if (choice.colour === "muscles") {
       flesh.colour_by((vertex, to, at) => this.muscle_colour(vertex, to, at));
     } else if (choice.colour === "contact" && contact) {
@@ -266,6 +270,10 @@ export class Picture {
   get places(): Float32Array | null {
     return this.positions;
   }
+  // Of the skin's own vertices, m; null where there is no skin or it is not what is drawn.
+  get rest_of_skin(): Float32Array | null {
+    return this.drawn_as === "skin" ? (this.arrays.get("surface.rest") as Float32Array) : null;
+  }
   get size(): number {
     if (!this.message) return 1;
     const [least, most] = this.message.bounds;
@@ -281,6 +289,27 @@ export class Picture {
   }
   point_at_nothing(): void {
     this.mark.visible = false;
+    this.stage.invalidate();
+  }
+
+  // What is seen at a place of the window.
+  ray_at(x: number, y: number): Raycaster {
+    const { canvas, camera, orbit } = this.stage;
+    const box = canvas.getBoundingClientRect();
+    orbit.apply(camera);
+    camera.updateMatrixWorld();
+    const ray = new Raycaster();
+    ray.setFromCamera(new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
+    return ray;
+  }
+
+  show_brush(place: readonly [number, number, number] | null, radius: number): void {
+    if (!place && !this.brush.visible) return;
+    this.brush.visible = place !== null;
+    if (place) {
+      this.brush.position.set(...place);
+      this.brush.scale.setScalar(radius);
+    }
     this.stage.invalidate();
   }
 

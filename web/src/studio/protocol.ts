@@ -108,6 +108,14 @@ export interface PlayerMessage {
   message: string;
 }
 
+export interface PaintMessage {
+  type: "paint";
+  can_paint: boolean;
+  why_not: string;
+  attributes: { name: string; why_not: string }[];
+  arrays: string[]; // that follow
+}
+
 export type ServerMessage =
   | Hello
   | BodyMessage
@@ -117,6 +125,7 @@ export type ServerMessage =
   | { type: "warnings"; list: SceneWarning[] }
   | History
   | PlayerMessage
+  | PaintMessage
   | { type: "ready" }
   | { type: "changed"; revision: number; changes: Record<string, KeyValue>; effect: string; message: string }
   | { type: "applied"; revision: number; effect: string; seconds: number; sequence: number }

@@ -193,16 +193,24 @@ export function tetrahedra_surface(
   };
 }
 
+export interface Hit {
+  vertex: number; // the nearest corner
+  place: [number, number, number];
+  corners: [number, number, number];
+  weights: [number, number, number]; // of the corners, at the place
+}
+
 // Of a ray (3 numbers each): the nearest triangle that it meets, and where; null where it meets none.
 export function hit(
   from: readonly number[],
   along: readonly number[],
   positions: Float32Array,
   surface: Surface,
-): { vertex: number; place: [number, number, number] } | null {
+): Hit | null {
   const { triangles, place } = surface;
   let nearest = Infinity;
   let found = -1;
+  let weights: Hit["weights"] = [1, 0, 0];
   for (let t = 0; t < triangles.length; t += 3) {
     const [a, b, c] = [3 * place[triangles[t]], 3 * place[triangles[t + 1]], 3 * place[triangles[t + 2]]];
     const [ux, uy, uz] = [positions[b] - positions[a], positions[b + 1] - positions[a + 1], positions[b + 2] - positions[a + 2]];
@@ -220,6 +228,7 @@ export function hit(
     if (distance <= 0 || distance >= nearest) continue;
     nearest = distance;
     found = t;
+    weights = [1 - u - v, u, v];
   }
   if (found < 0) return null;
   const where: [number, number, number] = [0, 1, 2].map((c) => from[c] + nearest * along[c]) as [number, number, number];
@@ -228,5 +237,6 @@ export function hit(
     return Math.hypot(positions[at] - where[0], positions[at + 1] - where[1], positions[at + 2] - where[2]);
   };
   const corner = [0, 1, 2].reduce((best, k) => (away(k) < away(best) ? k : best));
-  return { vertex: place[triangles[found + corner]], place: where };
+  const corners = [0, 1, 2].map((k) => place[triangles[found + k]]) as Hit["corners"];
+  return { vertex: corners[corner], place: where, corners, weights };
 }

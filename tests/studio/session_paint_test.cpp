@@ -1,0 +1,257 @@
+// Painting in the studio: strokes, what can be taken back, and that a bake of what is saved is what was
+// shown.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "host/made/made_character.h"
+#include "host/pipeline/bake_scene.h"
+#include "host/scene/paint_file.h"
+#include "tests/studio/running_studio.h"
+
+namespace fascicle::tests {
+namespace {
+
+class SessionPaintTest : public SessionTest {
+ protected:
+  void SetUp() override {
+    SessionTest::SetUp();
+    scene_ = folder_ / "arm.toml";
+    base::write_whole(scene_, "[scene]\nend = 0.1\n[character]\nmade = \"arm\"\nresolution = 0.04\n");
+  }
+
+  // A stroke over a part of the arm, in one piece.
+  static Json stroke(const std::string& attribute, double value, std::uint64_t number = 1) {
+    return {{"type", "paint"}, {"attribute", attribute},     {"value", value},
+            {"radius", 0.05},  {"places", {place(), end()}}, {"stroke", number},
+            {"mirror", false}};
+  }
+  static Json place() { return point(arm().surface.vertices[arm().surface.vertices.size() / 2]); }
+  static Json end() {
+    const rig::Vector3d& p = arm().surface.vertices[arm().surface.vertices.size() / 2];
+    return point(p + rig::Vector3d(0.02, 0.0, 0.0));
+  }
+  static Json point(const rig::Vector3d& p) { return {p[0], p[1], p[2]}; }
+  static const rig::Character& arm() {
+    static const rig::Character made = made::make_character("arm");
+    return made;
+  }
+  // The next array of this name.
+  static DecodedArray wait_for_array(Client& client, const std::string& name) {
+    while (const auto message = client.next())
+      if (!message->is_text && message->bytes[0] == 2)
+        if (DecodedArray array = decode_array(message->bytes); array.name == name) return array;
+    ADD_FAILURE() << "no array " << name;
+    return {};
+  }
+  // What was said before may come once more, when it is on disk.
+  static bool can_undo(Client& client, const std::string& label) {
+    for (int k = 0; k < 10; ++k)
+      if (client.wait_for("history").at("undo") == label) return true;
+    return false;
+  }
+  static std::size_t count(const DecodedArray& array, float value) {
+    return static_cast<std::size_t>(std::count(array.floats.begin(), array.floats.end(), value));
+  }
+};
+
+TEST_F(SessionPaintTest, AStrokeIsAChangeThatCanBeTakenBack) {
+  const Running studio = open();
+  const auto client = studio.open();
+  const Start start = start_of(*client);
+  const Json& can = start.messages.at("paint");
+  EXPECT_EQ(can.at("can_paint"), true) << can;
+  EXPECT_EQ(can.at("arrays"), Json::array());
+  EXPECT_EQ(can.at("attributes").size(), 4u);
+  const std::vector<std::uint32_t> before = start.arrays.at("surface.layer").numbers;
+
+  client->say(stroke("_LAYER", 1.0));
+  const DecodedArray painted = wait_for_array(*client, "paint._LAYER");
+  ASSERT_EQ(painted.floats.size(), arm().surface.vertices.size());
+  EXPECT_GT(count(painted, 1.0f), 3u);
+  const Json changed = client->wait_for("changed");
+  EXPECT_EQ(changed.at("effect"), "rebuild");
+  EXPECT_NE(changed.at("message").get<std::string>().find("builds the body anew"), std::string::npos);
+  EXPECT_EQ(client->wait_for("paint").at("arrays"), Json({"paint._LAYER"}));
+  EXPECT_EQ(wait_for_array(*client, "paint._LAYER").floats, painted.floats);
+  const Json key = key_of(client->wait_for("keys"), "character.paint");
+  EXPECT_EQ(key.at("value"), "arm.paint.json");
+  EXPECT_EQ(client->wait_for("history").at("undo"), "paint layers");
+  const DecodedArray layers = wait_for_array(*client, "surface.layer");
+  EXPECT_NE(layers.numbers, before) << "the body has it";
+  client->wait_for("applied");
+
+  client->say({{"type", "undo"}});
+  EXPECT_EQ(client->wait_for("changed").at("effect"), "rebuild");
+  EXPECT_EQ(client->wait_for("paint").at("arrays"), Json::array());
+  EXPECT_EQ(wait_for_array(*client, "surface.layer").numbers, before);
+  client->wait_for("applied");
+  client->say({{"type", "redo"}});
+  EXPECT_EQ(wait_for_array(*client, "paint._LAYER").floats, painted.floats);
+  EXPECT_EQ(wait_for_array(*client, "surface.layer").numbers, layers.numbers);
+}
+
+TEST_F(SessionPaintTest, PiecesOfAStrokeAreOneStep) {
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  Json piece = stroke("_RIGID", 1.0, 5);
+  piece["last"] = false;
+  client->say(piece);
+  const DecodedArray first = wait_for_array(*client, "paint._RIGID");
+  piece["places"] = {point(arm().surface.vertices[3])};
+  client->say(piece);
+  const DecodedArray second = wait_for_array(*client, "paint._RIGID");
+  EXPECT_GT(count(second, 1.0f), count(first, 1.0f));
+  piece["last"] = true;
+  client->say(piece);
+  EXPECT_EQ(client->wait_for("history").at("steps"), 2);
+  // Another stroke ends one that was not ended, and so does a change of a key, and a page that goes.
+  piece["last"] = false;
+  piece["attribute"] = "_LAYER";
+  piece["stroke"] = 6;
+  client->say(piece);
+  client->say({{"type", "set"}, {"changes", {{"flesh.softness", 2.0}}}});
+  EXPECT_TRUE(can_undo(*client, "paint layers"));
+  EXPECT_TRUE(can_undo(*client, "flesh.softness"));
+  const auto other = studio.open();
+  start_of(*other);
+  piece["places"] = {point(arm().surface.vertices[arm().surface.vertices.size() - 3])};
+  piece["value"] = 3.0;
+  piece["stroke"] = 7;
+  {
+    const auto goes = studio.open();
+    start_of(*goes);
+    goes->say(piece);
+    wait_for_array(*goes, "paint._LAYER");
+  }
+  EXPECT_TRUE(can_undo(*client, "paint layers"));
+}
+
+TEST_F(SessionPaintTest, WhatIsSavedBakesToWhatWasShown) {
+  Json recorded;
+  std::vector<float> painted;
+  {
+    const Running studio = open();
+    const auto client = studio.open();
+    start_of(*client);
+    client->say({{"type", "record"}});
+    const Json unpainted = client->wait_for("recorded");
+    client->say(stroke("_LAYER", 1.0));
+    client->wait_for("applied");
+    Json fibres = stroke("_FIBER", 0.0, 2);
+    fibres.erase("value");
+    client->say(fibres);
+    painted = wait_for_array(*client, "paint._FIBER").floats;
+    client->wait_for("applied");
+    client->say({{"type", "record"}});
+    recorded = client->wait_for("recorded");
+    EXPECT_NE(recorded.at("position_hash"), unpainted.at("position_hash")) << "the control: paint acts";
+    client->say({{"type", "save"}, {"file", "mine.toml"}});
+    const Json saved = client->wait_for("saved");
+    EXPECT_EQ(saved.at("paint"), (folder_ / "session" / "mine.paint.json").string());
+    EXPECT_EQ(client->wait_for("history").at("saved"), true);
+    client->say({{"type", "bake"}, {"folder", "out"}});
+    EXPECT_EQ(client->wait_for("baked").at("position_hash"), recorded.at("position_hash"));
+  }
+  const scene::Scene scene = scene::load_scene((folder_ / "session" / "mine.toml").string());
+  EXPECT_EQ(scene.paint, "mine.paint.json");
+  const rig::Paint paint =
+      scene::parse_paint(read(folder_ / "session" / "mine.paint.json"), "mine", arm().surface);
+  EXPECT_EQ(paint.attributes.size(), 2u);
+  pipeline::BakeRequest request;
+  request.output.folder = folder_ / "independent";
+  request.output.formats = {"none"};
+  request.devices = {{.kind = pipeline::DeviceRequest::Kind::cpu}};
+  const auto prepared = pipeline::prepare_bake(scene, request, {});
+  EXPECT_EQ(pipeline::run_bake(*prepared, request, {}).last_position_hash, recorded.at("position_hash"));
+
+  // The program ends; the session goes on with what was painted.
+  {
+    const Running again = open();
+    const auto client = again.open();
+    const Start start = start_of(*client);
+    EXPECT_EQ(start.messages.at("history").at("undo"), "paint fibres");
+    EXPECT_EQ(start.messages.at("history").at("saved"), true);
+    const DecodedArray fibre = start.arrays.count("paint._FIBER") ? start.arrays.at("paint._FIBER")
+                                                                  : wait_for_array(*client, "paint._FIBER");
+    EXPECT_EQ(fibre.floats, painted);
+    client->say({{"type", "record"}});
+    EXPECT_EQ(client->wait_for("recorded").at("position_hash"), recorded.at("position_hash"));
+  }
+
+  // A studio of the saved scene begins with its paint, and its own session does not touch that file.
+  scene_ = folder_ / "session" / "mine.toml";
+  const std::string file = read(folder_ / "session" / "mine.paint.json");
+  const Running studio(scene_.string(), folder_ / "next", folder_ / "cache");
+  const auto client = studio.open();
+  const Start start = start_of(*client);
+  EXPECT_EQ(start.messages.at("history").at("undo"), nullptr);
+  EXPECT_EQ(start.messages.at("paint").at("arrays").size(), 2u);
+  Json erase = stroke("_LAYER", 0.0, 3);
+  erase.erase("value");
+  erase["erase"] = true;
+  client->say(erase);
+  client->wait_for("applied");
+  client->say({{"type", "save"}});
+  EXPECT_EQ(client->wait_for("saved").at("paint"), (folder_ / "next" / "mine.paint.json").string());
+  EXPECT_EQ(read(folder_ / "session" / "mine.paint.json"), file);
+  EXPECT_EQ(
+      scene::parse_paint(read(folder_ / "next" / "mine.paint.json"), "mine", arm().surface).attributes.size(),
+      1u);
+}
+
+TEST_F(SessionPaintTest, PaintFilesOfOthersAreNotOverwritten) {
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  base::write_whole(folder_ / "session" / "mine.paint.json", "{}");
+  client->say(stroke("_LAYER", 1.0));
+  client->wait_for("applied");
+  client->say({{"type", "save"}, {"file", "mine.toml"}});
+  EXPECT_NE(
+      client->wait_for("refused").at("error").get<std::string>().find("mine.paint.json is there already"),
+      std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "session" / "mine.toml")) << "neither of both is written";
+  EXPECT_EQ(read(folder_ / "session" / "mine.paint.json"), "{}");
+  client->say({{"type", "save"}, {"file", "mine.toml"}, {"overwrite", true}});
+  client->wait_for("saved");
+  client->say({{"type", "undo"}});
+  client->wait_for("applied");
+  client->say(stroke("_LAYER", 2.0, 2));
+  client->wait_for("applied");
+  client->say({{"type", "save"}});
+  client->wait_for("saved");
+}
+
+TEST_F(SessionPaintTest, WhatCannotBePaintedSaysWhy) {
+  {
+    const Running studio = open();
+    const auto client = studio.open();
+    const Start start = start_of(*client);
+    const Json& attributes = start.messages.at("paint").at("attributes");
+    EXPECT_EQ(attributes[2].at("name"), "_STIFFNESS");
+    EXPECT_NE(attributes[2].at("why_not"), "") << "the arm's layers are by modulus";
+    EXPECT_EQ(attributes[0].at("why_not"), "");
+    client->say(stroke("_STIFFNESS", 0.5));
+    EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("alpha"), std::string::npos);
+    // A number that no layer takes is seen when the body is built, and taken back.
+    client->say(stroke("_LAYER", 7.0, 2));
+    EXPECT_NE(client->wait_for("failed").at("error").get<std::string>().find("_LAYER 7"), std::string::npos);
+    EXPECT_EQ(client->wait_for("history").at("undo"), nullptr);
+  }
+  const Running bar("bar-beta-1", folder_ / "bar", folder_ / "cache");
+  const auto client = bar.open();
+  const Start start = start_of(*client);
+  EXPECT_EQ(start.messages.at("paint").at("can_paint"), false);
+  client->say(stroke("_LAYER", 1.0));
+  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("single character"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace fascicle::tests

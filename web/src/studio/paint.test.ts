@@ -1,0 +1,29 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { is_apart, radius_of, write_paint_colour } from "./paint";
+
+test("radii run from a 500th of the size to a fifth", () => {
+  assert.ok(Math.abs(radius_of(0, 2) - 0.004) < 1e-12);
+  assert.ok(Math.abs(radius_of(100, 2) - 0.4) < 1e-12);
+  assert.ok(Math.abs(radius_of(50, 2) - 0.04) < 1e-12);
+});
+
+test("places that lie closer than the spacing are left out", () => {
+  assert.ok(is_apart([0, 0, 0], [0.3, 0.4, 0], 0.5));
+  assert.ok(!is_apart([0, 0, 0], [0.3, 0.39, 0], 0.5));
+});
+
+test("what is not painted has one colour, and both ways along a fibre have one", () => {
+  const colour = (kind: string, values: number[] | null, vertex: number) => {
+    const to = new Float32Array(3);
+    write_paint_colour(kind, values && Float32Array.from(values), vertex, to, 0);
+    return [...to];
+  };
+  assert.deepEqual(colour("_LAYER", null, 5), colour("_RIGID", [0.4], 0));
+  assert.deepEqual(colour("_LAYER", [0], 0), colour("_FIBER", [0, 0, 0], 0));
+  assert.notDeepEqual(colour("_LAYER", [1], 0), colour("_LAYER", [3], 0));
+  assert.notDeepEqual(colour("_RIGID", [0.5], 0), colour("_RIGID", [0.4], 0));
+  assert.deepEqual(colour("_STIFFNESS", null, 0), colour("_STIFFNESS", [1], 0));
+  assert.deepEqual(colour("_FIBER", [0.6, 0.8, 0], 0), colour("_FIBER", [-0.6, -0.8, 0], 0));
+  assert.notDeepEqual(colour("_FIBER", [0.6, 0.8, 0], 0), colour("_FIBER", [0, 0, 1], 0));
+});
