@@ -110,6 +110,12 @@ TEST(StudioPage, PaintsACharacter) {
   for (const auto& [what, violations] : seen["axe"].items())
     EXPECT_EQ(violations, json::array()) << "axe-core, " << what;
 
+  ASSERT_EQ(seen["bone"].size(), 3u);
+  EXPECT_NE(seen["bone"][0], seen["bone"][1]);
+  EXPECT_TRUE(contains(seen["bone"][1].get<std::string>(), "no bone")) << seen["bone"];
+  EXPECT_EQ(seen["bone"][0], seen["bone"][2]);
+  EXPECT_TRUE(contains(seen["clicked"].get<std::string>(), " bone")) << seen["clicked"];
+
   EXPECT_NE(seen["before"], seen["recorded"]) << "the control: paint acts";
   EXPECT_EQ(seen["baked"], seen["recorded"]);
   const fs::path session = fs::path(FASCICLE_BINARY_DIR) / "screenshots/studio-paint/session";

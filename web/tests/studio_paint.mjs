@@ -125,6 +125,28 @@ report.painted.undone = await painted();
 await applied(() => press("y"));
 report.painted.redone = await painted();
 
+// Bones: no bone any more by the list, and another joint by a click on it.
+await choose_tool("bones");
+await page.selectOption("#bone-joint", "forearm");
+report.bone = [await page.textContent("#bone-why")];
+report.axe.bones = await violations();
+await applied(() => page.click("#bone-turn"));
+report.bone.push(await page.textContent("#bone-why"));
+await applied(() => page.click("#undo"));
+report.bone.push(await page.textContent("#bone-why"));
+const undo_title = await page.getAttribute("#undo", "title");
+let clicked = false;
+for (let j = 0; j < 12 && !clicked; ++j)
+  for (let i = 0; i < 24 && !clicked; ++i) {
+    await page.mouse.click(box.x + ((i + 0.5) * box.width) / 24, box.y + ((j + 0.5) * box.height) / 12);
+    await drawn(page);
+    clicked = (await page.getAttribute("#undo", "title")) !== undo_title;
+  }
+report.clicked = await page.getAttribute("#undo", "title");
+await page.screenshot({ path: join(folder, "bones.png") });
+await applied(() => page.click("#undo"));
+await choose_tool("paint");
+
 // What is recorded is what the saved file bakes.
 report.recorded = await recorded();
 await press("x");

@@ -56,7 +56,7 @@ export function bindings(orbit: Orbit, does: Actions): BindingGroup[] {
         { keys: ["y"], shown: "Y", does: "Redo", run: click("redo") },
         { keys: ["x"], shown: "X", does: "Save", run: click("save") },
         { keys: ["k"], shown: "K", does: "Bake", run: click("bake") },
-        { keys: ["h"], shown: "H", does: "Mouse: turn, pull or paint", run: () => choose_next("tool") },
+        { keys: ["h"], shown: "H", does: "Mouse: turn, pull, paint, bones", run: () => choose_next("tool") },
         { keys: ["p"], shown: "P", does: "Tug at the picture's middle", run: () => does.tug() },
         { keys: ["g"], shown: "G", does: "Paint at the picture's middle", run: () => does.dab() },
         { keys: ["f"], shown: "F", does: "A smaller brush", run: () => does.resize_brush(-4) },

@@ -8,6 +8,7 @@ import { grouped, short_number } from "../common/numbers";
 import { VIEWS } from "../common/orbit";
 import { follow_theme, style_value } from "../common/theme";
 import { bindings } from "./bindings";
+import { Bones } from "./bones";
 import { Connection, Refused } from "./connection";
 import { LiveCurves } from "./curves";
 import { Dialogs } from "./dialogs";
@@ -41,6 +42,7 @@ class Studio {
   private toast_until = 0;
   private readonly hand: Hand;
   private readonly painter: Painter;
+  private readonly bones: Bones;
   private readonly dialogs: Dialogs;
   private legend_shown = "";
   private warnings: SceneWarning[] = [];
@@ -72,6 +74,11 @@ class Studio {
       },
     });
     this.picture.paint_colour = this.painter.colour;
+    this.bones = new Bones(this.picture, {
+      command,
+      say: (text, is_bad) => this.toast(text, is_bad),
+      joints: () => this.frame?.blocks.joints ?? null,
+    });
     this.dialogs = new Dialogs({
       hello: () => this.hello,
       command,
@@ -148,6 +155,7 @@ class Studio {
       case "clip":
         return this.set_clip(message);
       case "keys":
+        this.bones.set_keys(message.groups);
         return this.touch.fill(message.groups);
       case "paint":
         return this.painter.said(message);
@@ -228,7 +236,7 @@ class Studio {
     element("find").parentElement!.hidden = !hello.can_touch;
     for (const id of ["save", "bake", "record"]) element<HTMLButtonElement>(id).disabled = !hello.can_touch;
     for (const input of document.querySelectorAll<HTMLInputElement>('input[name="tool"]'))
-      input.disabled = !hello.can_touch || input.value === "paint";
+      input.disabled = !hello.can_touch || ["paint", "bones"].includes(input.value);
     if (hello.restored && hello.message) this.toast(hello.message);
   }
 
@@ -285,6 +293,7 @@ class Studio {
       if (option) option.disabled = !is_there;
     };
     offer("muscles", this.picture.has_muscles);
+    this.bones.set_body(body, this.hello?.can_touch ?? false);
     const skin = document.querySelector<HTMLInputElement>('input[name="body"][value="skin"]');
     if (skin) skin.disabled = !this.picture.has_skin;
     if (!this.picture.has_skin) choose("body", "tetrahedra");
@@ -330,6 +339,7 @@ class Studio {
     if (!this.frame) return;
     const choice = this.choice();
     this.picture.show(this.frame, choice);
+    this.bones.mark();
     this.curves.draw(this.frame?.frame ?? 0);
     const clock = this.clip ? `${this.frame.frame} / ${this.clip.frames}   ${this.frame.time.toFixed(3)} s` : "";
     element("clock").textContent = clock;
@@ -433,7 +443,7 @@ class Studio {
       cut: axis === "" ? null : { axis: Number(axis) as 0 | 1 | 2, place: this.cut_place(Number(axis)) },
       edges: is_on("edges"),
       fibres: is_on("fibres"),
-      skeleton: is_on("skeleton"),
+      skeleton: is_on("skeleton") || this.bones.is_chosen,
       inverted: is_on("inverted"),
       lag_scale: (this.picture.scale_for_lag() * Number(element<HTMLInputElement>("lag-scale").value)) / 100,
     };
@@ -549,6 +559,7 @@ class Studio {
     });
     this.hand.listen();
     this.painter.listen();
+    this.bones.listen();
     window.addEventListener("resize", () => this.curves.draw(this.frame?.frame ?? 0));
   }
 

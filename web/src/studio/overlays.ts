@@ -107,16 +107,23 @@ export class Fibres {
   }
 }
 
+const BONE = [1, 0.64, 0.069];
+const NO_BONE = [0.25, 0.27, 0.3];
+
+// Lines from joint to joint, brighter where a bone begins.
 export class Skeleton {
-  readonly lines = new Lines(0xffd24a, true);
-  constructor(private readonly parents: number[]) {}
-  draw(joints: Float32Array): void {
+  readonly lines = new Lines(0xffffff, true, true);
+  constructor(private readonly joints: { parent: number; is_bone?: boolean }[]) {}
+  draw(places: Float32Array): void {
     const points: number[] = [];
-    this.parents.forEach((parent, joint) => {
+    const colours: number[] = [];
+    this.joints.forEach(({ parent }, joint) => {
       if (parent < 0) return;
-      points.push(...joints.subarray(3 * parent, 3 * parent + 3), ...joints.subarray(3 * joint, 3 * joint + 3));
+      points.push(...places.subarray(3 * parent, 3 * parent + 3), ...places.subarray(3 * joint, 3 * joint + 3));
+      const colour = this.joints[parent].is_bone ? BONE : NO_BONE;
+      colours.push(...colour, ...colour);
     });
-    this.lines.draw(Float32Array.from(points));
+    this.lines.draw(Float32Array.from(points), Float32Array.from(colours));
   }
 }
 

@@ -61,13 +61,14 @@ export class Picture {
   private readonly mark = marker(0xff5a52);
   private readonly grip = marker(0x62b0ff);
   private readonly brush = marker(0xffffff, 0.18);
+  private readonly joint = marker(0xffa21a);
   paint_colour: (vertex: number, to: Float32Array, at: number) => void = () => undefined; // for the colours "paint"
   private is_framed = false;
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
     this.stage.spares = true;
-    this.stage.scene.add(this.mark, this.grip, this.brush);
+    this.stage.scene.add(this.mark, this.grip, this.brush, this.joint);
   }
 
   get has_skin(): boolean {
@@ -240,7 +241,7 @@ export class Picture {
       this.inverted.draw(vertices);
     }
     if (choice.skeleton && joints) {
-      this.skeleton ??= add(new Skeleton(this.message!.joints.map((joint) => joint.parent)));
+      this.skeleton ??= add(new Skeleton(this.message!.joints));
       this.skeleton.draw(joints);
     }
     if (this.fibres) this.fibres.lines.object.visible = choice.fibres && vertices !== undefined;
@@ -309,6 +310,16 @@ export class Picture {
     if (place) {
       this.brush.position.set(...place);
       this.brush.scale.setScalar(radius);
+    }
+    this.stage.invalidate();
+  }
+
+  show_joint(place: readonly [number, number, number] | null): void {
+    if (!place && !this.joint.visible) return;
+    this.joint.visible = place !== null;
+    if (place) {
+      this.joint.position.set(...place);
+      this.joint.scale.setScalar(0.012 * this.size);
     }
     this.stage.invalidate();
   }

@@ -29,7 +29,7 @@ export interface BodyMessage {
   counts: Record<"vertices" | "tetrahedra" | "surface_vertices" | "surface_triangles" | "joints", number>;
   bounds: [[number, number, number], [number, number, number]];
   layers: BodyLayer[];
-  joints: { name: string; parent: number; is_bone: boolean; is_kinematic: boolean; reason: string }[];
+  joints: { name: string; parent: number; is_bone?: boolean; is_kinematic?: boolean; reason?: string }[];
   muscles: { name: string }[];
   materials: { name: string; colour: [number, number, number, number]; alpha_cutoff: number; texture: number }[];
   textures: { name: string; type: string; wrap: ["repeat" | "mirror" | "clamp", "repeat" | "mirror" | "clamp"] }[];
