@@ -10,6 +10,6 @@ inline constexpr const char* fascicle_version = FASCICLE_VERSION;
 
 // Raised whenever a scene gets another model (its hash) or the solvers other bits for it: two bakes compare
 // only within one number.
-inline constexpr std::uint32_t solver_version = 16;
+inline constexpr std::uint32_t solver_version = 17;
 
 }  // namespace fascicle::base

@@ -225,6 +225,22 @@ const std::vector<double>& Measures::inner_shares(bool by_distance) {
   return shares;
 }
 
+namespace {
+
+// Numbers of layers are names: between 3 and 0 no place is 2 or 1.
+constexpr const char* attribute_of_names = "_LAYER";
+
+double painted_at(const SurfacePoint& place, const std::array<double, 3>& of_corners, bool are_names) {
+  if (are_names)
+    return of_corners[static_cast<std::size_t>(std::max_element(place.weights.begin(), place.weights.end()) -
+                                               place.weights.begin())];
+  double value = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) value += place.weights[c] * of_corners[c];
+  return value;
+}
+
+}  // namespace
+
 const std::vector<double>& Measures::painted(const std::string& name, const std::string& key,
                                              const std::string& source) {
   std::vector<double>& values = painted_[name];
@@ -238,12 +254,12 @@ const std::vector<double>& Measures::painted(const std::string& name, const std:
   const SurfaceSearch search(body_.skin_surface);
   for (const Vector3d& p : body_.mesh.vertices) {
     const SurfacePoint place = search.nearest(p);
-    double value = 0.0;
+    std::array<double, 3> of_corners{};
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t vertex = body_.skin_surface.triangles[place.triangle][c];
-      value += place.weights[c] * attribute->values[attribute->width * vertex + channel];
+      of_corners[c] = attribute->values[attribute->width * vertex + channel];
     }
-    values.push_back(value);
+    values.push_back(painted_at(place, of_corners, attribute->name == attribute_of_names));
   }
   return values;
 }

@@ -54,9 +54,10 @@ class Measures {
   // several characters each has its own.
   const std::vector<double>& inner_shares(bool by_distance);
 
-  // A painted value at each vertex, interpolated on the skin at the vertex's nearest place there. `name` is
-  // the attribute's, with .r .g .b or .a (or .x .y .z .w) where it has several numbers. Throws
-  // scene::SceneError, naming `key`, where the character has none of that name.
+  // A painted value at each vertex, interpolated on the skin at the vertex's nearest place there; of _LAYER
+  // the value of the corner that is nearest to that. `name` is the attribute's, with .r .g .b or .a (or .x .y
+  // .z .w) where it has several numbers. Throws scene::SceneError, naming `key`, where the character has none
+  // of that name.
   const std::vector<double>& painted(const std::string& name, const std::string& key,
                                      const std::string& source);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -225,6 +226,19 @@ TEST(Layers, PaintWinsOverOtherShapesWhateverTheOrder) {
   const build::Layering layering = bar.layer(scene);
   for (std::size_t i = 0; i < layering.layer.size(); ++i)
     EXPECT_EQ(layering.layer[i], bar.body.mesh.vertices[i][0] < 0.09 ? 1u : 2u);
+}
+
+// Numbers of layers are names, which have nothing between them; shades have.
+TEST(Layers, PaintedLayersAreNotMixed) {
+  PaintedBar bar;
+  for (double& value : bar.body.painted[0].values) value = value == 2.0 ? 3.0 : 0.0;
+  for (scene::Vector3d& p : bar.body.mesh.vertices) p[0] += 0.004;  // off the vertices of the skin
+  build::Measures measures(bar.body);
+  std::set<double> layers, shades;
+  for (const double value : measures.painted("_LAYER", "key", "test")) layers.insert(value);
+  for (const double value : measures.painted("COLOR_0.g", "key", "test")) shades.insert(value);
+  EXPECT_EQ(layers, (std::set<double>{0.0, 3.0}));
+  EXPECT_GT(shades.size(), 10u);
 }
 
 // A layer that a paint file claims vertices for is the rest of the body all the same.

@@ -18,8 +18,8 @@ class PaintCommand : public testing::Test {
  protected:
   void SetUp() override {
     const Outcome bear =
-        fascicle({"bake", "crouch", "-o", folder_ / "made", "--end", "0.02", "--hold", "0", "--device", "cpu", "--set",
-                  "character.resolution=0.12", "--set", "contact.self=false"});
+        fascicle({"bake", "crouch", "-o", folder_ / "made", "--end", "0.02", "--hold", "0", "--device", "cpu",
+                  "--set", "character.resolution=0.12", "--set", "contact.self=false"});
     ASSERT_EQ(bear.status, 0) << bear.err;
     bear_ = folder_ / "made/character.glb";
     character_ = gltf::read_gltf(bear_);
