@@ -26,8 +26,8 @@
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
-#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times; write docs/reliability.md (an
-#                         hour)
+#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, and bake what strangers might
+#                         send; write docs/reliability.md (hours)
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"

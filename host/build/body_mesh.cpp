@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -204,6 +205,20 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   return {std::move(cut.mesh), false, std::move(cut.anchor), std::move(hold.home)};
 }
 
+// The file's author has no tetrahedra to mend: what the filling left flat is said as a fault of the surface.
+void refuse_flat_fill(const mesh::TetMesh& mesh, bool is_cage, const std::string& source) {
+  const std::vector<std::uint32_t> flat = tetrahedra_without_volume(mesh);
+  if (flat.empty()) return;
+  const Vector3d& at = mesh.vertices[mesh.tetrahedra[flat[0]][0]];
+  std::ostringstream text;
+  text << "mesh: " << counted(flat.size(), "tetrahedron that fills", "tetrahedra that fill")
+       << " the surface would have no volume, near (" << at[0] << " " << at[1] << " " << at[2]
+       << ") m; the surface is too flat or too finely folded there. "
+       << (is_cage ? "Give it a thickness, or set another --resolution or --cage-detail"
+                   : "Give it a thickness, or take --cage wrap");
+  fail(source, text.str());
+}
+
 }  // namespace
 
 BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& report,
@@ -228,6 +243,7 @@ BodyMesh make_body_mesh(const Skin& skin, const scene::Scene& scene, Report& rep
                            (renumbered && !skin.welded.file_vertex.empty() ? ", without rigid parts" : "") +
                            (renumbered ? ")" : ""));
   }
+  refuse_flat_fill(body.mesh, cage.is_cage, scene.source);
   check_and_orient(body.mesh, scene.source, report);
   cage.spacing = vertex_spacing(body.mesh);
   cage.edges = edge_lengths(body.mesh);

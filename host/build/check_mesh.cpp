@@ -36,7 +36,19 @@ bool names_a_corner_twice(std::array<std::uint32_t, 4> t) {
   return std::adjacent_find(t.begin(), t.end()) != t.end();
 }
 
+bool has_volume(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {
+  const double edge2 = longest_edge_squared(mesh, t);
+  return std::abs(signed_volume(mesh, t)) > flat_ratio * (edge2 * std::sqrt(edge2));
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> tetrahedra_without_volume(const mesh::TetMesh& mesh) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t k = 0; k < mesh.tetrahedra.size(); ++k)
+    if (!has_volume(mesh, mesh.tetrahedra[k])) found.push_back(k);
+  return found;
+}
 
 void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& report) {
   const std::size_t vertex_count = mesh.vertices.size();
@@ -67,11 +79,9 @@ void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& re
       repeated.push_back(k);
       continue;
     }
-    const double volume = signed_volume(mesh, t);
-    const double edge2 = longest_edge_squared(mesh, t);
-    if (!(std::abs(volume) > flat_ratio * (edge2 * std::sqrt(edge2)))) {
+    if (!has_volume(mesh, t)) {
       flat.push_back(k);
-    } else if (volume < 0.0) {
+    } else if (signed_volume(mesh, t) < 0.0) {
       std::swap(t[2], t[3]);
       ++report.flipped_tetrahedra;
     }

@@ -17,6 +17,9 @@ namespace fascicle::build {
 // tetrahedron uses.
 void check_and_orient(mesh::TetMesh& mesh, const std::string& source, Report& report);
 
+// Numbers of those whose volume is zero by the same measure. All corners must be in range.
+std::vector<std::uint32_t> tetrahedra_without_volume(const mesh::TetMesh& mesh);
+
 // A tetrahedron's least height over the side of a square of twice its largest face: 0.88 of a regular one,
 // 1/n of one cut out of a box n times as wide as it is high.
 double flatness(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron);

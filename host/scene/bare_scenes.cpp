@@ -46,6 +46,14 @@ constexpr double pressures_of_mesh = 60.0, paces_of_mesh = 1.6, gravity = 9.81;
 // crushed-flesh.md). Fat has the paper's 0.3 of muscle.
 constexpr double seconds_across = 0.12, fat_of_muscle = 0.3;
 
+// m; the size of a body whose layers a scene file can state (scene_keys_layer.cpp), and then some.
+constexpr double shortest_body = 1e-6, longest_mesh = 1e6, longest_character = 3e3;
+
+void check_size(const std::string& what, double size, double longest, const std::string& advice) {
+  if (size < shortest_body || size > longest)
+    throw SceneError(what + " is " + shortest(size) + " m long, which flesh cannot be chosen for; " + advice);
+}
+
 std::string rounded(double value) {
   std::ostringstream out;
   out << std::setprecision(3) << std::showpoint << value;
@@ -61,11 +69,13 @@ bool is_painted(const rig::Character& character, const std::string& name) {
 
 }  // namespace
 
-std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh) {
+std::string scene_for_mesh(const std::filesystem::path& path, const Geometry& mesh, double scale) {
   std::vector<Vector3d> none;
   const auto* tets = std::get_if<mesh::TetMesh>(&mesh);
   const auto* surface = std::get_if<mesh::SurfaceMesh>(&mesh);
-  const double size = size_of(tets ? tets->vertices : surface ? surface->vertices : none);
+  const double size = scale * size_of(tets ? tets->vertices : surface ? surface->vertices : none);
+  check_size(path.string() + ": the mesh", size, longest_mesh,
+             "say how many metres its unit is, as in --set mesh.scale=0.001");
   return "[scene]\n"
          "fps = 60\n"
          "end = 2.0\n"
@@ -116,12 +126,14 @@ rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) 
   return all;
 }
 
-std::string layers_for_character(const rig::Character& character, Stiffness by) {
+std::string layers_for_character(const rig::Character& character, Stiffness by, const std::string& source) {
   // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
   // flesh.
   const bool has_layers = is_painted(character, "_LAYER");
   const bool by_alpha = by == Stiffness::alpha;
-  const double speed = size_of(character.surface.vertices) / seconds_across;
+  const double size = size_of(character.surface.vertices);
+  check_size(source + ": the character", size, longest_character, "scale it to metres where it was made");
+  const double speed = size / seconds_across;
   const std::string painted =
       by_alpha && is_painted(character, "_STIFFNESS") ? "alpha_attribute = \"_STIFFNESS\"\n" : "";
   const auto stiffness = [&](const char* alpha, double of_muscle) {
@@ -162,7 +174,7 @@ std::string scene_for_character(const std::filesystem::path& path, const rig::Ch
          "\n"
          "[character]\n"
          "file = " +
-         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness) +
+         in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, path.string()) +
          // Explicit flesh that is pressed into a fold trembles (docs/design, contact.md).
          (stiffness == Stiffness::modulus ? "\n[contact]\nself = true\n" : "");
 }

@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 
 #include "host/base/nearest_name.h"
@@ -50,6 +51,14 @@ std::uint64_t frame_count(const Scene& scene) {
          static_cast<std::uint64_t>(std::llround(scene.motion.hold * scene.fps));
 }
 
+// What --set says of mesh.scale; what is no scale is refused when the scene is read.
+double scale_in(const SceneOverrides& overrides) {
+  const std::string text = overridden(overrides, "mesh.scale").value_or("1");
+  double scale = 1.0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), scale);
+  return read.ec == std::errc() && scale > 0.0 && std::isfinite(scale) ? scale : 1.0;
+}
+
 Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
   for (const BuiltinScene& builtin : builtin_scenes()) {
     if (builtin.name != name) continue;
@@ -66,7 +75,7 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
       // Read twice, as a character is: the substeps follow from the size.
       const Geometry mesh = mesh::is_tet_mesh_file(path) ? Geometry(mesh::read_tet_mesh(path))
                                                          : Geometry(mesh::read_surface_mesh(path));
-      return parse_scene({stem, name, scene_for_mesh(path, mesh), {}}, overrides);
+      return parse_scene({stem, name, scene_for_mesh(path, mesh, scale_in(overrides)), {}}, overrides);
     }
     if (reads_as_character(path, overrides.converter)) {
       // Read twice, because the layers' default extents follow from the size; the text must be complete

@@ -327,7 +327,8 @@ bool add_layers(toml::table& root, const SceneText& input, const SceneOverrides&
   };
   const rig::Character character = what_layers_go_by(characters);
   const Stiffness stiffness = stiffness_for(character, of_solver("integrator"), of_solver("weights"));
-  toml::table defaults = parse_toml(layers_for_character(character, stiffness), "default layers");
+  toml::table defaults =
+      parse_toml(layers_for_character(character, stiffness, input.source), "default layers");
   root.insert("layers", defaults["layers"]);
   // Where something else is called solver, the checker will say so.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())

@@ -12,6 +12,7 @@
 
 #include "host/build/body_mesh.h"
 #include "host/build/boundary.h"
+#include "host/build/check_mesh.h"
 #include "host/build/cut.h"
 #include "host/build/embedding.h"
 #include "host/build/mass.h"
@@ -485,6 +486,34 @@ Outside outside_of_cage(const build::RenderMesh& skin, const TetMesh& cage) {
 }
 
 class CagesOfAssets : public ::testing::TestWithParam<std::pair<const char*, std::uint32_t>> {};
+
+// A ball pressed to a sheet closes, but its tetrahedra lose their height. Who made the surface has no
+// tetrahedra to mend, so that no message counts them.
+TEST(Cage, ASheetIsToldAsAFaultOfTheSurface) {
+  std::set<std::string> refusals;
+  for (const double height : {1e-4, 1e-5, 3e-6, 1e-6, 1e-7, 1e-8}) {
+    SurfaceMesh sheet = ball(0.3, 12);
+    for (Vector3d& p : sheet.vertices) p[2] *= height;
+    build::Report report;
+    try {
+      build::build_model(scene_of(sheet, scene::Cage::off), report);
+    } catch (const scene::SceneError& error) {
+      refusals.insert(error.what());
+    }
+  }
+  EXPECT_FALSE(refusals.empty());
+  for (const std::string& text : refusals) {
+    EXPECT_NE(text.find("surface"), std::string::npos) << text;
+    EXPECT_EQ(text.find("counted from 0"), std::string::npos) << text;
+  }
+}
+
+TEST(Cage, TetrahedraWithoutVolumeAreFound) {
+  TetMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.3, 0.3, 1e-14}, {0.3, 0.3, 1e-9}};
+  mesh.tetrahedra = {{0, 1, 2, 3}, {0, 1, 2, 4}, {0, 1, 2, 5}, {0, 2, 1, 3}};
+  EXPECT_EQ(build::tetrahedra_without_volume(mesh), std::vector<std::uint32_t>{1});
+}
 
 TEST_P(CagesOfAssets, AreEvenAndHoldTheSkin) {
   const std::filesystem::path file = asset(GetParam().first);

@@ -28,6 +28,15 @@ def hold(what, text):
         raise Broken(text)
 
 
+def must_be_found(check, text):
+    """A control: the check has to fail."""
+    try:
+        check()
+    except Broken:
+        return
+    raise Broken("the control was not found out: " + text)
+
+
 def files(folder):
     """{path below the folder: bytes} of what is published, but for what says how the bake ran."""
     found = {}

@@ -12,19 +12,14 @@ import subprocess
 import sys
 import time
 
-from bakes import BAD_INPUT, DONE, FAILED, INTERRUPTED, PROGRAM, Broken, hold, killed_at_work, manifest
+from bakes import BAD_INPUT, DONE, FAILED, INTERRUPTED, PROGRAM, Broken, hold, killed_at_work, manifest, must_be_found
+from company import clashes, drivers, load
+from hostile_names import names
+from hostile_parameters import parameters
+from hostile_surfaces import surfaces
 
 
 PATIENCE = 120.0  # s, for what is over at once on a machine that is not busy
-
-
-def must_be_found(check, text):
-    """A control: the check has to fail."""
-    try:
-        check()
-    except Broken:
-        return
-    raise Broken("the control was not found out: " + text)
 
 
 def in_turns(bakes, count):
@@ -342,4 +337,10 @@ ROWS = (
     ("disk", disk_fails, 200, 5),
     ("damaged", damaged, 3000, 30),
     ("outside", outside, 12, 3),
+    ("surfaces", surfaces, 5000, 6),
+    ("values", parameters, 10000, 10),
+    ("names", names, 270, 2),
+    ("clashes", clashes, 60, 3),
+    ("drivers", drivers, 12, 3),
+    ("load", load, 10000, 100),
 )

@@ -425,18 +425,39 @@ TEST(LoadScene, TakesABareMeshAsAScene) {
 
 // Stiffness grows with the size: every count of digits before the point is a number that the scene's reader
 // takes.
+void write_tetrahedron_of_size(const std::filesystem::path& path, double size) {
+  std::ostringstream off;
+  off << "OFF\n4 4 0\n0 0 0\n" << size << " 0 0\n0 " << size << " 0\n0 0 " << size;
+  off << "\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+  write_file(path, off.str());
+}
+
 TEST(LoadScene, TakesABareMeshOfAnySize) {
   const TemporaryFolder folder;
-  for (const double size : {1e-5, 2e-4, 4e-4, 1.5e-3, 0.02, 1.0, 300.0}) {
-    std::ostringstream off;
-    off << "OFF\n4 4 0\n0 0 0\n" << size << " 0 0\n0 " << size << " 0\n0 0 " << size;
-    off << "\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
-    write_file(folder.path() / "a.off", off.str());
+  for (const double size : {2e-6, 1e-5, 2e-4, 4e-4, 1.5e-3, 0.02, 1.0, 300.0, 9e5}) {
+    write_tetrahedron_of_size(folder.path() / "a.off", size);
     // Three digits are written.
     EXPECT_NEAR(load_scene((folder.path() / "a.off").string()).layers[0].youngs_modulus.value(),
                 60.0 * 1000.0 * 9.81 * size, 0.005 * 60.0 * 1000.0 * 9.81 * size)
         << size;
   }
+}
+
+// The scene that a bare mesh gets has lines that its user never sees: a size that no layer can be stated for
+// is told as a size.
+TEST(LoadScene, ABareMeshOfAWrongUnitIsToldItsSize) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "a.off").string();
+  for (const double size : {1e-30, 1e-10, 5e-7, 2e6, 1e20}) {
+    write_tetrahedron_of_size(path, size);
+    const std::string text = refusal(path, {});
+    EXPECT_TRUE(text.starts_with(path + ": the mesh is ")) << size << ": " << text;
+    EXPECT_NE(text.find("mesh.scale=0.001"), std::string::npos) << text;
+  }
+  // In millimetres: the stiffness is that of the size in metres.
+  write_tetrahedron_of_size(path, 300.0);
+  EXPECT_NEAR(load_scene(path, {.set = {"mesh.scale=0.001"}}).layers[0].youngs_modulus.value(),
+              60.0 * 1000.0 * 9.81 * 0.3, 0.005 * 60.0 * 1000.0 * 9.81 * 0.3);
 }
 
 TEST(LoadScene, TakesABareCharacterAsAScene) {
