@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +12,19 @@
 namespace fascicle::studio {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// What cannot be looked at is none.
+bool is_bake(const fs::path& folder) {
+  try {
+    return bake::holds_bake(folder);
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+}  // namespace
 
 std::vector<BesideChoice> beside_choices(const std::vector<fs::path>& given, const fs::path& session) {
   std::vector<BesideChoice> choices;
@@ -27,7 +41,7 @@ std::vector<BesideChoice> beside_choices(const std::vector<fs::path>& given, con
       std::error_code none;
       return fs::equivalent(one, folder, none);
     });
-    if (!is_given && bake::holds_bake(folder)) choices.push_back({folder.string(), folder});
+    if (!is_given && is_bake(folder)) choices.push_back({folder.string(), folder});
   }
   return choices;
 }

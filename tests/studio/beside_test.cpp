@@ -95,6 +95,8 @@ TEST_F(BesideTest, NoOtherFolderIsReached) {
   bake_into(folder_ / "foreign", scene_);
   fs::create_directories(folder_ / "session");
   fs::create_directory_symlink(folder_ / "foreign", folder_ / "session" / "link");
+  fs::create_directories(folder_ / "session" / "odd" / bake::manifest_name);  // no file of the name
+  fs::create_directories(folder_ / "session" / "odd" / bake::cache_name);
   const Running studio(scene_.string(), folder_ / "session", folder_ / "cache", {folder_ / "given"});
   const auto client = studio.open();
   const Start start = start_of(*client);

@@ -191,6 +191,9 @@ TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
   EXPECT_EQ(seen["above"], 0);
   // The lower side of the bar: 5 times 3 vertices.
   EXPECT_EQ(seen["lying"], 15);
+  EXPECT_TRUE(seen["tug"]);
+  EXPECT_GT(seen["beside"]["solid"], 200);
+  EXPECT_EQ(seen["beside"]["touch"], 0) << "what touches is of the flesh alone";
   EXPECT_TRUE(seen["unchecked"]);
   EXPECT_GT(seen["shown"]["solid"].get<int>(), seen["hidden"]["solid"].get<int>() + 1000);
   EXPECT_GT(seen["shown"]["touch"].get<int>(), seen["hidden"]["touch"].get<int>() + 20);

@@ -34,14 +34,14 @@ async function seek(frame) {
   await page.waitForFunction((number) => document.getElementById("clock").textContent.startsWith(`${number} /`), frame);
   await page.waitForTimeout(2500);
 }
-const pixels = async (name) => {
+const pixels = async (name, is_left = false) => {
   await page.waitForFunction(() => document.getElementById("toast").hidden);
   await page.waitForTimeout(2500); // a picture in software takes its time
   const box = await page.locator("#picture").boundingBox();
   const image = pixels_of(await page.screenshot({ clip: box, path: join(folder, `${name}.png`) }));
   const found = { solid: 0, touch: 0 };
   for (let y = 0; y < image.height; ++y)
-    for (let x = 0; x < image.width; ++x) {
+    for (let x = 0; x < (is_left ? image.width / 2 : image.width); ++x) {
       const { hue, saturation, value } = hue_of(image.at(x, y));
       if (hue > 238 && hue < 262 && saturation > 0.25 && value > 0.25) ++found.solid;
       if (hue > 15 && hue < 35 && saturation > 0.8 && value > 0.9) ++found.touch;
@@ -65,6 +65,14 @@ report.axe = await page.evaluate(async () =>
   (await window.axe.run(document)).violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.target).join(" ")}`),
 );
 await page.screenshot({ path: join(folder, "light.png") });
+// A hand takes hold of what is played, in its own half of the picture.
+await page.evaluate(() => document.querySelector('input[name=comparison][value=sides]').click());
+await page.waitForTimeout(1500);
+await page.locator("#picture").focus();
+await page.keyboard.press("p");
+await page.waitForTimeout(700);
+report.tug = !(await page.textContent("#toast")).includes("No flesh");
+report.beside = await pixels("sides", true);
 report.names = await page.locator("#curve-list label > span:not(.line)").allTextContents();
 await browser.close();
 studio.child.kill("SIGINT");

@@ -10,6 +10,7 @@ import type { FrameMessage } from "./wire";
 interface Meaning {
   name: string;
   unit: string;
+  said?: string; // the unit where there is room
   lane: string; // curves of one lane share a scale
   doc: string;
   limit?: number;
@@ -46,6 +47,7 @@ const MEANINGS: Meaning[] = [
   {
     name: "Solver speed",
     unit: "×",
+    said: "× real time",
     lane: "speed",
     doc: "How many times as fast as real time the solver can go; below 1, the dashed line, the picture is slower than the clip",
     limit: 1,
@@ -136,14 +138,14 @@ export class LiveCurves {
     const lanes = this.lanes();
     this.plot.draw(lanes, frame);
     const values = element("curve-list").querySelectorAll("output");
-    this.tracks.forEach(({ own, beside }, k) => {
+    this.tracks.forEach(({ meaning, own, beside }, k) => {
       if (!values[k]) return;
-      const { unit } = own.curve;
+      const unit = meaning.said ?? meaning.unit;
       const has_other = typeof beside.curve.values[frame] === "number";
       const bare = (curve: Curve) => value_text({ ...curve, unit: "" }, frame);
       values[k].textContent = has_other
         ? `${bare(own.curve)} | ${bare(beside.curve)} ${unit}`
-        : value_text(own.curve, frame);
+        : value_text({ ...own.curve, unit }, frame);
     });
     const said = lanes.map((lane) => {
       const [least, most] = range_of(lane.curve, ...(lane.more ?? []).map((line) => line.curve));

@@ -2,6 +2,7 @@
 import {
   BufferAttribute,
   BufferGeometry,
+  Group,
   LineBasicMaterial,
   LineSegments,
   Mesh,
@@ -181,8 +182,11 @@ export class Overlays {
   private middle: Vector3 | null = null;
   private size = 1;
   touches = 0; // vertices that lie against a solid, where solids are shown
+  readonly of_played = new Group(); // what goes with the flesh, and not with what it is compared with
 
-  constructor(private readonly scene: Scene) {}
+  constructor(private readonly scene: Scene) {
+    scene.add(this.of_played);
+  }
 
   // `middle` and `size` (m): of the body at rest.
   set_body(message: BodyMessage, arrays: Map<string, Items>, middle: Vector3, size: number): void {
@@ -192,11 +196,12 @@ export class Overlays {
     this.size = size;
     for (const overlay of [this.fibres, this.skeleton, this.inverted])
       if (overlay) {
-        this.scene.remove(overlay.lines.object);
+        overlay.lines.object.removeFromParent();
         overlay.lines.object.geometry.dispose();
       }
     if (this.solids) {
       this.scene.remove(this.solids.group);
+      this.of_played.remove(this.solids.spots);
       this.solids.dispose();
     }
     this.fibres = this.skeleton = this.inverted = this.solids = null;
@@ -210,8 +215,8 @@ export class Overlays {
   draw(choice: OverlayChoice, frame: FrameMessage, drawn: Uint32Array | null): void {
     const { vertices, joints, solids } = frame.blocks;
     const tetrahedra = this.arrays.get("tetrahedron") as Uint32Array;
-    const add = <T extends { lines: { object: Object3D } }>(overlay: T): T => {
-      this.scene.add(overlay.lines.object);
+    const add = <T extends { lines: { object: Object3D } }>(overlay: T, to: Object3D = this.of_played): T => {
+      to.add(overlay.lines.object);
       return overlay;
     };
     if (choice.fibres && vertices) {
@@ -225,7 +230,7 @@ export class Overlays {
       this.inverted.draw(vertices);
     }
     if (choice.skeleton && joints) {
-      this.skeleton ??= add(new Skeleton(this.message!.joints));
+      this.skeleton ??= add(new Skeleton(this.message!.joints), this.scene);
       this.skeleton.draw(joints);
     }
     this.touches = 0;
@@ -233,6 +238,7 @@ export class Overlays {
       if (!this.solids) {
         this.solids = new Solids(this.message!.solids, 0.9 * this.size);
         this.scene.add(this.solids.group);
+        this.of_played.add(this.solids.spots);
       }
       const kinematic = this.arrays.get("kinematic") as Uint8Array;
       this.touches = this.solids.draw(solids, vertices ?? null, kinematic, this.middle!, this.size);
@@ -240,6 +246,9 @@ export class Overlays {
     if (this.fibres) this.fibres.lines.object.visible = choice.fibres && vertices !== undefined;
     if (this.inverted) this.inverted.lines.object.visible = choice.inverted && vertices !== undefined;
     if (this.skeleton) this.skeleton.lines.object.visible = choice.skeleton && joints !== undefined;
-    if (this.solids) this.solids.group.visible = choice.solids && solids !== undefined;
+    if (this.solids) {
+      this.solids.group.visible = choice.solids && solids !== undefined;
+      this.solids.spots.visible = this.touches > 0;
+    }
   }
 }

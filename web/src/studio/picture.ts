@@ -80,6 +80,7 @@ export class Picture {
   private readonly joint = marker(0xffa21a);
   paint_colour: (vertex: number, to: Float32Array, at: number) => void = () => undefined; // for the colours "paint"
   private is_framed = false;
+  private is_split = false; // whether there are two pictures beside each other
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
@@ -277,12 +278,14 @@ export class Picture {
   render(choice: Choice): void {
     const { flesh, ghost, stage } = this;
     if (!flesh || !ghost) return;
-    const all = [flesh.group, ghost.group, ...(this.beside.group ? [this.beside.group] : [])];
+    const played = [flesh.group, this.overlays.of_played];
+    const all = [...played, ghost.group, ...(this.beside.group ? [this.beside.group] : [])];
     const with_only = (...shown: Group[]) => ({ shown, hidden: all.filter((one) => !shown.includes(one)) });
     const other = choice.against === "bake" ? this.beside.group : ghost.group;
-    if (!other || choice.comparison === "flesh") stage.render([with_only(flesh.group)]);
-    else if (choice.comparison === "sides") stage.render([with_only(other), with_only(flesh.group)]);
-    else stage.render([with_only(flesh.group, other)]);
+    this.is_split = other !== null && choice.comparison === "sides";
+    if (!other || choice.comparison === "flesh") stage.render([with_only(...played)]);
+    else if (choice.comparison === "sides") stage.render([with_only(other), with_only(...played)]);
+    else stage.render([with_only(...played, other)]);
   }
 
   get surface(): Surface | null {
@@ -315,13 +318,20 @@ export class Picture {
 
   // What is seen at a place of the window.
   ray_at(x: number, y: number): Raycaster {
-    const { canvas, camera, orbit } = this.stage;
-    const box = canvas.getBoundingClientRect();
+    const { camera, orbit } = this.stage;
+    const box = this.box_of_played();
     orbit.apply(camera);
     camera.updateMatrixWorld();
     const ray = new Raycaster();
     ray.setFromCamera(new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
     return ray;
+  }
+
+  // Where in the window what is played is drawn: all of the picture, or its right half.
+  box_of_played(): DOMRect {
+    const box = this.stage.canvas.getBoundingClientRect();
+    if (!this.is_split) return box;
+    return new DOMRect(box.left + box.width / 2, box.top, box.width / 2, box.height);
   }
 
   show_brush(place: readonly [number, number, number] | null, radius: number): void {

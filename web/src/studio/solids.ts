@@ -163,7 +163,8 @@ export class Solids {
     depthWrite: false,
   });
   private readonly lines = new LineBasicMaterial({ color: 0x8f7ff0, transparent: true, opacity: 0.75 });
-  private readonly spots = new Points(
+  // Where flesh lies: of one body alone, and so no part of the group.
+  readonly spots = new Points(
     new BufferGeometry(),
     new PointsMaterial({ color: 0xff7a1a, size: 5, sizeAttenuation: false, depthTest: false, transparent: true }),
   );
@@ -200,7 +201,6 @@ export class Solids {
     }
     this.spots.frustumCulled = false;
     this.spots.renderOrder = 4;
-    this.group.add(this.spots);
   }
 
   // The block "solids", and the model's vertices where they are known; `middle`: of the body, `size`: its extent, m.
