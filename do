@@ -22,7 +22,7 @@
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do web              check the browser's pages (types, tests) and bundle them anew into web/bundle
 #   ./do view-figure      bake the bear and draw its page, docs/figures/view.png
-#   ./do studio-figure    open the bear in the studio and draw its page, docs/figures/studio.png
+#   ./do studio-figure    open the bear in the studio and draw its page, docs/figures/studio.png, and studio-beside.png
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
@@ -276,9 +276,12 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     web_tools release
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
     build release ${set_tests:-}
-    program=$PWD/build/release/fascicle picture=$PWD/docs/figures/studio.png
+    program=$PWD/build/release/fascicle figures=$PWD/docs/figures folder=$PWD/build/release/studio-figure
+    "$program" bake jump --end 2 --softness 2 --format none -o "$folder/soft-jump" --overwrite
     cd build/release/web
-    exec node tests/studio_figure.mjs "$program" "$picture" jump --end 2
+    node tests/studio_figure.mjs "$program" "$figures/studio.png" jump --end 2
+    exec node tests/studio_figure.mjs "$program" "$figures/studio-beside.png" jump --end 2 \
+      --beside "$folder/soft-jump"
     ;;
   site)
     need $site_packages

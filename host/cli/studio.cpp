@@ -27,6 +27,7 @@ namespace fs = std::filesystem;
 struct StudioArguments {
   SceneArguments scene;
   std::string folder;
+  std::vector<std::string> beside;
   std::string device = "auto";
   unsigned threads = 0;
   std::uint16_t port = 0;
@@ -101,6 +102,12 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
   if (arguments.scene.name.empty()) arguments.scene.name = scene::default_scene;
   const fs::path input(arguments.scene.name);
   std::error_code none;
+  std::vector<fs::path> beside;
+  for (const std::string& folder : arguments.beside) {
+    if (!bake::holds_bake(folder))
+      throw bake::BakeError(folder + ": holds no bake; --beside takes the folder of one");
+    beside.emplace_back(folder);
+  }
   if (fs::is_directory(input, none)) {
     if (!bake::holds_bake(input))
       throw bake::BakeError(input.string() +
@@ -108,7 +115,7 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
     if (scene::has_overrides(arguments.scene.overrides))
       throw UsageError(
           "a bake's frames cannot be changed; leave options of the scene out, or open its scene");
-    return std::make_unique<studio::Session>(input, say);
+    return std::make_unique<studio::Session>(input, std::move(beside), say);
   }
   const std::vector<DeviceRequest> devices = parse_device_order(arguments.device);
   scene::Scene scene = load(arguments.scene);
@@ -121,6 +128,7 @@ std::unique_ptr<studio::Session> open_session(StudioArguments arguments, Log& lo
   options.device.keeps_pipelines = !options.device.cache.empty();
   options.threads = arguments.threads;
   options.build = build_options(arguments.scene.no_cache);
+  options.beside = std::move(beside);
   return std::make_unique<studio::Session>(std::move(scene), std::move(options), say);
 }
 
@@ -161,6 +169,14 @@ void add_studio(CLI::App& app, Command& command) {
       ->add_option("-o,--output", arguments->folder,
                    "Folder of the session: what is changed, saved and baked; default: out/NAME-studio")
       ->option_text("DIR");
+  subcommand
+      ->add_option(
+          "--beside", arguments->beside,
+          "Folder of a bake that stands beside what is played, in one time line; several can be given, "
+          "and the page chooses")
+      ->option_text("DIR")
+      ->allow_extra_args(false)
+      ->take_all();
   subcommand->add_option("--port", arguments->port, "Port on loopback; 0, and without it, one that is free")
       ->check(CLI::Range(0, 65535).description(""))
       ->option_text("N");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "host/pipeline/open_bake.h"
 #include "host/studio/frame_measures.h"
@@ -12,22 +13,26 @@ namespace fascicle::studio {
 
 class BakedMotion final : public Motion {
  public:
-  // `bake` is the player's from now on. Skinning alone is shown where the bake's scene can still be read.
-  explicit BakedMotion(std::unique_ptr<pipeline::OpenBake> bake);
+  // `bake` is the player's from now on, `folder` is where it lies. Skinning alone and solids are shown where
+  // the bake's scene can still be read.
+  BakedMotion(std::unique_ptr<pipeline::OpenBake> bake, const std::filesystem::path& folder);
 
   std::uint64_t frames() const override { return bake_->frame_count() - 1; }
   double fps() const override { return bake_->fps(); }
+  double start() const override { return bake_->start(); }
   std::uint64_t frame() const override { return now_.index; }
   ShownFrame advance() override { return seek(now_.index < frames() ? now_.index + 1 : 0); }
   ShownFrame seek(std::uint64_t frame) override;
   ShownFrame restart(const std::function<bool()>&) override { return seek(0); }
   ShownFrame again() override;
   std::vector<float> joints() override;
+  std::vector<scene::Solid> solids() override;
 
  private:
   std::unique_ptr<pipeline::OpenBake> bake_;
   FrameMeasures measures_;
-  bool has_scene_ = false;
+  std::vector<float> energies_;  // J, of each frame, as metrics.csv has them; a bake keeps no velocities
+  bool has_scene_ = false, has_skinning_ = false;
   model::Frame now_;
 };
 

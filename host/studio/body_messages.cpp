@@ -11,6 +11,7 @@
 #include "host/gltf/gltf_looks.h"
 #include "host/gltf/gltf_rig.h"
 #include "host/render/colour.h"
+#include "host/scene/solids.h"
 #include "host/studio/wire.h"
 
 namespace fascicle::studio {
@@ -122,6 +123,24 @@ void add_look_textures(const gltf::Looks& read, const std::string& file, BodyLoo
                               {"wrap", {wrap_name(texture.across), wrap_name(texture.down)}}});
     looks.images.push_back(std::make_shared<const std::string>(texture.bytes.begin(), texture.bytes.end()));
   }
+}
+
+// What of a solid stands still, and where it begins; frames say where it is.
+Json solids_json(const BodyParts& parts) {
+  Json list = Json::array();
+  if (parts.scene == nullptr || !parts.model.has_colliders()) return list;
+  for (const scene::Collider& collider : parts.scene->colliders) {
+    const scene::Solid solid = scene::bound_solid_of(*parts.scene, collider);
+    const auto list_of = [](const auto& v) { return Json{v[0], v[1], v[2]}; };
+    const scene::Vector3d up = solid.axes.col(1);
+    list.push_back({{"name", collider.name},
+                    {"shape", names_of(collider.shape)[static_cast<std::size_t>(collider.shape)]},
+                    {"half_size", list_of(solid.half_size)},
+                    {"radius", solid.radius},
+                    {"middle", list_of(solid.center)},
+                    {"up", list_of(up)}});
+  }
+  return list;
 }
 
 Json joints_json(const BodyParts& parts) {
@@ -256,17 +275,7 @@ std::vector<ArrayMessage> array_messages(const BodyParts& parts, const BodyLooks
   return all;
 }
 
-Json body_json(const BodyParts& parts, const BodyLooks& looks, std::uint32_t body,
-               const std::vector<ArrayMessage>& arrays) {
-  const model::Model& model = parts.model;
-  std::array<double, 3> low{}, high{};
-  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
-    const std::array<double, 3> place = rest_place(model, i);
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = i == 0 ? place[a] : std::min(low[a], place[a]);
-      high[a] = i == 0 ? place[a] : std::max(high[a], place[a]);
-    }
-  }
+Json layers_json(const model::Model& model) {
   std::vector<std::uint32_t> vertices(model.layers.size(), 0);
   std::vector<double> masses(model.layers.size(), 0.0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -280,6 +289,49 @@ Json body_json(const BodyParts& parts, const BodyLooks& looks, std::uint32_t bod
                       {"vertices", vertices[l]},
                       {"mass", masses[l]},
                       {"colour", hex_colour(render::layer_colour(model.layers[l].name, l))}});
+  return layers;
+}
+
+Json counts_json(const model::Model& model) {
+  return {{"vertices", model.vertex_count},
+          {"tetrahedra", model.tetrahedron_count()},
+          {"surface_vertices", model.surface_count()},
+          {"surface_triangles", model.surface_triangle.size() / 3},
+          {"joints", model.joint_count}};
+}
+
+std::vector<ArrayMessage> shape_messages(const model::Model& model, const std::string& prefix) {
+  std::vector<ArrayMessage> all;
+  const auto add = [&]<class Item>(const char* name, const std::vector<Item>& items) {
+    const std::string whole = prefix + name;
+    all.push_back(
+        {whole, std::make_shared<const std::string>(encode_array(whole, 0, std::span<const Item>(items)))});
+  };
+  if (model.surface_count() > 0) {
+    add("surface.rest", surface_rest(model));
+    add("surface.triangle", model.surface_triangle);
+    add("surface.layer", surface_layers(model));
+  }
+  add("rest", rest_places(model));
+  add("tetrahedron", model.tetrahedron);
+  std::vector<std::uint8_t> layer;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i)
+    layer.push_back(static_cast<std::uint8_t>(model.layer_of(i)));
+  add("layer", layer);
+  return all;
+}
+
+Json body_json(const BodyParts& parts, const BodyLooks& looks, std::uint32_t body,
+               const std::vector<ArrayMessage>& arrays) {
+  const model::Model& model = parts.model;
+  std::array<double, 3> low{}, high{};
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    const std::array<double, 3> place = rest_place(model, i);
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = i == 0 ? place[a] : std::min(low[a], place[a]);
+      high[a] = i == 0 ? place[a] : std::max(high[a], place[a]);
+    }
+  }
   Json muscles = Json::array(), probes = Json::array(), names = Json::array();
   for (std::uint32_t m = 0; m < model.muscle_count; ++m)
     muscles.push_back(
@@ -288,16 +340,12 @@ Json body_json(const BodyParts& parts, const BodyLooks& looks, std::uint32_t bod
   for (const ArrayMessage& array : arrays) names.push_back(array.name);
   return {{"type", "body"},
           {"body", body},
-          {"counts",
-           {{"vertices", model.vertex_count},
-            {"tetrahedra", model.tetrahedron_count()},
-            {"surface_vertices", model.surface_count()},
-            {"surface_triangles", model.surface_triangle.size() / 3},
-            {"joints", model.joint_count}}},
+          {"counts", counts_json(model)},
           {"unit", model.unit},
           {"bounds", {point_json(low), point_json(high)}},
           {"has_contact", model.has_contact()},
-          {"layers", std::move(layers)},
+          {"layers", layers_json(model)},
+          {"solids", solids_json(parts)},
           {"joints", joints_json(parts)},
           {"muscles", std::move(muscles)},
           {"probes", std::move(probes)},

@@ -49,6 +49,11 @@ struct BodyParts {
 // The arrays, all numbered with this body. One whose items are those of `before` is that message itself.
 std::vector<ArrayMessage> array_messages(const BodyParts& parts, const BodyLooks& looks, std::uint32_t body,
                                          const std::vector<ArrayMessage>& before);
+// Shape and layers alone, under names that begin with `prefix`.
+std::vector<ArrayMessage> shape_messages(const model::Model& model, const std::string& prefix);
+// Members of messages that describe a body.
+Json layers_json(const model::Model& model);
+Json counts_json(const model::Model& model);
 // The message `body`.
 Json body_json(const BodyParts& parts, const BodyLooks& looks, std::uint32_t body,
                const std::vector<ArrayMessage>& arrays);

@@ -19,9 +19,9 @@ constexpr double slowest = 0.01, fastest = 4.0;
 
 constexpr std::size_t most_stroke_places = 256;
 constexpr double largest_brush = 1e3;  // m
-constexpr std::array<std::string_view, 18> verbs{"show", "play",    "pause", "step", "seek",   "speed",
-                                                 "loop", "restart", "set",   "undo", "redo",   "preset",
-                                                 "hand", "record",  "save",  "bake", "cancel", "paint"};
+constexpr std::array<std::string_view, 19> verbs{
+    "show", "play",   "pause", "step",   "seek", "speed", "loop",   "restart", "set",   "undo",
+    "redo", "preset", "hand",  "record", "save", "bake",  "cancel", "paint",   "beside"};
 constexpr std::array<std::string_view, 3> falloffs{"smooth", "linear", "constant"};
 constexpr std::array<std::string_view, 4> hand_actions{"grab", "move", "release", "force"};
 
@@ -171,9 +171,9 @@ class Members {
   std::optional<std::int64_t> id_;
 };
 
-std::uint16_t blocks_of(Members& members) {
+std::uint16_t blocks_of(Members& members, const char* list) {
   unsigned blocks = 0;
-  for (const std::string& name : members.texts("blocks", block_names.size())) {
+  for (const std::string& name : members.texts(list, block_names.size())) {
     const auto bit = find(block_names, name);
     if (!bit) members.refuse("\"" + base::shown_text(name) + "\" is no block" + hint(block_names, name));
     blocks |= 1u << *bit;
@@ -285,7 +285,8 @@ Command parse_command(std::string_view text) {
   command.verb = static_cast<Verb>(*verb);
   switch (command.verb) {
     case Verb::show:
-      command.blocks = blocks_of(members);
+      command.blocks = blocks_of(members, "blocks");
+      command.beside_blocks = blocks_of(members, "beside");
       break;
     case Verb::seek:
       command.frame = members.must_count("frame", 1e9);
@@ -316,6 +317,9 @@ Command parse_command(std::string_view text) {
       break;
     case Verb::paint:
       read_paint(members, command.piece);
+      break;
+    case Verb::beside:
+      command.name = members.must_text("name");
       break;
     default:
       break;

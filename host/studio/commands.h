@@ -44,7 +44,8 @@ enum class Verb {
   save,
   bake,
   cancel,
-  paint
+  paint,
+  beside
 };
 
 enum class HandAction { grab, move, release, force };
@@ -62,13 +63,15 @@ struct Command {
   std::optional<std::int64_t> id;
   Verb verb = Verb::play;
   std::uint16_t blocks = 0;               // show: of Block
+  std::uint16_t beside_blocks = 0;        // show: the same of the bake beside
   std::uint64_t frame = 0;                // seek
   double factor = 1.0;                    // speed
   bool is_on = false;                     // loop
   std::vector<scene::KeyChange> changes;  // set
   std::string label;                      // set
   std::optional<std::uint64_t> gesture;   // set
-  std::string name;                       // preset; save's file, bake's folder: empty where not given
+  std::string name;                       // preset; save's file, bake's folder: empty where not given;
+                                          // beside: a bake's name, or empty for none
   HandAction action = HandAction::release;
   std::uint64_t vertex = 0;
   bool is_of_model = false;               // the vertex is the model's, not the render mesh's

@@ -28,6 +28,7 @@ class LiveMotion final : public Motion {
 
   std::uint64_t frames() const override { return body_->frames(); }
   double fps() const override { return body_->scene().fps; }
+  double start() const override { return body_->scene().start; }
   std::uint64_t frame() const override { return frame_; }
   ShownFrame advance() override;
   // Exact where the frame, or one shortly before it, was computed with the keys in force; else the flesh is
@@ -36,6 +37,7 @@ class LiveMotion final : public Motion {
   ShownFrame restart(const std::function<bool()>& stop) override;
   ShownFrame again() override;
   std::vector<float> joints() override { return body_->joint_places(frame_); }
+  std::vector<scene::Solid> solids() override { return body_->solids(frame_); }
 
   RunningBody& body() { return *body_; }
   // The same flesh goes on as another body.

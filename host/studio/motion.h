@@ -10,6 +10,7 @@
 
 #include "host/model/model.h"
 #include "host/model/solver.h"
+#include "host/scene/solids.h"
 #include "host/studio/wire.h"
 
 namespace fascicle::studio {
@@ -31,6 +32,7 @@ struct Motion {
   virtual ~Motion() = default;
   virtual std::uint64_t frames() const = 0;  // the last frame's number
   virtual double fps() const = 0;
+  virtual double start() const = 0;         // s of the clip at frame 0
   virtual std::uint64_t frame() const = 0;  // the one that is shown
   // The next frame; after the last one frame 1, as the clip begins again. Throws Diverged.
   virtual ShownFrame advance() = 0;
@@ -41,6 +43,8 @@ struct Motion {
   virtual ShownFrame again() = 0;
   // The joints' places in the frame that is shown, m, 3 numbers each.
   virtual std::vector<float> joints() = 0;
+  // The scene's solids there, m, in the scene's order; nothing where the scene is not known.
+  virtual std::vector<scene::Solid> solids() = 0;
 };
 
 }  // namespace fascicle::studio

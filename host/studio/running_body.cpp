@@ -51,6 +51,11 @@ std::vector<float> RunningBody::joint_places(std::uint64_t frame) {
   return places;
 }
 
+std::vector<scene::Solid> RunningBody::solids(std::uint64_t frame) {
+  if (!built_.model.has_colliders()) return {};
+  return drives_.solids(frame);
+}
+
 bool has_same_shape(const model::Model& a, const model::Model& b) {
   return a.vertex_count == b.vertex_count && a.unit == b.unit && a.rest_origin == b.rest_origin &&
          a.joint_count == b.joint_count && a.source_vertex == b.source_vertex && a.rest == b.rest &&

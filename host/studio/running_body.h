@@ -42,6 +42,9 @@ class RunningBody {
   // The joints' places at the end of a frame, m, 3 numbers each.
   std::vector<float> joint_places(std::uint64_t frame);
 
+  // The scene's solids at the end of a frame, m.
+  std::vector<scene::Solid> solids(std::uint64_t frame);
+
  private:
   scene::Scene scene_;
   pipeline::Built built_;

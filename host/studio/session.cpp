@@ -87,6 +87,8 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
     start_workshop();
     make_first();
   }
+  if (!options_.beside.empty())
+    beside_ = std::make_unique<BesideBake>(beside_choices(options_.beside, {}).front());
   tables_ = scene::edited_tables(history_->text(), source_);
   prepared_ = prepare(body_);
   prepared_.text = history_->text();
@@ -109,7 +111,12 @@ void Session::keep_old_session(const std::string& why) {
                         options_.folder.string() + ": " + why + "; it is kept as " + old_session_file_name);
 }
 
-Session::Session(const std::filesystem::path& bake, pipeline::Say say) : say_(std::move(say)) {
+Session::Session(const std::filesystem::path& bake, std::vector<std::filesystem::path> beside,
+                 pipeline::Say say)
+    : say_(std::move(say)) {
+  options_.beside = std::move(beside);
+  if (!options_.beside.empty())
+    beside_ = std::make_unique<BesideBake>(beside_choices(options_.beside, {}).front());
   auto open = std::make_unique<pipeline::OpenBake>(bake);
   name_ = open->manifest().scene_name;
   source_ = bake.string();
@@ -142,7 +149,7 @@ Session::Session(const std::filesystem::path& bake, pipeline::Say say) : say_(st
   std::vector<build::Warning> warnings;
   for (const std::string& text : open->manifest().warnings) warnings.push_back({text, {}});
   warnings_message_ = {{"type", "warnings"}, {"list", warnings_json(model, warnings)}};
-  player_ = std::make_unique<Player>(std::make_unique<BakedMotion>(std::move(open)), player_events());
+  player_ = std::make_unique<Player>(std::make_unique<BakedMotion>(std::move(open), bake), player_events());
   player_->watch(false);
 }
 
@@ -252,6 +259,7 @@ void Session::send_start(PageId page) {
     send(page, presets_message());
   }
   send(page, warnings_message_);
+  send_beside(page);
   if (is_live_) send_paint(page);
   if (is_live_) send(page, history_json());
   send(page, player_json());
@@ -263,7 +271,8 @@ void Session::page_opened(PageId page) {
     const std::lock_guard lock(mutex_);
     if (server_ == nullptr) return;
     const bool has_surface = body_message_["counts"]["surface_vertices"] > 0;
-    pages_[page] = {.blocks = bit_of(has_surface ? Block::surface : Block::vertices), .refused = 0};
+    pages_[page] = {
+        .blocks = bit_of(has_surface ? Block::surface : Block::vertices), .beside_blocks = 0, .refused = 0};
     send_start(page);
     player_->watch(true);
   }
@@ -340,6 +349,7 @@ void Session::obey(PageId page, const Command& command) {
   switch (command.verb) {
     case Verb::show:
       pages_.at(page).blocks = command.blocks;
+      pages_.at(page).beside_blocks = command.beside_blocks;
       player_->post([this](Motion& motion) {
         if (player_->state().mode == PlayerMode::paused) player_->show(motion.again());
       });
@@ -397,6 +407,9 @@ void Session::obey(PageId page, const Command& command) {
     case Verb::paint:
       must_be_live();
       paint(page, command.piece);
+      break;
+    case Verb::beside:
+      choose_beside(command.name);
       break;
     case Verb::cancel:
       stops_bake_ = true;

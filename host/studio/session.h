@@ -21,6 +21,7 @@
 #include "host/pipeline/device_choice.h"
 #include "host/pipeline/messages.h"
 #include "host/scene/scene.h"
+#include "host/studio/beside.h"
 #include "host/studio/body_messages.h"
 #include "host/studio/commands.h"
 #include "host/studio/history.h"
@@ -37,6 +38,7 @@ struct SessionOptions {
   pipeline::DeviceRequest device;
   unsigned threads = 0;  // of the CPU solver; 0: one for each core
   build::BuildOptions build;
+  std::vector<std::filesystem::path> beside;  // bakes that may stand beside it; the first does at once
 };
 
 class Session {
@@ -45,8 +47,9 @@ class Session {
   // the session that the folder holds, where it is of the same scene. Throws what building a scene throws,
   // and bake::FolderInUse where another process has the folder.
   Session(scene::Scene scene, SessionOptions options, pipeline::Say say);
-  // Plays the frames of a bake, in which nothing can be touched. Throws base::BakeError.
-  Session(const std::filesystem::path& bake, pipeline::Say say);
+  // Plays the frames of a bake, in which nothing can be touched. `beside` as in SessionOptions. Throws
+  // base::BakeError.
+  Session(const std::filesystem::path& bake, std::vector<std::filesystem::path> beside, pipeline::Say say);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -68,7 +71,7 @@ class Session {
 
  private:
   struct Page {
-    std::uint16_t blocks = 0;
+    std::uint16_t blocks = 0, beside_blocks = 0;
     unsigned refused = 0;
   };
   // A change that is not yet to be seen.
@@ -130,6 +133,14 @@ class Session {
   void take_back(std::uint32_t revision, const std::string& error);
   void autosave();
 
+  // session_beside.cpp
+  Json beside_message() const;
+  void send_beside(PageId page);
+  void broadcast_beside();
+  void choose_beside(const std::string& name);
+  void put_beside(const std::optional<BesideChoice>& choice);
+  std::optional<ShownFrame> frame_beside(const Motion& motion);
+
   // session_paint.cpp
   PaintText read_paint_file(const std::string& name) const;
   std::string why_no_paint(const rig::PaintKind* kind = nullptr) const;
@@ -166,6 +177,7 @@ class Session {
   // The player's: how deep flesh lies in other flesh, of the body of this number.
   std::optional<model::OverlapMeter> meter_;
   std::uint32_t meter_body_ = 0;
+  std::unique_ptr<BesideBake> beside_;  // the player's; exchanged with the mutex held
 
   mutable std::mutex mutex_;  // of what follows
   Server* server_ = nullptr;

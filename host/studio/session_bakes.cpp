@@ -189,6 +189,12 @@ void Session::bake(const Command& command) {
         request.on_lead_in = [&] { tell("lead-in", 0, 0); };
         try {
           tell("build", 0, 0);
+          // What is written anew cannot be read meanwhile.
+          std::optional<BesideChoice> stood;
+          std::error_code none;
+          if (beside_ && fs::equivalent(beside_->choice().folder, request.output.folder, none))
+            stood = beside_->choice();
+          if (stood) put_beside(std::nullopt);
           scene::SceneOverrides overrides;
           overrides.converter = converter_;
           const auto prepared =
@@ -196,6 +202,12 @@ void Session::bake(const Command& command) {
           const bake::BakeResult result = pipeline::run_bake(*prepared, request, note);
           pipeline::say_result(result, note);
           if (result.interrupted) return end({{"type", "cancelled"}, {"what", "bake"}});
+          if (stood) {
+            put_beside(stood);
+          } else {
+            const std::lock_guard lock(mutex_);
+            broadcast_beside();  // there is one more to choose
+          }
           Json files = Json::array();
           for (const fs::path& written : result.files) files.push_back(written.filename().string());
           end({{"type", "baked"},

@@ -27,6 +27,17 @@ class FramePoints {
     return *kept;
   }
 
+  // Those of these bits that there are.
+  std::vector<BlockPoints> held(std::uint16_t blocks) {
+    std::vector<BlockPoints> list;
+    for (unsigned bit = 0; bit < block_names.size(); ++bit) {
+      const auto block = static_cast<Block>(1u << bit);
+      if ((blocks & bit_of(block)) == 0) continue;
+      if (const std::vector<float>& points = of(block); !points.empty()) list.push_back({block, points});
+    }
+    return list;
+  }
+
  private:
   std::vector<float> world(std::span<const float> positions) const {
     return formats::world_positions(positions, model_.unit, frame_.origin);
@@ -47,8 +58,19 @@ class FramePoints {
         return motion_.joints();
       case Block::contact:
         return depths();
+      case Block::solids:
+        return solids();
     }
     return {};
+  }
+  // Of each solid its middle, and the ends of its axes from there, 1 m long.
+  std::vector<float> solids() {
+    std::vector<float> points;
+    for (const scene::Solid& solid : motion_.solids())
+      for (int axis = -1; axis < 3; ++axis)
+        for (int a = 0; a < 3; ++a)
+          points.push_back(static_cast<float>(solid.center[a] + (axis < 0 ? 0.0 : solid.axes(a, axis))));
+    return points;
   }
   std::vector<float> depths() const {
     if (meter_ == nullptr) return {};
@@ -70,12 +92,16 @@ class FramePoints {
 
 // On the player's thread.
 void Session::show(Motion& motion, const ShownFrame& shown) {
-  std::map<PageId, std::uint16_t> wanted;
+  struct Wanted {
+    std::uint16_t blocks, beside_blocks;
+    auto operator<=>(const Wanted&) const = default;
+  };
+  std::map<PageId, Wanted> wanted;
   FrameNumbers numbers = shown.numbers;
   Server* server = nullptr;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [page, state] : pages_) wanted[page] = state.blocks;
+    for (const auto& [page, state] : pages_) wanted[page] = {state.blocks, state.beside_blocks};
     numbers.body = body_number_;
     server = server_;
     tell_applied(numbers);
@@ -84,22 +110,26 @@ void Session::show(Motion& motion, const ShownFrame& shown) {
   if (meter_body_ != numbers.body) meter_.reset();
   meter_body_ = numbers.body;
   const bool wants_contact = std::any_of(wanted.begin(), wanted.end(), [](const auto& one) {
-    return (one.second & bit_of(Block::contact)) != 0;
+    return (one.second.blocks & bit_of(Block::contact)) != 0;
   });
   if (wants_contact && !meter_ && shown.model->has_contact()) meter_.emplace(*shown.model);
   FramePoints points(motion, shown, meter_ ? &*meter_ : nullptr);
-  std::map<std::uint16_t, SharedBytes> encoded;
-  for (const auto& [page, blocks] : wanted) {
-    SharedBytes& bytes = encoded[blocks];
+  const std::optional<ShownFrame> beside = frame_beside(motion);
+  std::optional<FramePoints> points_beside;
+  FrameNumbers numbers_beside;
+  if (beside) {
+    points_beside.emplace(beside_->motion(), *beside, nullptr);
+    numbers_beside = beside->numbers;
+    numbers_beside.sequence = numbers.sequence;
+  }
+  std::map<Wanted, SharedBytes> encoded;
+  for (const auto& [page, of_page] : wanted) {
+    SharedBytes& bytes = encoded[of_page];
     if (!bytes) {
-      std::vector<BlockPoints> held;
-      for (unsigned bit = 0; bit < block_names.size(); ++bit) {
-        const auto block = static_cast<Block>(1u << bit);
-        if ((blocks & bit_of(block)) == 0) continue;
-        if (const std::vector<float>& of_block = points.of(block); !of_block.empty())
-          held.push_back({block, of_block});
-      }
-      bytes = std::make_shared<const std::string>(encode_frame(numbers, held));
+      std::string whole = encode_frame(numbers, points.held(of_page.blocks));
+      if (points_beside)
+        whole += encode_frame(numbers_beside, points_beside->held(of_page.beside_blocks), FrameOf::beside);
+      bytes = std::make_shared<const std::string>(std::move(whole));
     }
     const std::lock_guard lock(mutex_);
     if (server_ != nullptr) server_->offer(page, bytes);

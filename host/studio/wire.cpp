@@ -14,7 +14,7 @@ using base::append_bytes;
 
 namespace {
 
-constexpr std::uint8_t frame_type = 1, array_type = 2, wire_version = 1;
+constexpr std::uint8_t array_type = 2, wire_version = 1;
 constexpr std::size_t longest_array_name = 64, alignment = 4, size_offset = 76;
 constexpr float most_steps = 65535.0f;
 
@@ -83,12 +83,12 @@ std::string encode_array(std::string_view name, std::uint32_t body, std::span<co
   return encode_items(name, body, 3, items);
 }
 
-std::string encode_frame(const FrameNumbers& numbers, std::span<const BlockPoints> blocks) {
+std::string encode_frame(const FrameNumbers& numbers, std::span<const BlockPoints> blocks, FrameOf of) {
   std::uint16_t bits = 0;
   for (const BlockPoints& block : blocks)
     bits = static_cast<std::uint16_t>(bits | static_cast<unsigned>(block.block));
   std::string out;
-  append_bytes(out, frame_type);
+  append_bytes(out, static_cast<std::uint8_t>(of));
   append_bytes(out, wire_version);
   append_bytes(out, bits);
   append_bytes(out, numbers.sequence);

@@ -23,13 +23,17 @@ enum class Block : std::uint16_t {
   ghost_vertices = 8,
   joints = 16,
   contact = 32,
+  solids = 64,
 };
 constexpr std::uint16_t bit_of(Block block) {
   return static_cast<std::uint16_t>(block);
 }
 // The names that pages call them by, in the order of their bits.
-inline constexpr std::array<std::string_view, 6> block_names{"surface",        "ghost",  "vertices",
-                                                             "ghost-vertices", "joints", "contact"};
+inline constexpr std::array<std::string_view, 7> block_names{
+    "surface", "ghost", "vertices", "ghost-vertices", "joints", "contact", "solids"};
+
+// What a frame is of: what is played, or the bake that stands beside it.
+enum class FrameOf : std::uint8_t { played = 1, beside = 3 };
 
 inline constexpr std::uint32_t frame_is_recorded = 1, frame_is_pulled = 2, frame_begins = 4;
 
@@ -40,7 +44,7 @@ struct FrameNumbers {
   std::uint64_t position_hash = 0;  // model::position_hash
   float seconds = 0.0f, rate = 0.0f;
   float lag = 0.0f, largest_lag = 0.0f;  // m
-  float energy = 0.0f;                   // J
+  float energy = 0.0f;                   // J; not a number where it is not known
   float volume = 1.0f;                   // over that at rest
   std::uint32_t inverted = 0;            // tetrahedra
   float speed = 0.0f;                    // m/s
@@ -52,8 +56,10 @@ struct BlockPoints {
   std::span<const float> points;
 };
 
+// A message is the frame of what is played, and after it that of the bake beside, where there is one.
 // Blocks by ascending bit. A coordinate is off by at most half a step, which is the block's extent over
 // 65535.
-std::string encode_frame(const FrameNumbers& numbers, std::span<const BlockPoints> blocks);
+std::string encode_frame(const FrameNumbers& numbers, std::span<const BlockPoints> blocks,
+                         FrameOf of = FrameOf::played);
 
 }  // namespace fascicle::studio

@@ -124,6 +124,10 @@ TEST(StudioProgram, WhatCannotBeOpenedIsSaid) {
   const Outcome no_scene = fascicle({"studio", "bar-beta-11", "--headless"});
   EXPECT_EQ(no_scene.status, 3);
   EXPECT_TRUE(contains(no_scene.err, "bar-beta-1")) << no_scene.err;
+  const Outcome nothing_beside = fascicle(
+      {"studio", "bar-beta-1", "--headless", "--beside", folder.path().string(), "-o", folder / "session"});
+  EXPECT_EQ(nothing_beside.status, 3);
+  EXPECT_TRUE(contains(nothing_beside.err, "--beside takes the folder of one")) << nothing_beside.err;
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "--port", "65536"}).status, 2);
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "--device", "cuda"}).status, 2);
   EXPECT_EQ(fascicle({"studio", "bar-beta-1", "--headless", "-o", "/proc/nowhere"}).status, 3);

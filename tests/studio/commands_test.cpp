@@ -36,6 +36,10 @@ TEST(Commands, AreRead) {
   EXPECT_EQ(parse_command(R"({"type":"speed","factor":0.25})").factor, 0.25);
   EXPECT_TRUE(parse_command(R"({"type":"loop","on":true})").is_on);
   EXPECT_EQ(parse_command(R"({"type":"show","blocks":["surface","joints"]})").blocks, 1 + 16);
+  EXPECT_EQ(parse_command(R"({"type":"show","blocks":["solids"],"beside":["ghost"]})").blocks, 64);
+  EXPECT_EQ(parse_command(R"({"type":"show","blocks":["solids"],"beside":["ghost"]})").beside_blocks, 2);
+  EXPECT_EQ(parse_command(R"({"type":"beside","name":"out/arm"})").name, "out/arm");
+  EXPECT_EQ(parse_command(R"({"type":"beside","name":""})").verb, Verb::beside);
   const Command set = parse_command(
       R"({"type":"set","changes":{"layers.fat.beta":0.5,"layers.fat.alpha":null},"label":"x","gesture":3})");
   ASSERT_EQ(set.changes.size(), 2u);
@@ -89,6 +93,8 @@ TEST(Commands, RefusalsSayWhatIsWrong) {
       {R"({"type":"speed","factor":0})", "must be from"},
       {R"({"type":"loop"})", "on is missing"},
       {R"({"type":"show","blocks":["surfaces"]})", "surface"},
+      {R"({"type":"show","beside":["surfaces"]})", "surface"},
+      {R"({"type":"beside"})", "name is missing"},
       {R"({"type":"set","changes":{}})", "1 to"},
       {R"({"type":"hand","action":"grab","vertex":0})", "place is missing"},
       {R"({"type":"hand","action":"grab","vertex":0,"place":[1,2]})", "three numbers"},

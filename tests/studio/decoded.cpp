@@ -43,8 +43,10 @@ DecodedArray decode_array(const std::string& bytes) {
   return array;
 }
 
-DecodedFrame decode_frame(const std::string& bytes) {
-  must(at<std::uint8_t>(bytes, 0) == 1 && at<std::uint8_t>(bytes, 1) == 1, "no frame of version 1");
+namespace {
+
+DecodedFrame decode_one(const std::string& bytes, std::uint8_t type) {
+  must(at<std::uint8_t>(bytes, 0) == type && at<std::uint8_t>(bytes, 1) == 1, "no frame of version 1");
   DecodedFrame frame;
   const std::uint32_t bits = at<std::uint16_t>(bytes, 2);
   frame.sequence = at<std::uint32_t>(bytes, 4);
@@ -63,9 +65,8 @@ DecodedFrame decode_frame(const std::string& bytes) {
   frame.inverted = at<std::uint32_t>(bytes, 64);
   must(at<std::uint32_t>(bytes, 68) == 0, "byte 68 is not 0");
   frame.speed = at<float>(bytes, 72);
-  must(at<std::uint32_t>(bytes, 76) == bytes.size(), "the frame has another size than it says");
   std::size_t offset = 80;
-  for (std::uint32_t bit = 1; bit <= 32; bit *= 2) {
+  for (std::uint32_t bit = 1; bit <= 64; bit *= 2) {
     if ((bits & bit) == 0) continue;
     std::array<double, 3> least{}, step{};
     for (std::size_t a = 0; a < 3; ++a) {
@@ -82,6 +83,20 @@ DecodedFrame decode_frame(const std::string& bytes) {
     offset = aligned(offset + 6 * points);
   }
   must(offset == bytes.size(), "bytes follow the last block");
+  return frame;
+}
+
+}  // namespace
+
+DecodedFrame decode_frame(const std::string& bytes) {
+  const std::size_t size = at<std::uint32_t>(bytes, 76);
+  must(size <= bytes.size(), "the frame has another size than it says");
+  DecodedFrame frame = decode_one(bytes.substr(0, size), 1);
+  if (size == bytes.size()) return frame;
+  must(size % 4 == 0, "what follows is not aligned");
+  const std::string rest = bytes.substr(size);
+  must(at<std::uint32_t>(rest, 76) == rest.size(), "the frame beside has another size than it says");
+  frame.beside.push_back(decode_one(rest, 3));
   return frame;
 }
 

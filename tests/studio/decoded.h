@@ -26,6 +26,7 @@ struct DecodedFrame {
         speed = 0.0f;
   std::map<std::uint32_t, std::vector<double>> blocks;  // by bit: 3 numbers a point
   std::map<std::uint32_t, std::array<double, 3>> steps;
+  std::vector<DecodedFrame> beside;  // that of the bake that stands beside, or none
 };
 DecodedFrame decode_frame(const std::string& bytes);
 

@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -43,18 +45,20 @@ where = { above = { axis = "x", fraction = 1.0 } }
 // The studio of a scene on a thread of its own.
 class Running {
  public:
-  Running(const std::string& scene, const fs::path& folder, const fs::path& cache) {
+  Running(const std::string& scene, const fs::path& folder, const fs::path& cache,
+          std::vector<fs::path> beside = {}) {
     studio::SessionOptions options;
     options.folder = folder;
     options.device = {.kind = pipeline::DeviceRequest::Kind::cpu};
     options.threads = 2;
     options.build.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
     options.build.cache = cache;
+    options.beside = std::move(beside);
     session_ = std::make_unique<studio::Session>(scene::load_scene(scene), options, pipeline::Say());
     start();
   }
-  explicit Running(const fs::path& bake) {
-    session_ = std::make_unique<studio::Session>(bake, pipeline::Say());
+  explicit Running(const fs::path& bake, std::vector<fs::path> beside = {}) {
+    session_ = std::make_unique<studio::Session>(bake, std::move(beside), pipeline::Say());
     start();
   }
   ~Running() {

@@ -127,6 +127,82 @@ TEST(StudioPage, PaintsACharacter) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
+// Two bakes of one character in one time line: side by side, as a ghost, by their distance; and a picture
+// that is sharp once it stands.
+TEST(StudioPage, ShowsTwoBakesSideBySide) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  for (const auto& [name, softness] : {std::pair("arm", "1"), std::pair("soft", "30")}) {
+    const Outcome made = fascicle({"bake", "arm", "-o", folder / name, "--softness", softness, "--end", "1.2",
+                                   "--format", "none", "--device", "cpu"});
+    ASSERT_EQ(made.status, 0) << made.err;
+  }
+  const json seen = used_studio("studio-beside", "studio_beside.mjs",
+                                "'" + folder / "arm" + "' --beside '" + folder / "soft" + "'");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["said"], json::array()) << "the console is silent";
+  for (const json& path : seen["asked"])
+    EXPECT_TRUE(path == "/" || path == "/studio.js" || path == "/studio.css") << path;
+  EXPECT_EQ(seen["comparison"], "sides");
+  EXPECT_EQ(seen["against"], folder / "soft");
+  EXPECT_EQ(seen["tags"], json({"soft", "Played: arm"}));
+
+  EXPECT_LT(seen["moving_ratio"].get<double>(), 1.9)
+      << "the control: this machine is too slow for all pixels";
+  EXPECT_NEAR(seen["still_ratio"].get<double>(), 2.0, 0.01);
+
+  EXPECT_EQ(seen["names"], json({"Lag, mean", "Lag, peak", "Energy", "Volume"}))
+      << "a bake has no solver's speed";
+  for (const json& value : seen["values"])
+    EXPECT_TRUE(contains(value.get<std::string>(), " | ")) << value << ": of both";
+  EXPECT_TRUE(contains(seen["curves"].get<std::string>(), "Lag, mean from 0 to ")) << seen["curves"];
+
+  EXPECT_TRUE(seen["difference_can"]);
+  EXPECT_EQ(seen["difference"][0], 0) << "the bake beside has its own colours";
+  EXPECT_GT(seen["difference"][1], 20);
+  EXPECT_EQ(seen["no_difference"], json({0, 0}));
+  EXPECT_EQ(seen["ghost"][0], 0);
+  EXPECT_GT(seen["ghost"][1], 100);
+  EXPECT_EQ(seen["ghost_tag"], "Magenta: soft");
+  EXPECT_EQ(seen["without"]["tag"], "Blue: skinning alone");
+  EXPECT_EQ(seen["without"]["option"], false);
+  EXPECT_EQ(seen["again"], folder / "soft");
+  EXPECT_TRUE(seen["clicked"]);
+  for (const auto& [what, violations] : seen["axe"].items())
+    EXPECT_EQ(violations, json::array()) << "axe-core, " << what;
+  EXPECT_EQ(seen["ended"], 0);
+}
+
+// A bar that falls on a floor and lies there.
+TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "fall.toml",
+             "[scene]\nfps = 60\nend = 1.0\n[bar]\nsize = [0.2, 0.1, 0.1]\nvertices = [5, 3, 3]\n"
+             "[layers.body]\nyoungs_modulus = 20e3\ndamping = 12.0\n"
+             "[collider.floor]\nshape = \"plane\"\ncenter = [0.0, -0.1, 0.0]\n"
+             "[collider.post]\nshape = \"capsule\"\nfrom = [0.35, 0.0, 0.0]\nto = [0.35, 0.2, 0.0]\n"
+             "radius = 0.04\n");
+  const json seen = used_studio("studio-solids", "studio_solids.mjs", "'" + folder / "fall.toml" + "'");
+  ASSERT_TRUE(seen.is_object());
+  EXPECT_EQ(seen["said"], json::array()) << "the console is silent";
+  EXPECT_TRUE(seen["can"]);
+  EXPECT_EQ(seen["title"], "floor: plane, post: capsule");
+  EXPECT_EQ(seen["above"], 0);
+  // The lower side of the bar: 5 times 3 vertices.
+  EXPECT_EQ(seen["lying"], 15);
+  EXPECT_TRUE(seen["tug"]);
+  EXPECT_GT(seen["beside"]["solid"], 200);
+  EXPECT_EQ(seen["beside"]["touch"], 0) << "what touches is of the flesh alone";
+  EXPECT_TRUE(seen["unchecked"]);
+  EXPECT_GT(seen["shown"]["solid"].get<int>(), seen["hidden"]["solid"].get<int>() + 1000);
+  EXPECT_GT(seen["shown"]["touch"].get<int>(), seen["hidden"]["touch"].get<int>() + 20);
+  EXPECT_EQ(seen["names"], json({"Energy", "Volume", "Solver speed"}))
+      << "a bar has no skinning to lag behind";
+  EXPECT_EQ(seen["axe"], json::array());
+  EXPECT_EQ(seen["ended"], 0);
+}
+
 // A character, and a bake's folder, which is looked at and not touched.
 TEST(StudioPage, OpensCharactersAndBakes) {
   FASCICLE_NEEDS_CHROMIUM;

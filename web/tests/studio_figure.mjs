@@ -1,4 +1,4 @@
-// A picture of the studio for the docs: node studio_figure.mjs PROGRAM PICTURE.png SCENE
+// A picture of the studio for the docs: node studio_figure.mjs PROGRAM PICTURE.png SCENE [--beside BAKE]
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -17,8 +17,12 @@ await page.click("#record");
 await page.waitForFunction(() => document.documentElement.dataset.recorded, null, { timeout: 120000 });
 await page.locator("#picture").focus();
 await page.keyboard.press(" ");
-await page.selectOption("#colour", "lag");
-await page.check("#skeleton");
+if (scene.includes("--beside")) {
+  await page.selectOption("#colour", "difference");
+} else {
+  await page.selectOption("#colour", "lag");
+  await page.check("#skeleton");
+}
 const last = Number(await page.getAttribute("#scrub", "max"));
 await page.locator("#scrub").fill(String(Math.round(0.43 * last)));
 await page.waitForFunction(() => document.getElementById("toast").hidden, null, { timeout: 30000 });

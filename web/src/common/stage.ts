@@ -20,8 +20,24 @@ import { Orbit } from "./orbit";
 
 export const FIELD = (32 * Math.PI) / 180; // rad, of the picture's height
 
+const MOST_RATIO = 2; // pixels of the picture to one of the page, while it moves
 const SLOW = 70; // ms a picture
 const MOST_LATE = 6; // of such pictures, one after the other
+const STILL = 180; // ms without a change, until a picture is drawn in full
+const LEAST_RATIO = 0.5;
+
+// What is left out of a picture while it moves, on a machine that draws too slowly.
+export interface Spared {
+  shadows: boolean;
+  ratio: number; // what the screen's pixels are divided by
+}
+
+// One step further; the same where nothing is left to spare.
+export function spared_more(spared: Spared, screen_ratio: number): Spared {
+  if (!spared.shadows) return { ...spared, shadows: true };
+  const ratio = Math.min(screen_ratio, MOST_RATIO) / spared.ratio;
+  return ratio > LEAST_RATIO ? { ...spared, ratio: 1.5 * spared.ratio } : spared;
+}
 
 export interface Half {
   shown: Group[];
@@ -32,16 +48,22 @@ export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera();
   readonly orbit = new Orbit(() => this.invalidate());
-  spares = false; // whether a slow machine gets simpler pictures
+  spares = false; // whether a slow machine gets simpler pictures of what moves
+  moves = false; // whether what is shown moves by itself; else a picture that stands is drawn in full
   private readonly renderer: WebGLRenderer;
   private readonly sun = new DirectionalLight(0xffffff, 2.1);
   private readonly rim = new DirectionalLight(0xdfe8ff, 0.7);
   private readonly sky = new HemisphereLight(0xffffff, 0x9a948c, 1.25);
   private readonly floor = new Group();
-  private readonly shadow = new ShadowMaterial({ opacity: 0.22 });
+  private readonly shadow = new ShadowMaterial({ opacity: 0.22, depthWrite: false });
   private grid: GridHelper | null = null;
   private radius = 1;
   private stale = true;
+  private changed = 0; // ms, when what is to be seen was another one last
+  private spared: Spared = { shadows: false, ratio: 1 };
+  // Of the last picture: whether it had all that the screen can show, and whether it was asked to.
+  private is_full = false;
+  private is_settled = false;
   private fence: WebGLSync | null = null; // after what was asked for last
   private late = 0;
   private asked = 0; // ms, when that was
@@ -49,7 +71,6 @@ export class Stage {
   // Throws where the browser has no WebGL 2.
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.shadowMap.enabled = true;
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(2048, 2048);
@@ -60,6 +81,7 @@ export class Stage {
 
   invalidate(): void {
     this.stale = true;
+    this.changed = performance.now();
   }
 
   // The room for a motion within this ball, on a floor at this height.
@@ -122,8 +144,11 @@ export class Stage {
       this.renderer.setSize(width, height, false);
       this.stale = true;
     }
-    if (!this.stale || this.is_busy()) return false;
+    // Where nothing changes any more, a picture may take its time.
+    const settles = !this.stale && !this.is_full && !this.moves && performance.now() - this.changed > STILL;
+    if (!(this.stale || settles) || this.is_busy()) return false;
     this.stale = false;
+    this.set_quality(settles);
     this.orbit.apply(this.camera);
     const share = width / halves.length;
     this.camera.aspect = share / height;
@@ -159,16 +184,27 @@ export class Stage {
 
   // What draws too slowly to look at motion goes without shadows, and then with fewer pixels.
   private spare(milliseconds: number): void {
+    if (this.is_settled) return; // it was given its time
     this.late = milliseconds > SLOW ? this.late + 1 : 0;
     if (!this.spares || this.late < MOST_LATE) return;
     this.late = 0;
-    if (this.renderer.shadowMap.enabled) {
-      this.renderer.shadowMap.enabled = false;
-      this.sun.castShadow = false;
-      this.stale = true;
-    } else if (this.renderer.getPixelRatio() > 0.5) {
-      this.renderer.setPixelRatio(this.renderer.getPixelRatio() / 1.5);
-      this.stale = true;
+    const more = spared_more(this.spared, window.devicePixelRatio);
+    if (more === this.spared) return;
+    this.spared = more;
+    this.stale = true;
+  }
+
+  // The screen's own pixels are asked for anew each time: a page may be zoomed, or moved to another screen.
+  private set_quality(settled: boolean): void {
+    const spared: Spared = settled ? { shadows: false, ratio: 1 } : this.spared;
+    const screen = window.devicePixelRatio;
+    const ratio = settled ? screen : Math.min(screen, MOST_RATIO) / spared.ratio;
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    if (this.sun.castShadow === spared.shadows) {
+      this.renderer.shadowMap.enabled = !spared.shadows;
+      this.sun.castShadow = !spared.shadows;
     }
+    this.is_full = !spared.shadows && ratio >= screen;
+    this.is_settled = settled;
   }
 }

@@ -68,6 +68,7 @@ export function bindings(orbit: Orbit, does: Actions): BindingGroup[] {
       bindings: [
         { keys: ["m"], shown: "M", does: "Next colours", run: () => next_option("colour", 1) },
         { keys: ["c"], shown: "C", does: "Flesh, ghost, both", run: () => choose_next("comparison") },
+        { keys: ["Shift+b"], shown: "Shift B", does: "The next bake beside", run: () => next_option("against", 1) },
         { keys: ["b"], shown: "B", does: "Skin or tetrahedra", run: () => choose_next("body") },
         { keys: ["u"], shown: "U", does: "Cut: next axis", run: () => { choose("body", "tetrahedra"); next_option("cut-axis", 1); } },
         { keys: [","], shown: ",", does: "Move the cut back", run: () => move_range("cut", -2) },
@@ -76,6 +77,7 @@ export function bindings(orbit: Orbit, does: Actions): BindingGroup[] {
         { keys: ["j"], shown: "J", does: "Skeleton", run: () => toggle("skeleton") },
         { keys: ["o"], shown: "O", does: "Inside out", run: () => toggle("inverted") },
         { keys: ["e"], shown: "E", does: "Edges", run: () => toggle("edges") },
+        { keys: ["Shift+c"], shown: "Shift C", does: "Solids", run: () => toggle("solids") },
         { keys: ["n"], shown: "N", does: "Floor", run: () => toggle("floor") },
       ],
     },

@@ -1,84 +1,182 @@
-// Curves along the clip that grow while it plays: a value of each frame, of the last time that it was computed.
-import { CurvePlot, value_text } from "../common/curves";
-import type { Lane } from "../common/curves";
+// Curves along the clip that grow while it plays: a value of each frame, of the last time that it was computed; and
+// those of the bake that stands beside.
+import { CurvePlot, range_of, value_text } from "../common/curves";
+import type { Axis, Lane, Line } from "../common/curves";
 import { element } from "../common/dom";
 import type { Curve } from "../common/film";
+import { short_number } from "../common/numbers";
 import type { FrameMessage } from "./wire";
 
-const MEANINGS: Record<string, string> = {
-  lag: "Root mean square distance of all free flesh from where skinning alone would have it",
-  energy: "Kinetic energy of the body",
-  volume: "Volume of the body over that at rest",
-  "real time": "How many times as fast as the clip the solver can go",
-};
+interface Meaning {
+  name: string;
+  unit: string;
+  said?: string; // the unit where there is room
+  lane: string; // curves of one lane share a scale
+  doc: string;
+  limit?: number;
+  is_of_solver?: boolean; // a bake's frames say nothing of it
+  is_of_skeleton?: boolean;
+  value: (frame: FrameMessage, fps: number) => number;
+}
+
+const MEANINGS: Meaning[] = [
+  {
+    name: "Lag, mean",
+    unit: "mm",
+    lane: "lag",
+    is_of_skeleton: true,
+    doc: "How far flesh is from where skinning alone would have it: the root mean square over all free vertices",
+    value: (frame) => 1e3 * frame.lag,
+  },
+  {
+    name: "Lag, peak",
+    unit: "mm",
+    lane: "lag",
+    is_of_skeleton: true,
+    doc: "The same of the one vertex that is farthest from there: where the colours of lag end",
+    value: (frame) => 1e3 * frame.most_lag,
+  },
+  { name: "Energy", unit: "J", lane: "energy", doc: "Kinetic energy of the body", value: (frame) => frame.energy },
+  {
+    name: "Volume",
+    unit: "%",
+    lane: "volume",
+    doc: "Volume of the body over that at rest",
+    value: (frame) => 100 * frame.volume,
+  },
+  {
+    name: "Solver speed",
+    unit: "×",
+    said: "× real time",
+    lane: "speed",
+    doc: "How many times as fast as real time the solver can go; below 1, the dashed line, the picture is slower than the clip",
+    limit: 1,
+    is_of_solver: true,
+    value: (frame, fps) => frame.rate / fps,
+  },
+];
+
+interface Track {
+  meaning: Meaning;
+  own: Line;
+  beside: Line;
+  is_shown: boolean;
+}
 
 export class LiveCurves {
   private plot: CurvePlot | null = null;
-  private curves: Curve[] = [];
-  private lanes: Lane[] = [];
+  private tracks: Track[] = [];
   private frame = 0; // that is shown
+  private fps = 1;
+  private label = "";
 
   constructor(private readonly seek: (frame: number) => void) {}
 
-  // A clip of so many frames, none of which has come.
-  begin(count: number): void {
-    const curve = (name: string, unit: string): Curve => ({ name, unit, limit: null, values: new Array(count).fill(null) });
-    this.curves = [
-      curve("lag", "mm"),
-      curve("energy", "J"),
-      curve("volume", "%"),
-      { ...curve("real time", "×"), limit: 1 },
-    ];
-    this.lanes = this.curves.map((one, k) => ({ curve: one, colour: `--curve-${k}` }));
+  // A clip of so many frames, none of which has come. `is_live`: whether a solver computes them; `has_skeleton`: whether
+  // there is skinning to lag behind.
+  begin(count: number, axis: Axis, is_live: boolean, has_skeleton: boolean): void {
+    this.fps = axis.fps;
+    const hidden = this.tracks.filter((track) => !track.is_shown).map((track) => track.meaning.name);
+    this.tracks = MEANINGS.filter(
+      (meaning) => (is_live || !meaning.is_of_solver) && (has_skeleton || !meaning.is_of_skeleton),
+    ).map((meaning) => {
+      const curve = (): Curve => ({
+        name: meaning.name,
+        unit: meaning.unit,
+        limit: meaning.limit ?? null,
+        values: new Array(count).fill(null),
+      });
+      const colour = `--curve-${MEANINGS.indexOf(meaning)}`;
+      return {
+        meaning,
+        own: { curve: curve(), colour },
+        beside: { curve: { ...curve(), limit: null }, colour, dashed: true },
+        is_shown: !hidden.includes(meaning.name),
+      };
+    });
     this.list();
     if (!this.plot) this.plot = new CurvePlot(element<HTMLCanvasElement>("plot"), count, (frame) => this.seek(frame));
-    else this.plot.frames = count;
+    this.plot.frames = count;
+    this.plot.axis = axis;
   }
 
   // All frames are to come again.
   clear(): void {
-    for (const curve of this.curves) curve.values.fill(null);
+    for (const track of this.tracks) track.own.curve.values.fill(null);
+  }
+  // Those of the bake beside are.
+  clear_beside(): void {
+    for (const track of this.tracks) track.beside.curve.values.fill(null);
   }
 
-  // `fps`: of the clip.
-  note(frame: FrameMessage, fps: number): void {
-    if (frame.frame >= (this.curves[0]?.values.length ?? 0)) return;
-    const values = [1e3 * frame.lag, frame.energy, 100 * frame.volume, frame.rate / fps];
-    values.forEach((value, k) => (this.curves[k].values[frame.frame] = Number.isFinite(value) ? value : null));
+  note(frame: FrameMessage): void {
+    const put = (line: Line, at: number, value: number) => {
+      if (at < line.curve.values.length) line.curve.values[at] = Number.isFinite(value) ? value : null;
+    };
+    for (const { meaning, own, beside } of this.tracks) {
+      // After a jump along the clip the flesh has been carried there, and says nothing of how it moves.
+      if (!frame.begins) put(own, frame.frame, meaning.value(frame, this.fps));
+      if (frame.beside && !meaning.is_of_solver) put(beside, frame.frame, meaning.value(frame.beside, this.fps));
+    }
+  }
+
+  private lanes(): Lane[] {
+    const lanes = new Map<string, Lane>();
+    for (const track of this.tracks) {
+      if (!track.is_shown) continue;
+      const lines = track.beside.curve.values.some((value) => value !== null) ? [track.beside] : [];
+      const lane = lanes.get(track.meaning.lane);
+      if (lane) lane.more!.push(track.own, ...lines);
+      else lanes.set(track.meaning.lane, { ...track.own, more: lines });
+    }
+    return [...lanes.values()];
   }
 
   draw(frame: number): void {
     this.frame = frame;
     if (!this.plot) return;
-    this.plot.draw(this.lanes, frame);
+    const lanes = this.lanes();
+    this.plot.draw(lanes, frame);
     const values = element("curve-list").querySelectorAll("output");
-    this.curves.forEach((curve, k) => {
-      if (values[k]) values[k].textContent = value_text(curve, frame);
+    this.tracks.forEach(({ meaning, own, beside }, k) => {
+      if (!values[k]) return;
+      const unit = meaning.said ?? meaning.unit;
+      const has_other = typeof beside.curve.values[frame] === "number";
+      const bare = (curve: Curve) => value_text({ ...curve, unit: "" }, frame);
+      values[k].textContent = has_other
+        ? `${bare(own.curve)} | ${bare(beside.curve)} ${unit}`
+        : value_text({ ...own.curve, unit }, frame);
     });
+    const said = lanes.map((lane) => {
+      const [least, most] = range_of(lane.curve, ...(lane.more ?? []).map((line) => line.curve));
+      return `${lane.curve.name} from ${short_number(least)} to ${short_number(most)} ${lane.curve.unit}`;
+    });
+    const label = `Curves over time: ${said.join("; ")}`;
+    if (label !== this.label) element("plot").setAttribute("aria-label", label);
+    this.label = label;
   }
 
   private list(): void {
     const list = element("curve-list");
     list.replaceChildren();
-    for (const lane of this.lanes) {
+    for (const track of this.tracks) {
       const label = document.createElement("label");
-      label.title = MEANINGS[lane.curve.name];
+      label.title = track.meaning.doc;
       const box = document.createElement("input");
       box.type = "checkbox";
-      box.checked = true;
+      box.checked = track.is_shown;
       const line = document.createElement("span");
       line.className = "line";
-      line.style.background = `var(${lane.colour})`;
+      line.style.background = `var(${track.own.colour})`;
       const name = document.createElement("span");
-      name.textContent = lane.curve.name;
+      name.textContent = track.meaning.name;
       const value = document.createElement("output");
       label.append(box, line, name, value);
       const item = document.createElement("li");
       item.append(label);
       list.append(item);
       box.addEventListener("change", () => {
-        this.lanes = this.lanes.filter((one) => one !== lane);
-        if (box.checked) this.lanes.push(lane);
+        track.is_shown = box.checked;
         this.draw(this.frame);
       });
     }

@@ -24,7 +24,8 @@ export class Hand {
   // True where there is flesh to take.
   private grab(x: number, y: number, finger: number): boolean {
     const { surface, places } = this.picture;
-    if (!surface || !places || checked("comparison") === "sides") return false;
+    // Flesh beside what is played is out of reach.
+    if (!surface || !places || x < this.picture.box_of_played().left) return false;
     const { origin, direction } = this.picture.ray_at(x, y).ray;
     const found = hit(origin.toArray(), direction.toArray(), places, surface);
     if (!found) return false;
@@ -66,8 +67,7 @@ export class Hand {
 
   // Without a mouse: takes what is in the picture's middle, pulls it near and lets go.
   tug(): void {
-    const canvas = this.picture.stage.canvas;
-    const box = canvas.getBoundingClientRect();
+    const box = this.picture.box_of_played();
     const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
     if (!this.grab(x, y, -1)) {
       this.user.say("No flesh in the middle of the picture", true);

@@ -98,9 +98,9 @@ export function show_legend(
       if (text === "scale") legend.append(scale_of());
       else entry(text, background === null ? null : swatch_of(background));
     }
-  } else if (colour === "lag" || colour === "contact") {
+  } else if (colour === "lag" || colour === "difference" || colour === "contact") {
     entry("0", null);
     legend.append(scale_of());
-    entry(colour === "lag" ? millimetres : "20 mm", null);
+    entry(colour === "contact" ? "20 mm" : millimetres, null);
   }
 }

@@ -1,7 +1,8 @@
-// Lines and marks over a body: fibres, skeleton, tetrahedra that are inside out, the place of a warning.
+// What is drawn beside a body: fibres, skeleton, tetrahedra that are inside out, the scene's solids, marks.
 import {
   BufferAttribute,
   BufferGeometry,
+  Group,
   LineBasicMaterial,
   LineSegments,
   Mesh,
@@ -9,6 +10,10 @@ import {
   Object3D,
   SphereGeometry,
 } from "three";
+import type { Scene, Vector3 } from "three";
+import type { BodyMessage } from "./protocol";
+import { Solids } from "./solids";
+import type { FrameMessage, Items } from "./wire";
 
 class Lines {
   readonly object: LineSegments;
@@ -157,4 +162,93 @@ export function marker(colour: number, opacity = 0.75): Object3D {
   ball.renderOrder = 4;
   ball.visible = false;
   return ball;
+}
+
+export interface OverlayChoice {
+  fibres: boolean;
+  skeleton: boolean;
+  inverted: boolean;
+  solids: boolean;
+}
+
+// All of them, made when they are first wanted.
+export class Overlays {
+  private message: BodyMessage | null = null;
+  private arrays = new Map<string, Items>();
+  private fibres: Fibres | null = null;
+  private skeleton: Skeleton | null = null;
+  private inverted: Inverted | null = null;
+  private solids: Solids | null = null;
+  private middle: Vector3 | null = null;
+  private size = 1;
+  touches = 0; // vertices that lie against a solid, where solids are shown
+  readonly of_played = new Group(); // what goes with the flesh, and not with what it is compared with
+
+  constructor(private readonly scene: Scene) {
+    scene.add(this.of_played);
+  }
+
+  // `middle` and `size` (m): of the body at rest.
+  set_body(message: BodyMessage, arrays: Map<string, Items>, middle: Vector3, size: number): void {
+    this.message = message;
+    this.arrays = arrays;
+    this.middle = middle;
+    this.size = size;
+    for (const overlay of [this.fibres, this.skeleton, this.inverted])
+      if (overlay) {
+        overlay.lines.object.removeFromParent();
+        overlay.lines.object.geometry.dispose();
+      }
+    if (this.solids) {
+      this.scene.remove(this.solids.group);
+      this.of_played.remove(this.solids.spots);
+      this.solids.dispose();
+    }
+    this.fibres = this.skeleton = this.inverted = this.solids = null;
+  }
+
+  get has_solids(): boolean {
+    return (this.message?.solids.length ?? 0) > 0;
+  }
+
+  // `drawn`: the model's vertices that are seen; null: all.
+  draw(choice: OverlayChoice, frame: FrameMessage, drawn: Uint32Array | null): void {
+    const { vertices, joints, solids } = frame.blocks;
+    const tetrahedra = this.arrays.get("tetrahedron") as Uint32Array;
+    const add = <T extends { lines: { object: Object3D } }>(overlay: T, to: Object3D = this.of_played): T => {
+      to.add(overlay.lines.object);
+      return overlay;
+    };
+    if (choice.fibres && vertices) {
+      const rest = this.arrays.get("rest") as Float32Array;
+      const at = drawn ?? Uint32Array.from({ length: rest.length / 3 }, (_, k) => k);
+      this.fibres ??= add(new Fibres(tetrahedra, rest, this.arrays.get("fibre") as Float32Array, at));
+      this.fibres.draw(vertices);
+    }
+    if (choice.inverted && vertices) {
+      this.inverted ??= add(new Inverted(tetrahedra));
+      this.inverted.draw(vertices);
+    }
+    if (choice.skeleton && joints) {
+      this.skeleton ??= add(new Skeleton(this.message!.joints), this.scene);
+      this.skeleton.draw(joints);
+    }
+    this.touches = 0;
+    if (choice.solids && solids) {
+      if (!this.solids) {
+        this.solids = new Solids(this.message!.solids, 0.9 * this.size);
+        this.scene.add(this.solids.group);
+        this.of_played.add(this.solids.spots);
+      }
+      const kinematic = this.arrays.get("kinematic") as Uint8Array;
+      this.touches = this.solids.draw(solids, vertices ?? null, kinematic, this.middle!, this.size);
+    }
+    if (this.fibres) this.fibres.lines.object.visible = choice.fibres && vertices !== undefined;
+    if (this.inverted) this.inverted.lines.object.visible = choice.inverted && vertices !== undefined;
+    if (this.skeleton) this.skeleton.lines.object.visible = choice.skeleton && joints !== undefined;
+    if (this.solids) {
+      this.solids.group.visible = choice.solids && solids !== undefined;
+      this.solids.spots.visible = this.touches > 0;
+    }
+  }
 }

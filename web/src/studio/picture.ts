@@ -1,42 +1,58 @@
 // The studio's picture: the body that the server describes, as it is to be looked at.
-import { Object3D, Raycaster, Vector2, Vector3 } from "three";
+import { Raycaster, Vector2, Vector3 } from "three";
+import type { Group } from "three";
 import { Body, BodyMaterials } from "../common/body";
 import type { Colouring, Looks } from "../common/body";
 import { write_scale_colour } from "../common/colours";
 import type { Surface } from "../common/film";
 import { nice_above } from "../common/numbers";
 import { FIELD, Stage } from "../common/stage";
-import { Fibres, Inverted, marker, Skeleton } from "./overlays";
-import type { BodyMessage } from "./protocol";
-import { skin_of, tetrahedra_surface } from "./surface";
+import { Beside, write_distances } from "./beside";
+import { marker, Overlays } from "./overlays";
+import type { BesideBake, BodyMessage } from "./protocol";
+import { floor_of } from "./solids";
+import { INSIDE, skin_of, tetrahedra_surface } from "./surface";
 import type { Cut, Skin } from "./surface";
 import type { BlockName, FrameMessage, Items } from "./wire";
 
-export type ShownColour = Colouring | "muscles" | "contact" | "paint";
+export type ShownColour = Colouring | "difference" | "muscles" | "contact" | "paint";
 
 export interface Choice {
   colour: ShownColour;
   comparison: "flesh" | "ghost" | "sides";
+  against: "skinning" | "bake"; // what the ghost or the other side is
   tetrahedra: boolean;
   cut: Cut | null;
   edges: boolean;
   fibres: boolean;
   skeleton: boolean;
   inverted: boolean;
-  lag_scale: number; // m
+  solids: boolean;
+  lag_scale: number; // m, of lag and of the difference
 }
 
 // What frames must hold for it.
 export function blocks_for(choice: Choice, has_skin: boolean): BlockName[] {
   const blocks: BlockName[] = [];
   const tetrahedra = choice.tetrahedra || !has_skin;
-  const ghost = choice.comparison !== "flesh" || choice.colour === "lag";
+  const ghost = (choice.comparison !== "flesh" && choice.against === "skinning") || choice.colour === "lag";
   blocks.push(tetrahedra ? "vertices" : "surface");
   if (ghost) blocks.push(tetrahedra ? "ghost-vertices" : "ghost");
-  if ((choice.fibres || choice.inverted) && !blocks.includes("vertices")) blocks.push("vertices");
+  if ((choice.fibres || choice.inverted || choice.solids) && !blocks.includes("vertices")) blocks.push("vertices");
   if (choice.skeleton) blocks.push("joints");
   if (choice.colour === "contact") blocks.push("contact");
+  if (choice.solids) blocks.push("solids");
   return blocks;
+}
+
+// The same of the bake that stands beside.
+export function blocks_beside(choice: Choice, has_skin: boolean): BlockName[] {
+  const is_drawn = choice.comparison !== "flesh" && choice.against === "bake";
+  if (!is_drawn && choice.colour !== "difference") return [];
+  const tetrahedra = choice.tetrahedra || !has_skin;
+  const has_lag = is_drawn && choice.comparison === "sides" && choice.colour === "lag";
+  if (tetrahedra) return has_lag ? ["vertices", "ghost-vertices"] : ["vertices"];
+  return has_lag ? ["surface", "ghost"] : ["surface"];
 }
 
 const CONTACT_SCALE = 0.02; // m of depth that take the scale's last colour
@@ -44,6 +60,8 @@ const CONTACT_SCALE = 0.02; // m of depth that take the scale's last colour
 export class Picture {
   readonly stage: Stage;
   most_lag = 0; // m, that was seen
+  most_difference = 0; // m, the same
+  readonly beside: Beside;
   private message: BodyMessage | null = null;
   private arrays = new Map<string, Items>();
   private skin: Skin | null = null;
@@ -53,9 +71,7 @@ export class Picture {
   private ghost: Body | null = null;
   private drawn: Surface | null = null;
   private drawn_as = "";
-  private fibres: Fibres | null = null;
-  private skeleton: Skeleton | null = null;
-  private inverted: Inverted | null = null;
+  readonly overlays: Overlays;
   private positions: Float32Array | null = null; // of the drawn surface's places, m
   private readonly lag = { values: new Float32Array(0) };
   private readonly mark = marker(0xff5a52);
@@ -64,18 +80,28 @@ export class Picture {
   private readonly joint = marker(0xffa21a);
   paint_colour: (vertex: number, to: Float32Array, at: number) => void = () => undefined; // for the colours "paint"
   private is_framed = false;
+  private is_split = false; // whether there are two pictures beside each other
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
     this.stage.spares = true;
+    this.beside = new Beside(this.stage.scene);
+    this.overlays = new Overlays(this.stage.scene);
     this.stage.scene.add(this.mark, this.grip, this.brush, this.joint);
   }
 
   get has_skin(): boolean {
     return this.arrays.has("surface.triangle");
   }
+  get has_body(): boolean {
+    return this.looks !== null;
+  }
   get has_muscles(): boolean {
     return this.arrays.has("muscle.vertex");
+  }
+  // Whether what is drawn and the bake beside are of the same vertices.
+  is_like_beside(tetrahedra: boolean): boolean {
+    return this.beside.is_like(tetrahedra || !this.skin);
   }
 
   // The body that `arrays` describe; textures are there already.
@@ -98,23 +124,30 @@ export class Picture {
     this.materials = new BodyMaterials(this.looks, colours !== null);
     this.muscle_of = null;
     this.drawn_as = "";
-    for (const overlay of [this.fibres, this.skeleton, this.inverted])
-      if (overlay) {
-        this.stage.scene.remove(overlay.lines.object);
-        overlay.lines.object.geometry.dispose();
-      }
-    this.fibres = this.skeleton = this.inverted = null;
-    if (this.is_framed) return;
-    this.is_framed = true;
     const [least, most] = message.bounds;
     const middle = new Vector3(...least).add(new Vector3(...most)).multiplyScalar(0.5);
+    this.overlays.set_body(message, arrays, middle.clone(), this.size);
+    if (this.is_framed) return;
+    this.is_framed = true;
     const radius = 0.5 * new Vector3(...least).distanceTo(new Vector3(...most)) || 1;
-    this.stage.furnish(middle, 1.3 * radius, least[1]);
+    const floor = floor_of(message.solids, least[1], middle.x, middle.z);
+    const fall = least[1] - floor;
+    this.stage.furnish(middle, 1.3 * radius + 0.5 * fall, floor);
     const rest = (arrays.get("surface.rest") ?? arrays.get("rest")) as Float32Array;
-    // A clip moves about; half as much again takes in most of it, a jump with raised arms too.
-    const points = Float32Array.from(rest, (value, k) => 1.5 * (value - middle.getComponent(k % 3)));
+    middle.y -= 0.5 * fall;
+    // A clip moves about; half as much again takes in most of it, a jump with raised arms too. What falls is seen
+    // above and below.
+    const points: number[] = [];
+    for (const down of fall > 0 ? [0, fall] : [0])
+      rest.forEach((value, k) => points.push(1.5 * (value - (k % 3 === 1 ? down : 0) - middle.getComponent(k % 3))));
     const canvas = this.stage.canvas;
     this.stage.orbit.frame(middle, points, FIELD, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
+  }
+
+  set_beside(bake: BesideBake | null, arrays: Map<string, Items>): void {
+    this.most_difference = 0;
+    this.beside.set(bake, arrays, this.looks ? { arrays: this.arrays, skin: this.skin, looks: this.looks } : null);
+    this.stage.invalidate();
   }
 
   private rest(): Float32Array {
@@ -143,7 +176,7 @@ export class Picture {
       ? { ...this.looks, groups: [{ material: 0, triangles: surface.triangles.length / 3 }] }
       : this.looks;
     const materials = tetrahedra
-      ? new BodyMaterials({ ...looks, materials: [{ name: "", colour: [0.62, 0.6, 0.57], cutoff: 0, texture: -1 }] }, false)
+      ? new BodyMaterials({ ...looks, materials: [INSIDE] }, false)
       : this.materials;
     this.flesh = new Body(surface, looks, materials, tetrahedra ? null : this.skin!.linear_colours);
     this.ghost = new Body(surface, looks, materials, null);
@@ -162,7 +195,8 @@ export class Picture {
     this.flesh.move(positions);
     const has_ghost = ghost !== undefined && ghost.length === positions.length;
     if (has_ghost) this.ghost.move(ghost);
-    this.paint(choice, positions, has_ghost ? ghost : null, frame.blocks.contact ?? null);
+    const beside = frame.beside ? this.show_beside(frame.beside, choice) : null;
+    this.paint(choice, positions, has_ghost ? ghost : null, beside, frame.blocks.contact ?? null);
     if (has_ghost && choice.comparison === "ghost") this.ghost.haunt();
     if (has_ghost && choice.comparison === "sides") {
       this.ghost.stand();
@@ -170,28 +204,40 @@ export class Picture {
     }
     this.flesh.show_edges(choice.edges || tetrahedra);
     this.ghost.show_edges((choice.edges || tetrahedra) && choice.comparison === "sides");
-    this.draw_overlays(choice, frame);
+    this.overlays.draw(choice, frame, choice.tetrahedra || !this.skin ? this.drawn.source : null);
     this.stage.invalidate();
     return true;
+  }
+
+  private show_beside(frame: FrameMessage, choice: Choice): Float32Array | null {
+    const { colour, tetrahedra, cut, edges, lag_scale } = choice;
+    return this.beside.show(frame, {
+      colour: colour === "lag" || colour === "layers" ? colour : "materials",
+      tetrahedra,
+      cut,
+      edges,
+      lag_scale,
+      is_ghost: choice.comparison === "ghost",
+    });
   }
 
   private paint(
     choice: Choice,
     positions: Float32Array,
     ghost: Float32Array | null,
+    beside: Float32Array | null,
     contact: Float32Array | null,
   ): void {
     const flesh = this.flesh!;
     const drawn = this.drawn!;
     if (choice.colour === "lag" && ghost) {
       if (this.lag.values.length !== drawn.places) this.lag.values = new Float32Array(drawn.places);
-      const { values } = this.lag;
-      for (let p = 0; p < values.length; ++p) {
-        const k = 3 * p;
-        values[p] = Math.hypot(positions[k] - ghost[k], positions[k + 1] - ghost[k + 1], positions[k + 2] - ghost[k + 2]);
-        if (values[p] > this.most_lag) this.most_lag = values[p];
-      }
-      flesh.colour("lag", values, choice.lag_scale);
+      this.most_lag = Math.max(this.most_lag, write_distances(positions, ghost, this.lag.values));
+      flesh.colour("lag", this.lag.values, choice.lag_scale);
+    } else if (choice.colour === "difference" && beside && this.is_like_beside(choice.tetrahedra)) {
+      if (this.lag.values.length !== drawn.places) this.lag.values = new Float32Array(drawn.places);
+      this.most_difference = Math.max(this.most_difference, write_distances(positions, beside, this.lag.values));
+      flesh.colour("lag", this.lag.values, choice.lag_scale);
     } else if (choice.colour === "paint") {
       flesh.colour_by(this.paint_colour);
     } else if (choice.colour === "muscles") {
@@ -224,45 +270,22 @@ export class Picture {
     for (let c = 0; c < 3; ++c) to[at + c] = 0.08 + 0.55 * Math.max(0, 1 - 3 * Math.abs(((hue - c / 3 + 1.5) % 1) - 0.5));
   }
 
-  private draw_overlays(choice: Choice, frame: FrameMessage): void {
-    const { vertices, joints } = frame.blocks;
-    const tetrahedra = this.arrays.get("tetrahedron") as Uint32Array;
-    const add = <T extends { lines: { object: Object3D } }>(overlay: T): T => {
-      this.stage.scene.add(overlay.lines.object);
-      return overlay;
-    };
-    if (choice.fibres && vertices) {
-      const drawn = choice.tetrahedra || !this.skin ? this.drawn!.source : Uint32Array.from({ length: this.rest().length / 3 }, (_, k) => k);
-      this.fibres ??= add(new Fibres(tetrahedra, this.rest(), this.arrays.get("fibre") as Float32Array, drawn));
-      this.fibres.draw(vertices);
-    }
-    if (choice.inverted && vertices) {
-      this.inverted ??= add(new Inverted(tetrahedra));
-      this.inverted.draw(vertices);
-    }
-    if (choice.skeleton && joints) {
-      this.skeleton ??= add(new Skeleton(this.message!.joints));
-      this.skeleton.draw(joints);
-    }
-    if (this.fibres) this.fibres.lines.object.visible = choice.fibres && vertices !== undefined;
-    if (this.inverted) this.inverted.lines.object.visible = choice.inverted && vertices !== undefined;
-    if (this.skeleton) this.skeleton.lines.object.visible = choice.skeleton && joints !== undefined;
-  }
-
-  scale_for_lag(): number {
-    return nice_above(Math.max(this.most_lag, 1e-4), [1, 1.5, 2, 3, 4, 5, 6, 8, 10]);
+  scale_for(colour: ShownColour): number {
+    const most = colour === "difference" ? this.most_difference : Math.max(this.most_lag, this.beside.most_lag);
+    return nice_above(Math.max(most, 1e-4), [1, 1.5, 2, 3, 4, 5, 6, 8, 10]);
   }
 
   render(choice: Choice): void {
     const { flesh, ghost, stage } = this;
     if (!flesh || !ghost) return;
-    if (choice.comparison === "sides")
-      stage.render([
-        { shown: [ghost.group], hidden: [flesh.group] },
-        { shown: [flesh.group], hidden: [ghost.group] },
-      ]);
-    else if (choice.comparison === "ghost") stage.render([{ shown: [flesh.group, ghost.group], hidden: [] }]);
-    else stage.render([{ shown: [flesh.group], hidden: [ghost.group] }]);
+    const played = [flesh.group, this.overlays.of_played];
+    const all = [...played, ghost.group, ...(this.beside.group ? [this.beside.group] : [])];
+    const with_only = (...shown: Group[]) => ({ shown, hidden: all.filter((one) => !shown.includes(one)) });
+    const other = choice.against === "bake" ? this.beside.group : ghost.group;
+    this.is_split = other !== null && choice.comparison === "sides";
+    if (!other || choice.comparison === "flesh") stage.render([with_only(...played)]);
+    else if (choice.comparison === "sides") stage.render([with_only(other), with_only(...played)]);
+    else stage.render([with_only(...played, other)]);
   }
 
   get surface(): Surface | null {
@@ -295,13 +318,20 @@ export class Picture {
 
   // What is seen at a place of the window.
   ray_at(x: number, y: number): Raycaster {
-    const { canvas, camera, orbit } = this.stage;
-    const box = canvas.getBoundingClientRect();
+    const { camera, orbit } = this.stage;
+    const box = this.box_of_played();
     orbit.apply(camera);
     camera.updateMatrixWorld();
     const ray = new Raycaster();
     ray.setFromCamera(new Vector2((2 * (x - box.left)) / box.width - 1, 1 - (2 * (y - box.top)) / box.height), camera);
     return ray;
+  }
+
+  // Where in the window what is played is drawn: all of the picture, or its right half.
+  box_of_played(): DOMRect {
+    const box = this.stage.canvas.getBoundingClientRect();
+    if (!this.is_split) return box;
+    return new DOMRect(box.left + box.width / 2, box.top, box.width / 2, box.height);
   }
 
   show_brush(place: readonly [number, number, number] | null, radius: number): void {

@@ -23,12 +23,23 @@ export interface BodyLayer {
   colour: string;
 }
 
+// A box of this half size, rounded by the radius; of a plane everything below its height, the radius, is solid.
+export interface SolidMessage {
+  name: string;
+  shape: "plane" | "sphere" | "capsule" | "box";
+  half_size: [number, number, number]; // m
+  radius: number; // m
+  middle: [number, number, number]; // m, in the bind pose
+  up: [number, number, number]; // its own second axis there
+}
+
 export interface BodyMessage {
   type: "body";
   body: number;
   counts: Record<"vertices" | "tetrahedra" | "surface_vertices" | "surface_triangles" | "joints", number>;
   bounds: [[number, number, number], [number, number, number]];
   layers: BodyLayer[];
+  solids: SolidMessage[];
   joints: { name: string; parent: number; is_bone?: boolean; is_kinematic?: boolean; reason?: string }[];
   muscles: { name: string }[];
   materials: { name: string; colour: [number, number, number, number]; alpha_cutoff: number; texture: number }[];
@@ -116,6 +127,23 @@ export interface PaintMessage {
   arrays: string[]; // that follow
 }
 
+// A bake that stands beside what is played.
+export interface BesideBake {
+  name: string;
+  fps: number;
+  start: number;
+  frames: number; // of the last; the first is 0
+  counts: BodyMessage["counts"];
+  layers: BodyLayer[];
+  arrays: string[]; // that follow
+}
+
+export interface BesideMessage {
+  type: "beside";
+  choices: string[];
+  bake: BesideBake | null;
+}
+
 export type ServerMessage =
   | Hello
   | BodyMessage
@@ -126,10 +154,11 @@ export type ServerMessage =
   | History
   | PlayerMessage
   | PaintMessage
+  | BesideMessage
   | { type: "ready" }
   | { type: "changed"; revision: number; changes: Record<string, KeyValue>; effect: string; message: string }
   | { type: "applied"; revision: number; effect: string; seconds: number; sequence: number }
-  | { type: "failed"; what: "change" | "motion" | "bake"; error: string }
+  | { type: "failed"; what: "change" | "motion" | "bake" | "beside"; error: string }
   | { type: "hand"; is_held: boolean; vertices: number; force: [number, number, number] }
   | { type: "recorded"; frames: number; position_hash: string; seconds: number }
   | { type: "saved"; file: string; kept_comments: boolean; message: string }

@@ -1,5 +1,5 @@
 // What is drawn of a body that the server describes: its skin with creases, or the outside of its tetrahedra.
-import type { Surface } from "../common/film";
+import type { Material, Surface } from "../common/film";
 
 const CREASE_COSINE = 0.64; // 50 degrees: a side where the rest shape bends by more is an edge of the shape
 
@@ -133,6 +133,9 @@ export function skin_of(arrays: SkinArrays): Skin {
     linear_colours: arrays.colours ? picked(arrays.colours, 3) : null,
   };
 }
+
+// What tetrahedra are drawn with.
+export const INSIDE: Material = { name: "", colour: [0.62, 0.6, 0.57], cutoff: 0, texture: -1 };
 
 export interface Cut {
   axis: 0 | 1 | 2;

@@ -11,6 +11,7 @@ function frame_bytes(points: number, cut = 0): ArrayBuffer {
   view.setUint16(2, 1, true);
   view.setUint32(4, 77, true);
   view.setBigUint64(32, 0x0123456789abcdefn, true);
+  view.setUint32(76, size, true);
   [0.5, 1, 2].forEach((least, axis) => view.setFloat32(80 + 4 * axis, least, true));
   [0.25, 0.5, 0].forEach((step, axis) => view.setFloat32(92 + 4 * axis, step, true));
   view.setUint32(104, points, true);
@@ -24,6 +25,21 @@ test("a frame's points come back from their steps", () => {
   assert.equal(frame.hash, "0123456789abcdef");
   assert.deepEqual([...frame.blocks.surface!], [0.5, 1.5, 2, 1.25, 3, 2]);
   assert.equal(frame.blocks.ghost, undefined);
+});
+
+test("the frame of the bake beside follows in the same bytes, aligned as it is", () => {
+  const [first, second] = [new Uint8Array(frame_bytes(1)), new Uint8Array(frame_bytes(2))];
+  second[0] = 3;
+  const both = new Uint8Array(first.length + second.length);
+  both.set(first);
+  both.set(second, first.length);
+  const frame = read_frame(both.buffer);
+  assert.deepEqual([...frame.blocks.surface!], [0.5, 1.5, 2]);
+  assert.deepEqual([...frame.beside!.blocks.surface!], [0.5, 1.5, 2, 1.25, 3, 2]);
+  assert.equal(frame.beside!.beside, null);
+  assert.equal(read_frame(first.buffer).beside, null);
+  both[first.length] = 1; // a frame of the same kind
+  assert.throws(() => read_frame(both.buffer), /no frame/);
 });
 
 test("what is cut short is told, not read past", () => {

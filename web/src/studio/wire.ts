@@ -2,6 +2,7 @@
 
 const ARRAY = 2;
 const FRAME = 1;
+const BESIDE = 3;
 
 export type Items = Uint8Array | Uint32Array | Float32Array;
 
@@ -16,7 +17,7 @@ export interface Block {
   positions: Float32Array;
 }
 
-export const BLOCKS = ["surface", "ghost", "vertices", "ghost-vertices", "joints", "contact"] as const;
+export const BLOCKS = ["surface", "ghost", "vertices", "ghost-vertices", "joints", "contact", "solids"] as const;
 export type BlockName = (typeof BLOCKS)[number];
 
 export interface FrameMessage {
@@ -37,6 +38,7 @@ export interface FrameMessage {
   inverted: number;
   speed: number; // m/s
   blocks: Partial<Record<BlockName, Float32Array>>;
+  beside: FrameMessage | null; // of the bake that stands beside
 }
 
 const aligned = (bytes: number) => (bytes + 3) & ~3;
@@ -66,17 +68,30 @@ export function read_array(buffer: ArrayBuffer): ArrayMessage {
 }
 
 export function read_frame(buffer: ArrayBuffer): FrameMessage {
-  const view = new DataView(buffer);
-  need(buffer.byteLength >= 80 && view.getUint8(0) === FRAME && view.getUint8(1) === 1, "frame");
+  const { frame, end } = read_one(buffer, 0, FRAME);
+  if (end < buffer.byteLength) {
+    const beside = read_one(buffer, end, BESIDE);
+    need(beside.end === buffer.byteLength, "frame");
+    frame.beside = beside.frame;
+  }
+  return frame;
+}
+
+function read_one(buffer: ArrayBuffer, start: number, type: number): { frame: FrameMessage; end: number } {
+  need(buffer.byteLength >= start + 80, "frame");
+  const view = new DataView(buffer, start);
+  need(view.getUint8(0) === type && view.getUint8(1) === 1, "frame");
+  const end = start + view.getUint32(76, true);
+  need(end <= buffer.byteLength, "frame");
   const bits = view.getUint16(2, true);
   const blocks: FrameMessage["blocks"] = {};
   let at = 80;
   BLOCKS.forEach((name, k) => {
     if (!(bits & (1 << k))) return;
-    need(at + 32 <= buffer.byteLength, "frame");
+    need(start + at + 32 <= end, "frame");
     const points = view.getUint32(at + 24, true);
-    need(at + 32 + 6 * points <= buffer.byteLength, "frame");
-    const cells = new Uint16Array(buffer, at + 32, 3 * points);
+    need(start + at + 32 + 6 * points <= end, "frame");
+    const cells = new Uint16Array(buffer, start + at + 32, 3 * points);
     const positions = new Float32Array(3 * points);
     for (let axis = 0; axis < 3; ++axis) {
       const least = view.getFloat32(at + 4 * axis, true);
@@ -86,7 +101,7 @@ export function read_frame(buffer: ArrayBuffer): FrameMessage {
     blocks[name] = positions;
     at = aligned(at + 32 + 6 * points);
   });
-  return {
+  const frame: FrameMessage = {
     sequence: view.getUint32(4, true),
     body: view.getUint32(8, true),
     revision: view.getUint32(12, true),
@@ -104,5 +119,7 @@ export function read_frame(buffer: ArrayBuffer): FrameMessage {
     inverted: view.getUint32(64, true),
     speed: view.getFloat32(72, true),
     blocks,
+    beside: null,
   };
+  return { frame, end };
 }

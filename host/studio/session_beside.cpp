@@ -1,0 +1,73 @@
+// The bake that stands beside what is played. It is the player's: opened, read and let go on its thread.
+#include <utility>
+
+#include "host/base/text.h"
+#include "host/studio/session.h"
+
+namespace fascicle::studio {
+
+Json Session::beside_message() const {
+  Json names = Json::array();
+  for (const BesideChoice& choice : beside_choices(options_.beside, options_.folder))
+    names.push_back(choice.name);
+  return {{"type", "beside"},
+          {"choices", std::move(names)},
+          {"bake", beside_ ? beside_->description() : Json(nullptr)}};
+}
+
+void Session::send_beside(PageId page) {
+  send(page, beside_message());
+  if (!beside_ || server_ == nullptr) return;
+  for (const ArrayMessage& array : beside_->arrays()) server_->send_binary(page, array.bytes);
+}
+
+// Names are looked up among those that there are, and never opened as they stand: a page reaches no other
+// folder of the machine.
+void Session::choose_beside(const std::string& name) {
+  std::optional<BesideChoice> chosen;
+  for (BesideChoice& choice : beside_choices(options_.beside, options_.folder))
+    if (choice.name == name) chosen = std::move(choice);
+  if (!chosen && !name.empty())
+    throw std::runtime_error(
+        "\"" + base::shown_text(name.substr(0, 256)) +
+        "\" is no bake of this session; start fascicle studio with --beside and its folder");
+  if (!player_->post([this, chosen](Motion& motion) {
+        put_beside(chosen);
+        player_->show(motion.again());
+      }))
+    throw std::runtime_error("too much waits to be done; try again in a moment");
+}
+
+// On the player's thread. Where a bake cannot be opened, what stood there stays.
+void Session::put_beside(const std::optional<BesideChoice>& choice) {
+  std::unique_ptr<BesideBake> next;
+  try {
+    if (choice) next = std::make_unique<BesideBake>(*choice);
+  } catch (const std::exception& error) {
+    const std::lock_guard lock(mutex_);
+    return broadcast({{"type", "failed"}, {"what", "beside"}, {"error", error.what()}});
+  }
+  const std::lock_guard lock(mutex_);
+  beside_ = std::move(next);
+  broadcast_beside();
+}
+
+void Session::broadcast_beside() {
+  for (const auto& [page, state] : pages_) send_beside(page);
+}
+
+// On the player's thread: the frame of the bake beside that belongs to what is played; nothing where none
+// stands there.
+std::optional<ShownFrame> Session::frame_beside(const Motion& motion) {
+  if (!beside_) return std::nullopt;
+  try {
+    return beside_->at(motion.start() + static_cast<double>(motion.frame()) / motion.fps());
+  } catch (const std::exception& error) {
+    put_beside(std::nullopt);
+    const std::lock_guard lock(mutex_);
+    broadcast({{"type", "failed"}, {"what", "beside"}, {"error", error.what()}});
+    return std::nullopt;
+  }
+}
+
+}  // namespace fascicle::studio

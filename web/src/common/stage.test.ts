@@ -1,0 +1,20 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { spared_more } from "./stage";
+
+test("a slow machine goes without shadows first, then with fewer pixels, but not without end", () => {
+  let spared = { shadows: false, ratio: 1 };
+  const seen = [spared];
+  for (let k = 0; k < 20; ++k) {
+    const more = spared_more(spared, 2);
+    if (more === spared) break;
+    seen.push((spared = more));
+  }
+  assert.deepEqual(seen[1], { shadows: true, ratio: 1 });
+  assert.ok(seen[2].ratio > 1);
+  assert.ok(seen.length < 10, "it ends");
+  // No picture is coarser than a third of the page's pixels.
+  assert.ok(2 / spared.ratio > 1 / 3);
+  // A screen with more pixels spares more of them, as what moves has no more than two to one of the page.
+  assert.deepEqual(spared_more({ shadows: true, ratio: 1 }, 3), spared_more({ shadows: true, ratio: 1 }, 2));
+});
