@@ -28,6 +28,8 @@
 #                         docs/farm-slurm.txt (root, minutes)
 #   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, and bake what strangers might
 #                         send; write docs/reliability.md (hours)
+#   ./do mutants [ROOM...] [--count N]   plant small faults, one at a time: do the tests find them? (hours); --write:
+#                         docs/mutants.md
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -310,6 +312,10 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     cd tests/reliability
     if [ $# -eq 0 ]; then set -- --write; fi
     exec python3 -B reliability.py "$@"
+    ;;
+  mutants)
+    need $build_packages $run_packages $test_packages
+    exec python3 -B tests/mutants/mutants.py "$@"
     ;;
   soak)
     need $build_packages $run_packages $test_packages

@@ -1,0 +1,217 @@
+"""Small faults planted in the sources, one at a time: do the tests find them?
+
+mutants.py [ROOM...] [--count N] [--write]: copies the tree into build/mutants, builds it there, plants a fault at
+random, builds and runs the tests of its room until one fails. FASCICLE_SEED repeats a choice. --write: into the page
+in docs. living.txt says why some that live may."""
+
+import argparse
+import glob
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SOURCE = os.path.dirname(os.path.dirname(HERE))
+WORK = os.path.join(SOURCE, "build", "mutants")
+TREE, BUILD = os.path.join(WORK, "tree"), os.path.join(WORK, "build")
+
+HASHES = ("test_exactness",
+          "--gtest_filter=All/ExpectedHashes.*bar*:All/ExpectedHashes.*arm*:All/ExpectedHashes.*drop*")
+# Room: its sources, and the tests that answer for it, quickest first.
+ROOMS = {
+    "kernel": (("shaders/kernel/*.inc",), (("test_cpu_reference",), HASHES)),
+    "solver": (("cpu_reference/solver/*.cpp", "cpu_reference/solver/*.inc"), (("test_cpu_reference",), HASHES)),
+    "build": (("host/build/*.cpp",), (("test_build",), HASHES, ("test_pipeline",))),
+    "cache": (("host/build/cache.cpp", "host/build/filled_body.cpp", "host/bake/kept_start.cpp",
+               "host/pipeline/kept_model.cpp"), (("test_build",), ("test_bake",), ("test_pipeline",))),
+    "resume": (("host/bake/checkpoint*.cpp", "host/bake/run_begin.cpp", "host/bake/manifest.cpp",
+                "host/bake/frame_writer.cpp", "host/bake/cache_sink.cpp", "host/bake/read_frame_cache.cpp",
+                "host/bake/folder.cpp", "host/bake/verify.cpp"),
+               (("test_bake",), ("test_cli", "--gtest_filter=Bake.*:DamagedBakes.*:Batch.*:LinkedOutputs.*"))),
+}
+# What stands in a line, and what takes its place.
+SWAPS = ((r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "), (r" == ", " != "), (r" != ", " == "),
+         (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" / ", " * "), (r" && ", " || "), (r" \|\| ", " && "),
+         (r"\btrue\b", "false"), (r"\bfalse\b", "true"), (r"std::min\b", "std::max"), (r"std::max\b", "std::min"),
+         (r"\+\+", "--"), (r" \+= ", " -= "), (r" -= ", " += "), (r"\bcontinue;", ";"), (r"\bbreak;", ";"),
+         (r"\b0\b(?!\.)", "1"), (r"\b1\b(?!\.)", "2"), (r"\b0\.5\b", "0.25"), (r"\b2\.0\b", "3.0"), (r"\(!", "("))
+# A whole statement that is left out: an assignment, or a call for what it does.
+STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [-+*/|&]?= .*|[\w.:>-]+\([^{}]*\));$")
+PATIENCE = 600  # s, for the tests of one room; what runs longer has been made endless
+
+PAGE = """# Mutants
+
+`./do mutants` plants small faults in the sources, one at a time (another comparison, another sign, another constant, a
+statement left out), and runs the tests of the room until one fails. A fault that no test finds lives. It writes this
+page. First it runs the same tests over the sources as they are: they must pass, or every fault would seem to be found.
+
+Seed %d. Found: %s.
+
+%s
+"""
+
+
+def fail(text):
+    print("mutants: " + text, file=sys.stderr)
+    sys.exit(1)
+
+
+def prepare():
+    """The tree as git knows it, and a build of it; what was built before is kept."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=SOURCE, capture_output=True,
+                            text=True, check=True).stdout.splitlines()
+    for name in listed:
+        source, copy = os.path.join(SOURCE, name), os.path.join(TREE, name)
+        if not os.path.isfile(source):
+            continue
+        os.makedirs(os.path.dirname(copy), exist_ok=True)
+        with open(source, "rb") as file:
+            content = file.read()
+        if name == "CMakeLists.txt":
+            content = content.replace(b" -Werror", b"")  # a variable that a fault leaves unused is no finding
+        if os.path.exists(copy):
+            with open(copy, "rb") as file:
+                if file.read() == content:
+                    continue
+        with open(copy, "wb") as file:
+            file.write(content)
+        shutil.copymode(source, copy)
+    subprocess.run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                    "-DCMAKE_UNITY_BUILD=ON", "-DFASCICLE_ALONE=ON", "-DFASCICLE_TESTS=ON"],
+                   check=True, stdout=subprocess.DEVNULL)
+
+
+def built(targets):
+    return subprocess.run(["ninja", "-C", BUILD, *targets], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL).returncode == 0
+
+
+def first_that_fails(tests, temporary):
+    """The test that finds something wrong; None where all pass."""
+    for test in tests:
+        command = [os.path.join(BUILD, test[0]), *test[1:], "--gtest_brief=1", "--gtest_fail_fast"]
+        environment = {**os.environ, "TMPDIR": temporary, "FASCICLE_CACHE_DIR": os.path.join(temporary, "cache")}
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=temporary,
+                                   env=environment, errors="replace", start_new_session=True)
+        try:
+            text, _ = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, 9)
+            process.communicate()
+            return test[0] + ": does not end"
+        if process.returncode != 0:
+            found = re.search(r"^\[  FAILED  \] (\S+)", text, re.MULTILINE)
+            return found.group(1) if found else "%s ended with %d" % (test[0], process.returncode)
+    return None
+
+
+def places(patterns):
+    """Every (file, line, what it becomes) where a fault can be planted."""
+    found = []
+    for pattern in patterns:
+        for path in sorted(glob.glob(os.path.join(SOURCE, pattern))):
+            with open(path) as file:
+                lines = file.read().splitlines()
+            for number, line in enumerate(lines):
+                code = line.split("//")[0].rstrip()
+                if not code or code.lstrip().startswith(("#", "*", "throw", "fail(")) or '"' in code:
+                    continue
+                name = os.path.relpath(path, SOURCE)
+                for old, new in SWAPS:
+                    for match in re.finditer(old, code):
+                        found.append((name, number, code[:match.start()] + new + code[match.end():]))
+                if STATEMENT.match(code):
+                    found.append((name, number, re.match(r"\s*", code).group() + ";"))
+    return found
+
+
+def reasons():
+    """{(file, line as it is, line as it was made): why it may live}"""
+    with open(os.path.join(HERE, "living.txt")) as file:
+        rows = [line.rstrip("\n").split("\t") for line in file if line.strip() and not line.startswith("#")]
+    for row in rows:
+        if len(row) != 4:
+            fail("living.txt: a row has %d columns, and not 4: %s" % (len(row), row))
+    return {tuple(row[:3]): row[3] for row in rows}
+
+
+def try_room(room, count, temporary):
+    """[(file, number, line, made of it, what found it)] of so many faults that compile."""
+    patterns, tests = ROOMS[room]
+    targets = [test[0] for test in tests] + ["fascicle", "fascicle-mesher"]
+    if not built(targets):
+        fail(room + ": the sources as they are do not build")
+    wrong = first_that_fails(tests, temporary)
+    if wrong:
+        fail("%s: the sources as they are fail %s" % (room, wrong))
+    choices = places(patterns)
+    random.shuffle(choices)
+    tried, lines = [], set()
+    for name, number, made in choices:
+        if len(tried) == count:
+            break
+        if (name, number) in lines:
+            continue
+        lines.add((name, number))
+        path = os.path.join(TREE, name)
+        with open(path) as file:
+            whole = file.read()
+        rows = whole.split("\n")
+        line = rows[number]
+        rows[number] = made
+        begin = time.monotonic()
+        try:
+            with open(path, "w") as file:
+                file.write("\n".join(rows))
+            if not built(targets):
+                continue  # the compiler found it
+            found = first_that_fails(tests, temporary)
+        finally:
+            with open(path, "w") as file:
+                file.write(whole)
+        tried.append((name, number + 1, line.strip(), made.strip(), found))
+        print("%s:%d: `%s` as `%s`: %s (%.0f s)" % (name, number + 1, line.strip(), made.strip(),
+                                                   "found by " + found if found else "LIVES",
+                                                   time.monotonic() - begin), flush=True)
+    return tried
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("room", nargs="*", choices=[[], *ROOMS])
+    parser.add_argument("--count", type=int, default=40, help="of each room")
+    parser.add_argument("--write", action="store_true")
+    asked = parser.parse_args()
+    seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
+    random.seed(seed)
+    known = reasons()
+    prepare()
+    temporary = os.path.join(WORK, "temporary")
+    figures, rows = [], []
+    for room in asked.room or ROOMS:
+        shutil.rmtree(temporary, ignore_errors=True)
+        os.makedirs(temporary)
+        tried = try_room(room, asked.count, temporary)
+        living = [one for one in tried if one[4] is None]
+        figures.append("%d of %d in `%s`" % (len(tried) - len(living), len(tried), room))
+        for name, number, line, made, _ in living:
+            why = known.get((name, line, made), "not looked at")
+            rows.append("| `%s:%d` | `%s` | `%s` | %s |" % (name, number, line.replace("|", "\\|"),
+                                                           made.replace("|", "\\|"), why))
+    print("found: " + ", ".join(figures))
+    if asked.write:
+        table = "| where | as it is | as it was made | why it lives |\n| --- | --- | --- | --- |\n" + "\n".join(rows) \
+            if rows else "None lives."
+        page = os.path.join(SOURCE, "docs", "mutants.md")
+        with open(page + ".new", "w") as file:
+            file.write(PAGE % (seed, ", ".join(figures), table))
+        os.replace(page + ".new", page)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
