@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Looks into built programs and libraries for what makes them hard to break into (cmake/hardened.cmake).
+
+    python3 tests/house/hardened.py COMPILER SOURCE_FOLDER FILE...
+
+Each FILE must be position-independent, have its relocations bound at the start and read-only after, a stack that does
+not execute, no segment that is written and executed, guards on the stack, calls of the C library that check sizes, a
+run path that begins at its own place or none, and nowhere the path of the sources. The controls: a tiny program
+without all of these is found out in each, and one with them in none.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+TINY = """
+#include <stdio.h>
+#include <string.h>
+int main(int count, char** words) {
+  char text[16];
+  strcpy(text, words[count - 1]);
+  puts(text);
+  return puts(__FILE__) < 0;
+}
+"""
+BARE = "int written = 1; int main(void) { return written++; }"
+SOFT = ("-O2", "-no-pie", "-fno-stack-protector", "-U_FORTIFY_SOURCE", "-Wl,-z,norelro", "-Wl,-z,lazy",
+        "-Wl,-z,execstack", "-Wl,-rpath,/somewhere/else")
+ONE_SEGMENT = ("-O2", "-no-pie", "-static", "-nostdlib", "-Wl,-e,main", "-Wl,--omagic", "-Wl,-z,norelro")
+HARD = ("-O2", "-fPIE", "-pie", "-fstack-protector-strong", "-U_FORTIFY_SOURCE", "-D_FORTIFY_SOURCE=2",
+        "-Wl,-z,relro,-z,now,-z,noexecstack", "-Wl,-rpath,$ORIGIN")
+ALL = {"position", "read-only", "bound", "stack", "segments", "guards", "sizes", "run path", "sources"}
+
+
+def read(file, *what):
+    return subprocess.run(["readelf", "--wide", *what, str(file)], check=True, capture_output=True, text=True).stdout
+
+
+def faults_of(file, sources):
+    """What FILE lacks: names of ALL, with words."""
+    header, segments = read(file, "--file-header"), read(file, "--program-headers")
+    dynamic, symbols = read(file, "--dynamic"), read(file, "--dyn-syms")
+    faults = {}
+    is_program = "INTERP" in segments
+    flags = " ".join(re.findall(r"\(FLAGS(?:_1)?\)(.*)", dynamic))
+    if not re.search(r"Type:\s+DYN", header) or (is_program and "PIE" not in flags):
+        faults["position"] = "is loaded at a fixed place (-pie)"
+    if "GNU_RELRO" not in segments:
+        faults["read-only"] = "has relocations that stay writable (-z relro)"
+    if not re.search(r"\b(BIND_)?NOW\b", flags):
+        faults["bound"] = "binds its calls late (-z now)"
+    stack = re.search(r"^\s+GNU_STACK\s+(?:0x\S+\s+){5}([RWE ]{3})", segments, re.M)
+    if not stack or "E" in stack[1]:
+        faults["stack"] = "has a stack that executes (-z noexecstack)"
+    if any("W" in words and "E" in words
+           for words in re.findall(r"^\s+LOAD\s+(?:0x\S+\s+){5}([RWE ]{3})", segments, re.M)):
+        faults["segments"] = "has a segment that is written and executed"
+    if not re.search(r"\b__stack_chk_(fail|guard)\b", symbols):
+        faults["guards"] = "has no guards on its stack (-fstack-protector-strong)"
+    if not re.search(r"\b__(?!stack)\w+_chk\b", symbols):
+        faults["sizes"] = "has no checks of sizes (-D_FORTIFY_SOURCE=2)"
+    for paths in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", dynamic):
+        if any(path and not re.match(r"\$ORIGIN(/|$)", path) for path in paths.split(":")):
+            faults["run path"] = f"looks for libraries in {paths}"
+    if str(sources).encode() in pathlib.Path(file).read_bytes():
+        faults["sources"] = f"holds the path {sources} (-ffile-prefix-map)"
+    return faults
+
+
+def check_controls(compiler):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        source, program = folder / "tiny.c", folder / "tiny"
+        mapped = f"-ffile-prefix-map={folder}=."
+        # Only a program without shared libraries can have code and data in one segment.
+        for text, flags, wanted in ((TINY, SOFT, ALL - {"segments"}), (TINY, (*HARD, mapped), set()),
+                                    (BARE, (*ONE_SEGMENT, mapped), ALL - {"stack", "run path", "sources"})):
+            source.write_text(text)
+            subprocess.run([compiler, "-x", "c", *flags, str(source), "-o", str(program)], check=True,
+                           capture_output=True)
+            found = faults_of(program, folder)
+            if set(found) != wanted:
+                sys.exit(f"the control with {' '.join(flags)}: found {sorted(found)}, not {sorted(wanted)}")
+
+
+def main(compiler, sources, files):
+    check_controls(compiler)
+    faults = [f"{file} {words}" for file in files for words in faults_of(file, sources).values()]
+    print("\n".join(faults) or f"{len(files)} files are hardened")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        sys.exit(__doc__)
+    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3:]))
