@@ -28,6 +28,8 @@
 #                         docs/farm-slurm.txt (root, minutes)
 #   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times; write docs/reliability.md (an
 #                         hour)
+#   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
+#                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -307,6 +309,12 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     cd tests/reliability
     if [ $# -eq 0 ]; then set -- --write; fi
     exec python3 -B reliability.py "$@"
+    ;;
+  fuzz)
+    need $build_packages clang python3
+    build fuzz
+    export FASCICLE_FUZZ_BUILD="$PWD/build/fuzz"
+    exec python3 -B tests/fuzz/fuzz.py "$@"
     ;;
   soak)
     need $build_packages $run_packages $test_packages

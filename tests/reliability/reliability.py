@@ -23,7 +23,7 @@ Bakes run overnight, on farms, on machines that stop. `./do reliability` disturb
 a character whose body is kept; one whose body is built in every run) at random moments and holds every file that has
 its final name against an undisturbed bake, byte by byte, then lets `--resume` go on and compares again. Each row first
 shows that its checks find a program out that is not careful: half a file, another byte, a child that lives, a socket.
-It writes this page. A short form of every row runs with the tests.
+It writes this page. A short form of every row runs with the tests. What reads files is fuzzed: [Fuzzing](fuzzing.md).
 
 Seed %d, %s, %s.
 

@@ -1,5 +1,5 @@
 // TOML from strangers: what would be the end of toml++ never reaches it.
-#include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -115,12 +115,12 @@ TEST(StrangeToml, HarmlessDotsAndBracketsAreTaken) {
 
 // toml++ searches its tables for each dotted key: as many as are let through must not take long.
 TEST(StrangeToml, ManyDottedKeysTakeNoLongerThanTheyMay) {
-  std::string text = dotted_lines("a", ".b = 1", 25'000) + dotted_lines("a", ".c = 1", 25'000);
-  const auto begin = std::chrono::steady_clock::now();
+  const std::string text = dotted_lines("a", ".b = 1", 25'000) + dotted_lines("a", ".c = 1", 25'000);
+  const std::clock_t begin = std::clock();
   EXPECT_NE(refusal_of_text(text), "no error");
   // A fraction of a second; with ten times as many keys it is a hundred times as long. Sanitizers take ten
   // times that.
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+  EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 10);
 }
 
 TEST(StrangeToml, DotsOfNumbersAreNotCounted) {
