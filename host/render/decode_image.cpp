@@ -51,6 +51,7 @@ DecodedImage decode_png(std::span<const unsigned char> bytes) {
 struct JpegErrors {
   jpeg_error_mgr manager;  // first, so that a pointer to it is one to this
   std::jmp_buf leave;
+  bool has_many_scans;
 };
 
 [[noreturn]] void leave_jpeg(j_common_ptr jpeg) {
@@ -64,8 +65,10 @@ void watch_scans(j_common_ptr jpeg) {
   if (jpeg->is_decompressor == 0) return;
   const auto& reader = *reinterpret_cast<j_decompress_ptr>(jpeg);
   const auto scans = static_cast<std::size_t>(reader.input_scan_number);
-  if (scans > most_scans || scans * reader.image_width * reader.image_height > most_scanned_texels)
+  if (scans > most_scans || scans * reader.image_width * reader.image_height > most_scanned_texels) {
+    reinterpret_cast<JpegErrors*>(jpeg->err)->has_many_scans = true;
     leave_jpeg(jpeg);
+  }
 }
 
 struct JpegReader {
@@ -116,7 +119,9 @@ DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
               std::vector<std::uint8_t>(4 * width * height)};
     is_read = read_jpeg(reader, texels.values.data());
   }
-  if (!is_read) {
+  if (!is_read && reader.errors.has_many_scans) {
+    image.flaw = "is a JPEG of more scans than are read at its size; save it without progression";
+  } else if (!is_read) {
     (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
                                             reader.message.data());
     image.flaw = std::string("is not a readable JPEG: ") + reader.message.data();
