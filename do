@@ -30,6 +30,8 @@
 #                         send; write docs/reliability.md (hours)
 #   ./do mutants [ROOM...] [--count N]   plant small faults, one at a time: do the tests find them? (hours); --write:
 #                         docs/mutants.md
+#   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
+#                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
 set -eu
 cd "$(dirname "$0")"
@@ -316,6 +318,12 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
   mutants)
     need $build_packages $run_packages $test_packages
     exec python3 -B tests/mutants/mutants.py "$@"
+    ;;
+  fuzz)
+    need $build_packages clang python3
+    build fuzz
+    export FASCICLE_FUZZ_BUILD="$PWD/build/fuzz"
+    exec python3 -B tests/fuzz/fuzz.py "$@"
     ;;
   soak)
     need $build_packages $run_packages $test_packages

@@ -88,8 +88,8 @@ base::File opened(const std::filesystem::path& path) {
 // Numbers that no bake has written, whatever the checksum says.
 bool is_sound(const CacheHeader& header) {
   const auto is_finite = [](double value) { return std::isfinite(value); };
-  return std::isfinite(header.unit) && header.unit > 0.0 && std::isfinite(header.fps) && header.fps > 0.0 &&
-         std::isfinite(header.start) &&
+  return header.vertex_count > 0 && std::isfinite(header.unit) && header.unit > 0.0 &&
+         std::isfinite(header.fps) && header.fps > 0.0 && std::isfinite(header.start) &&
          std::all_of(header.rest_origin.begin(), header.rest_origin.end(), is_finite) &&
          header.frames < std::numeric_limits<std::uint64_t>::max();  // so that they can be counted
 }

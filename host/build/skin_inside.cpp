@@ -38,7 +38,7 @@ std::array<Vector3d, direction_count> even_directions() {
 
 }  // namespace
 
-SkinInside::SkinInside(const mesh::SurfaceMesh& surface) : surface_(surface), search_(surface) {
+SkinInside::SkinInside(const mesh::SurfaceMesh& surface) : search_(surface) {
   std::map<std::tuple<double, double, double>, std::uint32_t> at_place;
   Unions parts(surface.vertices.size());
   for (std::uint32_t v = 0; v < surface.vertices.size(); ++v) {

@@ -22,7 +22,6 @@ class SkinInside {
   bool contains(const scene::Vector3d& point) const;
 
  private:
-  const mesh::SurfaceMesh& surface_;
   SurfaceSearch search_;
   std::vector<std::uint32_t> part_of_triangle_;  // a number below that of the vertices
 };

@@ -64,7 +64,7 @@ SurfaceNormals::SurfaceNormals(const model::Model& model, std::vector<float> own
     for (const Group& group : groups)
       if (found == nullptr && (group.normal == normal || group.normal.dot(normal) > same_normal))
         found = &group;
-    if (found == nullptr) found = &groups.emplace_back(normal, groups_++);
+    if (found == nullptr) found = &groups.emplace_back(Group{normal, groups_++});
     group_.push_back(found->number);
   }
   if (own_.empty()) return;

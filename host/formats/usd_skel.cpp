@@ -23,7 +23,7 @@ namespace {
 
 // Two bind poses of a joint are one if they put nothing further apart than this, of the larger one's size.
 constexpr double same_pose = 1e-5;
-constexpr const char* top_joint = "top";
+constexpr const char* name_of_top = "top";
 
 // USD's vectors are rows: its matrices are ours turned over.
 std::string matrix_text(const Matrix4d& m) {
@@ -69,7 +69,7 @@ UsdSkel::UsdSkel(const std::filesystem::path& character, const SurfaceObjects& s
   const std::vector<rig::Joint>& skeleton = rig_.character.skeleton;
   const auto is_root = [](const rig::Joint& joint) { return joint.parent < 0; };
   has_top_ = std::count_if(skeleton.begin(), skeleton.end(), is_root) > 1;
-  tokens_ = paths_of(skeleton, has_top_ ? std::string(top_joint) + '/' : "");
+  tokens_ = paths_of(skeleton, has_top_ ? std::string(name_of_top) + '/' : "");
   for (const rig::Joint& joint : skeleton) {
     const Matrix4d& above =
         joint.parent < 0 ? rig_.character.root : rest_[static_cast<std::size_t>(joint.parent)];
@@ -118,7 +118,7 @@ void UsdSkel::bind_objects() {
 
 std::string UsdSkel::joint_list() const {
   std::string text =
-      std::string("uniform token[] joints = [") + (has_top_ ? usd_string(top_joint) + ", " : "");
+      std::string("uniform token[] joints = [") + (has_top_ ? usd_string(name_of_top) + ", " : "");
   for (std::size_t j = 0; j < tokens_.size(); ++j) text += (j == 0 ? "" : ", ") + usd_string(tokens_[j]);
   return text + ']';
 }

@@ -12,7 +12,7 @@ using Eigen::Matrix3d;
 
 constexpr double arm_spacing = 0.014;  // m
 constexpr double curl_keys_a_second = 60.0;
-constexpr double duration = 4.0;  // s
+constexpr double curl_duration = 4.0;  // s
 
 const Vector3d elbow_place(0.30, 0.0, 0.0), elbow_axis(0.0, 0.0, 1.0);
 
@@ -57,7 +57,7 @@ double curl_degrees(double time) {
 rig::Clip curl(const rig::Character& arm, const ArmJoints& j, double bind_degrees) {
   std::vector<double> times;
   std::vector<WorldPose> poses;
-  const auto keys = static_cast<int>(std::round(duration * curl_keys_a_second));
+  const auto keys = static_cast<int>(std::round(curl_duration * curl_keys_a_second));
   for (int k = 0; k <= keys; ++k) {
     times.push_back(k / curl_keys_a_second);
     WorldPose pose{bind_place(arm.skeleton[j.shoulder]),

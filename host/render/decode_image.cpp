@@ -51,18 +51,24 @@ DecodedImage decode_png(std::span<const unsigned char> bytes) {
 struct JpegErrors {
   jpeg_error_mgr manager;  // first, so that a pointer to it is one to this
   std::jmp_buf leave;
+  bool has_many_scans;
 };
 
 [[noreturn]] void leave_jpeg(j_common_ptr jpeg) {
   std::longjmp(reinterpret_cast<JpegErrors*>(jpeg->err)->leave, 1);
 }
 
-// More scans than a file means to have are a way to keep a reader busy.
-constexpr int most_scans = 500;
+// More scans than a file means to have are a way to keep a reader busy; each goes over the whole picture.
+constexpr std::size_t most_scans = 500, most_scanned_texels = 64 * most_texels;
 
 void watch_scans(j_common_ptr jpeg) {
-  if (jpeg->is_decompressor != 0 && reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > most_scans)
+  if (jpeg->is_decompressor == 0) return;
+  const auto& reader = *reinterpret_cast<j_decompress_ptr>(jpeg);
+  const auto scans = static_cast<std::size_t>(reader.input_scan_number);
+  if (scans > most_scans || scans * reader.image_width * reader.image_height > most_scanned_texels) {
+    reinterpret_cast<JpegErrors*>(jpeg->err)->has_many_scans = true;
     leave_jpeg(jpeg);
+  }
 }
 
 struct JpegReader {
@@ -72,7 +78,7 @@ struct JpegReader {
   std::array<char, JMSG_LENGTH_MAX> message{};
 };
 
-// Into `rgb`, 3 a texel, which is laid out between the two steps. False where it fails.
+// Into `rgba`, 4 a texel, which is laid out between the two steps. False where it fails.
 bool open_jpeg(JpegReader& reader, std::span<const unsigned char> bytes) {
   reader.jpeg.err = jpeg_std_error(&reader.errors.manager);
   reader.errors.manager.error_exit = leave_jpeg;
@@ -85,15 +91,15 @@ bool open_jpeg(JpegReader& reader, std::span<const unsigned char> bytes) {
   reader.jpeg.progress = &reader.progress;
   jpeg_mem_src(&reader.jpeg, bytes.data(), bytes.size());
   jpeg_read_header(&reader.jpeg, TRUE);
-  reader.jpeg.out_color_space = JCS_RGB;
+  reader.jpeg.out_color_space = JCS_EXT_RGBA;  // alpha is 255
   return true;
 }
 
-bool read_jpeg(JpegReader& reader, std::uint8_t* rgb) {
+bool read_jpeg(JpegReader& reader, std::uint8_t* rgba) {
   if (setjmp(reader.errors.leave) != 0) return false;
   jpeg_start_decompress(&reader.jpeg);
   while (reader.jpeg.output_scanline < reader.jpeg.output_height) {
-    JSAMPROW row = rgb + std::size_t{3} * reader.jpeg.output_width * reader.jpeg.output_scanline;
+    JSAMPROW row = rgba + std::size_t{4} * reader.jpeg.output_width * reader.jpeg.output_scanline;
     jpeg_read_scanlines(&reader.jpeg, &row, 1);
   }
   jpeg_finish_decompress(&reader.jpeg);
@@ -103,26 +109,26 @@ bool read_jpeg(JpegReader& reader, std::uint8_t* rgb) {
 DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
   DecodedImage image;
   JpegReader reader;
-  std::vector<std::uint8_t> rgb;
+  Texels texels;
   bool is_read = open_jpeg(reader, bytes);
   const std::size_t width = reader.jpeg.image_width, height = reader.jpeg.image_height;
   if (is_read && !fits(width, height)) {
     image.flaw = too_large(width, height);
   } else if (is_read) {
-    rgb.resize(3 * width * height);
-    is_read = read_jpeg(reader, rgb.data());
+    texels = {static_cast<unsigned>(width), static_cast<unsigned>(height),
+              std::vector<std::uint8_t>(4 * width * height)};
+    is_read = read_jpeg(reader, texels.values.data());
   }
-  if (!is_read) {
+  if (!is_read && reader.errors.has_many_scans) {
+    image.flaw = "is a JPEG of more scans than are read at its size; save it without progression";
+  } else if (!is_read) {
     (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
                                             reader.message.data());
     image.flaw = std::string("is not a readable JPEG: ") + reader.message.data();
   } else if (image.flaw.empty()) {
     if (reader.errors.manager.num_warnings > 0)
       image.flaw = "is a damaged JPEG; what can be read of it is drawn";
-    image.texels = {static_cast<unsigned>(width), static_cast<unsigned>(height), {}};
-    image.texels.values.reserve(4 * width * height);
-    for (std::size_t k = 0; k < rgb.size(); k += 3)
-      image.texels.values.insert(image.texels.values.end(), {rgb[k], rgb[k + 1], rgb[k + 2], 255});
+    image.texels = std::move(texels);
   }
   jpeg_destroy_decompress(&reader.jpeg);
   return image;

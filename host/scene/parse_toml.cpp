@@ -17,6 +17,9 @@ constexpr std::size_t most_key_parts = 32;
 constexpr std::size_t deepest_nesting = 32;
 // toml++ looks 127 characters ahead of a date for its time, and does not count these.
 constexpr std::size_t most_underscores = 64;
+// toml++ keeps the tables that dotted keys and headers make in lists, and searches them for each further one:
+// with more, its time grows by their square. Ten thousand jobs have 30,000.
+constexpr std::size_t most_key_dots = 50'000;
 
 class Checked {
  public:
@@ -39,10 +42,13 @@ class Checked {
     }
   }
 
-  // Counts a key's parts, open brackets and a word's underscores, outside of strings and comments. On text
-  // that is TOML this sees what toml++ sees; from where it is none on, toml++ reads no further.
+  // Counts a key's parts, open brackets, a word's underscores and all keys' dots, outside of strings and
+  // comments. On text that is TOML this sees what toml++ sees; from where it is none on, toml++ reads no
+  // further.
   void check_depth() const {
-    std::size_t parts = 1, nesting = 0, underscores = 0;
+    std::size_t parts = 1, underscores = 0, key_dots = 0;
+    std::string open;  // brackets
+    bool in_key = true;
     for (std::size_t at = 0; at < text_.size();) {
       const char c = text_[at];
       if (c == '#') {
@@ -57,9 +63,16 @@ class Checked {
         fail_at(at, "a key of more than " + std::to_string(most_key_parts) + " parts");
       if (c == '_' && ++underscores > most_underscores)
         fail_at(at, "a word of more than " + std::to_string(most_underscores) + " underscores");
-      if ((c == '[' || c == '{') && ++nesting > deepest_nesting)
+      // The second bracket of [[a]] makes a list that is searched too.
+      if (in_key && (c == '.' || (c == '[' && !open.empty())) && ++key_dots > most_key_dots)
+        fail_at(at, "more than " + std::to_string(most_key_dots) +
+                        " dots in keys and lists of tables in all; divide the file");
+      if (c == '[' || c == '{') open += c;
+      if (open.size() > deepest_nesting)
         fail_at(at, "nested deeper than " + std::to_string(deepest_nesting) + " levels");
-      if ((c == ']' || c == '}') && nesting > 0) --nesting;
+      if ((c == ']' || c == '}') && !open.empty()) open.pop_back();
+      if (c == '=' || c == '}') in_key = false;
+      if (c == '{' || (c == ',' && open.ends_with('{')) || (c == '\n' && open.empty())) in_key = true;
       if (std::string_view("[]{}=,\n").find(c) != std::string_view::npos) parts = 1;
       if (std::string_view("[]{}=,.\n").find(c) != std::string_view::npos) underscores = 0;
       ++at;

@@ -186,7 +186,7 @@ TEST(Looks, SmallVersionsKeepAFineBoardFromFlickering) {
 }
 
 // The bytes of a picture as libjpeg writes it.
-std::vector<unsigned char> jpeg_of(const Image& image) {
+std::vector<unsigned char> jpeg_of(const Image& image, bool is_progressive = false) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors{};
   jpeg.err = jpeg_std_error(&errors);
@@ -200,6 +200,7 @@ std::vector<unsigned char> jpeg_of(const Image& image) {
   jpeg.in_color_space = JCS_RGB;
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, 95, TRUE);
+  if (is_progressive) jpeg_simple_progression(&jpeg);
   jpeg_start_compress(&jpeg, TRUE);
   while (jpeg.next_scanline < jpeg.image_height) {
     std::vector<std::uint8_t> row(image.at(0, jpeg.next_scanline),
@@ -280,6 +281,34 @@ TEST(DecodeImage, BrokenOnesAreToldAndNeverCrash) {
   const render::DecodedImage image = render::decode_image(huge);
   EXPECT_TRUE(image.texels.values.empty());
   EXPECT_NE(image.flaw.find("60000 x 60000 is larger"), std::string::npos) << image.flaw;
+}
+
+// Each scan goes over the whole picture: how many there may be depends on its size.
+TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
+  const std::vector<unsigned char> whole = jpeg_of(plain_image(40, 30), true);
+  const auto find = [&](unsigned char marker) {
+    const std::array<unsigned char, 2> bytes{0xff, marker};
+    return std::find_end(whole.begin(), whole.end(), bytes.begin(), bytes.end());
+  };
+  const auto last_scan = find(0xda), end = find(0xd9), frame = find(0xc2);
+  ASSERT_TRUE(last_scan < end && end != whole.end() && frame < last_scan);
+  std::vector<unsigned char> busy(whole.begin(), end);
+  for (int k = 0; k < 100; ++k) busy.insert(busy.end(), last_scan, end);
+  busy.insert(busy.end(), end, whole.end());
+  EXPECT_EQ(render::decode_image(busy).texels.width, 40u);
+  // The frame's height and width: 4096 x 8192, which one scan or ten may have.
+  const auto sized = [&](std::vector<unsigned char> bytes) {
+    const auto at = static_cast<std::size_t>(frame - whole.begin()) + 5;
+    for (const std::size_t k : {0u, 2u}) {
+      bytes[at + k] = k == 0 ? 0x10 : 0x20;
+      bytes[at + k + 1] = 0;
+    }
+    return bytes;
+  };
+  EXPECT_EQ(render::decode_image(sized(whole)).texels.width, 8192u);
+  const render::DecodedImage refused = render::decode_image(sized(busy));
+  EXPECT_TRUE(refused.texels.values.empty());
+  EXPECT_NE(refused.flaw.find("more scans than are read"), std::string::npos) << refused.flaw;
 }
 
 TEST(Annotate, RowKeepsPicturesBelowTheirWords) {

@@ -1,4 +1,5 @@
 // TOML from strangers: what would be the end of toml++ never reaches it.
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -18,6 +19,14 @@ std::string repeated(const std::string& text, std::size_t times) {
   std::string all;
   all.reserve(text.size() * times);
   for (std::size_t k = 0; k < times; ++k) all += text;
+  return all;
+}
+
+// So many lines, each with its number.
+std::string dotted_lines(const std::string& before, const std::string& after, std::size_t times,
+                         const std::string& end = "\n") {
+  std::string all;
+  for (std::size_t k = 0; k < times; ++k) all += before + std::to_string(k) + after + end;
   return all;
 }
 
@@ -47,6 +56,10 @@ const std::vector<Refused>& refused_texts() {
       {"\u00eb = 1", "1: TOML: "},
       {"a = [1, \u00eb]", "1: TOML: "},
       {std::string("a = 1\n\0", 7), "2: TOML: column 1: a zero byte"},
+      {dotted_lines("a", ".b = 1", 60'000), "50001: TOML: column 7: more than 50000 dots in keys"},
+      {dotted_lines("[a", ".b]", 60'000), "50001: TOML: column 8: more than 50000 dots in keys"},
+      {dotted_lines("[[a", "]]", 60'000), "50001: TOML: column 2: more than 50000 dots in keys"},
+      {"x = {" + dotted_lines("a", ".b = 1.0,", 60'000, ""), "1: TOML: column "},
       {repeated("# filler\n", 2'000'000), "1: TOML: column 1: has more than the 16777216 bytes"}};
   return list;
 }
@@ -98,6 +111,23 @@ TEST(StrangeToml, HarmlessDotsAndBracketsAreTaken) {
         parse(bar_sample(), {.set = {"scene.description=" + quotes + dots + brackets + quotes}});
     EXPECT_NE(scene.text.find(dots + brackets), std::string::npos);
   }
+}
+
+// toml++ searches its tables for each dotted key: as many as are let through must not take long.
+TEST(StrangeToml, ManyDottedKeysTakeNoLongerThanTheyMay) {
+  const std::string text = dotted_lines("a", ".b = 1", 25'000) + dotted_lines("a", ".c = 1", 25'000);
+  const std::clock_t begin = std::clock();
+  EXPECT_NE(refusal_of_text(text), "no error");
+  // A fraction of a second; with ten times as many keys it is a hundred times as long. Sanitizers take ten
+  // times that.
+  EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 10);
+}
+
+TEST(StrangeToml, DotsOfNumbersAreNotCounted) {
+  const std::string numbers = "[" + repeated("[1.5, 2.5],\n", 60'000) + "]\n";
+  const std::string refusal =
+      refusal_of_text("[x]\na = " + numbers + "b = { c = " + numbers + ", d = 1.0 }\n");
+  EXPECT_EQ(refusal.find("dots"), std::string::npos) << refusal;
 }
 
 TEST(StrangeToml, LettersMayFollowAFoldedLine) {

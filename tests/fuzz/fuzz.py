@@ -1,0 +1,179 @@
+"""Runs the readers' fuzz targets and prints, or writes, what came of it.
+
+fuzz.py [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]: FASCICLE_FUZZ_BUILD names the build folder of the
+preset `fuzz`. Its folder `corpus` keeps what reached new code, `found` what a reader fell over. --write: into the page
+in docs, where a target's line stays as it was unless it ran now."""
+
+import argparse
+import concurrent.futures
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PAGE_FILE = os.path.join(HERE, "..", "..", "docs", "fuzzing.md")
+BUILD = os.path.abspath(os.environ.get("FASCICLE_FUZZ_BUILD", "build/fuzz"))
+
+# Of each target what it reads, for the table.
+TARGETS = {
+    "medit": "MEDIT `.mesh`", "tetgen": "TetGen `.node` and `.ele`", "gmsh": "Gmsh `.msh`", "vtu": "VTK `.vtu`",
+    "off": "`.off`", "obj": "`.obj`", "ply": "`.ply`", "stl": "`.stl`",
+    "gltf": "`.glb`, `.gltf`: character, rig, looks, the document handed on", "picture": "PNG and JPEG of textures",
+    "scene": "scene files", "set": "values of `--set`", "jobs": "lists of jobs", "paint": "paint files",
+    "frames": "`frames.fascicle`", "model": "`model.fascicle`", "checkpoint": "`checkpoint`",
+    "start": "a kept start", "manifest": "`manifest.json`", "body": "a kept body", "report": "a kept model's report",
+    "message": "messages to the studio", "session": "the studio's `session.json`",
+}
+# Longer files are the business of test_fuzz, which grows seeds to a mebibyte: the fuzzer is fast with short ones.
+MOST_BYTES = {"message": 4096, "set": 4096}
+MOST_BYTES_OF_OTHERS = 65536
+MOST_MEBIBYTES, MOST_SECONDS = 512, 10
+CONTROL, RUNS_OF_CONTROL = "planted", 2000000
+
+PAGE = """# Fuzzing
+
+Everything that reads files from strangers has a target for clang's libFuzzer, with its sanitizers of addresses, leaks
+and undefined behaviour in the same process (`tests/fuzz`). A reader takes its bytes or refuses them by the error that
+its header names, in one line; all else is a crash: another exception, a read or write out of bounds, a leak, undefined
+behaviour, one allocation or a process of more than %d MiB, a file that takes more than %d s. The process holds the
+sanitizers' shadow, the corpus and what was freed last too, so the bound is on more than the file's own memory.
+
+Files of our own carry checksums; their targets set them right, so that what lies behind is read too. A control, a
+reader that reads past its end and throws what it does not say, must be found first in every run.
+
+Files are at most %d bytes long here. `test_fuzz`, which any compiler builds, replays the seeds and what was found,
+damages them by a fixed rule, and grows them to a mebibyte, where no reader may take more than %d s or %d MiB.
+
+| target | what it reads | files | time | files a second | most memory | slowest file | flaws found |
+| --- | --- | --- | --- | --- | --- | --- | --- |
+%s
+The last run of each target on %s, with %s. `./do fuzz --write` writes this page;
+`./do fuzz TARGET... --runs 10000000` runs targets for longer. What a reader once fell over is kept in
+`tests/fuzz/kept` and read again by `test_fuzz`.
+"""
+
+
+def environment(temporary):
+    # What was freed last is held for a while to find uses of it: less than the sanitizer's own default, which is half
+    # of the memory that a target may take.
+    asan = "quarantine_size_mb=32:detect_leaks=1:allocator_may_return_null=0"
+    return {**os.environ, "TMPDIR": temporary, "ASAN_OPTIONS": asan, "UBSAN_OPTIONS": "print_stacktrace=1"}
+
+
+def command(target, *more):
+    return [os.path.join(BUILD, "fuzz_" + target), "-rss_limit_mb=%d" % MOST_MEBIBYTES,
+            "-malloc_limit_mb=%d" % MOST_MEBIBYTES, "-timeout=%d" % MOST_SECONDS,
+            "-artifact_prefix=%s/found/%s-" % (BUILD, target), *more]
+
+
+def last(pattern, text, otherwise=0):
+    found = re.findall(pattern, text, re.MULTILINE)
+    return int(found[-1]) if found else otherwise
+
+
+def run(target, asked, temporary):
+    """(target, files, seconds, MiB, slowest s, flaws) of one target."""
+    corpus = os.path.join(BUILD, "corpus", target)
+    os.makedirs(corpus, exist_ok=True)
+    begin_with = [folder for folder in (os.path.join(BUILD, "seeds", target), os.path.join(HERE, "kept", target))
+                  if os.path.isdir(folder)]
+    ends = ["-runs=%d" % asked.runs] if asked.runs else ["-max_total_time=%d" % asked.seconds]
+    log = os.path.join(BUILD, "logs", target + ".txt")
+    begin = time.monotonic()
+    with open(log, "w") as file:
+        done = subprocess.run(
+            command(target, "-max_len=%d" % MOST_BYTES.get(target, MOST_BYTES_OF_OTHERS), "-print_final_stats=1",
+                    "-reduce_inputs=1", *ends, corpus, *begin_with),
+            stdout=file, stderr=file, env=environment(temporary))
+    seconds = time.monotonic() - begin
+    with open(log, errors="replace") as file:
+        text = file.read()
+    files = last(r"^stat::number_of_executed_units: (\d+)", text, last(r"^#(\d+)\b", text))
+    flaws = 0 if done.returncode == 0 else 1
+    if flaws:
+        said = re.findall(r"^(?:.*(?:ERROR|SUMMARY|runtime error|what\(\)).*)$", text, re.MULTILINE)
+        print("\n".join(["%s: %s" % (target, line) for line in said[:3]] + ["%s: all of it: %s" % (target, log)]),
+              file=sys.stderr, flush=True)
+    result = (target, files, seconds, last(r"^stat::peak_rss_mb: +(\d+)", text),
+              last(r"^stat::slowest_unit_time_sec: +(\d+)", text), flaws)
+    print("%-10s %10d files %6.0f s %5d MiB %3d s the slowest %d flaws" % result, flush=True)
+    return result
+
+
+def control_is_found(temporary):
+    """The control's two flaws: one on a file that has it, one by search."""
+    with tempfile.NamedTemporaryFile(dir=temporary) as file:
+        file.write(b"bone")
+        file.flush()
+        read = subprocess.run(command(CONTROL, file.name), capture_output=True, text=True, errors="replace",
+                              env=environment(temporary))
+    if read.returncode == 0 or "heap-buffer-overflow" not in read.stderr:
+        print("control: a read past the end went unseen\n" + read.stderr, file=sys.stderr)
+        return False
+    search = subprocess.run(command(CONTROL, "-max_len=16", "-runs=%d" % RUNS_OF_CONTROL), capture_output=True,
+                            text=True, errors="replace", env=environment(temporary))
+    if search.returncode == 0:
+        print("control: not found in %d files" % RUNS_OF_CONTROL, file=sys.stderr)
+        return False
+    print("%-10s %10d files until it was found" % ("control", last(r"^#(\d+)\b", search.stderr)), flush=True)
+    return True
+
+
+def line_of(target, files, seconds, mebibytes, slowest, flaws):
+    return "| `%s` | %s | %s | %.0f s | %s | %d MiB | %s | %d |\n" % (
+        target, TARGETS[target], "{:,}".format(files), seconds, "{:,.0f}".format(files / max(seconds, 0.1)), mebibytes,
+        "under 1 s" if slowest == 0 else "%d s" % slowest, flaws)
+
+
+def write_page(results):
+    lines = {}
+    if os.path.exists(PAGE_FILE):
+        with open(PAGE_FILE) as file:
+            lines = {found.group(1): line for line in file if (found := re.match(r"\| `(\w+)` \|", line))}
+    lines.update({result[0]: line_of(*result) for result in results})
+    clang = subprocess.run(["clang", "--version"], capture_output=True, text=True).stdout.split("\n")[0]
+    version = re.search(r"clang version (\d+)", clang)
+    text = PAGE % (MOST_MEBIBYTES, MOST_SECONDS, MOST_BYTES_OF_OTHERS, MOST_SECONDS, MOST_MEBIBYTES,
+                   "".join(lines[target] for target in TARGETS if target in lines),
+                   "%s, %d cores" % (platform.machine(), os.cpu_count()),
+                   "clang " + version.group(1) if version else "clang")
+    with open(PAGE_FILE + ".new", "w") as file:
+        file.write(text)
+    os.replace(PAGE_FILE + ".new", PAGE_FILE)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="./do fuzz", description=__doc__.splitlines()[0])
+    parser.add_argument("target", nargs="*", choices=[[], *TARGETS])
+    ends = parser.add_mutually_exclusive_group()
+    ends.add_argument("--runs", type=int, help="files a target")
+    ends.add_argument("--seconds", type=int, default=60, help="seconds a target (60)")
+    parser.add_argument("--jobs", type=int, default=1, help="targets at a time (1)")
+    parser.add_argument("--write", action="store_true", help="write docs/fuzzing.md")
+    asked = parser.parse_args()
+    for folder in ("found", "logs"):
+        os.makedirs(os.path.join(BUILD, folder), exist_ok=True)
+    # Readers of paths read one file again and again: in memory, where there is such a place.
+    temporary = tempfile.mkdtemp(prefix="fascicle-fuzz-", dir="/dev/shm" if os.path.isdir("/dev/shm") else None)
+    try:
+        shutil.rmtree(os.path.join(BUILD, "seeds"), ignore_errors=True)
+        subprocess.run([os.path.join(BUILD, "fuzz_seeds"), os.path.join(BUILD, "seeds")], check=True,
+                       env=environment(temporary))
+        if not control_is_found(temporary):
+            return 1
+        with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+            results = list(pool.map(lambda target: run(target, asked, temporary), asked.target or TARGETS))
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+    if asked.write:
+        write_page(results)
+    return 1 if any(result[-1] for result in results) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,31 @@
+#include "tests/fuzz/readers.h"
+
+namespace fascicle::fuzz {
+
+std::vector<Reader> readers() {
+  return {{"medit", medit},
+          {"tetgen", tetgen},
+          {"gmsh", gmsh},
+          {"vtu", vtu},
+          {"off", off},
+          {"obj", obj},
+          {"ply", ply},
+          {"stl", stl},
+          {"gltf", gltf},
+          {"picture", picture},
+          {"scene", scene},
+          {"set", set},
+          {"jobs", jobs},
+          {"paint", paint},
+          {"frames", frames},
+          {"model", model},
+          {"checkpoint", checkpoint},
+          {"start", start},
+          {"manifest", manifest},
+          {"body", body},
+          {"report", report},
+          {"message", message},
+          {"session", session}};
+}
+
+}  // namespace fascicle::fuzz

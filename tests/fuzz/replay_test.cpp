@@ -1,0 +1,161 @@
+// The readers against seeds, against what the fuzzer once found, and against both damaged and grown by a
+// fixed rule: a short form of `./do fuzz` that any compiler builds.
+#include <algorithm>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/fuzz/counted_memory.h"
+#include "tests/fuzz/readers.h"
+
+namespace fascicle::tests {
+namespace {
+
+using fuzz::Reader;
+using fuzz::Seed;
+
+// Files that the fuzzer found, in a folder a reader: their names say what was wrong.
+std::vector<Seed> kept() {
+  std::vector<Seed> all;
+  const std::filesystem::path folder = std::filesystem::path(FASCICLE_SOURCE_DIR) / "tests/fuzz/kept";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    all.push_back({entry.path().parent_path().filename().string(), entry.path().filename().string(), bytes});
+  }
+  return all;
+}
+
+std::vector<Seed> corpus() {
+  std::vector<Seed> all = fuzz::seeds();
+  for (Seed& seed : kept()) all.push_back(std::move(seed));
+  return all;
+}
+
+std::string damaged(std::string bytes, std::mt19937_64& random) {
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  for (std::size_t times = 1 + below(3); times > 0 && !bytes.empty(); --times) {
+    const std::size_t at = below(bytes.size());
+    const std::size_t length = std::min(1 + below(16), bytes.size() - at);
+    switch (below(6)) {
+      case 0:
+        bytes[at] = static_cast<char>(random());
+        break;
+      case 1:
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8)));
+        break;
+      case 2:
+        bytes.erase(at, length);
+        break;
+      case 3:
+        bytes.insert(below(bytes.size()), bytes.substr(at, length));
+        break;
+      case 4:
+        bytes.replace(at, length, length, below(2) == 0 ? '\xff' : '9');
+        break;
+      default:
+        bytes.resize(at);
+    }
+  }
+  return bytes;
+}
+
+// What leaves the reader where nothing should; empty where it does as it says.
+std::string flaw_of(bool (*read)(std::string_view), std::string_view bytes) {
+  try {
+    (void)read(bytes);
+    return "";
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+std::string first_flaw(bool (*read)(std::string_view), const std::string& from, int rounds,
+                       std::mt19937_64& random) {
+  for (int round = 0; round < rounds; ++round) {
+    const std::string bytes = damaged(from, random);
+    if (const std::string flaw = flaw_of(read, bytes); !flaw.empty()) return flaw;
+  }
+  return "";
+}
+
+void for_each(const std::vector<Seed>& files, const std::function<void(const Reader&, const Seed&)>& visit) {
+  for (const Reader& reader : fuzz::readers())
+    for (const Seed& seed : files)
+      if (seed.reader == reader.name) visit(reader, seed);
+}
+
+TEST(Readers, TakeTheirSeeds) {
+  std::map<std::string, int> count;
+  for_each(fuzz::seeds(), [&](const Reader& reader, const Seed& seed) {
+    ++count[reader.name];
+    EXPECT_EQ(flaw_of(reader.read, seed.bytes), "") << seed.reader << '/' << seed.name;
+    EXPECT_TRUE(reader.read(seed.bytes)) << seed.reader << '/' << seed.name;
+  });
+  EXPECT_EQ(count.size(), fuzz::readers().size()) << "a reader without a seed";
+}
+
+TEST(Readers, RefuseWhatOnceHarmedThem) {
+  for_each(kept(), [&](const Reader& reader, const Seed& seed) {
+    EXPECT_EQ(flaw_of(reader.read, seed.bytes), "") << seed.reader << '/' << seed.name;
+    EXPECT_FALSE(reader.read(seed.bytes)) << seed.reader << '/' << seed.name;
+  });
+  for (const Seed& seed : kept()) {
+    const auto all = fuzz::readers();
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [&](const Reader& r) { return r.name == seed.reader; }))
+        << "no reader is called " << seed.reader;
+  }
+}
+
+TEST(Readers, TakeOrRefuseDamagedFiles) {
+  std::mt19937_64 random(20170522);
+  for_each(corpus(), [&](const Reader& reader, const Seed& seed) {
+    EXPECT_EQ(first_flaw(reader.read, seed.bytes, 100, random), "") << seed.reader << '/' << seed.name;
+  });
+}
+
+// A slice of the file again and again, up to a mebibyte: what takes time or memory by the square of a file's
+// size shows itself. The bounds are those of docs/reliability.md.
+TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
+  constexpr std::size_t most_bytes = std::size_t{1} << 20, most_memory = std::size_t{512} << 20;
+  std::mt19937_64 random(20170523);
+  for_each(corpus(), [&](const Reader& reader, const Seed& seed) {
+    for (int round = 0; round < 2; ++round) {
+      std::string bytes = seed.bytes;
+      if (bytes.empty() || bytes.size() >= most_bytes) continue;
+      const std::size_t at = random() % bytes.size();
+      const std::string slice = bytes.substr(at, 1 + random() % 40);
+      std::string grown = bytes.substr(0, at);
+      while (grown.size() + slice.size() + bytes.size() - at < most_bytes) grown += slice;
+      grown += bytes.substr(at);
+      fuzz::mark_held();
+      const std::clock_t begin = std::clock();
+      EXPECT_EQ(flaw_of(reader.read, grown), "") << seed.reader << '/' << seed.name;
+      // Of the processor: other programs take what time they like.
+      EXPECT_LT((std::clock() - begin) / CLOCKS_PER_SEC, 10)
+          << seed.reader << '/' << seed.name << " with " << slice << " again and again";
+      EXPECT_LT(fuzz::most_held_since_mark(), most_memory) << seed.reader << '/' << seed.name;
+    }
+  });
+}
+
+// The control: a reader that throws what it does not say is found.
+TEST(Readers, APlantedFlawIsFound) {
+  std::mt19937_64 random(1);
+  EXPECT_EQ(first_flaw(fuzz::planted, "fas of the bone", 100'000, random), "planted");
+  // And so is memory.
+  fuzz::mark_held();
+  const std::size_t before = fuzz::most_held_since_mark();
+  { const std::vector<char> large(std::size_t{1} << 22); }
+  EXPECT_GE(fuzz::most_held_since_mark(), before + (std::size_t{1} << 22));
+}
+
+}  // namespace
+}  // namespace fascicle::tests

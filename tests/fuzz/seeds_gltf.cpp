@@ -1,0 +1,51 @@
+#include <draco/compression/config/compression_shared.h>
+
+#include "host/render/jpeg.h"
+#include "host/render/looks.h"
+#include "host/render/png.h"
+#include "tests/fuzz/seeds.h"
+#include "tests/gltf/compressed_builder.h"
+
+namespace fascicle::fuzz {
+namespace {
+
+using tests::GltfBuilder;
+
+std::string text_of(const std::vector<unsigned char>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+// With a painted attribute, a material and a texture.
+GltfBuilder painted_column() {
+  GltfBuilder b = tests::column_with_shapes();
+  nlohmann::json& primitive = b.document["meshes"][0]["primitives"][0];
+  primitive["attributes"]["_LAYER"] = b.add<float>("SCALAR", std::vector<float>(12, 1.0f));
+  primitive["attributes"]["TEXCOORD_0"] = b.add<float>("VEC2", std::vector<float>(24, 0.5f));
+  primitive["material"] = 0;
+  b.document["materials"] = {{{"name", "skin"},
+                              {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                              {"alphaMode", "MASK"}}};
+  b.document["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  b.document["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+  b.document["images"] = {{{"uri", "data:image/png;base64,iVBORw0KGgo="}}};
+  return b;
+}
+
+}  // namespace
+
+void add_gltf_seeds(std::vector<Seed>& seeds) {
+  seeds.push_back({"gltf", "column.glb", text_of(tests::column().glb())});
+  seeds.push_back({"gltf", "column.gltf", tests::column().with_data_uri().dump()});
+  seeds.push_back({"gltf", "shapes.glb", text_of(tests::column_with_shapes().glb())});
+  seeds.push_back({"gltf", "painted.glb", text_of(painted_column().glb())});
+  seeds.push_back({"gltf", "meshopt.gltf", tests::with_meshopt(tests::column()).dump()});
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING})
+    seeds.push_back(
+        {"gltf", "draco-" + std::to_string(method) + ".glb", text_of(tests::with_draco(method).glb())});
+  render::Texels image{4, 3, {}};
+  for (std::size_t k = 0; k < 48; ++k) image.values.push_back(static_cast<std::uint8_t>(17 * k));
+  seeds.push_back({"picture", "png", render::encode_png(image)});
+  seeds.push_back({"picture", "jpeg", render::encode_jpeg(image, 80)});
+}
+
+}  // namespace fascicle::fuzz
