@@ -127,6 +127,17 @@ TEST(StudioPage, PaintsACharacter) {
   EXPECT_EQ(seen["ended"], 0);
 }
 
+// A script that fails, or is killed at its time limit, leaves no studio behind.
+TEST(StudioPage, EndsWithTheScriptThatStartedIt) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "bar.toml", resting_bar);
+  const json seen = used_studio("studio-ends", "studio_ends.mjs", "'" + folder / "bar.toml" + "'");
+  ASSERT_TRUE(seen.is_object());
+  for (const char* how : {"fails", "killed"}) EXPECT_EQ(seen[how]["is_there"], false) << how;
+  EXPECT_EQ(seen["killed"]["was_there"], true) << "the control";
+}
+
 // A character, and a bake's folder, which is looked at and not touched.
 TEST(StudioPage, OpensCharactersAndBakes) {
   FASCICLE_NEEDS_CHROMIUM;
