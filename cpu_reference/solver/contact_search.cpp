@@ -20,19 +20,6 @@ static_assert(shader::contact_leaf == contact_boxes_together &&
 
 constexpr std::size_t sight_stride = 4;
 
-float squared(const Place& v) {
-  return kernel::inner_product<float>(v, v);
-}
-
-// How far two boxes are from each other.
-float squared_distance(const ContactBox& a, const ContactBox& b) {
-  const auto along = [](float low, float high, float other_low, float other_high) {
-    return std::max({low - other_high, other_low - high, 0.0f});
-  };
-  return squared({along(a.low.x, a.high.x, b.low.x, b.high.x), along(a.low.y, a.high.y, b.low.y, b.high.y),
-                  along(a.low.z, a.high.z, b.low.z, b.high.z)});
-}
-
 // One of the boxes that are taken together.
 void put_box(float* boxes, std::uint32_t number, const float* low, const float* high) {
   for (std::size_t a = 0; a < 3; ++a) {
@@ -78,143 +65,25 @@ struct ContactSearch::Sight {
   alignas(64) std::array<float, 3 * block_size> points;
 };
 
-ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lanes)
-    : model_(model), lanes_(lanes), order_(model::contact_points_along_curve(model)) {
-  for (const std::uint32_t p : order_) order_vertex_.push_back(model.contact[p].vertex);
+ContactSearch::ContactSearch(const model::Model& model, const ContactLanes& lanes,
+                             std::shared_ptr<const ContactRest> rest)
+    : model_(model), lanes_(lanes), rest_(std::move(rest)) {
   sights_.resize(sight_stride * model.vertex_count);
   place_.assign(model.vertex_count, nothing);
   // From nowhere, everything may have moved anywhere.
   sights_before_.assign(sights_.size(), std::numeric_limits<float>::quiet_NaN());
-  leaf_offset_.push_back(0);
-  for (std::uint32_t leaf = 0; leaf < model.contact_leaf_count(); ++leaf) {
-    const auto begin = model.contact_tetrahedron.begin() + std::ptrdiff_t{4} * leaf * leaf_size,
-               end = model.contact_tetrahedron.begin() + std::ptrdiff_t{4} * leaf_end(leaf);
-    std::vector<std::uint32_t> vertices(begin, end);
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    for (auto corner = begin; corner != end; ++corner)
-      leaf_corner_.push_back(static_cast<std::uint8_t>(
-          std::lower_bound(vertices.begin(), vertices.end(), *corner) - vertices.begin()));
-    leaf_is_held_.push_back(
-        std::none_of(begin, end, [&](std::uint32_t i) { return model.mobility[i] > 0.0f; }) ? 1 : 0);
-    leaf_vertex_.insert(leaf_vertex_.end(), vertices.begin(), vertices.end());
-    leaf_offset_.push_back(static_cast<std::uint32_t>(leaf_vertex_.size()));
-  }
   leaf_box_ = leaf_motion_ = empty_boxes(model.contact_branch_count());
   branch_box_ = empty_boxes(model::parts_of(model.contact_branch_count(), contact_boxes_together));
-  blocks_.resize(model::parts_of(static_cast<std::uint32_t>(order_.size()), block_size));
-  for (std::size_t b = 0; b < blocks_.size(); ++b)
-    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
-      const auto bit = static_cast<PointBits>(1U << (k - block_begin(b)));
-      blocks_[b].points |= bit;
-      if (model.mobility[order_vertex_[k]] > 0.0f) blocks_[b].mobile |= bit;
-    }
-  find_ignored();
-  find_near_at_rest();
-}
-
-// What is ignored in part only is left to contact_meets.
-void ContactSearch::find_ignored() {
-  if (!model_.has_ignored_contact()) return;
-  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
-    blocks_[b].ignored = ~std::uint32_t{0};
-    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k)
-      blocks_[b].ignored &= model_.contact_ignored[order_[k]];
-  }
-  for (std::uint32_t leaf = 0; leaf < model_.contact_leaf_count(); ++leaf) {
-    leaf_group_.push_back(~std::uint32_t{0});
-    for (std::uint32_t t = leaf * leaf_size; t < leaf_end(leaf); ++t)
-      leaf_group_.back() &= model_.contact_group[t];
-  }
+  blocks_.resize(rest_->blocks.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_[b].rest = &rest_->blocks[b];
 }
 
 std::uint32_t ContactSearch::block_end(std::size_t block) const {
-  return std::min(block_begin(block) + block_size, static_cast<std::uint32_t>(order_.size()));
+  return std::min(block_begin(block) + block_size, static_cast<std::uint32_t>(rest_->order.size()));
 }
 
 std::uint32_t ContactSearch::leaf_end(std::uint32_t leaf) const {
   return std::min((leaf + 1) * leaf_size, model_.contact_tetrahedron_count());
-}
-
-void ContactSearch::find_near_at_rest() {
-  const auto rest_box = [&](std::uint32_t number) {
-    const float* from = model_.contact_rest_box.data() + 8 * std::size_t{number};
-    return ContactBox{place_at(from), place_at(from + 4)};
-  };
-  const std::uint32_t leaves = model_.contact_leaf_count();
-  // Of each vertex the points of the block at hand that it is near across a gap.
-  std::vector<PointBits> across(model_.vertex_count, 0);
-  const auto for_each_across = [&](std::uint32_t b, const auto& use) {
-    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
-      const shader::ContactPoint& point = model_.contact[order_[k]];
-      for (const shader::VertexRun& run : model::near_runs(model_, point))
-        for (std::uint32_t i = run.first; i < run.end; ++i)
-          use(across[i], static_cast<PointBits>(1U << (k - block_begin(b))));
-    }
-  };
-  for (std::uint32_t b = 0; b < blocks_.size(); ++b) {
-    for_each_across(b, [](PointBits& of, PointBits bit) { of |= bit; });
-    ContactBox box = empty_contact_box;
-    float margin = 0.0f;
-    for (std::uint32_t k = block_begin(b); k < block_end(b); ++k) {
-      const Place x = rest_sight(model_, order_vertex_[k]);
-      grow(box, {x, x});
-      margin = std::max(margin, model_.contact[order_[k]].margin);
-    }
-    const auto is_far = [&](std::uint32_t number) {
-      return squared_distance(box, rest_box(number)) > margin * margin;
-    };
-    for (std::uint32_t leaf = 0; leaf < leaves; ++leaf) {
-      if (leaf % shader::contact_branch == 0 && is_far(leaves + leaf / shader::contact_branch)) {
-        leaf += shader::contact_branch - 1;
-        continue;
-      }
-      // What follows the skeleton on both sides is left out by ContactLook::all.
-      if (is_far(leaf) || (blocks_[b].mobile == 0 && leaf_is_held_[leaf] != 0)) continue;
-      const std::array<PointBits, leaf_size> relevant = relevant_at_rest(b, leaf, across);
-      const auto first = relevant.begin(), last = first + (leaf_end(leaf) - leaf * leaf_size);
-      if (std::all_of(first, last, [&](PointBits of) { return of == blocks_[b].points; })) continue;
-      blocks_[b].near.push_back({leaf, relevant_.size()});
-      relevant_.insert(relevant_.end(), relevant.begin(), relevant.end());
-    }
-    for_each_across(b, [](PointBits& of, PointBits) { of = 0; });
-  }
-}
-
-// Of each of a leaf's tetrahedra the points that may meet it. One whose corners all lie nearer to a point at
-// rest than its margin does not (kernel::contact_is_near has the reason for the 0.99), unless all are across
-// a gap.
-std::array<ContactSearch::PointBits, ContactSearch::leaf_size> ContactSearch::relevant_at_rest(
-    std::uint32_t block, std::uint32_t leaf, const std::vector<PointBits>& across_of) const {
-  constexpr std::size_t most_vertices = std::size_t{4} * leaf_size;
-  std::array<PointBits, most_vertices> near{}, across{}, moved_by{};
-  const PointBits points = blocks_[block].points;
-  for (std::uint32_t v = leaf_offset_[leaf]; v < leaf_offset_[leaf + 1]; ++v) {
-    const std::uint32_t i = leaf_vertex_[v];
-    const std::size_t at = v - leaf_offset_[leaf];
-    across[at] = across_of[i];
-    moved_by[at] = model_.mobility[i] > 0.0f ? points : blocks_[block].mobile;
-  }
-  for (std::uint32_t k = block_begin(block); k < block_end(block); ++k) {
-    const auto bit = static_cast<PointBits>(1U << (k - block_begin(block)));
-    const shader::ContactPoint& point = model_.contact[order_[k]];
-    const Place x = rest_sight(model_, point.vertex);
-    const float most = 0.99f * (point.margin * point.margin);
-    for (std::uint32_t v = leaf_offset_[leaf]; v < leaf_offset_[leaf + 1]; ++v)
-      if (squared(kernel::subtract<float>(rest_sight(model_, leaf_vertex_[v]), x)) < most)
-        near[v - leaf_offset_[leaf]] |= bit;
-  }
-  std::array<PointBits, leaf_size> relevant{};
-  for (std::uint32_t t = leaf * leaf_size; t < leaf_end(leaf); ++t) {
-    PointBits all_near = points, all_across = points, moved = 0;
-    for (std::size_t c = 4 * std::size_t{t}; c < 4 * std::size_t{t} + 4; ++c) {
-      all_near &= near[leaf_corner_[c]];
-      all_across &= across[leaf_corner_[c]];
-      moved |= moved_by[leaf_corner_[c]];
-    }
-    relevant[t - leaf * leaf_size] = static_cast<PointBits>(moved & (~all_near | all_across));
-  }
-  return relevant;
 }
 
 void ContactSearch::find(Fields& fields, ThreadPool& pool) {
@@ -251,8 +120,8 @@ void ContactSearch::bound_branch(std::uint32_t branch) {
   float* motions = leaf_motion_.data() + std::size_t{branch} * contact_boxes_stride;
   ContactBox all = empty_contact_box;
   for (std::uint32_t leaf = begin; leaf < end; ++leaf) {
-    const ContactBounds bounds =
-        bounds_of(leaf_vertex_.data() + leaf_offset_[leaf], leaf_offset_[leaf + 1] - leaf_offset_[leaf]);
+    const ContactBounds bounds = bounds_of(rest_->leaf_vertex.data() + rest_->leaf_offset[leaf],
+                                           rest_->leaf_offset[leaf + 1] - rest_->leaf_offset[leaf]);
     put_box(boxes, leaf - begin, bounds.low, bounds.high);
     put_box(motions, leaf - begin, bounds.least, bounds.most);
     grow(all, {place_at(bounds.low), place_at(bounds.high)});
@@ -267,14 +136,14 @@ void ContactSearch::find_in_block(std::uint32_t number, Fields& fields) {
   Block& block = blocks_[number];
   const std::uint32_t begin = block_begin(number), end = block_end(number);
   Sight sight{.block = number,
-              .bounds = bounds_of(order_vertex_.data() + begin, end - begin),
-              .open = block.points,
+              .bounds = bounds_of(rest_->order_vertex.data() + begin, end - begin),
+              .open = block.rest->points,
               .points = {}};
   sight.points.fill(std::numeric_limits<float>::infinity());
   for (std::uint32_t k = begin; k < end; ++k) {
     for (std::size_t a = 0; a < 3; ++a)
-      sight.points[a * block_size + (k - begin)] = sights_[sight_stride * order_vertex_[k] + a];
-    fields.contact_found[order_[k]] = shader::no_contact;
+      sight.points[a * block_size + (k - begin)] = sights_[sight_stride * rest_->order_vertex[k] + a];
+    fields.contact_found[rest_->order[k]] = shader::no_contact;
   }
   std::size_t at = 0;
   for (std::uint32_t first = 0; first < model_.contact_branch_count(); first += contact_boxes_together) {
@@ -334,7 +203,7 @@ void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& si
                    .places = sights_.data(),
                    .corners = model_.contact_tetrahedron.data() + std::size_t{4} * begin,
                    .relevant = block.relevant[place],
-                   .all = leaf_is_held_[leaf] != 0 ? block.mobile : block.points,
+                   .all = rest_->leaf_is_held[leaf] != 0 ? block.rest->mobile : block.rest->points,
                    .tetrahedra = ~LeafBits{0} >> (leaf_size - (leaf_end(leaf) - begin)),
                    .gone = branch.gone[number],
                    .apart = block.pairs[place].apart.data(),
@@ -347,7 +216,7 @@ void ContactSearch::find_in_leaf(Branch& branch, std::uint32_t number, Sight& si
   const auto place_of = [&](std::uint32_t i) { return place_at(sights_.data() + sight_stride * i); };
   for_each_bit(look.hits, [&](std::uint32_t t) {
     for_each_bit(look.inside[t] & sight.open, [&](std::uint32_t bit) {
-      const std::uint32_t p = order_[block_begin(sight.block) + bit];
+      const std::uint32_t p = rest_->order[block_begin(sight.block) + bit];
       if (!contact_meets(model_, fields, p, place_of(model_.contact[p].vertex), begin + t, place_of)) return;
       fields.contact_found[p] = begin + t;
       sight.open &= static_cast<PointBits>(~(1U << bit));
@@ -365,10 +234,11 @@ std::uint32_t ContactSearch::make_pair(Block& block, std::uint32_t leaf) const {
   const std::uint32_t place = block.unused.back();
   block.unused.pop_back();
   block.pairs[place] = {};
-  const auto near = std::lower_bound(block.near.begin(), block.near.end(), leaf,
-                                     [](const Near& of, std::uint32_t number) { return of.leaf < number; });
-  const bool is_near = near != block.near.end() && near->leaf == leaf;
-  block.relevant[place] = is_near ? relevant_.data() + near->first : nullptr;
+  const auto near =
+      std::lower_bound(block.rest->near.begin(), block.rest->near.end(), leaf,
+                       [](const ContactRest::Near& of, std::uint32_t number) { return of.leaf < number; });
+  const bool is_near = near != block.rest->near.end() && near->leaf == leaf;
+  block.relevant[place] = is_near ? rest_->relevant.data() + near->first : nullptr;
   return place;
 }
 

@@ -10,11 +10,13 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "cpu_reference/solver/contact_lanes.h"
 #include "cpu_reference/solver/contact_meets.h"
+#include "cpu_reference/solver/contact_rest.h"
 #include "cpu_reference/solver/fields.h"
 #include "cpu_reference/solver/stages.h"
 #include "cpu_reference/solver/thread_pool.h"
@@ -24,8 +26,9 @@ namespace fascicle::cpu_reference {
 
 class ContactSearch {
  public:
-  // The model has contact and must outlive the search.
-  ContactSearch(const model::Model& model, const ContactLanes& lanes);
+  // The model has contact and must outlive the search. `rest` is of it.
+  ContactSearch(const model::Model& model, const ContactLanes& lanes,
+                std::shared_ptr<const ContactRest> rest);
 
   // The contacts: contact_found, and of what takes part in one contact_place and contact_crowd.
   void find(Fields& fields, ThreadPool& pool);
@@ -34,17 +37,11 @@ class ContactSearch {
   static bool runs(model::Kernel kernel);
 
  private:
-  static constexpr std::uint32_t block_size = contact_points_together, leaf_size = shader::contact_leaf;
-  // A bit a point of a block, a bit a tetrahedron of a leaf.
-  using PointBits = std::uint16_t;
-  using LeafBits = std::uint32_t;
+  static constexpr std::uint32_t block_size = ContactRest::block_size, leaf_size = ContactRest::leaf_size;
+  using PointBits = ContactRest::PointBits;
+  using LeafBits = std::uint32_t;  // a bit a tetrahedron of a leaf
   static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
-  // A leaf some of whose tetrahedra lie near some of a block's points at rest.
-  struct Near {
-    std::uint32_t leaf;
-    std::size_t first;  // of relevant_, one a tetrahedron
-  };
   // A block and a leaf that were looked at.
   struct alignas(64) Pair {
     std::array<std::uint16_t, leaf_size> apart{};  // as in ContactLook
@@ -57,9 +54,7 @@ class ContactSearch {
     std::array<std::uint32_t, shader::contact_branch> pair{};
   };
   struct Block {
-    PointBits points = 0, mobile = 0;
-    std::uint32_t ignored = 0;     // groups that none of the points meets
-    std::vector<Near> near;        // by ascending leaf
+    const ContactRest::Block* rest = nullptr;
     std::vector<Branch> branches;  // by ascending number
     std::vector<Pair> pairs;
     std::vector<const PointBits*> relevant;  // of each pair, as in ContactLook
@@ -79,9 +74,6 @@ class ContactSearch {
   }
   std::uint32_t block_end(std::size_t block) const;
   std::uint32_t leaf_end(std::uint32_t leaf) const;
-  void find_near_at_rest();
-  std::array<PointBits, leaf_size> relevant_at_rest(std::uint32_t block, std::uint32_t leaf,
-                                                    const std::vector<PointBits>& across_of) const;
 
   void look(const Fields& fields, ThreadPool& pool);
   ContactBounds bounds_of(const std::uint32_t* vertices, std::uint32_t count) const;
@@ -94,20 +86,14 @@ class ContactSearch {
   void crowd(Fields& fields);
   void list_shares(const Fields& fields);
   Place sum_of_impulses(const Fields& fields, std::size_t touched) const;
-  void find_ignored();
   // Whether no point of the block meets any tetrahedron of the leaf, as the scene says.
   bool is_ignored(const Block& block, std::uint32_t leaf) const {
-    return !leaf_group_.empty() && (block.ignored & leaf_group_[leaf]) != 0;
+    return !rest_->leaf_group.empty() && (block.rest->ignored & rest_->leaf_group[leaf]) != 0;
   }
 
   const model::Model& model_;
   const ContactLanes& lanes_;
-  std::vector<std::uint32_t> order_, order_vertex_;       // points, block by block; their vertices
-  std::vector<std::uint32_t> leaf_offset_, leaf_vertex_;  // the vertices of each leaf
-  std::vector<std::uint8_t> leaf_corner_;  // of each corner, which of its leaf's vertices it is
-  std::vector<char> leaf_is_held_;         // none of its vertices can move by itself
-  std::vector<std::uint32_t> leaf_group_;  // groups that all its tetrahedra are of; empty without any
-  std::vector<PointBits> relevant_;
+  std::shared_ptr<const ContactRest> rest_;
   std::vector<Block> blocks_;
   LineVector<float> sights_, sights_before_;  // 4 a vertex: where this substep and the one before find it
   // Boxes as ContactLanes takes them: of leaves where they are and how they moved, a branch after the other;

@@ -53,7 +53,8 @@ struct Numbers {
 
 class CpuSolver : public model::Solver {
  public:
-  CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads, Simd simd)
+  CpuSolver(const Model& model, const model::SolverOptions& options, unsigned threads, Simd simd,
+            SolverMemory* memory)
       : model_(model), options_(options) {
     check_options(model, options);
     plan_ = substep_plan(model, options, false);
@@ -69,7 +70,9 @@ class CpuSolver : public model::Solver {
       fill_constants(model, slices_, fields_);
     }
     if (model.has_contact())
-      contacts_.emplace(model, (lanes_ != nullptr ? lanes_ : baseline_lane_stages())->contact);
+      contacts_.emplace(
+          model, (lanes_ != nullptr ? lanes_ : baseline_lane_stages())->contact,
+          memory != nullptr ? memory->contact.of(model) : std::make_shared<const ContactRest>(model));
     // Last, as it makes do with what memory is left.
     pool_.emplace(threads);
     if (lanes_ != nullptr && options.rotation == model::Rotation::qcp)
@@ -422,8 +425,8 @@ class CpuSolver : public model::Solver {
 }  // namespace
 
 std::unique_ptr<model::Solver> make_cpu_solver(const Model& model, const model::SolverOptions& options,
-                                               unsigned threads, Simd simd) {
-  return std::make_unique<CpuSolver>(model, options, threads, simd);
+                                               unsigned threads, Simd simd, SolverMemory* memory) {
+  return std::make_unique<CpuSolver>(model, options, threads, simd, memory);
 }
 
 }  // namespace fascicle::cpu_reference

@@ -4,14 +4,24 @@
 
 #include <memory>
 
+#include "cpu_reference/solver/contact_rest.h"
 #include "cpu_reference/solver/simd.h"
 #include "host/model/solver.h"
 
 namespace fascicle::cpu_reference {
 
-// `threads` 0: one for each core. The model must outlive the solver and have passed check_model. Throws
-// std::invalid_argument for options that do not fit the model, and for instructions that the machine has not.
+// What a solver leaves for the next one, where solvers are made again and again for models that differ in
+// little. The bits are the same with it and without. Copies share what they hold, and may be used by several
+// threads, each its own.
+struct SolverMemory {
+  ContactRestMemory contact;
+};
+
+// `memory` may be null. `threads` 0: one for each core. The model must outlive the solver and have passed
+// check_model. Throws std::invalid_argument for options that do not fit the model, and for instructions that
+// the machine has not.
 std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
-                                               unsigned threads = 0, Simd simd = Simd::automatic);
+                                               unsigned threads = 0, Simd simd = Simd::automatic,
+                                               SolverMemory* memory = nullptr);
 
 }  // namespace fascicle::cpu_reference

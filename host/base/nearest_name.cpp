@@ -39,7 +39,10 @@ std::string nearest_name(std::string_view given, const std::vector<std::string>&
         return edit_distance(given, a) < edit_distance(given, b);
       });
   if (nearest == names.end()) return {};
-  const bool is_near = 2 * edit_distance(given, *nearest) <= std::max(given.size(), nearest->size());
+  // One slip is near however short the name is.
+  constexpr std::size_t letters_a_slip = 3;
+  const std::size_t longest = std::max({given.size(), nearest->size(), letters_a_slip});
+  const bool is_near = letters_a_slip * edit_distance(given, *nearest) <= longest;
   return is_near ? *nearest : std::string{};
 }
 

@@ -134,6 +134,27 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
   }
 }
 
+bool is_implicit(const scene::Scene& scene) {
+  return scene.solver.integrator == scene::Integrator::implicit_step;
+}
+
+std::vector<double> painted_stiffness(const scene::Scene& scene, Measures& measures,
+                                      const std::vector<std::uint32_t>& layer_of) {
+  std::vector<double> stiffer;
+  if (!is_implicit(scene)) return stiffer;
+  for (std::uint32_t l = 0; l < scene.layers.size(); ++l) {
+    const scene::Layer& layer = scene.layers[l];
+    if (layer.alpha_attribute.empty()) continue;
+    const std::vector<double>& painted =
+        measures.painted(layer.alpha_attribute, "layers." + layer.name + ".alpha_attribute", scene.source);
+    if (stiffer.empty()) stiffer.assign(layer_of.size(), 1.0);
+    for (std::size_t i = 0; i < stiffer.size(); ++i)
+      if (layer_of[i] == l)
+        stiffer[i] = std::clamp(painted[i], least_painted_stiffness, most_painted_stiffness);
+  }
+  return stiffer;
+}
+
 std::vector<double> alphas(const scene::Scene& scene, Measures& measures,
                            const std::vector<std::uint32_t>& layer_of) {
   std::vector<double> alpha(layer_of.size());
@@ -161,7 +182,7 @@ std::vector<double> alphas(const scene::Scene& scene, Measures& measures,
         if (layer_of[i] == l && outer > inner)
           alpha[i] += (*layer.alpha_outer - layer.alpha) * ((outward[i] - inner) / (outer - inner));
     }
-    if (!layer.alpha_attribute.empty()) {
+    if (!layer.alpha_attribute.empty() && !is_implicit(scene)) {
       const std::vector<double>& painted =
           measures.painted(layer.alpha_attribute, key + ".alpha_attribute", scene.source);
       for (std::size_t i = 0; i < alpha.size(); ++i)
@@ -206,6 +227,7 @@ Layering assign_layers(const scene::Scene& scene, WhereTest& test, Measures& mea
   complete_bones(scene, measures, rings, source_vertex, is_painted_on, result.layer, report);
   check_layers_used(scene, result.layer, report);
   result.alpha = alphas(scene, measures, result.layer);
+  result.stiffer = painted_stiffness(scene, measures, result.layer);
 
   result.kinematic.resize(result.layer.size());
   for (std::size_t i = 0; i < result.layer.size(); ++i)

@@ -86,9 +86,14 @@ using LayerModuli = std::vector<std::optional<double>>;
 
 std::vector<double> moduli_of_regions(const Layering& layering, const LayerModuli& of_layer,
                                       const OneRings& rings, const RestState& state) {
+  const auto modulus_at = [&](std::size_t i) {
+    std::optional<double> E = of_layer[layering.layer[i]];
+    if (E && !layering.stiffer.empty()) *E *= layering.stiffer[i];
+    return E;
+  };
   double sum = 0.0, masses = 0.0;
   for (std::size_t i = 0; i < rings.size(); ++i)
-    if (const auto& E = of_layer[layering.layer[i]]) {
+    if (const auto E = modulus_at(i)) {
       sum += state.mass[i] * *E;
       masses += state.mass[i];
     }
@@ -96,13 +101,13 @@ std::vector<double> moduli_of_regions(const Layering& layering, const LayerModul
   const double elsewhere = masses > 0.0 ? sum / masses : 1.0;
   std::vector<double> moduli(rings.size());
   for (std::size_t r = 0; r < rings.size(); ++r) {
-    if (const auto& E = of_layer[layering.layer[r]]) {
+    if (const auto E = modulus_at(r)) {
       moduli[r] = *E;
       continue;
     }
     double near = 0.0, mass = 0.0;
     for (const std::uint32_t i : rings[r])
-      if (const auto& E = of_layer[layering.layer[i]]) {
+      if (const auto E = modulus_at(i)) {
         near += state.mass[i] * *E;
         mass += state.mass[i];
       }

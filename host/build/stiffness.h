@@ -54,9 +54,10 @@ struct ElasticMemory {
 // Of an implicit scene: fills the model's Young's moduli and stiffnesses, the layers' frequencies and the
 // damping that a ratio asks for, and multiplies the weights by k_r.
 //
-// A region takes the modulus of its vertex's layer. Where that states none, as a kinematic one may, it takes
-// the mean, by mass, of its vertices that have one. A layer's frequency is that of its lowest mode with
-// everything else held still, all regions that reach into the layer being as stiff as the layer.
+// A region takes the modulus of its vertex's layer, times what is painted there. Where that states none, as a
+// kinematic one may, it takes the mean, by mass, of its vertices that have one. A layer's frequency is that
+// of its lowest mode with everything else held still, all regions that reach into the layer being as stiff as
+// the layer is where nothing is painted.
 //
 // Throws scene::SceneError for a frequency or a ratio of a layer that nothing holds.
 void make_elastic(const scene::Scene& scene, const Layering& layering, const OneRings& rings,

@@ -186,8 +186,9 @@ std::string ChosenDevice::pipelines() const {
 }
 
 std::unique_ptr<model::Solver> ChosenDevice::make_solver(const model::Model& model,
-                                                         const model::SolverOptions& options) const {
-  if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads, simd_);
+                                                         const model::SolverOptions& options,
+                                                         SolverMemory* memory) const {
+  if (!device_) return cpu_reference::make_cpu_solver(model, options, description_.threads, simd_, memory);
   try {
     const std::string before = pipelines();
     std::unique_ptr<model::Solver> solver = gpu::make_vulkan_solver(*device_, model, options);

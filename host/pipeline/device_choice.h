@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cpu_reference/solver/cpu_solver.h"
 #include "cpu_reference/solver/simd.h"
 #include "gpu/device.h"
 #include "host/bake/bake.h"
@@ -45,6 +46,9 @@ std::string with_all_devices(const std::string& list, std::span<const gpu::Devic
 std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
                                         std::span<const gpu::DeviceInfo> devices);
 
+// What a solver leaves for the next one on the same device.
+using cpu_reference::SolverMemory;
+
 // A device ready to make solvers. Must outlive them.
 class ChosenDevice {
  public:
@@ -60,9 +64,9 @@ class ChosenDevice {
   const bake::DeviceDescription& description() const { return description_; }
   // First difference that the self-test found; empty if exact.
   const std::string& why_not_exact() const { return why_not_exact_; }
-  // Throws NoSuchDevice where the model does not fit the device.
-  std::unique_ptr<model::Solver> make_solver(const model::Model& model,
-                                             const model::SolverOptions& options) const;
+  // `memory` may be null. Throws NoSuchDevice where the model does not fit the device.
+  std::unique_ptr<model::Solver> make_solver(const model::Model& model, const model::SolverOptions& options,
+                                             SolverMemory* memory = nullptr) const;
   // The Vulkan device; null: the CPU.
   gpu::Device* gpu() const { return device_.get(); }
 

@@ -170,6 +170,23 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
            " and which the scene goes by; paint both, or take it out of the scene");
 }
 
+// What a paint file has on one character, and another one lacks, is there as where nobody has painted.
+void complete_paint(const std::vector<FilePaint>& paint, Scene& scene) {
+  for (const rig::PaintKind& kind : rig::paint_kinds()) {
+    const bool is_painted = std::any_of(paint.begin(), paint.end(),
+                                        [&](const FilePaint& one) { return one.names.contains(kind.name); });
+    if (!is_painted || kind.elsewhere == 0.0) continue;
+    for (PlacedCharacter& one : scene.characters) {
+      const bool has = std::any_of(one.own.painted.begin(), one.own.painted.end(),
+                                   [&](const rig::PaintedAttribute& a) { return a.name == kind.name; });
+      if (!has)
+        one.own.painted.push_back(
+            {kind.name, kind.width,
+             std::vector<double>(kind.width * one.own.surface.vertices.size(), kind.elsewhere)});
+    }
+  }
+}
+
 void read_named_characters(const toml::table& root, const std::filesystem::path& folder, LoadedFiles* files,
                            Scene& scene) {
   std::vector<FilePaint> paint;
@@ -192,6 +209,7 @@ void read_named_characters(const toml::table& root, const std::filesystem::path&
         }
         scene.characters.push_back(std::move(character));
       });
+  complete_paint(paint, scene);
   put_bearers_first(root, scene);
   try {
     join_characters(scene);

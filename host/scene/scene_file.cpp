@@ -26,7 +26,7 @@ constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency"
                                                    "damping_ratio"};
 // Soft tissues bear the jump of a heavy man with it (docs/design/crushed-flesh.md).
 constexpr double least_volume_of_character = 0.3;
-constexpr std::array<const char*, 3> explicit_keys{"alpha", "alpha_outer", "alpha_attribute"};
+constexpr std::array<const char*, 2> explicit_keys{"alpha", "alpha_outer"};
 
 // For the message of a key that only one integrator has.
 std::string takes(Integrator integrator) {

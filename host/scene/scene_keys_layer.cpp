@@ -18,8 +18,9 @@ const auto& layer_rows() {
            .range = between(0.0, 1.0)}),
       key(&Layer::alpha_attribute,
           {.name = "alpha_attribute",
-           .doc = "Painted values from 0 to 1 that alpha is multiplied by: _STIFFNESS, COLOR_0.g; empty: "
-                  "none."}),
+           .doc =
+               "Painted values that the stiffness is multiplied by, alpha (0 to 1) or the modulus (0.01 to "
+               "10): _STIFFNESS, COLOR_0.g; empty: none."}),
       key(&Layer::youngs_modulus, {.name = "youngs_modulus",
                                    .doc = "Stiffness with the implicit integrator: Young's modulus, Pa.",
                                    .range = positive(1e12)}),
@@ -146,7 +147,6 @@ const Table& layer_table() {
                  .doc = "A layer of the body. Where several claim a point, the last of the file has it.",
                  .alternatives = {{"alpha", "youngs_modulus", "frequency", "material"},
                                   {"alpha_outer", "youngs_modulus", "frequency", "material"},
-                                  {"alpha_attribute", "youngs_modulus", "frequency", "material"},
                                   {"damping", "damping_ratio"}}},
                 layer_rows());
   return table;

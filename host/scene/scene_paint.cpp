@@ -4,6 +4,7 @@
 #include <array>
 
 #include "host/base/errors.h"
+#include "host/base/text.h"
 #include "host/scene/paint_file.h"
 #include "host/scene/scene_check.h"
 
@@ -52,11 +53,14 @@ void give_stiffness(const std::vector<FilePaint>& paint, Scene& scene) {
   const auto has = std::find_if(paint.begin(), paint.end(),
                                 [](const FilePaint& one) { return one.names.contains(stiffness_attribute); });
   if (has == paint.end()) return;
-  if (scene.solver.integrator == Integrator::implicit_step)
-    fail(has->source, has->key,
-         "paints _STIFFNESS, which multiplies alpha, and the layers of this scene are as stiff as "
-         "youngs_modulus, frequency or material say; give them alpha (solver.integrator = \"explicit\"), or "
-         "take _STIFFNESS out of the paint");
+  if (scene.solver.integrator == Integrator::explicit_step)
+    for (const FilePaint& one : paint)
+      if (one.stiffest > 1.0f)
+        fail(one.source, one.key,
+             "paints _STIFFNESS up to " + base::short_text(double{one.stiffest}) +
+                 ", which multiplies alpha here, and that takes 0 to 1; paint less, or say how stiff the "
+                 "layers "
+                 "are by youngs_modulus, frequency or material");
   const bool is_said = std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& layer) {
     return layer.alpha_attribute == stiffness_attribute;
   });
@@ -68,9 +72,11 @@ void give_stiffness(const std::vector<FilePaint>& paint, Scene& scene) {
 }  // namespace
 
 FilePaint file_paint(const rig::Paint& paint, const toml::source_region& source, const std::string& key) {
-  FilePaint of_file{source, key, {}, {}};
+  FilePaint of_file{source, key, {}, {}, 0.0f};
   for (const rig::PaintedVertices& attribute : paint.attributes) {
     of_file.names.insert(attribute.name);
+    if (attribute.name == stiffness_attribute)
+      of_file.stiffest = *std::max_element(attribute.value.begin(), attribute.value.end());
     if (attribute.name != layer_attribute) continue;
     for (const float value : attribute.value)
       if (value != 0.0f) of_file.layers.insert(static_cast<int>(value));

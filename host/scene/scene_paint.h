@@ -19,6 +19,7 @@ struct FilePaint {
   std::string key;             // "character.paint"
   std::set<std::string> names;
   std::set<int> layers;  // values of _LAYER but 0
+  float stiffest = 0.0f;  // largest _STIFFNESS
 };
 
 FilePaint file_paint(const rig::Paint& paint, const toml::source_region& source, const std::string& key);
@@ -29,9 +30,9 @@ rig::Paint lay_paint_over(const std::filesystem::path& file, LoadedFiles* files,
                           rig::Character& character);
 
 // Layers that do not say what paint means for them do as those that a character gets without any. Where no
-// `where` asks for _LAYER, 1 is the layer called bone, 2 muscle, 3 fat; a painted _STIFFNESS multiplies alpha
-// of all layers without an attribute for that, where none of them names it. Throws SceneError where a layer
-// for the paint is missing, or cannot have it.
+// `where` asks for _LAYER, 1 is the layer called bone, 2 muscle, 3 fat; a painted _STIFFNESS multiplies the
+// stiffness of all layers without an attribute for that, where none of them names it; characters without it
+// get 1. Throws SceneError where a layer for the paint is missing, or cannot have it.
 void let_paint_act(const std::vector<FilePaint>& paint, Scene& scene);
 
 }  // namespace fascicle::scene

@@ -107,6 +107,17 @@ std::vector<PaintGround::Reached> PaintGround::reached(const Vector3d& place, do
   return found;
 }
 
+const PaintPlace* place_under(std::span<const PaintPlace> places, const Vector3d& place) {
+  if (places.size() == 1) return places.data();
+  const PaintPlace* best = nullptr;
+  double least = std::numeric_limits<double>::infinity();
+  for (const PaintPlace& one : places) {
+    const double distance = one.ground->distance_to(place - one.offset);
+    if (distance < least) least = distance, best = &one;
+  }
+  return best;
+}
+
 Painting::Painting(std::shared_ptr<const PaintGround> ground, const rig::Paint& paint)
     : ground_(std::move(ground)) {
   const auto count = static_cast<std::uint32_t>(ground_->surface().vertices.size());

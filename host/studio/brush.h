@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,19 @@ class PaintGround {
   std::vector<Vector3d> place_, normal_;
   std::vector<std::uint32_t> neighbour_offset_, neighbour_;
 };
+
+// A character of the scene as the brush meets it.
+struct PaintPlace {
+  std::string key;                            // that names its paint file
+  std::string name;                           // of the character; empty: the only one
+  std::shared_ptr<const PaintGround> ground;  // in the space of its own file
+  Vector3d offset = Vector3d::Zero();         // m: from that to where its bind pose stands in the scene's
+  bool is_rigid = false;                      // it has no flesh, and is not painted
+  bool operator==(const PaintPlace&) const = default;
+};
+
+// Which of them is under a place of the scene's bind pose; null without any.
+const PaintPlace* place_under(std::span<const PaintPlace> places, const Vector3d& place);
 
 // How much less a brush leaves towards its rim.
 enum class Falloff { smooth, linear, constant };

@@ -1,5 +1,6 @@
 #include "host/studio/history.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -9,30 +10,41 @@ History::History(std::vector<HistoryStep> steps, std::size_t at) : steps_(std::m
   assert(at_ < steps_.size());
 }
 
+bool is_same(const Paints& a, const Paints& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& one, const auto& other) {
+    return one.first == other.first && (one.second == other.second || *one.second == *other.second);
+  });
+}
+
 namespace {
 
-bool is_same(const PaintText& a, const PaintText& b) {
-  return a == b || (a && b && *a == *b);
+// Bytes of the paints that the step after it does not share.
+std::size_t own_bytes(const Paints& paints, const Paints* next) {
+  std::size_t bytes = 0;
+  for (const auto& [key, text] : paints) {
+    const auto found = next != nullptr ? next->find(key) : paints.end();
+    const bool is_shared = next != nullptr && found != next->end() && found->second == text;
+    if (!is_shared) bytes += text->size();
+  }
+  return bytes;
 }
 
 }  // namespace
 
-void History::add(std::string label, std::string text, PaintText paint,
-                  std::optional<std::uint64_t> gesture) {
+void History::add(std::string label, std::string text, Paints paints, std::optional<std::uint64_t> gesture) {
   steps_.resize(at_ + 1);
   if (gesture && gesture == gesture_ && at_ > 0) {
     steps_.back().text = std::move(text);
-    steps_.back().paint = std::move(paint);
+    steps_.back().paints = std::move(paints);
     return;
   }
   gesture_ = gesture;
-  steps_.push_back({std::move(label), std::move(text), std::move(paint)});
+  steps_.push_back({std::move(label), std::move(text), std::move(paints)});
   std::size_t bytes = 0, kept = 0;
   for (std::size_t k = steps_.size(); k > 0; --k) {
     const HistoryStep& step = steps_[k - 1];
     bytes += step.text.size() + step.label.size();
-    // What the next step has as well is there once.
-    if (step.paint && (k == steps_.size() || steps_[k].paint != step.paint)) bytes += step.paint->size();
+    bytes += own_bytes(step.paints, k == steps_.size() ? nullptr : &steps_[k].paints);
     if (kept > 0 && (bytes > most_bytes || kept == most_steps)) break;
     ++kept;
   }
@@ -54,10 +66,10 @@ bool History::redo() {
   return true;
 }
 
-void History::fall_back(const std::string& text, const PaintText& paint) {
+void History::fall_back(const std::string& text, const Paints& paints) {
   gesture_.reset();
   const auto has_both = [&](std::size_t k) {
-    return steps_[k].text == text && is_same(steps_[k].paint, paint);
+    return steps_[k].text == text && is_same(steps_[k].paints, paints);
   };
   for (std::size_t away = 1; away < steps_.size(); ++away) {
     const std::size_t before = at_ - away, after = at_ + away;
@@ -72,7 +84,7 @@ void History::fall_back(const std::string& text, const PaintText& paint) {
     }
   }
   steps_[at_].text = text;
-  steps_[at_].paint = paint;
+  steps_[at_].paints = paints;
 }
 
 }  // namespace fascicle::studio

@@ -81,6 +81,16 @@ void Player::post_needed(Work work) {
   wakes_.notify_all();
 }
 
+void Player::hold_until(Clock::time_point time) {
+  const std::lock_guard lock(mutex_);
+  held_until_ = time;
+}
+
+void Player::hurry() {
+  hold_until({});
+  due_ = Clock::now();
+}
+
 bool Player::post_long(PlayerMode mode, Work work) {
   return post([this, mode, number = ++posted_long_, work = std::move(work)](Motion& motion) {
     PlayerMode before;
@@ -265,6 +275,11 @@ void Player::advance() {
   due_ = std::max(due_, Clock::now() - as_duration(period));
 }
 
+bool Player::may_begin() const {
+  const std::lock_guard lock(mutex_);
+  return state_.mode == PlayerMode::playing && Clock::now() >= std::max(due_, held_until_);
+}
+
 void Player::run() {
   attempt([&] { show(motion_->again()); });
   due_ = Clock::now();
@@ -277,7 +292,7 @@ void Player::run() {
       const auto has_work = [&] { return stops_ || !waiting_.empty() || must_play() != plays; };
       plays = must_play();
       if (plays)
-        wakes_.wait_until(lock, due_, has_work);
+        wakes_.wait_until(lock, std::max(due_, held_until_), has_work);
       else
         wakes_.wait(lock, has_work);
       if (stops_) return;
@@ -288,7 +303,7 @@ void Player::run() {
     }
     if (work) attempt(work);
     // Whoever asks for much holds no frame up that is due.
-    if (plays && state().mode == PlayerMode::playing && Clock::now() >= due_) advance();
+    if (plays && may_begin()) advance();
   }
 }
 

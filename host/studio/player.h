@@ -63,12 +63,16 @@ class Player {
   bool post(Work work);
   // The same for work that must not be lost, such as letting go; it is always taken.
   void post_needed(Work work);
+  // Until then no frame begins that plays by itself: something better is about to be there. Any thread.
+  void hold_until(std::chrono::steady_clock::time_point time);
   // Work that takes long and shows its frames itself by show(): the player's mode meanwhile is `mode`. It
   // should end soon when must_stop() is true.
   bool post_long(PlayerMode mode, Work work);
 
   // On the player's thread only.
   void show(ShownFrame frame);
+  // What plays goes on at once, and is held no longer.
+  void hurry();
   bool must_stop() const { return stops_ || (running_long_ > 0 && cancelled_long_ >= running_long_); }
   // Ends the long work that was posted before, under way or waiting, and none that is posted later.
   void cancel();
@@ -79,6 +83,7 @@ class Player {
 
  private:
   void run();
+  bool may_begin() const;
   void advance();
   void tell();
   // False where it came to trouble.
@@ -88,11 +93,12 @@ class Player {
 
   std::unique_ptr<Motion> motion_;
   PlayerEvents events_;
-  mutable std::mutex mutex_;  // of state_, waiting_, is_watched_ and seek_
+  mutable std::mutex mutex_;  // of state_, waiting_, is_watched_, held_until_ and seek_
   std::condition_variable wakes_;
   std::deque<std::function<void()>> waiting_;
   PlayerState state_;
   bool is_watched_ = true;
+  std::chrono::steady_clock::time_point held_until_;
   std::optional<std::uint64_t> seek_;  // that waits
   std::atomic<bool> stops_ = false;
   std::atomic<std::uint64_t> posted_long_ = 0, cancelled_long_ = 0;

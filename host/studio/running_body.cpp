@@ -8,14 +8,15 @@
 namespace fascicle::studio {
 
 RunningBody::RunningBody(scene::Scene scene, pipeline::Built built, const pipeline::ChosenDevice& device,
-                         std::uint32_t revision)
+                         std::uint32_t revision, pipeline::SolverMemory memory)
     : scene_(std::move(scene)),
       built_(std::move(built)),
       device_(device),
       revision_(revision),
       frames_(scene::frame_count(scene_)),
+      memory_(std::move(memory)),
       drives_(scene_, built_.model, built_.steps.substeps),
-      solver_(device.make_solver(built_.model, pipeline::solver_options(scene_, built_.steps))) {}
+      solver_(device.make_solver(built_.model, pipeline::solver_options(scene_, built_.steps), &memory_)) {}
 
 double RunningBody::frame_time(std::uint64_t frame) const {
   if (built_.model.has_skeleton()) return drives_.clip_time(frame);
@@ -23,7 +24,8 @@ double RunningBody::frame_time(std::uint64_t frame) const {
 }
 
 std::unique_ptr<model::Solver> RunningBody::solver_of(const model::Model& model) const {
-  return device_.make_solver(model, pipeline::solver_options(scene_, built_.steps));
+  pipeline::SolverMemory memory = memory_;
+  return device_.make_solver(model, pipeline::solver_options(scene_, built_.steps), &memory);
 }
 
 model::State RunningBody::state_on_skeleton(std::uint64_t frame) {

@@ -20,7 +20,7 @@ class RunningBody {
  public:
   // The device must outlive it. Throws pipeline::NoSuchDevice where the model does not fit it.
   RunningBody(scene::Scene scene, pipeline::Built built, const pipeline::ChosenDevice& device,
-              std::uint32_t revision);
+              std::uint32_t revision, pipeline::SolverMemory memory = {});
   RunningBody(const RunningBody&) = delete;
   RunningBody& operator=(const RunningBody&) = delete;
 
@@ -33,6 +33,8 @@ class RunningBody {
 
   drive::DriveSource& drives() { return drives_; }
   model::Solver& solver() { return *solver_; }
+  // Of its solver, for the next body's.
+  const pipeline::SolverMemory& memory() const { return memory_; }
   // Another one for a model with the same solver settings.
   std::unique_ptr<model::Solver> solver_of(const model::Model& model) const;
 
@@ -51,6 +53,7 @@ class RunningBody {
   const pipeline::ChosenDevice& device_;
   std::uint32_t revision_;
   std::uint64_t frames_;
+  pipeline::SolverMemory memory_;
   drive::DriveSource drives_;
   std::unique_ptr<model::Solver> solver_;
 };

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "host/studio/body_messages.h"
+#include "host/studio/key_use.h"
 
 namespace fascicle::studio {
 namespace {
@@ -94,7 +95,7 @@ const char* kind_of(const scene::Key& key) {
   }
 }
 
-Json key_json(const EditedTable& table, const EditedKey& edited) {
+Json key_json(const EditedTable& table, const EditedKey& edited, const KeyUse& use) {
   const scene::Key& key = *edited.key;
   Json json{{"path", edited.path},
             {"name", key.name},
@@ -105,6 +106,7 @@ Json key_json(const EditedTable& table, const EditedKey& edited) {
             {"fallback", key.fallback},
             {"rivals", edited.rivals},
             {"effect", needs_new_body(edited.path) ? "rebuild" : "live"}};
+  if (std::string why = use.why_unused(table, edited); !why.empty()) json["why_unused"] = std::move(why);
   if (std::isfinite(key.range.minimum)) {
     json["minimum"] = key.range.minimum;
     json["minimum_excluded"] = key.range.minimum_excluded;
@@ -292,16 +294,23 @@ bool needs_new_body(std::string_view path) {
   return path.starts_with("character") && !path.ends_with(".clip");
 }
 
-std::string paint_key(const std::vector<EditedTable>& tables) {
-  const EditedKey* key = find(tables, paint_path);
-  return key != nullptr && key->value.is_string() ? key->value.get<std::string>() : std::string();
+std::map<std::string, std::string> paint_files(const std::vector<EditedTable>& tables) {
+  std::map<std::string, std::string> files;
+  for (const EditedTable& table : tables) {
+    if (!table.path.starts_with("character")) continue;
+    for (const EditedKey& key : table.keys)
+      if (key.key->name == "paint" && key.value.is_string() && key.value != "")
+        files[key.path] = key.value.get<std::string>();
+  }
+  return files;
 }
 
 Json keys_json(const std::vector<EditedTable>& tables) {
+  const KeyUse use(tables);
   Json groups = Json::array();
   for (const EditedTable& table : tables) {
     Json keys = Json::array();
-    for (const EditedKey& key : table.keys) keys.push_back(key_json(table, key));
+    for (const EditedKey& key : table.keys) keys.push_back(key_json(table, key, use));
     groups.push_back(
         {{"path", table.path}, {"title", table.path}, {"doc", table.table->doc}, {"keys", std::move(keys)}});
   }
@@ -316,15 +325,15 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
     presets.push_back(wished({name, title, doc, {}, {}}, std::move(wish)));
   };
   add("more-jiggle", "More jiggle", "Softer flesh that trails further and swings longer.", [](Wish& wish) {
-    wish.soften(1.25);
-    wish.scale_damping(0.8);
+    wish.soften(1.1);
+    wish.scale_damping(0.85);
   });
   add("firmer", "Firmer", "Stiffer flesh that comes to rest sooner.", [](Wish& wish) {
     wish.soften(1.0 / 1.25);
     wish.scale_damping(1.25);
   });
   add("heavier", "Heavier", "Denser flesh of the same stiffness: it sags more and swings more slowly.",
-      [](Wish& wish) { wish.scale_density(1.5); });
+      [](Wish& wish) { wish.scale_density(1.25); });
   presets.push_back(only_joint(body, tables,
                                {"only-belly",
                                 "Only the belly",
@@ -337,11 +346,14 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
       body, tables,
       {"only-tail", "Only the tail", "The flesh of the tail moves, all other follows the skeleton.", {}, {}},
       {"tail"}, true, "tail"));
-  add("cartoon", "Cartoon", "Flesh that overshoots as in a cartoon.", [](Wish& wish) {
-    wish.soften(1.5);
-    wish.exaggerate(1.3);
-    wish.scale_damping(0.6);
-  });
+  // Softer flesh that feels more and is damped less folds in short waves where a bear lands. With more
+  // damping it moves further and stays whole.
+  add("cartoon", "Cartoon", "Flesh that follows further than real flesh does, as in a cartoon.",
+      [](Wish& wish) {
+        wish.soften(1.15);
+        wish.exaggerate(1.1);
+        wish.scale_damping(1.2);
+      });
   return presets;
 }
 

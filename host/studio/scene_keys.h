@@ -1,6 +1,7 @@
 // The scene's keys as the page shows them, and wishes that change several at once.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,8 +22,8 @@ bool needs_new_body(std::string_view path);
 inline constexpr std::string_view paint_path = "character.paint";
 // What its file's name ends in.
 inline constexpr const char* paint_suffix = ".paint.json";
-// What it holds; empty where there is no such key, or nothing in it.
-std::string paint_key(const std::vector<scene::EditedTable>& tables);
+// The files that the scene's characters name for what is painted on them, by their keys.
+std::map<std::string, std::string> paint_files(const std::vector<scene::EditedTable>& tables);
 
 // "groups" of the message `keys`.
 Json keys_json(const std::vector<scene::EditedTable>& tables);

@@ -33,8 +33,8 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   if (source.extension() == ".toml") source_folder_ = source.parent_path();
   converter_ = scene.converter;
   base_text_ = scene.text;
-  base_paint_ = read_paint_file(scene.characters.empty() ? scene.paint : std::string());
-  base_hash_ = scene::hash_of(base_paint_ ? base_text_ + *base_paint_ : base_text_);
+  base_paints_ = paints_after(scene::edited_tables(base_text_, source_));
+  base_hash_ = hash_of_all(base_text_, base_paints_);
   bake::make_folder(options_.folder);
   lock_.emplace(options_.folder);
   if (std::optional<SessionRecord> record = read_session(options_.folder)) {
@@ -43,7 +43,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
       saved_file_ = record->saved_file;
       saved_hash_ = record->saved_hash;
       saved_text_ = record->saved_text;
-      saved_paint_ = record->saved_paint;
+      saved_paints_ = record->saved_paints;
       if (history_->steps().size() > 1)
         restored_ = "the session that " + options_.folder.string() + " holds goes on";
     } else {
@@ -52,7 +52,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   } else if (std::filesystem::exists(options_.folder / session_file_name)) {
     keep_old_session("held a session that cannot be read: damaged, or of another version of fascicle");
   }
-  if (!history_) history_.emplace(base_text_, base_paint_);
+  if (!history_) history_.emplace(base_text_, base_paints_);
 
   options_.build.is_cancelled = [this, outer = options_.build.is_cancelled] {
     return stops_ || stops_build_ || (outer && outer());
@@ -64,14 +64,14 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   };
   const auto make_first = [&] {
     try {
-      body_ = workshop_->make(history_->text(), history_->paint(), revision_, say_);
+      body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
     } catch (const scene::SceneError& error) {
       if (restored_.empty()) throw;
       pipeline::say_warning(say_,
                             std::string(error.what()) + "; the session begins with the scene as it was");
       while (history_->undo()) {
       }
-      body_ = workshop_->make(history_->text(), history_->paint(), revision_, say_);
+      body_ = workshop_->make(history_->text(), history_->paints(), revision_, say_);
     }
   };
   start_workshop();
@@ -92,7 +92,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   tables_ = scene::edited_tables(history_->text(), source_);
   prepared_ = prepare(body_);
   prepared_.text = history_->text();
-  prepared_.paint = history_->paint();
+  prepared_.paints = history_->paints();
   publish(prepared_);
   writer_ = std::make_unique<SessionWriter>(options_.folder, [this](const std::string& error) {
     if (!error.empty()) return pipeline::say_warning(say_, "the session could not be saved: " + error);

@@ -88,15 +88,15 @@ class Session {
     std::vector<ArrayMessage> arrays;
     Json body_message, clip_message, warnings_message;
     std::string text;
-    PaintText paint;
-    std::shared_ptr<const PaintGround> ground;
+    Paints paints;
+    std::vector<PaintPlace> places;
   };
   // A stroke of the brush that is under way.
   struct Stroke {
     PageId page = 0;
     std::uint64_t number = 0;
     const rig::PaintKind* kind = nullptr;
-    Painting painting;
+    std::vector<Painting> paintings;  // one a place
     Vector3d last = Vector3d::Zero();
   };
 
@@ -121,12 +121,12 @@ class Session {
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
                 std::optional<std::uint64_t> gesture);
   // `is_running`: the flesh that moves is of this text already.
-  void take_text(const std::vector<scene::EditedTable>& before, const PaintText& painted_before,
+  void take_text(const std::vector<scene::EditedTable>& before, const Paints& painted_before,
                  bool is_running = false);
   void step_in_history(bool is_undo);
   void keep_old_session(const std::string& why);
   void build_on();
-  void build(std::uint32_t revision, const std::string& text, const PaintText& paint);
+  void build(std::uint32_t revision, const std::string& text, const Paints& paints);
   Publication prepare(const std::shared_ptr<RunningBody>& body);
   void publish(const Publication& publication);
   void tell_applied(const FrameNumbers& numbers);
@@ -142,22 +142,26 @@ class Session {
   std::optional<ShownFrame> frame_beside(const Motion& motion);
 
   // session_paint.cpp
-  PaintText read_paint_file(const std::string& name) const;
-  std::string why_no_paint(const rig::PaintKind* kind = nullptr) const;
-  Painting painting_in_force() const;
+  PaintText read_paint_file(const std::string& key, const std::string& name) const;
+  std::string why_no_paint() const;
+  double most_painted(const rig::PaintKind& kind) const;
+  Paints paints_after(const std::vector<scene::EditedTable>& after) const;
+  std::vector<Painting> paintings_in_force() const;
   void paint(PageId page, const StrokePiece& piece);
   void end_stroke();
   void keep_stroke(const Stroke& stroke);
   void send_paint(std::optional<PageId> page);
-  void send_sheet(const Painting& painting, const rig::PaintKind& kind, std::optional<PageId> page);
+  void send_sheet(const std::vector<Painting>& paintings, const rig::PaintKind& kind,
+                  std::optional<PageId> page);
   std::string state_hash() const;
 
   // session_bakes.cpp
   void record();
   void bake(const Command& command);
   std::filesystem::path save(const Command& command, Json& answer);
-  std::string text_in_folder(const std::string& paint_name) const;
-  void save_paint(const std::filesystem::path& file, bool is_own_name, bool overwrite);
+  std::string text_in_folder(const std::map<std::string, std::string>& paint_names) const;
+  std::map<std::string, std::string> paint_names(const std::string& stem) const;
+  void save_paints(const std::map<std::string, std::string>& names, bool is_own_name, bool overwrite);
 
   const pipeline::Say say_;
   SessionOptions options_;
@@ -166,7 +170,7 @@ class Session {
   std::string scene_to_open_;  // of a bake: its scene's name for the command line
   std::string restored_;       // in words: what was taken up
   std::string base_hash_, base_text_;
-  PaintText base_paint_;
+  Paints base_paints_;
   bool is_live_ = false;
   std::optional<bake::FolderLock> lock_;
   std::optional<pipeline::ChosenDevice> device_;
@@ -190,17 +194,17 @@ class Session {
   std::uint32_t built_ = 1;                 // that the builder has taken up
   std::optional<Publication> next_;         // that waits for the player
   std::string running_text_;                // of the body whose frames are shown
-  PaintText running_paint_;                 // the same
-  std::shared_ptr<const PaintGround> ground_;
+  Paints running_paints_;                   // the same
+  std::vector<PaintPlace> places_;          // that can be painted on
   std::optional<Stroke> stroke_;
   bool bakes_ = false;        // a bake waits or is under way
   bool builds_anew_ = false;  // what the builder is at needs a new body
   std::vector<Pending> pending_;
-  std::string saved_file_;             // by its name in the folder; empty: none
-  std::string saved_hash_;             // of the text in force as it was saved last
-  std::string saved_text_;             // hash of what was written
-  std::string saved_paint_;            // the same of the paint; empty: none was
-  std::shared_ptr<RunningBody> body_;  // whose frames are shown
+  std::string saved_file_;                           // by its name in the folder; empty: none
+  std::string saved_hash_;                           // of the text in force as it was saved last
+  std::string saved_text_;                           // hash of what was written
+  std::map<std::string, std::string> saved_paints_;  // the same of the paints, by their keys
+  std::shared_ptr<RunningBody> body_;                // whose frames are shown
   std::uint32_t body_number_ = 0;
   std::vector<ArrayMessage> arrays_;
   Json body_message_, clip_message_, warnings_message_;
@@ -215,5 +219,10 @@ class Session {
   std::unique_ptr<Player> player_;
   std::thread builder_;
 };
+
+// Of a scene's text and its paints.
+std::string hash_of_all(std::string text, const Paints& paints);
+// What a character's paint is called beside a scene called `stem`, by the key that names it.
+std::string paint_name_of(const std::string& stem, const std::string& key);
 
 }  // namespace fascicle::studio

@@ -76,8 +76,8 @@ void Session::record() {
 }
 
 // The text in force, with its file names as they are seen from the session's folder. What the session has
-// painted lies there under this name.
-std::string Session::text_in_folder(const std::string& paint_name) const {
+// painted lies there under these names, by the keys.
+std::string Session::text_in_folder(const std::map<std::string, std::string>& paint_names) const {
   std::vector<scene::KeyChange> changes;
   // The working directory's names have no folder.
   const fs::path from = fs::absolute(source_folder_ / "."), to = fs::absolute(options_.folder);
@@ -85,8 +85,8 @@ std::string Session::text_in_folder(const std::string& paint_name) const {
     for (const scene::EditedKey& key : table.keys) {
       const bool is_paint = key.key->name == "paint";
       if ((key.key->name != "file" && !is_paint) || !key.is_stated || !key.value.is_string()) continue;
-      if (is_paint && key.path == paint_path && history_->paint()) {
-        changes.push_back({key.path, Json(paint_name)});
+      if (const auto name = paint_names.find(key.path); name != paint_names.end()) {
+        changes.push_back({key.path, Json(name->second)});
         continue;
       }
       const fs::path file(key.value.get<std::string>());
@@ -96,18 +96,33 @@ std::string Session::text_in_folder(const std::string& paint_name) const {
   return changes.empty() ? history_->text() : scene::change_text(history_->text(), source_, changes).text;
 }
 
-// Beside the scene that names it.
-void Session::save_paint(const fs::path& file, bool is_own_name, bool overwrite) {
-  if (!history_->paint()) return;
-  const std::string& text = *history_->paint();
-  const std::optional<std::string> there = base::read_input_if_there(file, scene::most_paint_bytes);
-  const bool is_own = there && (*there == text || (is_own_name && scene::hash_of(*there) == saved_paint_));
-  if (there && !is_own && !overwrite)
-    throw std::runtime_error(
-        file.string() +
-        " is there already, and this session did not write it; choose another name, or replace it");
-  base::write_whole(file, text);
-  saved_paint_ = scene::hash_of(text);
+// What the paint files of a scene called `stem` are called, by the keys.
+std::map<std::string, std::string> Session::paint_names(const std::string& stem) const {
+  std::map<std::string, std::string> names;
+  for (const auto& [key, text] : history_->paints()) names[key] = paint_name_of(stem, key);
+  return names;
+}
+
+// Beside the scene that names them. Nothing is written where one of them must not be.
+void Session::save_paints(const std::map<std::string, std::string>& names, bool is_own_name, bool overwrite) {
+  for (const auto& [key, name] : names) {
+    const fs::path file = options_.folder / name;
+    const std::optional<std::string> there = base::read_input_if_there(file, scene::most_paint_bytes);
+    const auto saved = saved_paints_.find(key);
+    const bool is_saved =
+        there && is_own_name && saved != saved_paints_.end() && scene::hash_of(*there) == saved->second;
+    const bool is_own = is_saved || (there && *there == *history_->paints().at(key));
+    if (there && !is_own && !overwrite)
+      throw std::runtime_error(
+          file.string() +
+          " is there already, and this session did not write it; choose another name, or replace it");
+  }
+  saved_paints_.clear();
+  for (const auto& [key, name] : names) {
+    const std::string& text = *history_->paints().at(key);
+    base::write_whole(options_.folder / name, text);
+    saved_paints_[key] = scene::hash_of(text);
+  }
 }
 
 fs::path Session::save(const Command& command, Json& answer) {
@@ -115,8 +130,8 @@ fs::path Session::save(const Command& command, Json& answer) {
                            : !saved_file_.empty() ? saved_file_
                                                   : name_ + ".toml";
   const fs::path path = options_.folder / name;
-  const fs::path paint_file = options_.folder / (path.stem().string() + paint_suffix);
-  const std::string text = text_in_folder(paint_file.filename().string());
+  const std::map<std::string, std::string> names = paint_names(path.stem().string());
+  const std::string text = text_in_folder(names);
   const std::optional<std::string> there = base::read_input_if_there(path, most_scene_bytes);
   const bool is_own =
       there && (*there == text || (name == saved_file_ && scene::hash_of(*there) == saved_text_));
@@ -124,7 +139,7 @@ fs::path Session::save(const Command& command, Json& answer) {
     throw std::runtime_error(
         path.string() +
         " is there already, and this session did not write it; choose another name, or replace it");
-  save_paint(paint_file, name == saved_file_, command.overwrite);
+  save_paints(names, name == saved_file_, command.overwrite);
   base::write_whole(path, text);
   saved_file_ = name;
   saved_text_ = scene::hash_of(text);
@@ -133,7 +148,7 @@ fs::path Session::save(const Command& command, Json& answer) {
   const bool had_comments = base_text_.find('#') != std::string::npos;
   const bool keeps_comments = !had_comments || text.find('#') != std::string::npos;
   answer["file"] = path.string();
-  if (history_->paint()) answer["paint"] = paint_file.string();
+  for (const auto& [key, file] : names) answer["paints"].push_back((options_.folder / file).string());
   answer["kept_comments"] = keeps_comments;
   answer["message"] = keeps_comments
                           ? "fascicle bake takes this file"

@@ -14,6 +14,9 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::size_t most_pending = 256;
+// What plays stands still so long at most for a change that needs no new body: frames of keys that hold no
+// more would only take the builder's processors.
+constexpr auto patience_for_change = std::chrono::milliseconds(250);
 
 // What has another value, or none any more, by its path.
 Json differences(const std::vector<scene::EditedTable>& before,
@@ -41,16 +44,14 @@ void Session::set_keys(const std::vector<scene::KeyChange>& changes, const std::
   const scene::ChangedText changed = scene::change_text(history_->text(), source_, changes);
   if (changed.text == history_->text()) return;
   std::vector<scene::EditedTable> after = scene::edited_tables(changed.text, source_);
-  const PaintText painted = history_->paint();
-  // Another file has other paint.
-  const std::string file = paint_key(after);
-  history_->add(label, changed.text, file == paint_key(tables_) ? painted : read_paint_file(file), gesture);
+  const Paints painted = history_->paints();
+  history_->add(label, changed.text, paints_after(after), gesture);
   const std::vector<scene::EditedTable> before = std::exchange(tables_, std::move(after));
   take_text(before, painted);
 }
 
 void Session::step_in_history(bool is_undo) {
-  const PaintText painted = history_->paint();
+  const Paints painted = history_->paints();
   if (!(is_undo ? history_->undo() : history_->redo()))
     throw std::runtime_error(is_undo ? "there is nothing to take back" : "there is nothing to make again");
   std::vector<scene::EditedTable> after;
@@ -65,12 +66,12 @@ void Session::step_in_history(bool is_undo) {
 }
 
 // The text in force is another one.
-void Session::take_text(const std::vector<scene::EditedTable>& before, const PaintText& painted_before,
+void Session::take_text(const std::vector<scene::EditedTable>& before, const Paints& painted_before,
                         bool is_running) {
   ++revision_;
   if (is_running) built_ = revision_;
   const Json changes = differences(before, tables_);
-  const bool is_painted_anew = history_->paint() != painted_before;
+  const bool is_painted_anew = !is_same(history_->paints(), painted_before);
   bool is_rebuild = is_painted_anew;
   for (const auto& [path, value] : changes.items()) is_rebuild = is_rebuild || needs_new_body(path);
   is_rebuild = is_rebuild && !is_running;
@@ -85,6 +86,7 @@ void Session::take_text(const std::vector<scene::EditedTable>& before, const Pai
                {"revision", revision_},
                {"changes", changes},
                {"effect", is_rebuild ? "rebuild" : "live"}};
+  if (!is_rebuild && !is_running) player_->hold_until(Clock::now() + patience_for_change);
   if (is_rebuild) {
     message["message"] = "builds the body anew; what moves stays as it was until then";
     player_message_ = "building the body anew";
@@ -100,7 +102,7 @@ void Session::take_text(const std::vector<scene::EditedTable>& before, const Pai
 
 void Session::autosave() {
   writer_->put({source_, base_hash_, history_->steps(), history_->at(), saved_file_, saved_hash_, saved_text_,
-                saved_paint_});
+                saved_paints_});
 }
 
 // The builder's thread. It takes up the newest text alone.
@@ -122,29 +124,29 @@ void Session::build_on() {
   for (;;) {
     std::uint32_t revision = 0;
     std::string text;
-    PaintText paint;
+    Paints paints;
     {
       std::unique_lock lock(mutex_);
       builder_wakes_.wait(lock, [this] { return stops_ || revision_ != built_; });
       if (stops_) return;
       revision = built_ = revision_;
       text = history_->text();
-      paint = history_->paint();
+      paints = history_->paints();
       builds_anew_ =
           std::any_of(pending_.begin(), pending_.end(), [](const Pending& one) { return one.is_rebuild; });
       stops_build_ = false;
     }
-    build(revision, text, paint);
+    build(revision, text, paints);
     const std::lock_guard lock(mutex_);
     builds_anew_ = false;
   }
 }
 
-void Session::build(std::uint32_t revision, const std::string& text, const PaintText& paint) {
+void Session::build(std::uint32_t revision, const std::string& text, const Paints& paints) {
   try {
-    Publication made = prepare(workshop_->make(text, paint, revision, say_));
+    Publication made = prepare(workshop_->make(text, paints, revision, say_));
     made.text = text;
-    made.paint = paint;
+    made.paints = paints;
     prepared_ = made;
     {
       // Of bodies that wait for a player who is busy the last one counts.
@@ -167,6 +169,7 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
         if (live.hand() == nullptr) let_go();
       }
       player_->show(frame);
+      player_->hurry();
     });
   } catch (const build::Cancelled&) {
     // A newer text waits, or the session ends.
@@ -186,7 +189,7 @@ Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) 
   const BodyParts parts{body->model(), &body->built().report, &body->scene()};
   Publication made;
   made.body = body;
-  made.ground = workshop_->ground(body->scene(), prepared_.ground);
+  made.places = workshop_->places(body->scene(), prepared_.places);
   const std::uint32_t number = prepared_.number + 1;
   made.arrays = array_messages(parts, looks_, number, prepared_.arrays);
   made.body_message = body_json(parts, looks_, number, made.arrays);
@@ -212,13 +215,13 @@ Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) 
 void Session::publish(const Publication& made) {
   const bool is_new = made.number != body_number_;
   const std::vector<ArrayMessage> before = std::exchange(arrays_, made.arrays);
-  const bool is_same_ground = ground_ == made.ground;
+  const bool has_same_places = places_ == made.places;
   const bool paints_otherwise =
-      !is_same_ground || body_->scene().solver.integrator != made.body->scene().solver.integrator;
+      !has_same_places || body_->scene().solver.integrator != made.body->scene().solver.integrator;
   body_ = made.body;
-  ground_ = made.ground;
+  places_ = made.places;
   running_text_ = made.text;
-  running_paint_ = made.paint;
+  running_paints_ = made.paints;
   body_number_ = made.number;
   body_message_ = made.body_message;
   if (is_new) {
@@ -236,7 +239,7 @@ void Session::publish(const Publication& made) {
   warnings_message_ = made.warnings_message;
   broadcast(presets_message());
   if (paints_otherwise) {
-    if (!is_same_ground) stroke_.reset();  // it was on another mesh
+    if (!has_same_places) stroke_.reset();  // it was on another mesh
     send_paint(std::nullopt);
   }
   if (is_new) broadcast({{"type", "ready"}});
@@ -272,8 +275,8 @@ void Session::take_back(std::uint32_t revision, const std::string& error) {
   // A newer text waits, and will say for itself what is wrong with it.
   if (revision_ != revision) return;
   broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
-  const PaintText painted = history_->paint();
-  history_->fall_back(next_ ? next_->text : running_text_, next_ ? next_->paint : running_paint_);
+  const Paints painted = history_->paints();
+  history_->fall_back(next_ ? next_->text : running_text_, next_ ? next_->paints : running_paints_);
   player_message_.clear();
   try {
     take_text(std::exchange(tables_, scene::edited_tables(history_->text(), source_)), painted, true);

@@ -17,7 +17,8 @@ using scene::Json;
 
 namespace {
 
-constexpr int version = 1;
+// 2: paint of several characters.
+constexpr int version = 2;
 constexpr const char* version_key = "fascicle_studio";
 constexpr auto pace = std::chrono::milliseconds(100);
 
@@ -28,10 +29,11 @@ std::string session_text(const SessionRecord& record) {
   std::map<const std::string*, std::size_t> number_of;
   for (const HistoryStep& step : record.steps) {
     steps.push_back({{"label", step.label}, {"text", step.text}});
-    if (!step.paint) continue;
-    const auto [known, is_new] = number_of.try_emplace(step.paint.get(), paints.size());
-    if (is_new) paints.push_back(*step.paint);
-    steps.back()["paint"] = known->second;
+    for (const auto& [key, paint] : step.paints) {
+      const auto [known, is_new] = number_of.try_emplace(paint.get(), paints.size());
+      if (is_new) paints.push_back(*paint);
+      steps.back()["paint"][key] = known->second;
+    }
   }
   return scene::dump({{version_key, version},
                       {"source", record.source},
@@ -40,7 +42,7 @@ std::string session_text(const SessionRecord& record) {
                       {"saved_file", record.saved_file},
                       {"saved_hash", record.saved_hash},
                       {"saved_text", record.saved_text},
-                      {"saved_paint", record.saved_paint},
+                      {"saved_paints", record.saved_paints},
                       {"paints", std::move(paints)},
                       {"steps", std::move(steps)}},
                      1);
@@ -57,16 +59,18 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
     record.saved_file = json.at("saved_file").get<std::string>();
     record.saved_hash = json.at("saved_hash").get<std::string>();
     record.saved_text = json.at("saved_text").get<std::string>();
-    record.saved_paint = json.value("saved_paint", std::string());
+    record.saved_paints = json.value("saved_paints", record.saved_paints);
     std::vector<PaintText> paints;
     for (const Json& paint : json.value("paints", Json::array()))
       paints.push_back(std::make_shared<const std::string>(paint.get<std::string>()));
     for (const Json& step : json.at("steps")) {
       record.steps.push_back({step.at("label").get<std::string>(), step.at("text").get<std::string>(), {}});
       if (!step.contains("paint")) continue;
-      const auto number = step["paint"].get<std::size_t>();
-      if (number >= paints.size()) return std::nullopt;
-      record.steps.back().paint = paints[number];
+      for (const auto& [key, of_key] : step["paint"].items()) {
+        const auto number = of_key.get<std::size_t>();
+        if (number >= paints.size()) return std::nullopt;
+        record.steps.back().paints[key] = paints[number];
+      }
     }
     if (record.at >= record.steps.size()) return std::nullopt;
     // It is written to: another's session must not name what lies elsewhere.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -25,8 +26,9 @@ struct SessionRecord {
   std::vector<HistoryStep> steps;
   std::size_t at = 0;
   // The scene file that was saved last, the hash of the text that was in force, and those of what was
-  // written.
-  std::string saved_file = {}, saved_hash = {}, saved_text = {}, saved_paint = {};
+  // written; of paints by the keys that name their files.
+  std::string saved_file = {}, saved_hash = {}, saved_text = {};
+  std::map<std::string, std::string> saved_paints = {};
 };
 
 std::string session_text(const SessionRecord& record);

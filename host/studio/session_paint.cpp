@@ -1,4 +1,6 @@
 // What is painted in the session: strokes of the brush become changes of a paint file's text.
+#include <algorithm>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -24,62 +26,101 @@ std::string label_of(const rig::PaintKind& kind) {
 
 }  // namespace
 
-// Of the name in character.paint; nothing for none.
-PaintText Session::read_paint_file(const std::string& name) const {
-  if (name.empty()) return nullptr;
+PaintText Session::read_paint_file(const std::string& key, const std::string& name) const {
   try {
     return std::make_shared<const std::string>(
         scene::read_text_file(source_folder_ / name, scene::most_paint_bytes));
   } catch (const scene::InputFileError& error) {
-    throw scene::SceneError(std::string(paint_path) + ": " + error.what());
+    throw scene::SceneError(key + ": " + error.what());
   }
+}
+
+// Of the characters of a text that comes next: what is painted stays where its file has the same name.
+Paints Session::paints_after(const std::vector<scene::EditedTable>& after) const {
+  const std::map<std::string, std::string> files_before = paint_files(tables_);
+  Paints paints;
+  for (const auto& [key, file] : paint_files(after)) {
+    const auto before = files_before.find(key);
+    const bool is_same_file = history_ && before != files_before.end() && before->second == file;
+    const auto known = is_same_file ? history_->paints().find(key) : paints.end();
+    if (is_same_file && known != history_->paints().end())
+      paints[key] = known->second;
+    else
+      paints[key] = read_paint_file(key, file);
+  }
+  return paints;
+}
+
+std::string hash_of_all(std::string text, const Paints& paints) {
+  for (const auto& [key, paint] : paints) text += *paint;
+  return scene::hash_of(text);
 }
 
 // Of the text and the paint in force.
 std::string Session::state_hash() const {
-  const PaintText& paint = history_->paint();
-  return scene::hash_of(paint ? history_->text() + *paint : history_->text());
+  return hash_of_all(history_->text(), history_->paints());
 }
 
-// Empty where this can be painted; without a kind: where anything can.
-std::string Session::why_no_paint(const rig::PaintKind* kind) const {
-  if (!ground_)
-    return "only a scene of a single character, [character], can be painted; of several each in its own "
-           "scene";
-  if (kind != nullptr && kind->name == std::string("_STIFFNESS") &&
-      body_->scene().solver.integrator == base::Integrator::implicit_step)
-    return "stiffness multiplies alpha, and the layers of this scene are as stiff as youngs_modulus, "
-           "frequency or "
-           "material say";
-  return {};
+std::string paint_name_of(const std::string& stem, const std::string& key) {
+  if (key == paint_path) return stem + paint_suffix;
+  // The character's own has letters that files have everywhere.
+  const std::size_t begin = key.find('.') + 1;
+  return stem + "-" + key.substr(begin, key.rfind('.') - begin) + paint_suffix;
 }
 
-Painting Session::painting_in_force() const {
-  const PaintText& text = history_->paint();
-  const rig::Paint none{ground_->hash(), ground_->surface().vertices.size(), {}};
-  try {
-    return {ground_, text ? scene::parse_paint(*text, std::string(paint_path), ground_->surface()) : none};
-  } catch (const scene::InputFileError& error) {
-    throw std::runtime_error(error.what());
+// Empty where it can be painted.
+std::string Session::why_no_paint() const {
+  const bool has_any =
+      std::any_of(places_.begin(), places_.end(), [](const PaintPlace& one) { return !one.is_rigid; });
+  return has_any ? "" : "only a character, [character] or [character.NAME], can be painted";
+}
+
+// The largest value that can be painted here. A modulus may be multiplied by more than alpha.
+double Session::most_painted(const rig::PaintKind& kind) const {
+  const bool is_stiffness = kind.name == std::string_view("_STIFFNESS");
+  return is_stiffness && body_->scene().solver.integrator == base::Integrator::explicit_step ? 1.0
+                                                                                             : kind.most;
+}
+
+std::vector<Painting> Session::paintings_in_force() const {
+  std::vector<Painting> paintings;
+  for (const PaintPlace& one : places_) {
+    const auto text = history_->paints().find(one.key);
+    const rig::Paint none{one.ground->hash(), one.ground->surface().vertices.size(), {}};
+    try {
+      paintings.emplace_back(one.ground,
+                             text != history_->paints().end()
+                                 ? scene::parse_paint(*text->second, one.key, one.ground->surface())
+                                 : none);
+    } catch (const scene::InputFileError& error) {
+      throw std::runtime_error(error.what());
+    }
   }
+  return paintings;
 }
 
 void Session::paint(PageId page, const StrokePiece& piece) {
   const rig::PaintKind& kind = *piece.brush.kind;
-  if (const std::string why = why_no_paint(&kind); !why.empty()) throw std::runtime_error(why);
+  if (const std::string why = why_no_paint(); !why.empty()) throw std::runtime_error(why);
+  if (const double most = most_painted(kind); double{piece.brush.value} > most)
+    throw std::runtime_error("alpha is at most 1, and is multiplied by what is painted; paint 1 or less");
   if (stroke_ && (stroke_->page != page || stroke_->number != piece.stroke || stroke_->kind != &kind))
     end_stroke();
   const auto vector_of = [](const std::array<double, 3>& v) { return Vector3d(v[0], v[1], v[2]); };
   const bool is_first = !stroke_;
-  if (is_first) stroke_.emplace(Stroke{page, piece.stroke, &kind, painting_in_force()});
+  if (is_first) stroke_.emplace(Stroke{page, piece.stroke, &kind, paintings_in_force()});
   for (std::size_t k = 0; k < piece.places.size(); ++k) {
     const Vector3d place = vector_of(piece.places[k]);
     const bool has_way = !is_first || k > 0;
     const Vector3d along = has_way ? Vector3d(place - stroke_->last) : vector_of(piece.direction);
-    stroke_->painting.stamp(piece.brush, place, along);
     stroke_->last = place;
+    // A stroke may go from one character to the next.
+    const PaintPlace* under = place_under(places_, place);
+    if (under == nullptr || under->is_rigid) continue;
+    stroke_->paintings[static_cast<std::size_t>(under - places_.data())].stamp(piece.brush,
+                                                                               place - under->offset, along);
   }
-  send_sheet(stroke_->painting, kind, std::nullopt);
+  send_sheet(stroke_->paintings, kind, std::nullopt);
   if (piece.is_last) end_stroke();
 }
 
@@ -96,25 +137,48 @@ void Session::end_stroke() {
 }
 
 void Session::keep_stroke(const Stroke& stroke) {
-  auto text = std::make_shared<const std::string>(scene::paint_text(stroke.painting.paint()));
-  if (text->size() > scene::most_paint_bytes)
-    throw std::runtime_error("this is more paint than a file may hold, " +
-                             std::to_string(scene::most_paint_bytes >> 20) + " MiB");
-  const PaintText before = history_->paint();
-  if (before ? *before == *text : stroke.painting.paint().attributes.empty()) return;
-  std::string scene_text = history_->text();
-  if (paint_key(tables_).empty()) {
-    const scene::KeyChange key{std::string(paint_path), Json(name_ + paint_suffix)};
-    scene_text = scene::change_text(scene_text, source_, std::span(&key, 1)).text;
+  const Paints before = history_->paints();
+  Paints after = before;
+  std::map<std::string, std::string> files = paint_files(tables_);
+  std::vector<scene::KeyChange> changes;
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    const std::string& key = places_[k].key;
+    const rig::Paint paint = stroke.paintings[k].paint();
+    auto text = std::make_shared<const std::string>(scene::paint_text(paint));
+    if (text->size() > scene::most_paint_bytes)
+      throw std::runtime_error("this is more paint than a file may hold, " +
+                               std::to_string(scene::most_paint_bytes >> 20) + " MiB");
+    const auto known = before.find(key);
+    if (known != before.end() ? *known->second == *text : paint.attributes.empty()) continue;
+    after[key] = std::move(text);
+    // Characters may share a file; what is painted on one of them is no more than its own.
+    const auto file = files.find(key);
+    const auto has_name = [&](const auto& other) { return other.second == file->second; };
+    if (file != files.end() && std::count_if(files.begin(), files.end(), has_name) == 1) continue;
+    std::string name = paint_name_of(name_, key);
+    const auto is_taken = [&](const auto& other) { return other.second == name; };
+    for (int n = 2; std::any_of(files.begin(), files.end(), is_taken); ++n)
+      name = paint_name_of(name_ + "-" + std::to_string(n), key);
+    files[key] = name;
+    changes.push_back({key, Json(name)});
   }
-  std::vector<scene::EditedTable> after = scene::edited_tables(scene_text, source_);
-  history_->add(label_of(*stroke.kind), std::move(scene_text), std::move(text));
-  take_text(std::exchange(tables_, std::move(after)), before);
+  if (is_same(before, after)) return;
+  std::string text = history_->text();
+  if (!changes.empty()) text = scene::change_text(text, source_, changes).text;
+  std::vector<scene::EditedTable> tables = scene::edited_tables(text, source_);
+  history_->add(label_of(*stroke.kind), std::move(text), std::move(after));
+  take_text(std::exchange(tables_, std::move(tables)), before);
 }
 
-void Session::send_sheet(const Painting& painting, const rig::PaintKind& kind, std::optional<PageId> page) {
+// Of the render mesh, which has the characters' one after the other.
+void Session::send_sheet(const std::vector<Painting>& paintings, const rig::PaintKind& kind,
+                         std::optional<PageId> page) {
   if (server_ == nullptr) return;
-  const std::vector<float> values = painting.shown(kind);
+  std::vector<float> values;
+  for (const Painting& painting : paintings) {
+    const std::vector<float> shown = painting.shown(kind);
+    values.insert(values.end(), shown.begin(), shown.end());
+  }
   const auto bytes = std::make_shared<const std::string>(
       encode_array(std::string("paint.") + kind.name, body_number_, std::span<const float>(values)));
   for (const auto& [each, state] : pages_)
@@ -126,22 +190,26 @@ void Session::send_paint(std::optional<PageId> page) {
   const std::string why = why_no_paint();
   Json message{{"type", "paint"}, {"can_paint", why.empty()}, {"why_not", why}};
   Json attributes = Json::array(), sheets = Json::array();
-  std::optional<Painting> painting;
+  std::vector<Painting> paintings;
   if (why.empty()) try {
-      painting = painting_in_force();
+      paintings = paintings_in_force();
     } catch (const std::runtime_error& error) {
       message["can_paint"] = false;
       message["why_not"] = error.what();
     }
+  const auto has = [&](const rig::PaintKind& kind) {
+    return std::any_of(paintings.begin(), paintings.end(),
+                       [&](const Painting& painting) { return painting.has(kind); });
+  };
   for (const rig::PaintKind& kind : rig::paint_kinds()) {
-    attributes.push_back({{"name", kind.name}, {"why_not", why_no_paint(&kind)}});
-    if (painting && painting->has(kind)) sheets.push_back(std::string("paint.") + kind.name);
+    attributes.push_back({{"name", kind.name}, {"why_not", ""}, {"most", most_painted(kind)}});
+    if (has(kind)) sheets.push_back(std::string("paint.") + kind.name);
   }
   message["attributes"] = std::move(attributes);
   message["arrays"] = std::move(sheets);
   page ? send(*page, message) : broadcast(message);
   for (const rig::PaintKind& kind : rig::paint_kinds())
-    if (painting && painting->has(kind)) send_sheet(*painting, kind, page);
+    if (has(kind)) send_sheet(paintings, kind, page);
 }
 
 }  // namespace fascicle::studio

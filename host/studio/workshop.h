@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <memory>
-#include <optional>
 #include <string>
+#include <vector>
 
 #include "host/build/build.h"
 #include "host/pipeline/device_choice.h"
@@ -28,33 +29,46 @@ struct TextSource {
 
 class Workshop {
  public:
+  // Bodies that are kept at once: changes that build anew are taken back a few at a time. What is kept of one
+  // is some times what its solver takes.
+  static constexpr std::size_t most_bodies = 6;
+  static constexpr std::uint64_t most_solver_bytes = std::uint64_t{256} << 20;
+
   // The device must outlive all bodies.
   Workshop(TextSource source, build::BuildOptions options, const pipeline::ChosenDevice& device);
 
   // Throws scene::SceneError, build::Cancelled, pipeline::NoSuchDevice.
-  // `paint` stands for the file that character.paint names.
-  std::shared_ptr<RunningBody> make(const std::string& text, const PaintText& paint, std::uint32_t revision,
+  // `paints` stand for the files that their keys name.
+  std::shared_ptr<RunningBody> make(const std::string& text, const Paints& paints, std::uint32_t revision,
                                     const pipeline::Say& say);
-  // Whether a text's body has to be built anew, which takes long. Throws scene::SceneError.
-  bool needs_new_body(const std::string& text);
-  // The mesh of the last text's scene without its paint file, to be painted on; null where there is not
-  // exactly one character. That of `before` where it is the same.
-  std::shared_ptr<const PaintGround> ground(const scene::Scene& scene,
-                                            const std::shared_ptr<const PaintGround>& before);
+  // The meshes of the last text's scene without their paint files, to be painted on; none where it has no
+  // characters, or cannot be read without its paint. Those of `before` where they are the same.
+  std::vector<PaintPlace> places(const scene::Scene& scene, const std::vector<PaintPlace>& before);
   // Does for the last text what make() will need for the next ones and did not need for that.
   void warm();
 
  private:
+  // What is kept of a body that was built, so that one that comes again is not filled and measured again.
+  struct KeptBody {
+    std::string key;  // build::body_key
+    build::BuildMemory build;
+    pipeline::SolverMemory solver;
+    std::uint64_t bytes = 0;  // of its solver
+  };
+
   scene::Scene read(const std::string& text, const scene::SceneOverrides& more = {});
+  // The body's, which is the newest from now on; an empty one where nothing is kept of it.
+  KeptBody& kept_of(const scene::Scene& scene);
+  void drop_oldest();
 
   TextSource source_;
   build::BuildOptions options_;
   const pipeline::ChosenDevice& device_;
   scene::LoadedFiles files_;
-  build::BuildMemory memory_;
-  std::string body_key_;  // of what the memory holds
-  std::string last_text_, ground_of_;
-  std::optional<std::filesystem::path> given_;  // the file that a paint stands for
+  std::list<KeptBody> kept_;  // the newest first
+  std::string last_text_;
+  std::vector<std::string> places_of_;        // files of the characters that were asked for last
+  std::vector<std::filesystem::path> given_;  // files that paints stand for
   bool is_warm_ = false;
 };
 

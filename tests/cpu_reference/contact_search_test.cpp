@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -206,8 +207,8 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, con
   const SubstepWithTables input(m, step_length);
   const SubstepInput& in = input.in;
   struct Searching {
-    Searching(const Model& m, cpu::Simd simd, unsigned threads)
-        : search(m, cpu::lane_stages(simd)->contact), pool(threads) {
+    Searching(const Model& m, cpu::Simd simd, unsigned threads, cpu::ContactRestMemory& memory)
+        : search(m, cpu::lane_stages(simd)->contact, memory.of(m)), pool(threads) {
       size_fields(m, fields);
     }
     cpu::ContactSearch search;
@@ -215,9 +216,10 @@ Seen expect_same_contacts(const TwoBlocks& blocks, int steps, unsigned seed, con
     Fields fields;
   };
   std::vector<std::unique_ptr<Searching>> searches;
+  cpu::ContactRestMemory memory;
   for (const cpu::Simd simd : cpu::available_simd())
     if (simd != cpu::Simd::scalar)
-      searches.push_back(std::make_unique<Searching>(m, simd, 1 + unsigned(searches.size()) % 3));
+      searches.push_back(std::make_unique<Searching>(m, simd, 1 + unsigned(searches.size()) % 3, memory));
   Motions motions(blocks, seed, fate);
   Fields plain;
   size_fields(m, plain);
@@ -262,6 +264,34 @@ TEST(ContactSearch, FindsWhatThePlainKernelsFind) {
       EXPECT_GT(seen.contacts, 500u);
       EXPECT_GT(seen.changes, 20u);
     }
+}
+
+// What is kept holds for models that differ in nothing that it follows from, and for no others.
+TEST(ContactSearch, WhatIsKeptIsOfTheModelAtHand) {
+  Model m = make_two_blocks(3, 3, 2, 0.125, 1).model;
+  cpu::ContactRestMemory memory;
+  auto is_kept = [&, before = memory.of(m)]() mutable {
+    const auto now = memory.of(m);
+    const cpu::ContactRest fresh(m);
+    EXPECT_EQ(now->relevant, fresh.relevant);
+    EXPECT_EQ(now->leaf_is_held, fresh.leaf_is_held);
+    EXPECT_EQ(now->leaf_group, fresh.leaf_group);
+    return std::exchange(before, now) == now;
+  };
+  EXPECT_TRUE(is_kept());
+  for (shader::ContactPoint& point : m.contact) point.friction = 0.9f;
+  for (double& mass : m.mass) mass *= 2.0;
+  for (float& mobility : m.mobility) mobility *= 0.5f;
+  EXPECT_TRUE(is_kept());
+  m.contact[3].margin *= 1.5f;
+  EXPECT_FALSE(is_kept());
+  m.mobility[m.contact[0].vertex] = m.mobility[m.contact[0].vertex] > 0.0f ? 0.0f : 1.0f;
+  EXPECT_FALSE(is_kept());
+  ignore_some_contact(m, 1);
+  EXPECT_FALSE(is_kept());
+  m.rest[0] = std::nextafter(m.rest[0], 2.0f);
+  EXPECT_FALSE(is_kept());
+  EXPECT_TRUE(is_kept());
 }
 
 // As many as the scene lets them find: fewer than without, and not none.

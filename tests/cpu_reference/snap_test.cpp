@@ -14,8 +14,9 @@
 
 namespace fascicle::cpu_reference_without_snap {
 enum class Simd;  // cpu_reference::Simd once more
+struct SolverMemory;
 std::unique_ptr<model::Solver> make_cpu_solver(const model::Model& model, const model::SolverOptions& options,
-                                               unsigned threads, Simd simd);
+                                               unsigned threads, Simd simd, SolverMemory* memory);
 }  // namespace fascicle::cpu_reference_without_snap
 
 namespace fascicle::tests {
@@ -34,8 +35,8 @@ struct WithSnap {
 };
 struct WithoutSnap {
   static std::unique_ptr<model::Solver> make(const model::Model& model, Simd simd) {
-    return cpu_reference_without_snap::make_cpu_solver(model, {}, 1,
-                                                       static_cast<cpu_reference_without_snap::Simd>(simd));
+    return cpu_reference_without_snap::make_cpu_solver(
+        model, {}, 1, static_cast<cpu_reference_without_snap::Simd>(simd), nullptr);
   }
 };
 

@@ -5,6 +5,7 @@
 #define cpu_reference cpu_reference_without_snap
 #include "cpu_reference/solver/collide_reach.cpp"
 #include "cpu_reference/solver/collide_stages.cpp"
+#include "cpu_reference/solver/contact_rest.cpp"
 #include "cpu_reference/solver/contact_search.cpp"
 #include "cpu_reference/solver/contact_stages.cpp"
 #include "cpu_reference/solver/cpu_solver.cpp"

@@ -121,8 +121,7 @@ TEST(Bearers, RefuseWhatCannotBe) {
             "sample.toml:3: character.a.joint: the characters that it goes with go with each other in a "
             "ring; take one `joint` away");
   EXPECT_EQ(refusal_of_text("[character]\nmade = \"arm\"\njoint = \"hand\"\n" + layers),
-            "sample.toml:3: character.joint: unknown; did you mean paint? Known here: file, made, paint, "
-            "clip, resolution");
+            "sample.toml:3: character.joint: unknown; known here: file, made, paint, clip, resolution");
 }
 
 }  // namespace

@@ -242,7 +242,7 @@ TEST(ScenePaint, LayersAreTakenByNameWhereNoneAsksForPaint) {
     EXPECT_TRUE(layer.by_paint.empty()) << layer.name;
 }
 
-TEST(ScenePaint, StiffnessMultipliesAlphaAndNoModulus) {
+TEST(ScenePaint, StiffnessMultipliesWhatLayersSay) {
   const PaintedArm painted({{"_STIFFNESS", {3}, {0.5f}}});
   const Scene scene = painted.scene(by_alpha);
   EXPECT_EQ(scene.layers[0].alpha_attribute, "_STIFFNESS");
@@ -251,10 +251,23 @@ TEST(ScenePaint, StiffnessMultipliesAlphaAndNoModulus) {
   const Scene said = painted.scene(by_alpha, {.set = {"layers.fat.alpha_attribute=_STIFFNESS"}});
   EXPECT_EQ(said.layers[0].alpha_attribute, "_STIFFNESS");
   EXPECT_EQ(said.layers[1].alpha_attribute, "") << "the scene says itself where it acts";
+  const Scene physical = painted.scene(
+      "[layers.fat]\nmaterial = \"fat\"\n[layers.muscle]\nfrequency = 4.0\nwhere = { depth = { maximum = "
+      "0.65 } }\n"
+      "[layers.bone]\nkinematic = true\nwhere = { depth = { maximum = 0.3 } }\n");
+  EXPECT_EQ(physical.solver.integrator, Integrator::implicit_step);
+  EXPECT_EQ(physical.layers[0].alpha_attribute, "_STIFFNESS");
+  EXPECT_EQ(physical.layers[1].alpha_attribute, "_STIFFNESS");
+  EXPECT_EQ(physical.layers[2].alpha_attribute, "");
+}
+
+// alpha is at most 1; a modulus has no such bound.
+TEST(ScenePaint, AboveOneIsForModuli) {
+  const PaintedArm painted({{"_STIFFNESS", {3, 4}, {0.5f, 4.0f}}});
+  EXPECT_EQ(painted.refusal("[layers.fat]\nmaterial = \"fat\"\n"), "no error");
   const std::string start =
-      "sample.toml:3: character.paint: paints _STIFFNESS, which multiplies alpha, and the layers of this "
-      "scene are as stiff as youngs_modulus";
-  EXPECT_EQ(painted.refusal("[layers.fat]\nmaterial = \"fat\"\n").substr(0, start.size()), start);
+      "sample.toml:3: character.paint: paints _STIFFNESS up to 4, which multiplies alpha here";
+  EXPECT_EQ(painted.refusal(by_alpha).substr(0, start.size()), start);
 }
 
 // As a character whose own file has the same paint.
@@ -309,12 +322,10 @@ TEST(ScenePaint, OfOneOfSeveralIsItsOwn) {
   EXPECT_FALSE(json_of(scene)["characters"][0].contains("paint"));
 
   painted.write({{"_STIFFNESS", {3}, {0.5f}}});
-  try {
-    parse(two + by_alpha, {}, painted.folder.path());
-    ADD_FAILURE() << "an unpainted character beside a painted one would have no stiffness";
-  } catch (const SceneError& error) {
-    EXPECT_NE(std::string(error.what()).find("character.left: has no `_STIFFNESS`"), std::string::npos);
-  }
+  // Where nobody has painted flesh is as stiff as its layer says, on another character too.
+  const Scene stiff = parse(two + by_alpha, {}, painted.folder.path());
+  const std::vector<double>& share = values_of(stiff, "_STIFFNESS");
+  for (std::size_t v = 0; v < share.size(); ++v) ASSERT_EQ(share[v], v == first + 3 ? 0.5 : 1.0);
 }
 
 // What is given stands for the file, and what was read is not read again.

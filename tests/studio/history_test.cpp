@@ -67,19 +67,22 @@ TEST(History, WhatFailedIsDropped) {
 
 // What is painted is taken back with the text that it was painted beside, and found by what it says.
 TEST(History, HoldsPaintBesideTheText) {
-  const auto painted = [](const char* text) { return std::make_shared<const std::string>(text); };
+  const auto painted = [](const char* text) {
+    return studio::Paints{{"character.paint", std::make_shared<const std::string>(text)}};
+  };
+  const auto shown = [](const History& of) { return *of.paints().at("character.paint"); };
   History history("a", painted("bare"));
   history.add("paint", "a", painted("red"));
   history.add("paint", "a", painted("blue"));
-  EXPECT_EQ(*history.paint(), "blue");
+  EXPECT_EQ(shown(history), "blue");
   history.undo();
-  EXPECT_EQ(*history.paint(), "red");
+  EXPECT_EQ(shown(history), "red");
   history.redo();
   history.fall_back("a", painted("red"));
-  EXPECT_EQ(*history.paint(), "red");
+  EXPECT_EQ(shown(history), "red");
   EXPECT_EQ(history.redo_label(), nullptr);
-  history.fall_back("a", nullptr);
-  EXPECT_EQ(history.paint(), nullptr) << "no step has it, so that this one gets it";
+  history.fall_back("a", {});
+  EXPECT_TRUE(history.paints().empty()) << "no step has it, so that this one gets it";
 }
 
 TEST(History, KeepsTheNewestOfTooMany) {
@@ -94,9 +97,10 @@ TEST(History, KeepsTheNewestOfTooMany) {
   // Paint counts once, however many steps have it.
   History small("0");
   const auto paint = std::make_shared<const std::string>(large);
-  for (int k = 0; k < 10; ++k) small.add("step", std::to_string(k), paint);
+  for (int k = 0; k < 10; ++k) small.add("step", std::to_string(k), {{"character.paint", paint}});
   EXPECT_EQ(small.steps().size(), 11u);
-  for (int k = 0; k < 10; ++k) small.add("paint", "p", std::make_shared<const std::string>(large));
+  for (int k = 0; k < 10; ++k)
+    small.add("paint", "p", {{"character.paint", std::make_shared<const std::string>(large)}});
   EXPECT_LE(small.steps().size(), 2u);
 }
 

@@ -44,21 +44,24 @@ TEST(SessionFile, ReadsBack) {
 // Steps that share a paint share it on disk.
 TEST(SessionFile, KeepsPaintOnce) {
   SessionRecord record = sample();
-  record.saved_paint = "1234";
+  record.saved_paints = {{"character.paint", "1234"}};
   const auto paint = std::make_shared<const std::string>("{\"fascicle_paint\": 1}");
-  record.steps.push_back({"paint", "a", paint});
-  record.steps.push_back({"softer", "b", paint});
+  record.steps.push_back({"paint", "a", {{"character.paint", paint}}});
+  record.steps.push_back({"softer", "b", {{"character.paint", paint}, {"character.left.paint", paint}}});
   const std::string text = studio::session_text(record);
   EXPECT_EQ(text.find("fascicle_paint"), text.rfind("fascicle_paint"));
   const auto again = parse_session(text);
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->saved_paint, "1234");
-  EXPECT_EQ(again->steps[1].paint, nullptr);
-  ASSERT_TRUE(again->steps[2].paint);
-  EXPECT_EQ(*again->steps[2].paint, *paint);
-  EXPECT_EQ(again->steps[3].paint, again->steps[2].paint);
+  EXPECT_EQ(again->saved_paints.at("character.paint"), "1234");
+  EXPECT_TRUE(again->steps[1].paints.empty());
+  ASSERT_EQ(again->steps[2].paints.count("character.paint"), 1u);
+  const auto& read = again->steps[2].paints.at("character.paint");
+  EXPECT_EQ(*read, *paint);
+  EXPECT_EQ(again->steps[3].paints.at("character.paint"), read);
+  EXPECT_EQ(again->steps[3].paints.at("character.left.paint"), read) << "two characters may share it";
   std::string beyond = text;
-  beyond.replace(beyond.find("\"paint\": 0"), 10, "\"paint\": 7");
+  constexpr std::string_view number = "\"character.paint\": 0";
+  beyond.replace(beyond.find(number), number.size(), "\"character.paint\": 7");
   EXPECT_FALSE(parse_session(beyond));
 }
 

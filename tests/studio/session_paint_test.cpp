@@ -153,7 +153,7 @@ TEST_F(SessionPaintTest, WhatIsSavedBakesToWhatWasShown) {
     EXPECT_NE(recorded.at("position_hash"), unpainted.at("position_hash")) << "the control: paint acts";
     client->say({{"type", "save"}, {"file", "mine.toml"}});
     const Json saved = client->wait_for("saved");
-    EXPECT_EQ(saved.at("paint"), (folder_ / "session" / "mine.paint.json").string());
+    EXPECT_EQ(saved.at("paints"), Json({(folder_ / "session" / "mine.paint.json").string()}));
     EXPECT_EQ(client->wait_for("history").at("saved"), true);
     client->say({{"type", "bake"}, {"folder", "out"}});
     EXPECT_EQ(client->wait_for("baked").at("position_hash"), recorded.at("position_hash"));
@@ -198,7 +198,7 @@ TEST_F(SessionPaintTest, WhatIsSavedBakesToWhatWasShown) {
   client->say(erase);
   client->wait_for("applied");
   client->say({{"type", "save"}});
-  EXPECT_EQ(client->wait_for("saved").at("paint"), (folder_ / "next" / "mine.paint.json").string());
+  EXPECT_EQ(client->wait_for("saved").at("paints"), Json({(folder_ / "next" / "mine.paint.json").string()}));
   EXPECT_EQ(read(folder_ / "session" / "mine.paint.json"), file);
   EXPECT_EQ(
       scene::parse_paint(read(folder_ / "next" / "mine.paint.json"), "mine", arm().surface).attributes.size(),
@@ -232,13 +232,7 @@ TEST_F(SessionPaintTest, WhatCannotBePaintedSaysWhy) {
   {
     const Running studio = open();
     const auto client = studio.open();
-    const Start start = start_of(*client);
-    const Json& attributes = start.messages.at("paint").at("attributes");
-    EXPECT_EQ(attributes[2].at("name"), "_STIFFNESS");
-    EXPECT_NE(attributes[2].at("why_not"), "") << "the arm's layers are by modulus";
-    EXPECT_EQ(attributes[0].at("why_not"), "");
-    client->say(stroke("_STIFFNESS", 0.5));
-    EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("alpha"), std::string::npos);
+    start_of(*client);
     // A number that no layer takes is seen when the body is built, and taken back.
     client->say(stroke("_LAYER", 7.0, 2));
     EXPECT_NE(client->wait_for("failed").at("error").get<std::string>().find("_LAYER 7"), std::string::npos);
@@ -249,8 +243,112 @@ TEST_F(SessionPaintTest, WhatCannotBePaintedSaysWhy) {
   const Start start = start_of(*client);
   EXPECT_EQ(start.messages.at("paint").at("can_paint"), false);
   client->say(stroke("_LAYER", 1.0));
-  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("single character"),
+  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("only a character"),
             std::string::npos);
+}
+
+// A modulus may be multiplied by more than 1, alpha may not.
+TEST_F(SessionPaintTest, StiffnessIsPaintedWhateverLayersSay) {
+  const auto most_of = [](const Start& start) {
+    return start.messages.at("paint").at("attributes").at(2).at("most").get<double>();
+  };
+  {
+    const Running studio = open();
+    const auto client = studio.open();
+    EXPECT_GT(most_of(start_of(*client)), 1.0) << "the arm's layers are by modulus";
+    client->say({{"type", "record"}});
+    const Json before = client->wait_for("recorded");
+    client->say(stroke("_STIFFNESS", 4.0));
+    EXPECT_GT(count(wait_for_array(*client, "paint._STIFFNESS"), 1.0f), 3u) << "what is not painted is 1";
+    client->wait_for("applied");
+    client->say({{"type", "record"}});
+    EXPECT_NE(client->wait_for("recorded").at("position_hash"), before.at("position_hash"));
+  }
+  base::write_whole(scene_,
+                    "[scene]\nend = 0.1\n[character]\nmade = \"arm\"\nresolution = 0.04\n"
+                    "[layers.flesh]\nalpha = 0.5\n[layers.bone]\nkinematic = true\n"
+                    "where = { bone_distance = { maximum = 0.02 } }\n");
+  const Running studio(scene_.string(), folder_ / "by-alpha", folder_ / "cache");
+  const auto client = studio.open();
+  EXPECT_EQ(most_of(start_of(*client)), 1.0);
+  client->say(stroke("_STIFFNESS", 4.0));
+  EXPECT_NE(client->wait_for("refused").at("error").get<std::string>().find("alpha is at most 1"),
+            std::string::npos);
+  client->say(stroke("_STIFFNESS", 0.5, 2));
+  client->wait_for("applied");
+}
+
+// Two arms that share a file: the brush paints the one under it, each in a file of its own.
+class SessionPaintsTest : public SessionPaintTest {
+ protected:
+  void SetUp() override {
+    SessionPaintTest::SetUp();
+    scene_ = folder_ / "arms.toml";
+    base::write_whole(scene_,
+                      "[scene]\nend = 0.1\n[character.left]\nmade = \"arm\"\nresolution = 0.04\n"
+                      "[character.right]\nmade = \"arm\"\nresolution = 0.04\nat = [0.0, 0.0, 1.0]\n");
+  }
+  // Of a vertex of the render mesh.
+  static Json rest_of(const Start& start, std::size_t vertex) {
+    const std::vector<float>& rest = start.arrays.at("surface.rest").floats;
+    return {rest[3 * vertex], rest[3 * vertex + 1], rest[3 * vertex + 2]};
+  }
+  static std::size_t count_in(const DecodedArray& array, std::size_t arm_number, float value) {
+    const std::size_t size = arm().surface.vertices.size();
+    const auto first = array.floats.begin() + static_cast<std::ptrdiff_t>(arm_number * size);
+    return static_cast<std::size_t>(std::count(first, first + static_cast<std::ptrdiff_t>(size), value));
+  }
+};
+
+TEST_F(SessionPaintsTest, TheBrushPaintsTheCharacterUnderIt) {
+  const std::size_t size = arm().surface.vertices.size(), middle = size / 2;
+  Json recorded;
+  {
+    const Running studio = open();
+    const auto client = studio.open();
+    const Start start = start_of(*client);
+    ASSERT_EQ(start.arrays.at("surface.rest").floats.size(), 6 * size);
+    EXPECT_EQ(start.messages.at("paint").at("can_paint"), true) << start.messages.at("paint");
+    Json right = stroke("_LAYER", 1.0);
+    right["places"] = {rest_of(start, size + middle)};
+    client->say(right);
+    const DecodedArray first = wait_for_array(*client, "paint._LAYER");
+    ASSERT_EQ(first.floats.size(), 2 * size);
+    EXPECT_EQ(count_in(first, 0, 1.0f), 0u);
+    EXPECT_GT(count_in(first, 1, 1.0f), 3u);
+    client->wait_for("applied");
+    // One stroke across both is one step.
+    Json both = stroke("_STIFFNESS", 3.0, 2);
+    both["places"] = {rest_of(start, middle), rest_of(start, size + middle)};
+    client->say(both);
+    const DecodedArray second = wait_for_array(*client, "paint._STIFFNESS");
+    EXPECT_LT(count_in(second, 0, 1.0f), size);
+    EXPECT_LT(count_in(second, 1, 1.0f), size);
+    EXPECT_GT(count_in(second, 0, 1.0f), size / 2) << "nothing far away";
+    client->wait_for("applied");
+    client->say({{"type", "undo"}});
+    const Json paint = client->wait_for("paint");
+    EXPECT_EQ(paint.at("arrays"), Json({"paint._LAYER"})) << "of both at once";
+    client->wait_for("applied");
+    client->say({{"type", "redo"}});
+    client->wait_for("applied");
+    client->say({{"type", "record"}});
+    recorded = client->wait_for("recorded");
+    client->say({{"type", "save"}, {"file", "mine.toml"}});
+    EXPECT_EQ(client->wait_for("saved").at("paints"),
+              Json({(folder_ / "session" / "mine-left.paint.json").string(),
+                    (folder_ / "session" / "mine-right.paint.json").string()}));
+  }
+  const scene::Scene scene = scene::load_scene((folder_ / "session" / "mine.toml").string());
+  pipeline::BakeRequest request;
+  request.output.folder = folder_ / "independent";
+  request.output.formats = {"none"};
+  request.devices = {{.kind = pipeline::DeviceRequest::Kind::cpu}};
+  const auto prepared = pipeline::prepare_bake(scene, request, {});
+  EXPECT_EQ(pipeline::run_bake(*prepared, request, {}).last_position_hash, recorded.at("position_hash"));
+  const Running again = open();
+  const auto client = again.open();
+  EXPECT_EQ(start_of(*client).messages.at("history").at("undo"), "paint stiffness");
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ TEST_F(SessionTest, SendsAllThatThePageNeedsThenFrames) {
   EXPECT_EQ(frequency.at("is_set"), true);
   EXPECT_EQ(frequency.at("unit"), "Hz");
   EXPECT_EQ(frequency.at("effect"), "live");
-  EXPECT_EQ(frequency.at("rivals").size(), 5u);
+  EXPECT_EQ(frequency.at("rivals").size(), 4u);
   EXPECT_EQ(key_of(start.messages.at("keys"), "bar.jitter").at("effect"), "rebuild");
   EXPECT_EQ(key_of(start.messages.at("keys"), "layers.body.beta").at("is_set"), false);
   EXPECT_FALSE(start.messages.at("presets").at("list").empty());

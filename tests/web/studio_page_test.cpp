@@ -102,8 +102,9 @@ TEST(StudioPage, PaintsACharacter) {
   EXPECT_TRUE(seen["smaller"]);
   EXPECT_GT(painted["dab"], 0);
   EXPECT_GT(painted["fibres"], 3);
-  EXPECT_TRUE(contains(seen["why"].get<std::string>(), "alpha")) << seen["why"];
-  EXPECT_EQ(seen["can_dab"], false);
+  EXPECT_TRUE(contains(seen["times"].get<std::string>(), "× 0.4")) << seen["times"];
+  EXPECT_GT(painted["stiffness"], 0);
+  EXPECT_EQ(painted["stiffness_undone"], 0);
   EXPECT_EQ(painted["undone"], 0);
   EXPECT_EQ(painted["redone"], painted["fibres"]);
   EXPECT_EQ(painted["restored"], painted["fibres"]) << "nothing is lost when the program dies";
@@ -201,6 +202,17 @@ TEST(StudioPage, DrawsSolidsAndWhatTouchesThem) {
       << "a bar has no skinning to lag behind";
   EXPECT_EQ(seen["axe"], json::array());
   EXPECT_EQ(seen["ended"], 0);
+}
+
+// A script that fails, or is killed at its time limit, leaves no studio behind.
+TEST(StudioPage, EndsWithTheScriptThatStartedIt) {
+  FASCICLE_NEEDS_CHROMIUM;
+  const TemporaryFolder folder;
+  write_text(folder / "bar.toml", resting_bar);
+  const json seen = used_studio("studio-ends", "studio_ends.mjs", "'" + folder / "bar.toml" + "'");
+  ASSERT_TRUE(seen.is_object());
+  for (const char* how : {"fails", "killed"}) EXPECT_EQ(seen[how]["is_there"], false) << how;
+  EXPECT_EQ(seen["killed"]["was_there"], true) << "the control";
 }
 
 // A character, and a bake's folder, which is looked at and not touched.

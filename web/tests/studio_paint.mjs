@@ -112,10 +112,15 @@ await applied(async () => {
 });
 report.painted.fibres = await painted();
 
-// Stiffness says why it cannot be painted here.
+// Stiffness: times what the layer says, as its layers are by modulus.
 await page.selectOption("#brush-kind", "_STIFFNESS");
-report.why = await page.textContent("#brush-note");
-report.can_dab = await page.locator("#brush-middle").isEnabled();
+report.times = await page.textContent("#brush-value-text");
+await page.locator("#picture").focus();
+await applied(() => press("g"));
+report.painted.stiffness = await painted();
+report.axe.stiffness = await violations();
+await applied(() => press("z"));
+report.painted.stiffness_undone = await painted();
 await page.selectOption("#brush-kind", "_FIBER");
 
 // Taken back, and made again.

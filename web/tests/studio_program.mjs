@@ -1,11 +1,11 @@
-// `fascicle studio` under way, with its session in FOLDER/session.
+// `fascicle studio` under way, with its session in FOLDER/session. It ends with this script, however that ends: the
+// kernel kills it.
 import { spawn } from "node:child_process";
 import { join } from "node:path";
 
 export function start_studio(program, folder, scene) {
-  const child = spawn(program, ["studio", ...scene, "--headless", "--device", "cpu", "-o", join(folder, "session")], {
-    stdio: ["ignore", "pipe", "inherit"],
-  });
+  const studio = [program, "studio", ...scene, "--headless", "--device", "cpu", "-o", join(folder, "session")];
+  const child = spawn("setpriv", ["--pdeathsig", "KILL", "--", ...studio], { stdio: ["ignore", "pipe", "inherit"] });
   const address = new Promise((found, failed) => {
     let text = "";
     child.stdout.on("data", (bytes) => {

@@ -1,11 +1,24 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { is_apart, radius_of, write_paint_colour } from "./paint";
+import { is_apart, radius_of, stiffness_of, write_paint_colour } from "./paint";
 
 test("radii run from a 500th of the size to a fifth", () => {
   assert.ok(Math.abs(radius_of(0, 2) - 0.004) < 1e-12);
   assert.ok(Math.abs(radius_of(100, 2) - 0.4) < 1e-12);
   assert.ok(Math.abs(radius_of(50, 2) - 0.04) < 1e-12);
+});
+
+test("stiffness is a share of alpha, or from a tenth to ten times a modulus", () => {
+  assert.equal(stiffness_of(30, 1), 0.3);
+  assert.deepEqual([0, 50, 65, 100].map((step) => stiffness_of(step, 10)), [0.1, 1, 2, 10]);
+  const colour = (value: number, most: number) => {
+    const to = new Float32Array(3);
+    write_paint_colour("_STIFFNESS", Float32Array.of(value), 0, to, 0, most);
+    return [...to].map((part) => part.toFixed(6));
+  };
+  assert.deepEqual(colour(0.1, 10), colour(0, 1));
+  assert.deepEqual(colour(1, 10), colour(0.5, 1));
+  assert.deepEqual(colour(10, 10), colour(1, 1));
 });
 
 test("places that lie closer than the spacing are left out", () => {

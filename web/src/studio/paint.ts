@@ -31,19 +31,33 @@ export function radius_of(step: number, size: number): number {
   return size * 0.002 * 100 ** (step / 100);
 }
 
+// What stiffness is multiplied by, where the brush may say up to `most`: from a tenth to ten times, evenly by the
+// ratio, or a share of alpha.
+export function stiffness_of(step: number, most: number): number {
+  return most > 1 ? Number(Math.min(10 ** (step / 50 - 1), most).toPrecision(2)) : step / 100;
+}
+
 // Places of a stroke that are worth saying: no nearer to each other than `least`.
 export function is_apart(a: Place, b: Place, least: number): boolean {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) >= least;
 }
 
-// A value's colour, into three entries.
-export function write_paint_colour(kind: string, values: Float32Array | null, vertex: number, to: Float32Array, at: number): void {
+// A value's colour, into three entries. `most`: of stiffness.
+export function write_paint_colour(
+  kind: string,
+  values: Float32Array | null,
+  vertex: number,
+  to: Float32Array,
+  at: number,
+  most = 1,
+): void {
   if (kind === "_LAYER") {
     to.set(LAYER_COLOURS[Math.round(values?.[vertex] ?? 0)] ?? UNPAINTED, at);
   } else if (kind === "_RIGID") {
     to.set((values?.[vertex] ?? 0) >= 0.5 ? RIGID : UNPAINTED, at);
   } else if (kind === "_STIFFNESS") {
-    write_scale_colour(values?.[vertex] ?? 1, to, at);
+    const value = values?.[vertex] ?? 1;
+    write_scale_colour(most > 1 ? (1 + Math.log10(Math.max(value, 0.01))) / 2 : value, to, at);
   } else {
     // Fibres are lines: the two ways along one have one colour.
     const length = values ? Math.hypot(values[3 * vertex], values[3 * vertex + 1], values[3 * vertex + 2]) : 0;
@@ -102,7 +116,13 @@ export class Painter {
 
   private chosen(): { kind: string; value: number } {
     const [kind, value] = element<HTMLSelectElement>("brush-kind").value.split(":");
-    return { kind, value: value === undefined ? Number(element<HTMLInputElement>("brush-value").value) / 100 : Number(value) };
+    const step = Number(element<HTMLInputElement>("brush-value").value);
+    return { kind, value: value === undefined ? stiffness_of(step, this.most) : Number(value) };
+  }
+
+  // Of painted stiffness.
+  private get most(): number {
+    return this.message?.attributes.find((one) => one.name === "_STIFFNESS")?.most ?? 1;
   }
 
   get is_chosen(): boolean {
@@ -114,7 +134,7 @@ export class Painter {
 
   colour = (vertex: number, to: Float32Array, at: number): void => {
     const { kind } = this.chosen();
-    write_paint_colour(kind, this.sheets.get(kind) ?? null, vertex, to, at);
+    write_paint_colour(kind, this.sheets.get(kind) ?? null, vertex, to, at, this.most);
   };
 
   // Entries of the legend: a text, and a colour where it has one.
@@ -122,7 +142,7 @@ export class Painter {
     const { kind } = this.chosen();
     if (kind === "_LAYER") return LAYERS.map((colour, k) => [LAYER_NAMES[k], colour]);
     if (kind === "_RIGID") return [["rigid", "#3f8fe0"], ["not painted", "#8b8e93"]];
-    if (kind === "_STIFFNESS") return [["0", null], ["scale", null], ["1", null]];
+    if (kind === "_STIFFNESS") return [[this.most > 1 ? "0.1" : "0", null], ["scale", null], [this.most > 1 ? "10" : "1", null]];
     return [["fibres by direction: red x, green y, blue z", null]];
   }
 
@@ -134,7 +154,8 @@ export class Painter {
     element("brush-value-row").hidden = kind !== "_STIFFNESS" || erases;
     for (const id of ["brush-strength-row", "brush-falloff-row"]) element(id).hidden = !is_shaded || erases;
     const text = (id: string, value: string) => (element(`${id}-text`).textContent = value);
-    text("brush-value", `${element<HTMLInputElement>("brush-value").value} %`);
+    const value = stiffness_of(Number(element<HTMLInputElement>("brush-value").value), this.most);
+    text("brush-value", this.most > 1 ? `× ${value}` : `${Math.round(100 * value)} %`);
     text("brush-strength", `${element<HTMLInputElement>("brush-strength").value} %`);
     text("brush-radius", `${short_number(1e3 * this.radius)} mm`);
     const why = this.message?.attributes.find((one) => one.name === kind)?.why_not ?? "";

@@ -78,6 +78,7 @@ export interface SceneKey {
   allowed?: string[];
   rivals?: string[]; // keys that are dropped when this one is set
   effect: "live" | "rebuild";
+  why_unused?: string; // it would be refused as the scene stands
 }
 
 export interface KeyGroup {
@@ -123,7 +124,7 @@ export interface PaintMessage {
   type: "paint";
   can_paint: boolean;
   why_not: string;
-  attributes: { name: string; why_not: string }[];
+  attributes: { name: string; why_not: string; most: number }[]; // most: the largest value that it takes
   arrays: string[]; // that follow
 }
 

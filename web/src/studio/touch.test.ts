@@ -25,6 +25,12 @@ test("of the forms of a layer's stiffness the scene's own is shown", () => {
   assert.ok(!is_near(key("solver.seed"), is_set));
 });
 
+test("keys that would be refused are not offered", () => {
+  const slider = { soft_minimum: 0, soft_maximum: 1 };
+  assert.ok(is_near(key("layers.fat.least_volume", slider), () => false));
+  assert.ok(!is_near(key("layers.fat.least_volume", { ...slider, why_unused: "for the implicit integrator" }), () => false));
+});
+
 test("groups are titled as people say them", () => {
   const title = (path: string) => title_of({ path, title: path, doc: "", keys: [] });
   assert.equal(title("layers.fat"), "Layer fat");

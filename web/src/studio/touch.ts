@@ -16,7 +16,7 @@ interface Row {
 // Whether it is shown unasked: what has a slider, what the scene states, and what moves flesh from outside. Of the forms
 // that say the same, such as a layer's stiffness, only the one that the scene uses.
 export function is_near(key: SceneKey, is_set: (path: string) => boolean): boolean {
-  if (key.kind === "other" || key.kind === "texts") return false;
+  if (key.kind === "other" || key.kind === "texts" || key.why_unused) return false;
   if (!key.is_set && key.rivals?.some(is_set)) return false;
   return key.is_set || key.soft_minimum !== undefined || /gravity|wind/.test(key.path);
 }
@@ -147,6 +147,9 @@ export class TouchPanel {
     element.append(reset);
     const slider = element.querySelector<HTMLInputElement>('input[type="range"]');
     if (slider) element.append(slider);
+    const unused = document.createElement("p");
+    unused.className = "unused";
+    element.append(unused);
     return {
       key,
       element,
@@ -154,6 +157,11 @@ export class TouchPanel {
         element.classList.toggle("is-set", now.is_set);
         reset.style.visibility = now.is_set ? "visible" : "hidden";
         fill_value(now, by_force);
+        // Found by its name it is shown, and says why it cannot be set.
+        for (const control of element.querySelectorAll<HTMLInputElement | HTMLSelectElement>("input, select"))
+          control.disabled = now.why_unused !== undefined;
+        unused.hidden = now.why_unused === undefined;
+        unused.textContent = now.why_unused ?? "";
       },
     };
   }

@@ -1,0 +1,82 @@
+#include "host/studio/key_use.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "host/scene/scene.h"
+
+namespace fascicle::studio {
+namespace {
+
+using scene::EditedKey;
+using scene::EditedTable;
+using scene::Integrator;
+
+// As the reader of scene files has them (scene_file.cpp); a test sets each and sees it refused.
+constexpr std::array<std::string_view, 2> of_explicit_layers{"alpha", "alpha_outer"};
+constexpr std::array<std::string_view, 5> of_implicit_layers{"youngs_modulus", "frequency", "material",
+                                                             "damping_ratio", "least_volume"};
+constexpr std::array<std::string_view, 2> of_implicit_solver{"iterations", "quality"};
+constexpr std::array<std::string_view, 3> of_moving_layers{"frequency", "damping_ratio", "sliding"};
+
+template <std::size_t count>
+bool has(const std::array<std::string_view, count>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool has(const std::vector<std::string>& paths, const std::string& path) {
+  return std::find(paths.begin(), paths.end(), path) != paths.end();
+}
+
+}  // namespace
+
+KeyUse::KeyUse(const std::vector<EditedTable>& tables) {
+  bool has_explicit = false, has_implicit = false;
+  for (const EditedTable& table : tables)
+    for (const EditedKey& key : table.keys) {
+      if (!key.is_stated) continue;
+      const std::string_view name = key.key->name;
+      if (table.path == "solver" && name == "integrator") {
+        is_stated_ = true;
+        is_implicit_ = key.value == name_of(Integrator::implicit_step);
+      }
+      if (table.path == "solver" && name == "substeps") has_auto_substeps_ = key.value.is_string();
+      if (table.table->name != "layer") continue;
+      if (name == "kinematic" && key.value == true) still_layers_.push_back(table.path);
+      // A least volume says nothing of stiffness.
+      const bool speaks_implicit = has(of_implicit_layers, name) && name != "least_volume";
+      const bool speaks_explicit = has(of_explicit_layers, name);
+      has_implicit = has_implicit || speaks_implicit;
+      has_explicit = has_explicit || speaks_explicit;
+      if (speaks_implicit || speaks_explicit) speakers_.push_back(table.path);
+    }
+  if (!is_stated_) is_implicit_ = has_implicit && !has_explicit;
+}
+
+std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) const {
+  if (key.is_stated) return {};
+  const std::string_view name = key.key->name;
+  if (table.path == "solver") {
+    if (has(of_implicit_solver, name) && !is_implicit_)
+      return "for the implicit integrator; this scene's is explicit";
+    if (name == "quality" && !has_auto_substeps_)
+      return "chooses the substeps where solver.substeps is \"auto\"";
+    return {};
+  }
+  if (table.table->name != "layer") return {};
+  if (has(of_moving_layers, name) && has(still_layers_, table.path)) return "for flesh that moves by itself";
+  // The one layer that says how stiff it is may say it otherwise: that chooses the integrator.
+  const bool is_free =
+      !is_stated_ && std::all_of(speakers_.begin(), speakers_.end(),
+                                 [&](const std::string& path) { return path == table.path; });
+  const bool is_of_other = is_implicit_ ? has(of_explicit_layers, name) : has(of_implicit_layers, name);
+  // These say nothing of stiffness, and choose nothing.
+  const bool is_beside = name == "least_volume" || name == "damping_ratio";
+  if (is_beside ? is_implicit_ : !is_of_other || is_free) return {};
+  return is_implicit_ ? "for the explicit integrator; layers here are as stiff as youngs_modulus, frequency "
+                        "or material say"
+                      : "for the implicit integrator; layers here are as stiff as alpha says";
+}
+
+}  // namespace fascicle::studio

@@ -1,0 +1,85 @@
+// Wishes leave the look of our own characters whole: what is seen of every frame stays within the limits that
+// a bake warns of (host/bake/look.h): stretch of the skin, triangles turned inside out, jumps, crossings.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "host/bake/look.h"
+#include "host/scene/scene.h"
+#include "host/studio/live_motion.h"
+#include "host/studio/scene_keys.h"
+#include "host/studio/workshop.h"
+
+namespace fascicle::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of a run through the clip.
+struct SeenRun {
+  double worst = 0.0;  // score; 1 is the limit
+  std::string cause;
+  std::uint64_t frame = 0;
+  double lag = 0.0;  // m: the largest root mean square distance from skinning of any frame
+};
+
+SeenRun run_through(const std::shared_ptr<studio::RunningBody>& body) {
+  const auto look_body = bake::look_body_of(body->scene(), body->model());
+  EXPECT_TRUE(look_body.has_value());
+  bake::Look look(body->model(), *look_body, body->scene().fps);
+  SeenRun seen;
+  studio::LiveMotion motion(body);
+  motion.record([] { return false; },
+                [&](const studio::ShownFrame& shown) {
+                  seen.lag = std::max(seen.lag, double{shown.numbers.lag});
+                  const bake::LookScores scores = look.of(*shown.frame);
+                  if (!(scores.worst().score > seen.worst)) return;
+                  seen.worst = scores.worst().score;
+                  seen.cause = name_of(scores.cause());
+                  seen.frame = shown.numbers.frame;
+                });
+  return seen;
+}
+
+class Presets : public testing::TestWithParam<const char*> {};
+
+TEST_P(Presets, LeaveTheLookWhole) {
+  const scene::Scene scene = scene::load_scene(GetParam());
+  const pipeline::ChosenDevice device =
+      pipeline::ChosenDevice::cpu(0, cpu_reference::Simd::automatic, "a test");
+  build::BuildOptions options;
+  options.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+  studio::Workshop workshop({scene.name, scene.source, {}}, options, device);
+  const auto body = workshop.make(scene.text, {}, 1, {});
+  workshop.warm();
+  const SeenRun plain = run_through(body);
+  const auto tables = scene::edited_tables(scene.text, scene.source);
+  for (const studio::Preset& preset : studio::presets_of(*body, tables)) {
+    const bool is_to_be_seen = preset.name == "cartoon" || preset.name == "more-jiggle";
+    // The crouching bear, in physical units and with contact, takes long.
+    if (!preset.why_not.empty() || (!is_to_be_seen && GetParam() == std::string("crouch"))) continue;
+    const std::string text = scene::change_text(scene.text, scene.source, preset.changes).text;
+    const SeenRun seen = run_through(workshop.make(text, {}, 2, {}));
+    const std::string what = std::string(GetParam()) + ", " + preset.name + ": " +
+                             std::to_string(seen.worst) + " by " + seen.cause + " in frame " +
+                             std::to_string(seen.frame) + "; lag " + std::to_string(seen.lag) +
+                             " m; without " + std::to_string(plain.worst) + ", " + std::to_string(plain.lag);
+    RecordProperty(preset.name, what);
+    // Where the scene itself is beyond a limit, no further.
+    EXPECT_LE(seen.worst, std::max(1.0, plain.worst)) << what;
+    // What is wished is to be seen: by a twentieth of the lag at least. The arm's flesh bulges and hardly
+    // lags.
+    if (is_to_be_seen && GetParam() != std::string("arm")) {
+      EXPECT_GT(seen.lag, 1.05 * plain.lag) << what;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OurOwn, Presets, testing::Values("jump", "crouch", "arm"),
+                         [](const auto& scene) { return std::string(scene.param); });
+
+}  // namespace
+}  // namespace fascicle::tests
