@@ -16,7 +16,10 @@
 #   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
 #   ./do touches [stage|format] NAME [COMMIT]   count where a model array or a scene key is named, or a stage or a
 #                         format, outside tests
-#   ./do package [DIR]    build the Debian packages, and check what is in them
+#   ./do package [DIR]    build the Debian packages, lists of what is in them and SHA256SUMS, and check them
+#   ./do reproducible [TARGET...]   build this commit twice, in two folders, and compare all that is given away byte by
+#                         byte (an hour on two cores); or these targets' files alone; `--packages`: pack twice what
+#                         `./do package` has built (a minute)
 #   ./do portable         build for any distribution, source by source, and bake in a root that holds only libc
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
@@ -99,6 +102,12 @@ build() { # PRESET [CMAKE CACHE ARGUMENTS...]
   # shellcheck disable=SC2086
   cmake --preset "$preset" "$@" ${FASCICLE_CMAKE:-} >&2
   cmake --build --preset "$preset" >&2
+}
+
+# The date of what is packed is the commit's, so that the same commit gives the same bytes on any day.
+commit_time() {
+  SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
+  export SOURCE_DATE_EPOCH
 }
 
 command=${1:-help}
@@ -232,11 +241,29 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     build release ${set_tests:-} -DCMAKE_INSTALL_PREFIX=/usr
     mkdir -p "$out"
     packed=0
+    commit_time
     (cd build/release && cpack -B "$out") >&2 || packed=$?
     # The tests of installed trees rest on the folders of a local prefix.
     cmake --preset release -DCMAKE_INSTALL_PREFIX=/usr/local -UCMAKE_INSTALL_LIBDIR >&2
     [ "$packed" -eq 0 ] || exit "$packed"
+    cp build/release/fascicle-blender.zip "$out"
+    (cd "$out" && for deb in *.deb; do
+      package=$(dpkg-deb -f "$deb" Package)
+      dpkg-deb --fsys-tarfile "$deb" | tar -xO "./usr/share/doc/$package/$package.spdx.json" > "${deb%.deb}.spdx.json"
+    done && sha256sum -- *.deb *.spdx.json *.zip > SHA256SUMS)
     exec tests/library/check_packages.sh "$out"
+    ;;
+  reproducible)
+    need $build_packages dpkg-dev
+    if [ "${1:-}" = --packages ]; then
+      "$0" package >&2
+      cmake --preset release -DCMAKE_INSTALL_PREFIX=/usr >&2
+      packed=0
+      tests/house/reproducible.sh --packages build/release || packed=$?
+      cmake --preset release -DCMAKE_INSTALL_PREFIX=/usr/local -UCMAKE_INSTALL_LIBDIR >&2
+      exit "$packed"
+    fi
+    exec tests/house/reproducible.sh "$@"
     ;;
   portable)
     need $build_packages $test_packages

@@ -75,4 +75,35 @@ if(TARGET fascicle_python)
   install(DIRECTORY docs/examples/python/ DESTINATION ${doc_folder}/python3-fascicle/examples COMPONENT python
     PATTERN __pycache__ EXCLUDE)
 endif()
+
+# What is in each package (cmake/sbom.py), of the files as they were installed; of all of it where no component is named.
+if(NOT Python3_Interpreter_FOUND)
+  find_package(Python3 QUIET COMPONENTS Interpreter)
+endif()
+if(Python3_Interpreter_FOUND)
+  string(JOIN "\" \"" sbom ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/cmake/sbom.py
+    --version ${PROJECT_VERSION} --source ${CMAKE_SOURCE_DIR})
+  set(library_package libfascicle${PROJECT_VERSION_MAJOR})
+  string(CONFIGURE [[
+    set(sbom_program fascicle program)
+    set(sbom_library @library_package@ library)
+    set(sbom_development libfascicle-dev development)
+    set(sbom_mesher fascicle-mesher mesher)
+    set(sbom_python python3-fascicle python)
+    set(sbom_ fascicle program,library,development,mesher,python)
+    if(sbom_${CMAKE_INSTALL_COMPONENT})
+      list(GET sbom_${CMAKE_INSTALL_COMPONENT} 0 sbom_name)
+      list(GET sbom_${CMAKE_INSTALL_COMPONENT} 1 sbom_parts)
+      set(sbom_file ${CMAKE_INSTALL_PREFIX}/@doc_folder@/${sbom_name}/${sbom_name}.spdx.json)
+      message(STATUS "Installing: $ENV{DESTDIR}${sbom_file}")
+      execute_process(COMMAND_ERROR_IS_FATAL ANY COMMAND "@sbom@" --name ${sbom_name} --in ${sbom_parts}
+        --root "$ENV{DESTDIR}" --prefix "${CMAKE_INSTALL_PREFIX}" --output "${sbom_file}"
+        -- ${CMAKE_INSTALL_MANIFEST_FILES})
+      list(APPEND CMAKE_INSTALL_MANIFEST_FILES ${sbom_file})
+    endif()
+  ]] write_sbom @ONLY)
+  install(CODE "${write_sbom}" ALL_COMPONENTS)
+else()
+  message(WARNING "No lists of what is in the packages: there is no Python to write them")
+endif()
 include(cmake/packages.cmake)

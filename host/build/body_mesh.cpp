@@ -168,7 +168,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   const mesh::SurfaceMesh& surface = skin.welded.surface;
   const BoundingBox box = box_around(surface.vertices);
   WrapOrder order;
-  order.alpha = (box.high - box.low).norm() / scene.body.cage_detail;
+  order.alpha = order.gap = (box.high - box.low).norm() / scene.body.cage_detail;
   if (!scene.body.vertices) order.edge = scene.resolution;
   if (!order.edge) order.vertices = scene.body.vertices.value_or(default_vertices);
   std::optional<double> wanted_edge = order.edge;

@@ -20,8 +20,23 @@ fs::path mesher_path(const BuildOptions& options) {
       " nor on PATH; a surface needs it to be filled with tetrahedra, install it beside this program");
 }
 
-ProcessLimits mesher_limits(const BuildOptions& options) {
-  return {options.mesher_seconds, options.mesher_bytes, options.is_cancelled};
+ProcessLimits mesher_limits(const BuildOptions& options, double elements, double bytes_each) {
+  constexpr double bytes_of_any = 256.0 * (1 << 20);
+  const double due = bytes_of_any + bytes_each * elements;
+  std::uint64_t bytes = options.mesher_bytes;
+  if (due < static_cast<double>(bytes)) bytes = static_cast<std::uint64_t>(due);
+  return {options.mesher_seconds, bytes, options.is_cancelled};
+}
+
+void fail_memory(const ProcessLimits& limits, const BuildOptions& options, const std::string& what,
+                 const std::string& cure) {
+  const std::string size = std::to_string(limits.bytes >> 20) + " MiB of memory ";
+  if (limits.bytes == options.mesher_bytes)
+    throw SceneError(what + " needs more than the " + size + "allowed; " + cure);
+  throw SceneError(what + " takes more than the " + size +
+                   "that its triangles and the resolution account for: some are splinters or nearly touch; "
+                   "remesh it, or " +
+                   cure);
 }
 
 namespace {

@@ -31,7 +31,14 @@ using base::TemporaryFolder;
 // The options' mesher, or the one beside this executable, or the first on PATH. Throws scene::SceneError.
 std::filesystem::path mesher_path(const BuildOptions& options);
 
-ProcessLimits mesher_limits(const BuildOptions& options);
+// The options' limits; of memory less where less is due: a quarter of a GiB and `bytes_each` for each of the
+// elements that a good surface needs at the resolution asked for. A stranger's surface of a few splinters
+// takes as much as it gets.
+ProcessLimits mesher_limits(const BuildOptions& options, double elements, double bytes_each);
+
+// Says that a run had no more memory; `cure` is what needs less. Throws scene::SceneError.
+[[noreturn]] void fail_memory(const ProcessLimits& limits, const BuildOptions& options,
+                              const std::string& what, const std::string& cure);
 
 // Throws Cancelled where options.is_cancelled says so.
 void check_cancelled(const BuildOptions& options);

@@ -16,6 +16,7 @@ struct WrapOrder {
   double offset = 0.0;                    // how far outside the wrap stands, m; 0: a thirtieth of alpha
   std::optional<double> edge;             // sides of the triangles, m; else
   std::optional<std::uint32_t> vertices;  // how many vertices shall fill the wrap
+  double gap = 0.0;                       // what the scene asks alpha to be, m; 0: the same
 };
 
 // A closed surface that does not cross itself around any surface, facing outward, at that offset, of

@@ -19,6 +19,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "host/base/sandbox.h"
 #include "host/convert/character.h"
 #include "host/convert/failure.h"
 #include "host/convert/gltf.h"
@@ -121,6 +122,8 @@ void convert(const fs::path& input, const fs::path& output) {
   std::error_code ignored;
   if (fs::equivalent(input, output, ignored))
     throw Failure(bad_usage, output.string() + " is the file to be read; give another name");
+  // The file is a stranger's, and assimp was not written for such.
+  base::enter_sandbox({input.string()}, output.string());
   std::string glb;
   try {
     glb = glb_from(input);
@@ -140,6 +143,7 @@ int run(const std::vector<std::string>& arguments) {
   } else if (arguments.size() == 1 && arguments[0] == "--version") {
     std::printf("fascicle-convert " FASCICLE_VERSION " (assimp %u.%u)\n", aiGetVersionMajor(),
                 aiGetVersionMinor());
+    std::printf("sandbox: %s\n", base::sandbox_words().c_str());
   } else if (arguments.size() == 2) {
     convert(arguments[0], arguments[1]);
   } else {

@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "host/base/sandbox.h"
 #include "host/mesher/exit_codes.h"
 #include "host/mesher/files.h"
 #include "host/mesher/surface_check.h"
@@ -107,7 +108,13 @@ Options parse_options(const std::vector<std::string>& arguments, std::size_t fil
   return options;
 }
 
+// The files are strangers', and TetGen and CGAL were not written for such.
+void enter_sandbox(const Options& options) {
+  base::enter_sandbox({options.input, options.points}, options.output);
+}
+
 void run_tetrahedralize(const Options& options) {
+  enter_sandbox(options);
   const Surface surface = read_surface(options.input);
   std::vector<Point> inside;
   if (!options.points.empty()) inside = read_points(options.points);
@@ -118,11 +125,16 @@ void run_tetrahedralize(const Options& options) {
 }
 
 void run_intersections(const Options& options) {
+  // Files of no name lie in a folder that is closed to the sandbox.
+  std::FILE* const listed = std::tmpfile();
+  if (listed == nullptr) throw Failure(cannot_write, "no temporary file");
+  enter_sandbox(options);
   const Surface surface = read_surface(options.input);
-  if (const auto where = find_intersection(surface)) throw Failure(self_intersecting, *where);
+  if (const auto where = find_intersection(surface, listed)) throw Failure(self_intersecting, *where);
 }
 
 void run_report(const Options& options) {
+  enter_sandbox(options);
   write_text(options.output, text_of(report_surface(read_surface(options.input))));
 }
 
@@ -133,6 +145,7 @@ void run_wrap(const Options& options) {
   if (settings.offset == 0.0) settings.offset = offset_of_alpha * settings.alpha;
   if (settings.edge && settings.vertices)
     throw Failure(bad_usage, "--edge and --vertices exclude each other");
+  enter_sandbox(options);
   write_surface(options.output, wrap(read_surface(options.input), settings));
 }
 
@@ -142,6 +155,7 @@ int run(const std::vector<std::string>& arguments) {
     std::fputs(help, stdout);
   } else if (command == "--version") {
     std::puts("fascicle-mesher " FASCICLE_VERSION " (TetGen 1.5 and CGAL " CGAL_VERSION_STR ", AGPL-3.0)");
+    std::printf("sandbox: %s\n", base::sandbox_words().c_str());
   } else if (command == "tetrahedralize") {
     run_tetrahedralize(parse_options(arguments, 2));
   } else if (command == "intersections") {

@@ -80,11 +80,10 @@ tetgenbehavior parsed(std::string switches) {
   return behavior;
 }
 
-// Sends what is written to stdout into a file of no name while it lives.
+// Sends what is written to stdout into a file while it lives.
 class CapturedStdout {
  public:
-  CapturedStdout() : file_(std::tmpfile()) {
-    if (file_ == nullptr) throw Failure(cannot_write, "no temporary file");
+  explicit CapturedStdout(std::FILE* file) : file_(file) {
     std::fflush(stdout);
     saved_ = ::dup(STDOUT_FILENO);
     ::dup2(::fileno(file_), STDOUT_FILENO);
@@ -97,7 +96,6 @@ class CapturedStdout {
       ::dup2(saved_, STDOUT_FILENO);
       ::close(saved_);
     }
-    std::fclose(file_);
   }
 
   // The facets of the first line "  Facet #A VERB facet #B at ...", as TetGen's -d writes it.
@@ -149,12 +147,12 @@ Volume fill(const Surface& surface, const std::vector<Point>& inside, double max
   return volume;
 }
 
-std::optional<std::string> find_intersection(const Surface& surface) {
+std::optional<std::string> find_intersection(const Surface& surface, std::FILE* listed) {
   tetgenio in;
   tetgenio out;
   set_surface(in, surface, {});
   tetgenbehavior behavior = parsed("pd");
-  CapturedStdout captured;
+  CapturedStdout captured(listed);
   tetrahedralize(&behavior, &in, &out);
   const auto pair = captured.first_pair();
   if (!pair) return std::nullopt;

@@ -7,6 +7,7 @@
 // function.
 #pragma once
 
+#include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +23,8 @@ void install_terminate_handler();
 // surface is kept, so tetrahedra at it may miss both bounds.
 Volume fill(const Surface& surface, const std::vector<Point>& inside, double max_volume, double quality);
 
-// Where the surface crosses itself, in words; nothing if it does not.
-std::optional<std::string> find_intersection(const Surface& surface);
+// Where the surface crosses itself, in words; nothing if it does not. TetGen's list of what crosses goes into
+// `listed`, an empty file that can be read and written.
+std::optional<std::string> find_intersection(const Surface& surface, std::FILE* listed);
 
 }  // namespace fascicle::mesher

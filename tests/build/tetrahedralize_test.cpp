@@ -3,6 +3,7 @@
 #include "host/build/tetrahedralize.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -214,10 +215,12 @@ TEST_F(Tetrahedralize, FillsBunnyWithTheWantedEdge) {
   EXPECT_LT(mean_edge(finer), 0.85 * mean_edge(mesh));
 
   options_.mesher_bytes = std::uint64_t{60} << 20;
-  EXPECT_REFUSED(refusal(surface, 0.2 * own_edge), "60 MiB of memory");
+  EXPECT_REFUSED(refusal(surface, 0.5 * own_edge), "60 MiB of memory allowed; ask for");
+  EXPECT_REFUSED(refusal(surface, 0.2 * own_edge), "million tetrahedra, more than the 60 MiB of memory");
   options_.mesher_bytes = std::uint64_t{4} << 30;
+  EXPECT_REFUSED(refusal(surface, 0.05 * own_edge), "million tetrahedra, more than the 4096 MiB of memory");
   options_.mesher_seconds = 0.3;
-  EXPECT_REFUSED(refusal(surface, 0.05 * own_edge), "longer than the 0.3 s");
+  EXPECT_REFUSED(refusal(surface, 0.5 * own_edge), "longer than the 0.3 s");
 }
 
 TEST_F(Tetrahedralize, RefusesSurfacesThatEncloseNothing) {
@@ -308,6 +311,26 @@ TEST_F(Tetrahedralize, StopsMeshersThatEatMemory) {
   EXPECT_EQ(message.find("longer than"), std::string::npos)
       << message;  // it hit the memory limit, not the clock
   EXPECT_NE(message, "accepted");
+}
+
+// A cube of twelve triangles gets 256 MiB and 2 KiB for each of the tetrahedra that are due, and not the 4
+// GiB.
+TEST_F(Tetrahedralize, GivesMemoryByWhatIsDue) {
+  fake_mesher("ulimit -v >&2; exit 6");
+  EXPECT_REFUSED(refusal(unit_cube), "256 MiB of memory that its triangles and the resolution account for");
+  const auto limit = [this](double edge) {
+    fake_mesher("ulimit -v > '" + (folder_ / "limit").string() + "'; exit 8");
+    refusal(unit_cube, edge);
+    std::ifstream in(folder_ / "limit");
+    double kib = 0.0;
+    in >> kib;
+    return kib;
+  };
+  const double coarse = limit(1.0), fine = limit(0.02);
+  EXPECT_NEAR(coarse, 256 * 1024, 1024);
+  // 6 sqrt(2) / 0.02^3 regular tetrahedra, 2 KiB each; the triangles' share is below a MiB.
+  EXPECT_NEAR(fine - coarse, 2.0 * 6.0 * std::sqrt(2.0) / 8e-6, 1024);
+  EXPECT_NEAR(limit(0.007), 4.0 * 1024 * 1024, 1.0) << "never more than the options allow";
 }
 
 TEST_F(Tetrahedralize, BelievesNothingThatComesBack) {

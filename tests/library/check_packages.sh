@@ -58,6 +58,13 @@ grep -q "three.js authors" <<TEXT || fail "the program's copyright has no notice
 $(dpkg-deb --fsys-tarfile fascicle_*.deb | tar -xO ./usr/share/doc/fascicle/copyright)
 TEXT
 for deb in *.deb; do
+  package=$(dpkg-deb -f "$deb" Package)
+  holds "$package" "usr/share/doc/$package/$package.spdx.json"
+  grep -q "\"name\": \"$package-" "${deb%.deb}.spdx.json" || fail "there is no list of what is in $package beside it"
+done
+sha256sum --quiet -c SHA256SUMS || fail "SHA256SUMS are not those of the files"
+[ "$(wc -l < SHA256SUMS)" -eq "$(ls | grep -c '\.')" ] || fail "SHA256SUMS leaves files out"
+for deb in *.deb; do
   # The files of one package are no other's.
   dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}'
 done | sort | uniq -d | grep . && fail "a file is in two packages"

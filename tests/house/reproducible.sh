@@ -1,0 +1,68 @@
+#!/bin/sh
+# One commit gives the same bytes, whatever the folder and the day.
+#   reproducible.sh [TARGET...]        builds HEAD twice, in folders of other names and depths and without ccache, and
+#                                      compares all that is given away, packages too; or these targets' files alone
+#   reproducible.sh --packages FOLDER  packs what is built in FOLDER twice, a while apart, and compares
+# More arguments for CMake are in FASCICLE_CMAKE.
+set -eu
+cd "$(dirname "$0")/../.."
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
+export SOURCE_DATE_EPOCH
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Compares each file of the list "$work/files" below two folders.
+compare() { # A B
+  differ=0
+  while read -r file; do
+    if cmp -s "$1/$file" "$2/$file"; then
+      echo "$(sha256sum < "$1/$file" | cut -c 1-64)  $file"
+    else
+      echo "reproducible: $file differs" >&2
+      differ=1
+    fi
+  done < "$work/files"
+  [ -s "$work/files" ] || { echo "reproducible: there is nothing to compare" >&2; exit 1; }
+  # The control: one byte more is seen.
+  file=$(head -n 1 "$work/files")
+  { cat "$2/$file"; echo; } > "$work/longer"
+  ! cmp -s "$1/$file" "$work/longer" || { echo "reproducible: a byte more is not seen" >&2; exit 1; }
+  return $differ
+}
+
+if [ "${1:-}" = --packages ]; then
+  build=$(cd "$2" && pwd)
+  for turn in first second; do
+    mkdir -p "$work/$turn"
+    (cd "$build" && cpack -B "$work/$turn") > "$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+    rm -rf "$work/$turn/_CPack_Packages"
+    (cd "$build" && rm fascicle-blender.zip && cmake --build . --target fascicle_blender) > "$work/log" 2>&1 ||
+      { cat "$work/log" >&2; exit 1; }
+    cp "$build/fascicle-blender.zip" "$work/$turn"
+    # Times within the files are counted in seconds, those of zip in twos.
+    sleep 3
+  done
+  (cd "$work/first" && ls) > "$work/files"
+  compare "$work/first" "$work/second"
+  exit
+fi
+
+for place in a b/in/a/deeper/folder; do
+  source=$work/$place/source build=$work/$place/source/build/release
+  # The build folder lies once in the sources' folder and once beside it.
+  [ "$place" = a ] || build=$work/$place/another
+  mkdir -p "$source"
+  git archive HEAD | tar -x -C "$source"
+  # shellcheck disable=SC2086
+  cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DFASCICLE_TESTS=OFF \
+    -DCMAKE_INSTALL_PREFIX=/usr ${FASCICLE_CMAKE:-} >&2
+  CCACHE_DISABLE=1 cmake --build "$build" ${*:+--target "$@"} >&2
+  [ $# -gt 0 ] || (cd "$build" && cpack -B "$build/packages") >&2
+  # Where the two lie is all that may be another.
+  ln -s "$build" "$work/built-$(echo "$place" | cut -c 1)"
+done
+cd "$work/built-a"
+find -L . -maxdepth 3 -type f \( -name 'fascicle' -o -name 'fascicle-mesher' -o -name 'fascicle-convert' \
+  -o -name 'libfascicle.so.*.*.*' -o -name '_fascicle*.so' -o -name 'fascicle-blender.zip' -o -name '*.deb' \
+  -o -name '*.a' \) ! -path '*_CPack_Packages*' | sort > "$work/files"
+compare "$work/built-a" "$work/built-b"
