@@ -19,7 +19,9 @@ void add_studio_seeds(std::vector<Seed>& seeds) {
                                .base_hash = "0123456789abcdef",
                                .steps = {{"", "[scene]\n"}, {"softer", "[scene]\nfps = 30\n"}},
                                .at = 1};
-  record.steps.push_back({"paint", "a", std::make_shared<const std::string>("{\"fascicle_paint\": 1}")});
+  const studio::Paints paints{
+      {"character.paint", std::make_shared<const std::string>("{\"fascicle_paint\": 1}")}};
+  record.steps.push_back({"paint", "a", paints});
   seeds.push_back({"session", "three", studio::session_text(record)});
 }
 
