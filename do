@@ -31,8 +31,7 @@
 #                         docs/farm-slurm.txt (root, minutes)
 #   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, and bake what strangers might
 #                         send; write docs/reliability.md (hours)
-#   ./do mutants [ROOM...] [--count N]   plant small faults, one at a time: do the tests find them? (hours); --write:
-#                         docs/mutants.md
+#   ./do mutants [ROOM...] [--count N]   plant small faults, one at a time: do the tests find them? (hours)
 #   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
 #                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of

@@ -1,8 +1,9 @@
 """Small faults planted in the sources, one at a time: do the tests find them?
 
-mutants.py [ROOM...] [--count N] [--write]: copies the tree into build/mutants, builds it there, plants a fault at
-random, builds and runs the tests of its room until one fails. FASCICLE_SEED repeats a choice. --write: into the page
-in docs. living.txt says why some that live may."""
+mutants.py [ROOM...] [--count N]: copies the tree into build/mutants, builds it there, plants a fault at random, builds
+and runs the tests of its room until one fails. Before that the tests run over the sources as they are: they must pass,
+or every fault would seem to be found. Prints what lives as a table; living.txt says why some may. FASCICLE_SEED repeats
+a choice."""
 
 import argparse
 import glob
@@ -42,18 +43,6 @@ SWAPS = ((r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "),
 # A whole statement that is left out: an assignment, or a call for what it does.
 STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [-+*/|&]?= .*|[\w.:>-]+\([^{}]*\));$")
 PATIENCE = 600  # s, for the tests of one room; what runs longer has been made endless
-
-PAGE = """# Mutants
-
-`./do mutants` plants small faults in the sources, one at a time (another comparison, another sign, another constant, a
-statement left out), and runs the tests of the room until one fails. A fault that no test finds lives. It writes this
-page. First it runs the same tests over the sources as they are: they must pass, or every fault would seem to be found.
-
-Seed %d. Found: %s.
-
-%s
-"""
-
 
 def fail(text):
     print("mutants: " + text, file=sys.stderr)
@@ -184,7 +173,6 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("room", nargs="*", choices=[[], *ROOMS])
     parser.add_argument("--count", type=int, default=40, help="of each room")
-    parser.add_argument("--write", action="store_true")
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
@@ -202,14 +190,9 @@ def main():
             why = known.get((name, line, made), "not looked at")
             rows.append("| `%s:%d` | `%s` | `%s` | %s |" % (name, number, line.replace("|", "\\|"),
                                                            made.replace("|", "\\|"), why))
-    print("found: " + ", ".join(figures))
-    if asked.write:
-        table = "| where | as it is | as it was made | why it lives |\n| --- | --- | --- | --- |\n" + "\n".join(rows) \
-            if rows else "None lives."
-        page = os.path.join(SOURCE, "docs", "mutants.md")
-        with open(page + ".new", "w") as file:
-            file.write(PAGE % (seed, ", ".join(figures), table))
-        os.replace(page + ".new", page)
+    print("seed %d, found: %s" % (seed, ", ".join(figures)))
+    if rows:
+        print("| where | as it is | as it was made | why it lives |\n| --- | --- | --- | --- |\n" + "\n".join(rows))
     return 0
 
 
