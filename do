@@ -24,6 +24,7 @@
 #   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
 #   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
 #   ./do web              check the browser's pages (types, tests) and bundle them anew into web/bundle
+#   ./do studio-bars SCENE [--minutes M]   how the studio keeps up: starts, frames, changes, memory while it loops
 #   ./do view-figure      bake the bear and draw its page, docs/figures/view.png
 #   ./do studio-figure    open the bear in the studio and draw its page, docs/figures/studio.png, and studio-beside.png
 #   ./do site             the pages as a web site in build/site (mkdocs)
@@ -288,6 +289,12 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     npm test --silent >&2
     npm run --silent build >&2
     cp bundle/* ../../../web/bundle/
+    ;;
+  studio-bars)
+    need $build_packages $run_packages python3
+    [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
+    build release ${set_tests:-}
+    exec python3 -B bench/studio_bars.py build/release/fascicle "$@"
     ;;
   view-figure)
     need $build_packages $run_packages chromium

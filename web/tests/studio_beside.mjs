@@ -100,7 +100,12 @@ await page.selectOption("#colour", "layers");
 await page.evaluate(() => document.querySelector('input[name=comparison][value=flesh]').click());
 const [alone, ghost] = [await count("alone", magenta), []];
 await page.evaluate(() => document.querySelector('input[name=comparison][value=ghost]').click());
-report.ghost_tag = await page.textContent("#tag-left");
+// Words on the picture follow with its next drawing.
+const tag = async (begin) => {
+  await page.waitForFunction((text) => document.getElementById("tag-left").textContent.startsWith(text), begin);
+  return page.textContent("#tag-left");
+};
+report.ghost_tag = await tag("Magenta");
 ghost.push(...(await count("ghost", magenta)));
 report.ghost = [alone, ghost].map(([left, right]) => left + right);
 
@@ -108,7 +113,10 @@ report.ghost = [alone, ghost].map(([left, right]) => left + right);
 await page.locator("#picture").focus();
 await page.keyboard.press("Shift+B");
 await page.waitForFunction(() => document.documentElement.dataset.beside === "");
-report.without = { tag: await page.textContent("#tag-left"), option: await page.locator('#colour option[value="difference"]').isEnabled() };
+report.without = {
+  tag: await tag("Blue"),
+  option: await page.locator('#colour option[value="difference"]').isEnabled(),
+};
 await page.keyboard.press("Shift+B");
 await page.waitForFunction(() => document.documentElement.dataset.beside !== "");
 report.again = await html("beside");
@@ -120,7 +128,8 @@ await shot("ghost-light");
 // Where a click on the curves lies along the time.
 const plot = await page.locator("#plot").boundingBox();
 await page.mouse.click(plot.x + 62 + 0.5 * (plot.width - 62), plot.y + plot.height / 2);
-await page.waitForFunction((number) => document.getElementById("clock").textContent.startsWith(`${number} /`), Math.round(last / 2));
+await page.waitForFunction((number) => document.getElementById("clock").textContent.startsWith(`${number} /`),
+  Math.round(last / 2));
 report.clicked = true;
 report.asked = asked.map((url) => new URL(url).pathname);
 await browser.close();
