@@ -51,7 +51,8 @@ constexpr double shortest_body = 1e-6, longest_mesh = 1e6, longest_character = 3
 
 void check_size(const std::string& what, double size, double longest, const std::string& advice) {
   if (size < shortest_body || size > longest)
-    throw SceneError(what + " is " + shortest(size) + " m long, which flesh cannot be chosen for; " + advice);
+    throw SceneError(what + " is " + shortest(size) + " m long; stiffness can be chosen for " +
+                     shortest(shortest_body) + " to " + shortest(longest) + " m; " + advice);
 }
 
 std::string rounded(double value) {

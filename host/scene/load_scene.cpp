@@ -1,4 +1,3 @@
-#include <charconv>
 #include <cmath>
 
 #include "host/base/nearest_name.h"
@@ -53,10 +52,14 @@ std::uint64_t frame_count(const Scene& scene) {
 
 // What --set says of mesh.scale; what is no scale is refused when the scene is read.
 double scale_in(const SceneOverrides& overrides) {
-  const std::string text = overridden(overrides, "mesh.scale").value_or("1");
-  double scale = 1.0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), scale);
-  return read.ec == std::errc() && scale > 0.0 && std::isfinite(scale) ? scale : 1.0;
+  const auto text = overridden(overrides, "mesh.scale");
+  if (!text) return 1.0;
+  try {
+    const auto scale = parse_toml("scale = " + *text, "mesh.scale")["scale"].value<double>();
+    return scale && *scale > 0.0 && std::isfinite(*scale) ? *scale : 1.0;
+  } catch (const SceneError&) {
+    return 1.0;
+  }
 }
 
 Scene load_scene(const std::string& name, const SceneOverrides& overrides) {

@@ -456,8 +456,11 @@ TEST(LoadScene, ABareMeshOfAWrongUnitIsToldItsSize) {
   }
   // In millimetres: the stiffness is that of the size in metres.
   write_tetrahedron_of_size(path, 300.0);
-  EXPECT_NEAR(load_scene(path, {.set = {"mesh.scale=0.001"}}).layers[0].youngs_modulus.value(),
-              60.0 * 1000.0 * 9.81 * 0.3, 0.005 * 60.0 * 1000.0 * 9.81 * 0.3);
+  for (const char* scale : {"0.001", "+0.001", " 1e-3", "0.0_01"})
+    EXPECT_NEAR(
+        load_scene(path, {.set = {"mesh.scale=" + std::string(scale)}}).layers[0].youngs_modulus.value(),
+        60.0 * 1000.0 * 9.81 * 0.3, 0.005 * 60.0 * 1000.0 * 9.81 * 0.3)
+        << scale;
 }
 
 TEST(LoadScene, TakesABareCharacterAsAScene) {
