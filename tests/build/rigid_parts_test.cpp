@@ -354,7 +354,7 @@ TEST(RigidParts, CanBeAskedFor) {
   scene::Scene scene = scene_of(character);
   scene.skeleton.rigid = {"PlateJoint"};
   EXPECT_EQ(count_rigid(scene), 7u);  // the last vertex has 0.1 of it
-  scene.skeleton.rigid = {"Sted"};
+  scene.skeleton.rigid = {"Stel"};
   expect_refusal([&] { find_in(scene); }, "did you mean Steel");
   // Painted: one patch of the trunk, which stays in one piece.
   rig::PaintedAttribute paint{"_RIGID", 1, {}};

@@ -37,9 +37,10 @@ CONTROL, RUNS_OF_CONTROL = "planted", 2000000
 
 PAGE = """# Fuzzing
 
-What reads files from strangers has a target for clang's libFuzzer, with its sanitizers of addresses, leaks and undefined
-behaviour in the same process (`tests/fuzz`). Four readers have none: FBX and Collada, which `fascicle-convert` reads
-with assimp in a sandbox; what the mesher and the program hand each other; `metrics.csv`; and records of jobs.
+What reads files from strangers has a target for clang's libFuzzer, with its sanitizers of addresses, leaks and
+undefined behaviour in the same process (`tests/fuzz`). Four readers have none: FBX and Collada, which
+`fascicle-convert` reads with assimp in a sandbox; what the mesher and the program hand each other; `metrics.csv`; and
+records of jobs.
 
 A reader takes its bytes or refuses them by the error that its header names, in one line; all else is a crash: another
 exception, a read or write out of bounds, a leak, undefined behaviour, one allocation or a process of more than %d MiB,

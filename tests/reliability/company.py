@@ -78,8 +78,8 @@ def clashes(bakes, count):
         hold(done.returncode == DONE, "after ten from one cache: " + done.stderr)
         built.hold_whole(again)
         shutil.rmtree(again)
-    return "%d pairs: one bake came to its end in each, %d others were turned away with a message; %d rounds of ten bakes " \
-           "from one cache; all bytes equal" % (count, turned_away, (count + 2) // 3)
+    return "%d pairs: one bake came to its end in each, %d others were turned away with a message; %d rounds of ten " \
+           "bakes from one cache; all bytes equal" % (count, turned_away, (count + 2) // 3)
 
 
 def drivers(bakes, count):
@@ -158,7 +158,7 @@ def load(bakes, count):
         shutil.rmtree(folder)
     hold_flat(many[0][1], many[1][1])
     shutil.rmtree(root)
-    return "%d frames in %d MiB, %.2f times the time a frame of %d frames in %d MiB; %d jobs in %d MiB, %.2f times the " \
-           "time a job of %d" % (count, found[1][0] >> 20, found[1][1] / found[0][1] / 10, count // 10,
+    return "%d frames in %d MiB, %.2f times the time a frame of %d frames in %d MiB; %d jobs in %d MiB, %.2f times " \
+           "the time a job of %d" % (count, found[1][0] >> 20, found[1][1] / found[0][1] / 10, count // 10,
                                  found[0][0] >> 20, many[1][0], many[1][1] >> 20,
                                  many[1][2] / many[0][2] * many[0][0] / many[1][0], many[0][0])

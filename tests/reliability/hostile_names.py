@@ -110,5 +110,5 @@ def names(bakes, count):
         hold(not os.path.exists("/tmp/escaped"), "%r: a file outside" % name[:40])
         shutil.rmtree(outer)
     hold(baked * 2 > count, "only %d of %d were baked" % (baked, count))
-    return "%d characters, %d of them baked: no file outside, no escape reaches the terminal, every file is readable" % (
-        count, baked)
+    return "%d characters, %d of them baked: no file outside, no escape reaches the terminal, every file is readable" \
+        % (count, baked)

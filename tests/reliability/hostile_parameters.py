@@ -114,5 +114,5 @@ def parameters(bakes, count):
         refused += not hashes
     hold(count < 50 or (finite and refused), "%d were baked and %d refused" % (finite, refused))
     shutil.rmtree(root)
-    return "%d scenes: %d stayed finite, %d refused by name, %d said that they burst; %d had the same bits on Vulkan" % (
-        count, finite, refused, burst, compared)
+    return "%d scenes: %d stayed finite, %d refused by name, %d said that they burst; %d had the same bits on Vulkan" \
+        % (count, finite, refused, burst, compared)
