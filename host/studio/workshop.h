@@ -29,8 +29,8 @@ struct TextSource {
 
 class Workshop {
  public:
-  // Bodies that are kept at once: changes that build anew are taken back a few at a time. What is kept of one
-  // is some times what its solver takes.
+  // Bodies that are kept at once: changes that build anew are taken back a few at a time. The bound in bytes
+  // is on their solvers' buffers; all that is kept of a body is several times as large.
   static constexpr std::size_t most_bodies = 6;
   static constexpr std::uint64_t most_solver_bytes = std::uint64_t{256} << 20;
 
