@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <span>
+#include <utility>
 
 #include "host/bake/bake.h"
 #include "host/bake/model_file.h"
@@ -37,22 +38,24 @@ const scene::Scene& OpenBake::scene() {
   // File names in a scene file are relative to it; a bare mesh or character is named from where the bake was
   // started.
   const fs::path near = source.extension() == ".toml" ? source.parent_path() : fs::path();
+  std::unique_ptr<const scene::Scene> read;
   try {
-    scene_ = std::make_unique<const scene::Scene>(
+    read = std::make_unique<const scene::Scene>(
         scene::parse_scene({manifest_.scene_name, manifest_.scene_source, manifest_.scene_text, near}, {}));
   } catch (const scene::SceneError& error) {
     throw scene::SceneError(folder_.string() + ": the bake's scene is needed again, and: " + error.what() +
                             "; start fascicle from the folder where the bake was started");
   }
   build::Report report;
-  substeps_ = build::choose_steps(*scene_, model_, report).substeps;
+  substeps_ = build::choose_steps(*read, model_, report).substeps;
   // The scene's own text is in the manifest; what it names may have changed.
   const std::map<std::string, std::string> before(manifest_.input_hashes.begin(),
                                                   manifest_.input_hashes.end());
-  for (const auto& [file, hash] : scene_->input_hashes)
+  for (const auto& [file, hash] : read->input_hashes)
     if (const auto was = before.find(file); was == before.end() || was->second != hash)
       throw bake::BakeError(file + ": has changed since the bake in " + folder_.string() +
                             "; bake again, or put the old file back");
+  scene_ = std::move(read);
   return *scene_;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <exception>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -52,13 +53,19 @@ BakedMotion::BakedMotion(std::unique_ptr<pipeline::OpenBake> bake, const std::fi
     : bake_(std::move(bake)),
       measures_(bake_->model()),
       energies_(energies_of(folder, bake_->frame_count())) {
+  const bool has_skeleton = bake_->model().has_skeleton();
+  // Where its inputs are gone or have changed the frames are there all the same.
+  const auto go_without = [&](const std::exception& error) {
+    if (has_skeleton) why_no_lag_ = error.what();
+  };
   try {
     (void)bake_->scene();
     has_scene_ = true;
-    has_skinning_ = bake_->model().has_skeleton();
-  } catch (const scene::SceneError&) {
-    // Its inputs are gone or have changed: the frames are there all the same.
-  } catch (const base::BakeError&) {
+    has_skinning_ = has_skeleton;
+  } catch (const scene::SceneError& error) {
+    go_without(error);
+  } catch (const base::BakeError& error) {
+    go_without(error);
   }
   seek(0);
 }

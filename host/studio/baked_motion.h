@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "host/pipeline/open_bake.h"
@@ -13,8 +14,8 @@ namespace fascicle::studio {
 
 class BakedMotion final : public Motion {
  public:
-  // `bake` is the player's from now on, `folder` is where it lies. Skinning alone and solids are shown where
-  // the bake's scene can still be read.
+  // `bake` is the player's from now on, `folder` is where it lies. Skinning alone and solids are shown, and
+  // lag is measured, where the bake's scene can still be read.
   BakedMotion(std::unique_ptr<pipeline::OpenBake> bake, const std::filesystem::path& folder);
 
   std::uint64_t frames() const override { return bake_->frame_count() - 1; }
@@ -27,12 +28,15 @@ class BakedMotion final : public Motion {
   ShownFrame again() override;
   std::vector<float> joints() override;
   std::vector<scene::Solid> solids() override;
+  // Why frames have no lag though the body has a skeleton; empty where they have.
+  const std::string& why_no_lag() const { return why_no_lag_; }
 
  private:
   std::unique_ptr<pipeline::OpenBake> bake_;
   FrameMeasures measures_;
   std::vector<float> energies_;  // J, of each frame, as metrics.csv has them; a bake keeps no velocities
   bool has_scene_ = false, has_skinning_ = false;
+  std::string why_no_lag_;
   model::Frame now_;
 };
 

@@ -58,9 +58,11 @@ BesideBake::BesideBake(BesideChoice choice) : choice_(std::move(choice)) {
 Json BesideBake::description() const {
   Json names = Json::array();
   for (const ArrayMessage& array : arrays_) names.push_back(array.name);
-  return {{"name", choice_.name},        {"fps", motion_->fps()},          {"start", motion_->start()},
-          {"frames", motion_->frames()}, {"counts", counts_json(*model_)}, {"layers", layers_json(*model_)},
-          {"arrays", std::move(names)}};
+  Json bake{{"name", choice_.name},        {"fps", motion_->fps()},          {"start", motion_->start()},
+            {"frames", motion_->frames()}, {"counts", counts_json(*model_)}, {"layers", layers_json(*model_)},
+            {"arrays", std::move(names)}};
+  if (!motion_->why_no_lag().empty()) bake["why_no_lag"] = motion_->why_no_lag();
+  return bake;
 }
 
 ShownFrame BesideBake::at(double time) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "host/bake/points.h"
@@ -62,8 +63,10 @@ void FrameMeasures::fill(const model::Frame& frame, FrameNumbers& numbers) const
   const double unit = model_->unit, count = std::max(free, 1u);
   numbers.energy = static_cast<float>(energy * unit * unit);
   numbers.speed = static_cast<float>(std::sqrt(squared_speed / count) * unit);
-  numbers.lag = static_cast<float>(std::sqrt(lag / count) * unit);
-  numbers.largest_lag = static_cast<float>(std::sqrt(largest) * unit);
+  const bool is_known = !model_->has_skeleton() || !frame.skinned.empty();
+  constexpr float not_known = std::numeric_limits<float>::quiet_NaN();
+  numbers.lag = is_known ? static_cast<float>(std::sqrt(lag / count) * unit) : not_known;
+  numbers.largest_lag = is_known ? static_cast<float>(std::sqrt(largest) * unit) : not_known;
 }
 
 }  // namespace fascicle::studio

@@ -12,7 +12,8 @@ class FrameMeasures {
  public:
   explicit FrameMeasures(const model::Model& model);
   // Fills lag, energy, volume, inverted and speed from the frame's positions, and its velocities and skinned
-  // positions where it has them.
+  // positions where it has them. Lag is 0 without a skeleton, and not a number where the frame of a body with
+  // one has no skinned positions.
   void fill(const model::Frame& frame, FrameNumbers& numbers) const;
 
  private:

@@ -45,11 +45,11 @@ KeyUse::KeyUse(const std::vector<EditedTable>& tables) {
       if (table.table->name != "layer") continue;
       if (name == "kinematic" && key.value == true) still_layers_.push_back(table.path);
       // A least volume says nothing of stiffness.
-      const bool speaks_implicit = has(of_implicit_layers, name) && name != "least_volume";
-      const bool speaks_explicit = has(of_explicit_layers, name);
-      has_implicit = has_implicit || speaks_implicit;
-      has_explicit = has_explicit || speaks_explicit;
-      if (speaks_implicit || speaks_explicit) speakers_.push_back(table.path);
+      const bool is_implicit_stiffness = has(of_implicit_layers, name) && name != "least_volume";
+      const bool is_explicit_stiffness = has(of_explicit_layers, name);
+      has_implicit = has_implicit || is_implicit_stiffness;
+      has_explicit = has_explicit || is_explicit_stiffness;
+      if (is_implicit_stiffness || is_explicit_stiffness) layers_with_stiffness_.push_back(table.path);
     }
   if (!is_stated_) is_implicit_ = has_implicit && !has_explicit;
 }
@@ -67,13 +67,13 @@ std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) c
   if (table.table->name != "layer") return {};
   if (has(of_moving_layers, name) && has(still_layers_, table.path)) return "for flesh that moves by itself";
   // The one layer that says how stiff it is may say it otherwise: that chooses the integrator.
-  const bool is_free =
-      !is_stated_ && std::all_of(speakers_.begin(), speakers_.end(),
+  const bool may_change_integrator =
+      !is_stated_ && std::all_of(layers_with_stiffness_.begin(), layers_with_stiffness_.end(),
                                  [&](const std::string& path) { return path == table.path; });
   const bool is_of_other = is_implicit_ ? has(of_explicit_layers, name) : has(of_implicit_layers, name);
   // These say nothing of stiffness, and choose nothing.
-  const bool is_beside = name == "least_volume" || name == "damping_ratio";
-  if (is_beside ? is_implicit_ : !is_of_other || is_free) return {};
+  const bool is_no_stiffness = name == "least_volume" || name == "damping_ratio";
+  if (is_no_stiffness ? is_implicit_ : !is_of_other || may_change_integrator) return {};
   return is_implicit_ ? "for the explicit integrator; layers here are as stiff as youngs_modulus, frequency "
                         "or material say"
                       : "for the implicit integrator; layers here are as stiff as alpha says";

@@ -19,8 +19,8 @@ class KeyUse {
   bool is_implicit_ = false;
   bool is_stated_ = false;  // by solver.integrator
   bool has_auto_substeps_ = false;
-  std::vector<std::string> speakers_;      // paths of the layers that say how stiff they are
-  std::vector<std::string> still_layers_;  // paths of the kinematic ones
+  std::vector<std::string> layers_with_stiffness_;  // paths of the layers that say how stiff they are
+  std::vector<std::string> still_layers_;           // paths of the kinematic ones
 };
 
 }  // namespace fascicle::studio

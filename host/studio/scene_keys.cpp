@@ -346,8 +346,8 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
       body, tables,
       {"only-tail", "Only the tail", "The flesh of the tail moves, all other follows the skeleton.", {}, {}},
       {"tail"}, true, "tail"));
-  // Softer flesh that feels more and is damped less folds in short waves where a bear lands. With more
-  // damping it moves further and stays whole.
+  // Softer flesh that feels more of the motion swings further, but folds in short waves where a bear lands.
+  // More damping takes those waves out, and leaves most of the swing.
   add("cartoon", "Cartoon", "Flesh that follows further than real flesh does, as in a cartoon.",
       [](Wish& wish) {
         wish.soften(1.15);

@@ -124,10 +124,12 @@ Session::Session(const std::filesystem::path& bake, std::vector<std::filesystem:
   constexpr std::string_view builtin = "builtin:";
   scene_to_open_ = source.starts_with(builtin) ? source.substr(builtin.size()) : source;
   const scene::Scene* scene = nullptr;
+  std::string without_scene;
   try {
     scene = &open->scene();
   } catch (const std::runtime_error& error) {
-    pipeline::say_warning(say_, std::string(error.what()) + "; frames are shown without skinning and joints");
+    without_scene = std::string(error.what()) + "; frames are shown without skinning, joints and lag";
+    pipeline::say_warning(say_, without_scene);
   }
   const model::Model& model = open->model();
   const std::filesystem::path character = bake / "character.glb";
@@ -147,6 +149,7 @@ Session::Session(const std::filesystem::path& bake, std::vector<std::filesystem:
         {"start", open->start()}, {"frames", last}, {"substeps", 0},          {"iterations", 0}};
   }
   std::vector<build::Warning> warnings;
+  if (!without_scene.empty()) warnings.push_back({without_scene, {}});
   for (const std::string& text : open->manifest().warnings) warnings.push_back({text, {}});
   warnings_message_ = {{"type", "warnings"}, {"list", warnings_json(model, warnings)}};
   player_ = std::make_unique<Player>(std::make_unique<BakedMotion>(std::move(open), bake), player_events());
@@ -259,7 +262,7 @@ void Session::send_start(PageId page) {
     send(page, presets_message());
   }
   send(page, warnings_message_);
-  send_beside(page);
+  send_beside(page, beside_message());
   if (is_live_) send_paint(page);
   if (is_live_) send(page, history_json());
   send(page, player_json());

@@ -97,6 +97,7 @@ class Session {
     std::uint64_t number = 0;
     const rig::PaintKind* kind = nullptr;
     std::vector<Painting> paintings;  // one a place
+    std::vector<bool> is_stamped;     // of each place: whether the brush was there
     Vector3d last = Vector3d::Zero();
   };
 
@@ -135,7 +136,7 @@ class Session {
 
   // session_beside.cpp
   Json beside_message() const;
-  void send_beside(PageId page);
+  void send_beside(PageId page, const Json& message);
   void broadcast_beside();
   void choose_beside(const std::string& name);
   void put_beside(const std::optional<BesideChoice>& choice);

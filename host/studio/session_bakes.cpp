@@ -117,7 +117,8 @@ void Session::save_paints(const std::map<std::string, std::string>& names, bool 
           file.string() +
           " is there already, and this session did not write it; choose another name, or replace it");
   }
-  saved_paints_.clear();
+  // Paint that is taken back just now may come again: its file stays the session's.
+  if (!is_own_name) saved_paints_.clear();
   for (const auto& [key, name] : names) {
     const std::string& text = *history_->paints().at(key);
     base::write_whole(options_.folder / name, text);
@@ -195,21 +196,24 @@ void Session::bake(const Command& command) {
           const std::lock_guard lock(mutex_);
           broadcast({{"type", "baking"}, {"phase", phase}, {"frame", frame}, {"frames", frames}});
         };
+        request.on_frame = [&](std::uint64_t frame, std::uint64_t frames) { tell("frames", frame, frames); };
+        request.on_lead_in = [&] { tell("lead-in", 0, 0); };
+        // What is written anew cannot be read meanwhile.
+        std::optional<BesideChoice> stood;
+        std::error_code none;
+        if (beside_ && fs::equivalent(beside_->choice().folder, request.output.folder, none))
+          stood = beside_->choice();
+        if (stood) put_beside(std::nullopt);
+        // However the bake ends: what there is of it stands there again, and can be chosen.
         const auto end = [&](Json message) {
+          if (stood) put_beside(stood);
           const std::lock_guard lock(mutex_);
+          if (!stood) broadcast_beside();
           bakes_ = false;
           broadcast(std::move(message));
         };
-        request.on_frame = [&](std::uint64_t frame, std::uint64_t frames) { tell("frames", frame, frames); };
-        request.on_lead_in = [&] { tell("lead-in", 0, 0); };
         try {
           tell("build", 0, 0);
-          // What is written anew cannot be read meanwhile.
-          std::optional<BesideChoice> stood;
-          std::error_code none;
-          if (beside_ && fs::equivalent(beside_->choice().folder, request.output.folder, none))
-            stood = beside_->choice();
-          if (stood) put_beside(std::nullopt);
           scene::SceneOverrides overrides;
           overrides.converter = converter_;
           const auto prepared =
@@ -217,12 +221,6 @@ void Session::bake(const Command& command) {
           const bake::BakeResult result = pipeline::run_bake(*prepared, request, note);
           pipeline::say_result(result, note);
           if (result.interrupted) return end({{"type", "cancelled"}, {"what", "bake"}});
-          if (stood) {
-            put_beside(stood);
-          } else {
-            const std::lock_guard lock(mutex_);
-            broadcast_beside();  // there is one more to choose
-          }
           Json files = Json::array();
           for (const fs::path& written : result.files) files.push_back(written.filename().string());
           end({{"type", "baked"},

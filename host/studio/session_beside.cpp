@@ -15,8 +15,8 @@ Json Session::beside_message() const {
           {"bake", beside_ ? beside_->description() : Json(nullptr)}};
 }
 
-void Session::send_beside(PageId page) {
-  send(page, beside_message());
+void Session::send_beside(PageId page, const Json& message) {
+  send(page, message);
   if (!beside_ || server_ == nullptr) return;
   for (const ArrayMessage& array : beside_->arrays()) server_->send_binary(page, array.bytes);
 }
@@ -53,7 +53,9 @@ void Session::put_beside(const std::optional<BesideChoice>& choice) {
 }
 
 void Session::broadcast_beside() {
-  for (const auto& [page, state] : pages_) send_beside(page);
+  if (pages_.empty()) return;
+  const Json message = beside_message();  // which looks at the folders
+  for (const auto& [page, state] : pages_) send_beside(page, message);
 }
 
 // On the player's thread: the frame of the bake beside that belongs to what is played; nothing where none

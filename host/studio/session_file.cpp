@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,7 @@
 #include "host/base/json_text.h"
 #include "host/scene/scene_json.h"
 #include "host/studio/commands.h"
+#include "host/studio/scene_keys.h"
 
 namespace fascicle::studio {
 
@@ -21,6 +23,14 @@ namespace {
 constexpr int version = 2;
 constexpr const char* version_key = "fascicle_studio";
 constexpr auto pace = std::chrono::milliseconds(100);
+
+// "character.paint" or "character.NAME.paint".
+bool names_a_paint(std::string_view key) {
+  constexpr std::string_view before = "character.", after = ".paint";
+  if (key == paint_path) return true;
+  return key.size() > before.size() + after.size() && key.starts_with(before) && key.ends_with(after) &&
+         is_plain_name(key.substr(before.size(), key.size() - before.size() - after.size()));
+}
 
 }  // namespace
 
@@ -69,6 +79,8 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
       for (const auto& [key, of_key] : step["paint"].items()) {
         const auto number = of_key.get<std::size_t>();
         if (number >= paints.size()) return std::nullopt;
+        // Names of files that are written are made from it.
+        if (!names_a_paint(key)) return std::nullopt;
         record.steps.back().paints[key] = paints[number];
       }
     }

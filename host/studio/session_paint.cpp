@@ -108,7 +108,9 @@ void Session::paint(PageId page, const StrokePiece& piece) {
     end_stroke();
   const auto vector_of = [](const std::array<double, 3>& v) { return Vector3d(v[0], v[1], v[2]); };
   const bool is_first = !stroke_;
-  if (is_first) stroke_.emplace(Stroke{page, piece.stroke, &kind, paintings_in_force()});
+  if (is_first)
+    stroke_.emplace(
+        Stroke{page, piece.stroke, &kind, paintings_in_force(), std::vector<bool>(places_.size(), false)});
   for (std::size_t k = 0; k < piece.places.size(); ++k) {
     const Vector3d place = vector_of(piece.places[k]);
     const bool has_way = !is_first || k > 0;
@@ -117,8 +119,9 @@ void Session::paint(PageId page, const StrokePiece& piece) {
     // A stroke may go from one character to the next.
     const PaintPlace* under = place_under(places_, place);
     if (under == nullptr || under->is_rigid) continue;
-    stroke_->paintings[static_cast<std::size_t>(under - places_.data())].stamp(piece.brush,
-                                                                               place - under->offset, along);
+    const auto at = static_cast<std::size_t>(under - places_.data());
+    stroke_->paintings[at].stamp(piece.brush, place - under->offset, along);
+    stroke_->is_stamped[at] = true;
   }
   send_sheet(stroke_->paintings, kind, std::nullopt);
   if (piece.is_last) end_stroke();
@@ -142,6 +145,7 @@ void Session::keep_stroke(const Stroke& stroke) {
   std::map<std::string, std::string> files = paint_files(tables_);
   std::vector<scene::KeyChange> changes;
   for (std::size_t k = 0; k < places_.size(); ++k) {
+    if (!stroke.is_stamped[k]) continue;
     const std::string& key = places_[k].key;
     const rig::Paint paint = stroke.paintings[k].paint();
     auto text = std::make_shared<const std::string>(scene::paint_text(paint));

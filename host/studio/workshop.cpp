@@ -48,16 +48,17 @@ std::shared_ptr<RunningBody> Workshop::make(const std::string& text, const Paint
 
 Workshop::KeptBody& Workshop::kept_of(const scene::Scene& scene) {
   const std::string key = build::body_key(scene).value_or("");
+  // Of builds that failed or were cancelled nothing stays but what the same body can go on with.
+  std::erase_if(kept_, [&](const KeptBody& kept) { return kept.bytes == 0 && kept.key != key; });
   const auto found = std::ranges::find(kept_, key, &KeptBody::key);
   if (found != kept_.end())
     kept_.splice(kept_.begin(), kept_, found);
   else
     kept_.emplace_front().key = key;
-  drop_oldest();
   return kept_.front();
 }
 
-// The newest stays, however large it is.
+// After a body was built, so that none goes for one that comes to nothing. The newest stays, however large.
 void Workshop::drop_oldest() {
   const auto is_too_much = [&] {
     std::uint64_t bytes = 0;

@@ -29,8 +29,9 @@ struct TextSource {
 
 class Workshop {
  public:
-  // Bodies that are kept at once: changes that build anew are taken back a few at a time. What is kept of one
-  // is some times what its solver takes.
+  // Bodies that are kept at once: changes that build anew are taken back a few at a time. What is counted are
+  // the arrays of a body's solver. What is kept of it takes about as much: 0.8 to 1.2 times, of the made arm
+  // and bear of 6,000 to 13,000 vertices.
   static constexpr std::size_t most_bodies = 6;
   static constexpr std::uint64_t most_solver_bytes = std::uint64_t{256} << 20;
 

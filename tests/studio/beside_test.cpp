@@ -11,7 +11,9 @@
 #include "host/bake/manifest.h"
 #include "host/bake/read_frame_cache.h"
 #include "host/base/text.h"
+#include "host/made/made_character.h"
 #include "host/pipeline/bake_scene.h"
+#include "host/scene/paint_file.h"
 #include "tests/studio/running_studio.h"
 
 namespace fascicle::tests {
@@ -27,6 +29,7 @@ void bake_into(const fs::path& folder, const fs::path& scene, const std::vector<
   request.output.folder = folder;
   request.output.formats = {"none"};
   request.devices = {{.kind = pipeline::DeviceRequest::Kind::cpu}};
+  request.build.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
   const auto prepared = pipeline::prepare_bake(scene::load_scene(scene.string(), overrides), request, {});
   pipeline::run_bake(*prepared, request, {});
 }
@@ -164,6 +167,64 @@ TEST_F(BesideTest, ADamagedBakeIsRefused) {
   const auto second = studio.open();
   EXPECT_EQ(start_of(*second).messages.at("beside").at("bake").at("name"), whole);
   EXPECT_THROW(Running(folder_ / "whole", {folder_ / "cut"}), std::runtime_error);
+}
+
+// A bake that is written anew stands beside again, however that ends.
+TEST_F(BesideTest, ABakeThatEndsEarlyStandsBesideAgain) {
+  const Running studio = open();
+  const auto client = studio.open();
+  start_of(*client);
+  client->say({{"type", "bake"}, {"folder", "one"}});
+  client->wait_for("baked");
+  const std::string one = (folder_ / "session" / "one").string();
+  client->say({{"type", "beside"}, {"name", one}});
+  EXPECT_EQ(client->wait_for("beside").at("bake").at("name"), one);
+  client->say({{"type", "set"}, {"changes", {{"scene.end", 60.0}}}});
+  client->wait_for("applied");
+  client->say({{"type", "bake"}, {"folder", "one"}, {"overwrite", true}});
+  EXPECT_TRUE(client->wait_for("beside").at("bake").is_null());
+  for (Json baking = Json::object();
+       baking.value("phase", "") != "frames" || baking.value("frame", 0) == 0;) {
+    baking = client->wait_for("baking");
+    ASSERT_FALSE(baking.is_null());
+  }
+  client->say({{"type", "cancel"}});
+  EXPECT_EQ(client->wait_for("beside").at("bake").at("name"), one);
+  EXPECT_EQ(client->wait_for("cancelled").at("what"), "bake");
+}
+
+// Without its scene a bake has no skinning, and its lag is not known. 0 would say that flesh follows the
+// skeleton.
+TEST_F(BesideTest, WithoutItsSceneABakesLagIsNotKnown) {
+  scene_ = folder_ / "arm.toml";
+  base::write_whole(scene_,
+                    "[scene]\nend = 0.1\n[character]\nmade = \"arm\"\nresolution = 0.04\n"
+                    "paint = \"arm.paint.json\"\n");
+  const mesh::SurfaceMesh surface = made::make_character("arm").surface;
+  const std::string paint =
+      scene::paint_text({rig::surface_hash(surface), surface.vertices.size(), {{"_LAYER", {5}, {1.0f}}}});
+  base::write_whole(folder_ / "arm.paint.json", paint);
+  bake_into(folder_ / "bake", scene_);
+  const auto look = [&](bool is_known) {
+    const Running studio(folder_ / "bake", {folder_ / "bake"});
+    const auto client = studio.open();
+    const Start start = start_of(*client);
+    const Json& bake = start.messages.at("beside").at("bake");
+    EXPECT_EQ(bake.value("why_no_lag", "").empty(), is_known) << bake.value("why_no_lag", "");
+    EXPECT_EQ(start.messages.at("warnings").dump().find("lag") == std::string::npos, is_known);
+    client->say({{"type", "pause"}});
+    client->say({{"type", "seek"}, {"frame", 2}});
+    const DecodedFrame frame = both_at(*client, 2);
+    for (const DecodedFrame& each : {frame, frame.beside.at(0)}) {
+      EXPECT_EQ(std::isfinite(each.lag), is_known);
+      EXPECT_EQ(std::isfinite(each.largest_lag), is_known);
+    }
+  };
+  look(true);
+  base::write_whole(folder_ / "arm.paint.json", paint + "\n");  // changed since the bake
+  look(false);
+  fs::remove(folder_ / "arm.paint.json");
+  look(false);
 }
 
 constexpr const char* press_text = R"([collider.below]

@@ -28,6 +28,7 @@ const std::string bone_end =
 const std::map<std::string, Json> values_in_use{
     {"alpha", 0.5},         {"youngs_modulus", 2e4}, {"frequency", 5.0}, {"material", "fat"},
     {"damping_ratio", 0.5}, {"least_volume", 0.2},   {"iterations", 4},  {"quality", "draft"},
+    {"alpha_outer", 0.3},   {"sliding", true},
 };
 
 bool can_be_set(const std::string& text, const std::string& path, const Json& value) {
@@ -64,7 +65,6 @@ TEST(KeyUse, WhatIsHiddenIsRefusedAndWhatIsShownIsTaken) {
         if (value == values_in_use.end() || (table.path != "solver" && !table.path.starts_with("layers.")) ||
             key.is_stated)
           continue;
-        // A least volume of 0 is what explicit flesh has, too.
         const std::string why = use.why_unused(table, key);
         EXPECT_EQ(why.empty(), can_be_set(text, key.path, value->second)) << key.path << " in\n"
                                                                           << text << why;

@@ -86,6 +86,22 @@ TEST(SessionFile, WhatIsDamagedIsNoSession) {
   EXPECT_FALSE(parse_session(studio::session_text(beyond)));
 }
 
+// Names of files are made from the keys of paints.
+TEST(SessionFile, PaintIsOfCharactersAlone) {
+  const auto with_key = [](const std::string& key) {
+    SessionRecord record = sample();
+    record.steps.push_back({"paint", "a", {{key, std::make_shared<const std::string>("{}")}}});
+    return parse_session(studio::session_text(record));
+  };
+  for (const char* key : {"character.paint", "character.left.paint", "character.left-2_b.paint"})
+    EXPECT_TRUE(with_key(key)) << key;
+  for (const char* key :
+       {"character./../../evil.paint", "character.../evil.paint", "character.a/b.paint", "character..paint",
+        "character.paint/../x", "character.left.file", "character.", "paint", "", "x.left.paint",
+        "character.left.paint.paint/", "character.a\\b.paint", "character.left.paint\n"})
+    EXPECT_FALSE(with_key(key)) << key;
+}
+
 TEST(SessionFile, TheNewestIsOnDiskWhenTheWriterGoes) {
   const fs::path folder = fs::temp_directory_path() / "fascicle-session-writer";
   fs::remove_all(folder);

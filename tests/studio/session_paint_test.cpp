@@ -278,7 +278,7 @@ TEST_F(SessionPaintTest, StiffnessIsPaintedWhateverLayersSay) {
   client->wait_for("applied");
 }
 
-// Two arms that share a file: the brush paints the one under it, each in a file of its own.
+// Two arms, each of which has its own paint.
 class SessionPaintsTest : public SessionPaintTest {
  protected:
   void SetUp() override {
@@ -349,6 +349,78 @@ TEST_F(SessionPaintsTest, TheBrushPaintsTheCharacterUnderIt) {
   const Running again = open();
   const auto client = again.open();
   EXPECT_EQ(start_of(*client).messages.at("history").at("undo"), "paint stiffness");
+}
+
+// What was saved stays the session's own while its character is unpainted.
+TEST_F(SessionPaintsTest, PaintThatWasTakenBackIsSavedAgain) {
+  const std::size_t size = arm().surface.vertices.size(), middle = size / 2;
+  const Running studio = open();
+  const auto client = studio.open();
+  const Start start = start_of(*client);
+  const auto paint = [&](std::size_t vertex, double value, std::uint64_t number) {
+    Json one = stroke("_LAYER", value, number);
+    one["places"] = {rest_of(start, vertex)};
+    client->say(one);
+    client->wait_for("applied");
+  };
+  const auto save = [&] {
+    client->say({{"type", "save"}, {"file", "mine.toml"}, {"id", 7}});
+    while (const auto message = client->next()) {
+      if (!message->is_text) continue;
+      Json json = Json::parse(message->bytes);
+      if (json.value("id", 0) == 7) return json;
+    }
+    return Json();
+  };
+  paint(middle, 1.0, 1);
+  paint(size + middle, 1.0, 2);
+  EXPECT_EQ(save().at("type"), "done");
+  client->say({{"type", "undo"}});
+  client->wait_for("applied");
+  EXPECT_EQ(save().at("type"), "done");
+  client->say({{"type", "redo"}});
+  client->wait_for("applied");
+  paint(size + middle, 2.0, 3);
+  const Json last = save();
+  EXPECT_EQ(last.at("type"), "done") << last;
+  const rig::Paint right =
+      scene::parse_paint(read(folder_ / "session" / "mine-right.paint.json"), "mine", arm().surface);
+  EXPECT_EQ(std::count(right.attributes.at(0).value.begin(), right.attributes.at(0).value.end(), 1.0f), 0);
+  // The control: what somebody else has changed meanwhile is not the session's.
+  base::write_whole(folder_ / "session" / "mine-right.paint.json", "{}");
+  paint(size + middle, 1.0, 4);
+  EXPECT_EQ(save().at("type"), "refused");
+}
+
+// A stroke writes anew what it touched, and of a shared file makes one for the character that it is on.
+TEST_F(SessionPaintsTest, AStrokeLeavesThePaintOfOthers) {
+  const std::size_t size = arm().surface.vertices.size(), middle = size / 2;
+  const rig::Paint one{rig::surface_hash(arm().surface), size, {{"_STIFFNESS", {5}, {0.5f}}}};
+  // As another program may have written it.
+  const std::string shared = scene::paint_text(one) + "\n \n";
+  base::write_whole(folder_ / "both.paint.json", shared);
+  base::write_whole(scene_,
+                    "[scene]\nend = 0.1\n[character.left]\nmade = \"arm\"\nresolution = 0.04\n"
+                    "paint = \"both.paint.json\"\n"
+                    "[character.right]\nmade = \"arm\"\nresolution = 0.04\nat = [0.0, 0.0, 1.0]\n"
+                    "paint = \"both.paint.json\"\n");
+  const Running studio = open();
+  const auto client = studio.open();
+  const Start start = start_of(*client);
+  Json right = stroke("_LAYER", 1.0);
+  right["places"] = {rest_of(start, size + middle)};
+  client->say(right);
+  const Json keys = client->wait_for("keys");
+  EXPECT_EQ(key_of(keys, "character.left.paint").at("value"), "both.paint.json");
+  EXPECT_EQ(key_of(keys, "character.right.paint").at("value"), "arms-right.paint.json");
+  client->wait_for("applied");
+  client->say({{"type", "save"}, {"file", "mine.toml"}});
+  client->wait_for("saved");
+  EXPECT_EQ(read(folder_ / "both.paint.json"), shared);
+  EXPECT_EQ(read(folder_ / "session" / "mine-left.paint.json"), shared);
+  EXPECT_EQ(scene::parse_paint(read(folder_ / "session" / "mine-right.paint.json"), "mine", arm().surface)
+                .attributes.size(),
+            2u);
 }
 
 }  // namespace

@@ -253,6 +253,35 @@ TEST_F(SessionTest, AnotherSceneBeginsAnewAndTheOldSessionIsKept) {
   EXPECT_TRUE(fs::exists(folder_ / "session" / studio::old_session_file_name));
 }
 
+// The version is 2: what an older and what a newer program wrote are no sessions of this one.
+TEST_F(SessionTest, ASessionOfAnotherVersionIsKept) {
+  for (const char* version : {"1", "3"}) {
+    const fs::path session = folder_ / ("session-" + std::string(version));
+    std::string text;
+    {
+      const Running studio(scene_.string(), session, folder_ / "cache");
+      const auto client = studio.open();
+      start_of(*client);
+      client->say({{"type", "set"}, {"changes", {{"layers.body.frequency", 5.0}}}});
+      client->wait_for("applied");
+    }
+    text = read(session / "session.json");
+    constexpr std::string_view own = "\"fascicle_studio\": 2";
+    ASSERT_NE(text.find(own), std::string::npos);
+    {
+      // The control: of this version it is taken up.
+      const Running studio(scene_.string(), session, folder_ / "cache");
+      EXPECT_EQ(start_of(*studio.open()).messages.at("hello").at("restored"), true);
+    }
+    text.replace(text.find(own), own.size(), "\"fascicle_studio\": " + std::string(version));
+    base::write_whole(session / "session.json", text);
+    const Running studio(scene_.string(), session, folder_ / "cache");
+    const auto client = studio.open();
+    EXPECT_EQ(start_of(*client).messages.at("hello").at("restored"), false);
+    EXPECT_EQ(read(session / "session.before.json"), text);
+  }
+}
+
 TEST_F(SessionTest, ASessionThatCannotBeReadIsKept) {
   fs::create_directories(folder_ / "session");
   base::write_whole(folder_ / "session" / "session.json", "{\"fascicle_studio\": 2}");

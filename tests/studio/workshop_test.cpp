@@ -24,6 +24,7 @@ class WorkshopTest : public testing::Test {
     fs::create_directories(folder_);
     fs::copy_file(fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher", mesher());
     options_.mesher = mesher();
+    options_.is_cancelled = [this] { return cancels_; };
     workshop_.emplace(studio::TextSource{"arm", "arm.toml", folder_}, options_, device_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -42,6 +43,7 @@ class WorkshopTest : public testing::Test {
       pipeline::ChosenDevice::cpu(2, cpu_reference::Simd::automatic, "a test");
   std::optional<Workshop> workshop_;
   std::uint32_t revision_ = 0;
+  bool cancels_ = false;
 };
 
 TEST_F(WorkshopTest, ABodyThatComesAgainIsThere) {
@@ -57,6 +59,20 @@ TEST_F(WorkshopTest, ABodyThatComesAgainIsThere) {
   EXPECT_EQ(hash_of(text("0.05")), coarse) << "what failed takes nothing away";
   EXPECT_NE(soft, coarse);
   EXPECT_NE(fine, coarse);
+}
+
+// A slider that is dragged cancels one build after the other.
+TEST_F(WorkshopTest, BuildsThatComeToNothingTakeNoPlace) {
+  const std::uint64_t first = hash_of(text("0.05"));
+  workshop_->warm();
+  const auto of_number = [&](std::size_t k) { return text("0.0" + std::to_string(60 + k)); };
+  cancels_ = true;
+  for (std::size_t k = 0; k < Workshop::most_bodies; ++k)
+    EXPECT_THROW(hash_of(of_number(k)), build::Cancelled);
+  cancels_ = false;
+  fs::remove(mesher());
+  for (std::size_t k = 0; k < Workshop::most_bodies; ++k) EXPECT_THROW(hash_of(of_number(k)), std::exception);
+  EXPECT_EQ(hash_of(text("0.05")), first);
 }
 
 // Of more than there is room for the one goes that was in use the longest time ago.

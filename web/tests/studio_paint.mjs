@@ -44,6 +44,10 @@ async function applied(act) {
   await wait_for("applied", was);
 }
 const choose_tool = (name) => page.locator(`input[name="tool"][value="${name}"]`).check();
+const compare = async (with_what) => {
+  await page.evaluate((value) => document.querySelector(`input[name=comparison][value=${value}]`).click(), with_what);
+  await drawn(page);
+};
 const painted = async () => Number(await state("painted"));
 
 await open();
@@ -112,7 +116,8 @@ await applied(async () => {
 });
 report.painted.fibres = await painted();
 
-// Stiffness: times what the layer says, as its layers are by modulus.
+// Stiffness: times what the layer says, as its layers are by modulus. In Both what is played is the right half.
+await compare("sides");
 await page.selectOption("#brush-kind", "_STIFFNESS");
 report.times = await page.textContent("#brush-value-text");
 await page.locator("#picture").focus();
@@ -121,6 +126,7 @@ report.painted.stiffness = await painted();
 report.axe.stiffness = await violations();
 await applied(() => press("z"));
 report.painted.stiffness_undone = await painted();
+await compare("flesh");
 await page.selectOption("#brush-kind", "_FIBER");
 
 // Taken back, and made again.
@@ -130,7 +136,7 @@ report.painted.undone = await painted();
 await applied(() => press("y"));
 report.painted.redone = await painted();
 
-// Bones: no bone any more by the list, and another joint by a click on it.
+// Bones: no bone any more by the list, and another joint by a click on it, in Both.
 await choose_tool("bones");
 await page.selectOption("#bone-joint", "forearm");
 report.bone = [await page.textContent("#bone-why")];
@@ -141,13 +147,15 @@ await applied(() => page.click("#undo"));
 report.bone.push(await page.textContent("#bone-why"));
 const undo_title = await page.getAttribute("#undo", "title");
 let clicked = false;
+await compare("sides");
 for (let j = 0; j < 12 && !clicked; ++j)
   for (let i = 0; i < 24 && !clicked; ++i) {
-    await page.mouse.click(box.x + ((i + 0.5) * box.width) / 24, box.y + ((j + 0.5) * box.height) / 12);
+    await page.mouse.click(box.x + (0.5 + (i + 0.5) / 48) * box.width, box.y + ((j + 0.5) * box.height) / 12);
     await drawn(page);
     clicked = (await page.getAttribute("#undo", "title")) !== undo_title;
   }
 report.clicked = await page.getAttribute("#undo", "title");
+await compare("flesh");
 await page.screenshot({ path: join(folder, "bones.png") });
 await applied(() => page.click("#undo"));
 await choose_tool("paint");

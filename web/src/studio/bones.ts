@@ -113,11 +113,12 @@ export class Bones {
   // The joint that is seen there.
   private joint_at(x: number, y: number): number {
     const places = this.user.joints();
-    if (!places) return -1;
-    const { canvas, camera, orbit } = this.picture.stage;
+    const box = this.picture.box_of_played();
+    // Joints beside what is played cannot be chosen.
+    if (!places || x < box.left) return -1;
+    const { camera, orbit } = this.picture.stage;
     orbit.apply(camera);
     camera.updateMatrixWorld();
-    const box = canvas.getBoundingClientRect();
     const seen = this.joints.map((_, k): [number, number] => {
       const p = new Vector3(places[3 * k], places[3 * k + 1], places[3 * k + 2]).project(camera);
       return [box.left + (0.5 + 0.5 * p.x) * box.width, box.top + (0.5 - 0.5 * p.y) * box.height];
@@ -133,7 +134,7 @@ export class Bones {
     this.picture.stage.canvas.addEventListener(
       "pointerdown",
       (event) => {
-        if (!this.is_chosen || event.button !== 0 || event.shiftKey || checked("comparison") === "sides") return;
+        if (!this.is_chosen || event.button !== 0 || event.shiftKey) return;
         const joint = this.joint_at(event.clientX, event.clientY);
         if (joint < 0) return;
         event.stopImmediatePropagation();

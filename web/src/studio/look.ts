@@ -39,9 +39,15 @@ export function short_names(names: readonly string[]): string[] {
   });
 }
 
+// Who asks for a bake wants to see it. One that comes again was written anew: the view stays what it was.
+export function shows_sides(last: string, name: string, comparison: string): boolean {
+  return name !== last && comparison === "flesh";
+}
+
 export class Look {
   private body: BodyMessage | null = null;
   private beside: BesideMessage | null = null;
+  private last_beside = ""; // the bake that stood there last
   private blocks = "";
   private legend_shown = "";
   private seen = { frames: 0, since: 0, rate: 0 };
@@ -127,7 +133,6 @@ export class Look {
 
   // The picture has this bake beside it now.
   set_beside(message: BesideMessage): void {
-    const before = this.beside?.bake?.name;
     this.beside = message;
     const list = element<HTMLSelectElement>("against");
     const names = message.choices;
@@ -141,8 +146,10 @@ export class Look {
     list.value = message.bake?.name ?? "";
     element("against-row").hidden = names.length === 0;
     this.offer_difference();
-    // Who asks for a bake wants to see it.
-    if (message.bake && message.bake.name !== before && checked("comparison") === "flesh") choose("comparison", "sides");
+    if (message.bake) {
+      if (shows_sides(this.last_beside, message.bake.name, checked("comparison"))) choose("comparison", "sides");
+      this.last_beside = message.bake.name;
+    }
     document.documentElement.dataset.beside = message.bake?.name ?? "";
   }
 
@@ -196,7 +203,12 @@ export class Look {
     look.addEventListener("change", (event) => {
       const { id } = event.target as HTMLElement;
       if (id === "floor") return this.picture.stage.show_floor(is_on("floor"));
-      if (id === "against") return this.user.send("beside", { name: element<HTMLSelectElement>("against").value });
+      if (id === "against") {
+        const name = element<HTMLSelectElement>("against").value;
+        // What is asked for once more is to be seen once more.
+        if (name === "") this.last_beside = "";
+        return this.user.send("beside", { name });
+      }
       this.user.changed();
     });
     look.addEventListener("input", (event) => {

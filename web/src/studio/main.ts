@@ -254,6 +254,7 @@ class Studio {
   private set_beside(message: BesideMessage): void {
     const is_other = message.bake?.name !== this.beside?.bake?.name;
     this.beside = message;
+    if (is_other && message.bake?.why_no_lag) this.notices.toast(`${message.bake.name} shows no lag: ${message.bake.why_no_lag}`);
     this.arrays_beside.clear();
     if (is_other || !message.bake) this.curves.clear_beside();
     if (!message.bake) this.make_beside();

@@ -171,7 +171,8 @@ export class Painter {
   // Where the skin is at rest that is seen there now.
   private rest_at(x: number, y: number): { rest: Place; place: Place } | null {
     const { surface, places, rest_of_skin } = this.picture;
-    if (!surface || !places || !rest_of_skin || checked("comparison") === "sides") return null;
+    // Skin beside what is played cannot be painted.
+    if (!surface || !places || !rest_of_skin || x < this.picture.box_of_played().left) return null;
     const { origin, direction } = this.picture.ray_at(x, y).ray;
     const found = hit(origin.toArray(), direction.toArray(), places, surface);
     if (!found) return null;
@@ -243,7 +244,7 @@ export class Painter {
   // Without a mouse: one dab in the picture's middle. Fibres then run upwards.
   dab(): void {
     if (!this.is_chosen || this.stroke) return;
-    const box = this.picture.stage.canvas.getBoundingClientRect();
+    const box = this.picture.box_of_played();
     const found = this.rest_at(box.left + box.width / 2, box.top + box.height / 2);
     if (!found) {
       this.user.say("No skin in the middle of the picture", true);

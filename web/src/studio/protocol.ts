@@ -137,6 +137,7 @@ export interface BesideBake {
   counts: BodyMessage["counts"];
   layers: BodyLayer[];
   arrays: string[]; // that follow
+  why_no_lag?: string; // absent where frames say what it is
 }
 
 export interface BesideMessage {
