@@ -240,18 +240,25 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     [ -f build/release/CMakeCache.txt ] || set_tests="-DFASCICLE_TESTS=OFF"
     build release ${set_tests:-} -DCMAKE_INSTALL_PREFIX=/usr
     mkdir -p "$out"
+    # In a folder of their own until they are checked: what lies in $out is not theirs.
+    new=$(mktemp -d "$out/new.XXXXXX")
+    trap 'rm -rf "$new"' EXIT
     packed=0
     commit_time
-    (cd build/release && cpack -B "$out") >&2 || packed=$?
+    (cd build/release && cpack -B "$new") >&2 || packed=$?
+    rm -rf "$new/_CPack_Packages"
     # The tests of installed trees rest on the folders of a local prefix.
     cmake --preset release -DCMAKE_INSTALL_PREFIX=/usr/local -UCMAKE_INSTALL_LIBDIR >&2
     [ "$packed" -eq 0 ] || exit "$packed"
-    cp build/release/fascicle-blender.zip "$out"
-    (cd "$out" && for deb in *.deb; do
+    cp build/release/fascicle-blender.zip "$new"
+    (cd "$new" && for deb in *.deb; do
       package=$(dpkg-deb -f "$deb" Package)
       dpkg-deb --fsys-tarfile "$deb" | tar -xO "./usr/share/doc/$package/$package.spdx.json" > "${deb%.deb}.spdx.json"
     done && sha256sum -- *.deb *.spdx.json *.zip > SHA256SUMS)
-    exec tests/library/check_packages.sh "$out"
+    tests/library/check_packages.sh "$new"
+    # The sums come last: what they name is there.
+    mv -f "$new"/*.deb "$new"/*.spdx.json "$new"/*.zip "$out"
+    mv -f "$new/SHA256SUMS" "$out"
     ;;
   reproducible)
     need $build_packages dpkg-dev

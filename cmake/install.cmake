@@ -76,13 +76,30 @@ if(TARGET fascicle_python)
     PATTERN __pycache__ EXCLUDE)
 endif()
 
-# What is in each package (cmake/sbom.py), of the files as they were installed; of all of it where no component is named.
+# What is in each package (cmake/sbom.py), of the files as they were installed; of all of it where no component is
+# named. While packages are made (cmake/packing.cmake) what the list cannot say is an error.
+set(sbom_components program mesher)
+if(TARGET fascicle_library)
+  list(APPEND sbom_components library development)
+endif()
+if(TARGET fascicle_python)
+  list(APPEND sbom_components python)
+endif()
+set(sbom_without)
+if(NOT TARGET fascicle-convert)
+  list(APPEND sbom_without assimp)
+endif()
 if(NOT Python3_Interpreter_FOUND)
   find_package(Python3 QUIET COMPONENTS Interpreter)
 endif()
 if(Python3_Interpreter_FOUND)
-  string(JOIN "\" \"" sbom ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/cmake/sbom.py
+  set(sbom ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/cmake/sbom.py
     --version ${PROJECT_VERSION} --source ${CMAKE_SOURCE_DIR})
+  foreach(part ${sbom_without})
+    list(APPEND sbom --without ${part})
+  endforeach()
+  string(JOIN "\" \"" sbom ${sbom})
+  string(JOIN "," all_components ${sbom_components})
   set(library_package libfascicle${PROJECT_VERSION_MAJOR})
   string(CONFIGURE [[
     set(sbom_program fascicle program)
@@ -90,13 +107,19 @@ if(Python3_Interpreter_FOUND)
     set(sbom_development libfascicle-dev development)
     set(sbom_mesher fascicle-mesher mesher)
     set(sbom_python python3-fascicle python)
-    set(sbom_ fascicle program,library,development,mesher,python)
-    if(sbom_${CMAKE_INSTALL_COMPONENT})
+    set(sbom_ fascicle @all_components@)
+    set(sbom_built ";@sbom_components@;")
+    if(sbom_${CMAKE_INSTALL_COMPONENT} AND
+        (NOT CMAKE_INSTALL_COMPONENT OR sbom_built MATCHES ";${CMAKE_INSTALL_COMPONENT};"))
       list(GET sbom_${CMAKE_INSTALL_COMPONENT} 0 sbom_name)
       list(GET sbom_${CMAKE_INSTALL_COMPONENT} 1 sbom_parts)
       set(sbom_file ${CMAKE_INSTALL_PREFIX}/@doc_folder@/${sbom_name}/${sbom_name}.spdx.json)
+      set(sbom_strict)
+      if(DEFINED ENV{FASCICLE_PACKING})
+        set(sbom_strict --strict)
+      endif()
       message(STATUS "Installing: $ENV{DESTDIR}${sbom_file}")
-      execute_process(COMMAND_ERROR_IS_FATAL ANY COMMAND "@sbom@" --name ${sbom_name} --in ${sbom_parts}
+      execute_process(COMMAND_ERROR_IS_FATAL ANY COMMAND "@sbom@" --name ${sbom_name} --in ${sbom_parts} ${sbom_strict}
         --root "$ENV{DESTDIR}" --prefix "${CMAKE_INSTALL_PREFIX}" --output "${sbom_file}"
         -- ${CMAKE_INSTALL_MANIFEST_FILES})
       list(APPEND CMAKE_INSTALL_MANIFEST_FILES ${sbom_file})

@@ -59,4 +59,5 @@ if(TARGET fascicle_python)
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION 
     "This is the Python module: bakes, and solvers as numpy arrays.")
 endif()
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_CURRENT_SOURCE_DIR}/cmake/packing.cmake)
 include(CPack)

@@ -1,12 +1,15 @@
 """Writes what is in a package, as SPDX 2.3 in JSON: its files with checksums, and the parts of others in it.
 
     sbom.py --name NAME --version VERSION --in PACKAGE[,PACKAGE...] --source FOLDER --output FILE [--root DIR]
-            [--prefix DIR] FILE...
+            [--prefix DIR] [--without PART]... [--strict] FILE...
 
 The licences, suppliers and names of the parts are the table of docs/licences.md; their versions are those of Debian's
-packages and of web/package-lock.json. A shared library that a FILE needs and the table lacks is an error, and so is a
-part from npm that the pages contain. The same files give the same bytes: the date is SOURCE_DATE_EPOCH, or the present
-where that is not set. The names of the files begin at the prefix; the root is what stands before both on this machine.
+packages and of web/package-lock.json. PARTs are those that this build goes without. Only shared libraries are looked
+for in the FILEs: what is linked statically or is headers alone is in the table or nowhere. One that a FILE needs and
+the table lacks, or that no package owns, is an error with --strict; otherwise it is listed without version and
+licence, after a warning. A part from npm that the pages contain and the table lacks is an error. The same files give
+the same bytes: the date is SOURCE_DATE_EPOCH, or the present where that is not set. The names of the files begin at the
+prefix; the root is what stands before both on this machine.
 """
 import argparse
 import datetime
@@ -57,6 +60,15 @@ def debian_source(package):
     return words_of("dpkg-query", "-W", "-f=${source:Package}\n", package).partition("\n")[0]
 
 
+def owner_of(place):
+    """The package of a file; empty where there is none."""
+    for line in words_of("dpkg-query", "-S", str(place)).splitlines():
+        # Diversions stand before the packages.
+        if not re.match(r"(local )?diversion ", line):
+            return line.partition(": ")[0].partition(",")[0]
+    return ""
+
+
 def linked_sources(file):
     """The sources, as Debian names them, of the shared libraries that a file needs: by the libraries' names."""
     folders = [pathlib.Path(path) for path in re.findall(r"SEARCH_DIR\(\"=?([^\"]*)\"\)", words_of("ld", "--verbose"))]
@@ -66,7 +78,7 @@ def linked_sources(file):
         places = [folder / name for folder in [*folders, pathlib.Path("/lib64")] if (folder / name).exists()]
         owner = ""
         for place in dict.fromkeys(path for p in places for path in (p, p.resolve())):
-            owner = owner or words_of("dpkg-query", "-S", str(place)).partition(": ")[0].partition(",")[0]
+            owner = owner or owner_of(place)
         found[name] = debian_source(owner) if owner else ""
     return found
 
@@ -116,14 +128,25 @@ def part_entry(row, npm):
     return entry
 
 
-def document_of(name, version, inside, source, root, prefix, files):
+def unknown_entry(library):
+    """A library of which nobody says what part it belongs to."""
+    return {"SPDXID": identifier("Library", library), "name": library, "versionInfo": "NOASSERTION",
+            "supplier": "NOASSERTION", "downloadLocation": "NOASSERTION", "filesAnalyzed": False,
+            "licenseConcluded": "NOASSERTION", "licenseDeclared": "NOASSERTION", "copyrightText": "NOASSERTION"}
+
+
+def document_of(name, version, inside, source, root, prefix, files, without=(), is_strict=True):
     text = (source / "docs" / "licences.md").read_text(encoding="utf-8")
     licences = {row["program or library"]: row["licence of the binary"]
                 for row in table_after(text, "| program or library |")}
     held = lambda row: {word.strip() for word in row["in"].split(",")}
-    rows = [row for row in table_after(text, "| part |") if held(row) & set(inside)]
+    table = table_after(text, "| part |")
+    for part in without:
+        if part not in {row["part"] for row in table}:
+            sys.exit(f"sbom: docs/licences.md does not name {part}, which this build goes without")
+    rows = [row for row in table if held(row) & set(inside) and row["part"] not in without]
     npm = parts_from_npm(json.loads((source / "web" / "package-lock.json").read_text(encoding="utf-8")))
-    named = {row["package"].removeprefix("npm:") for row in table_after(text, "| part |")}
+    named = {row["package"].removeprefix("npm:") for row in table}
     for part in npm:
         if part not in named:
             sys.exit(f"sbom: the pages contain {part}, which docs/licences.md does not name")
@@ -133,15 +156,21 @@ def document_of(name, version, inside, source, root, prefix, files):
     for entry in entries:
         linked.update(linked_sources(root + prefix + entry["fileName"][1:]))
     sources = {debian_source(row["package"]): row["part"] for row in rows if not row["package"].startswith("npm:")}
-    dynamic = set()
+    # Packages that are not installed have none.
+    sources.pop("", None)
+    dynamic, unknown = set(), []
     for library, of in linked.items():
         if library.startswith("libfascicle.so"):
             continue
         if of in sources:
             dynamic.add(sources[of])
         elif words_of("dpkg-query", "--version"):
-            sys.exit(f"sbom: {name} needs {library} (of {of or 'no package'}), which docs/licences.md does not name "
+            fault = (f"{name} needs {library} (of {of or 'no package'}), which docs/licences.md does not name "
                      f"for {', '.join(inside)}")
+            if is_strict:
+                sys.exit(f"sbom: {fault}")
+            print(f"sbom: {fault}; it is listed without version and licence", file=sys.stderr)
+            unknown.append(unknown_entry(library))
 
     expression = " AND ".join(sorted({licences[OURS[package]] for package in inside}))
     ours = {"SPDXID": identifier("Package", name), "name": name, "versionInfo": version,
@@ -164,6 +193,8 @@ def document_of(name, version, inside, source, root, prefix, files):
             kind = "CONTAINS"
         relations.append({"spdxElementId": ours["SPDXID"], "relationshipType": kind,
                           "relatedSpdxElement": part["SPDXID"]})
+    relations += [{"spdxElementId": ours["SPDXID"], "relationshipType": "DYNAMIC_LINK",
+                   "relatedSpdxElement": library["SPDXID"]} for library in unknown]
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     when = (datetime.datetime.fromtimestamp(int(epoch), datetime.timezone.utc) if epoch
             else datetime.datetime.now(datetime.timezone.utc))
@@ -171,7 +202,7 @@ def document_of(name, version, inside, source, root, prefix, files):
                 "name": f"{name}-{version}", "documentNamespace": "",
                 "creationInfo": {"created": when.strftime("%Y-%m-%dT%H:%M:%SZ"),
                                  "creators": ["Organization: fascicle", f"Tool: fascicle-sbom-{version}"]},
-                "packages": [ours, *parts], "files": entries, "relationships": relations}
+                "packages": [ours, *parts, *unknown], "files": entries, "relationships": relations}
     # No two that differ have the same name.
     content = sha("sha256", json.dumps(document, sort_keys=True).encode())
     document["documentNamespace"] = f"https://fascicle.invalid/spdx/{name}-{version}-{content[:32]}"
@@ -184,10 +215,12 @@ def main():
         parser.add_argument(option, required=True, dest="inside" if option == "--in" else option[2:])
     parser.add_argument("--root", default="")
     parser.add_argument("--prefix", default="")
+    parser.add_argument("--without", action="append", default=[])
+    parser.add_argument("--strict", action="store_true")
     parser.add_argument("files", nargs="*")
     given = parser.parse_args()
     document = document_of(given.name, given.version, given.inside.split(","), pathlib.Path(given.source),
-                           given.root.rstrip("/"), given.prefix.rstrip("/"), given.files)
+                           given.root.rstrip("/"), given.prefix.rstrip("/"), given.files, given.without, given.strict)
     part = pathlib.Path(given.root.rstrip("/") + given.output + ".part")
     part.parent.mkdir(parents=True, exist_ok=True)
     part.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <iterator>
+#include <system_error>
 
 #include <fcntl.h>
 #include <linux/audit.h>
@@ -14,8 +16,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "host/base/descriptor.h"
-
 namespace fascicle::base {
 namespace {
 
@@ -24,15 +24,19 @@ namespace {
 constexpr long landlock_create_ruleset = 444, landlock_add_rule = 445, landlock_restrict_self = 446;
 constexpr std::uint32_t ask_version = 1, rule_of_path = 1;
 
+// Kernels before a field take it where it is 0.
 struct Ruleset {
   std::uint64_t handled_access_fs;
+  std::uint64_t handled_access_net;
+  std::uint64_t scoped;
 };
 struct [[gnu::packed]] PathRule {
   std::uint64_t allowed_access;
   std::int32_t parent;
 };
 
-constexpr std::uint64_t write_file = 1 << 1, read_file = 1 << 2, remove_file = 1 << 5, make_regular = 1 << 8;
+constexpr std::uint64_t read_file = 1 << 2, remove_file = 1 << 5, make_regular = 1 << 8;
+constexpr std::uint64_t abstract_sockets = 1 << 0, signals = 1 << 1;
 
 // All accesses that an ABI knows; what is handled and not allowed is refused.
 std::uint64_t accesses_of(long version) {
@@ -63,20 +67,22 @@ std::string folder_of(const std::string& path) {
 void restrict_files(const std::vector<std::string>& inputs, const std::string& output) {
   const long version = landlock_version();
   if (version < 1) return;
-  const Ruleset handled{accesses_of(version)};
+  // Of signals and sockets what leaves this process's own domain.
+  const Ruleset handled{accesses_of(version), 0, version >= 6 ? abstract_sockets | signals : 0};
   const Descriptor rules(static_cast<int>(::syscall(landlock_create_ruleset, &handled, sizeof handled, 0U)));
   if (rules.get() < 0) return;
   for (const std::string& input : inputs) allow(rules.get(), input, read_file);
-  if (!output.empty()) allow(rules.get(), folder_of(output), write_file | make_regular | remove_file);
+  // To rename takes both of these. What is written is open already.
+  if (!output.empty()) allow(rules.get(), folder_of(output), make_regular | remove_file);
   ::syscall(landlock_restrict_self, rules.get(), 0U);
 }
 
+// Elsewhere calls have other names, and there is no filter.
+#if defined(__x86_64__) || defined(__aarch64__)
 #if defined(__x86_64__)
 constexpr std::uint32_t architecture = AUDIT_ARCH_X86_64;
-#elif defined(__aarch64__)
-constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 #else
-constexpr std::uint32_t architecture = 0;  // no filter
+constexpr std::uint32_t architecture = AUDIT_ARCH_AARCH64;
 #endif
 
 // What reading, computing, writing and ending need; of some there are two by the architecture.
@@ -90,7 +96,6 @@ constexpr long allowed_calls[] = {
     SYS_lseek,
     SYS_openat,
     SYS_close,
-    SYS_fcntl,
     SYS_dup,
     SYS_dup3,
     SYS_fstat,
@@ -131,6 +136,9 @@ constexpr long allowed_calls[] = {
 #endif
 };
 
+// Others of fcntl() have a file signal whom it likes (F_SETOWN, F_SETFL with O_ASYNC).
+constexpr int allowed_of_fcntl[] = {F_DUPFD, F_DUPFD_CLOEXEC, F_GETFD, F_SETFD, F_GETFL};
+
 constexpr auto of_call = static_cast<std::uint32_t>(offsetof(seccomp_data, nr));
 constexpr auto of_architecture = static_cast<std::uint32_t>(offsetof(seccomp_data, arch));
 
@@ -158,6 +166,14 @@ class Filter {
       answer(refused);
       answer(SECCOMP_RET_ALLOW);
     }
+    step(BPF_JMP | BPF_JEQ | BPF_K, number(SYS_fcntl), 0,
+         2 + 2 * static_cast<int>(std::size(allowed_of_fcntl)));
+    load(of_argument(1));
+    for (const int command : allowed_of_fcntl) {
+      step(BPF_JMP | BPF_JEQ | BPF_K, number(command), 0, 1);
+      answer(SECCOMP_RET_ALLOW);
+    }
+    answer(refused);
     // abort() signals the process itself.
     step(BPF_JMP | BPF_JEQ | BPF_K, number(SYS_tgkill), 0, 4);
     load(of_argument(0));
@@ -189,18 +205,56 @@ class Filter {
   std::vector<sock_filter> steps_;
 };
 
+void restrict_calls() {
+  Filter().install();
+}
+
 bool has_seccomp() {
   const std::uint32_t answer = SECCOMP_RET_ERRNO;
-  return architecture != 0 && ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0U, &answer) == 0;
+  return ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0U, &answer) == 0;
+}
+#else
+void restrict_calls() {}
+
+bool has_seccomp() {
+  return false;
+}
+#endif
+
+[[noreturn]] void fail(const std::string& path) {
+  throw std::system_error(errno, std::generic_category(), path);
 }
 
 }  // namespace
+
+PendingOutput::PendingOutput(const std::string& path)
+    : path_(path), part_(path + ".part-" + std::to_string(::getpid())) {
+  // What has the name already may be a link to anywhere, which is not written through.
+  ::unlink(part_.c_str());
+  file_ = Descriptor(::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (file_.get() < 0) fail(path_);
+}
+
+PendingOutput::~PendingOutput() {
+  if (!is_whole_) ::unlink(part_.c_str());
+}
+
+void PendingOutput::finish(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path_);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (::fsync(file_.get()) != 0 || ::rename(part_.c_str(), path_.c_str()) != 0) fail(path_);
+  is_whole_ = true;
+}
 
 void enter_sandbox(const std::vector<std::string>& inputs, const std::string& output) {
   // Both of the others ask for it.
   if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return;
   restrict_files(inputs, output);
-  if (architecture != 0) Filter().install();
+  restrict_calls();
 }
 
 std::string sandbox_words() {

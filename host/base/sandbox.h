@@ -2,16 +2,43 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "host/base/descriptor.h"
 
 namespace fascicle::base {
 
-// From here on the process may read the files `inputs`, write into the folder of `output` (nowhere, where
-// that is empty), compute and end. By Landlock it opens nothing else; by seccomp it starts no thread and no
-// program, opens no socket, traces nobody, signals nobody but itself, makes no memory executable and changes
-// no file's rights: the call fails with EPERM. It gains no rights by any program (no_new_privs). What is open
-// already stays. Nothing of it can be taken back. A kernel without Landlock or seccomp goes without; a file
-// that is not there is left out, and opening it says so later. For a process of one thread.
+// The file that a helper writes: made before the sandbox is entered, which lets no further one be written.
+class PendingOutput {
+ public:
+  // Makes an empty file beside `path`. Throws std::system_error.
+  explicit PendingOutput(const std::string& path);
+  PendingOutput(const PendingOutput&) = delete;
+  PendingOutput& operator=(const PendingOutput&) = delete;
+  // Removes it unless it was finished.
+  ~PendingOutput();
+
+  // Writes all of it, to the disk too, and gives it its name. Throws std::system_error.
+  void finish(std::string_view bytes);
+  // The name that it has until then.
+  const std::string& part() const { return part_; }
+
+ private:
+  std::string path_, part_;
+  Descriptor file_;
+  bool is_whole_ = false;
+};
+
+// From here on the process may read the files `inputs`, write what is open already, compute and end. In the
+// folder of `output` and below it (nowhere, where that is empty) it may rename and remove files and make
+// empty ones: a PendingOutput needs that to get its name. By Landlock it opens nothing else, and its signals
+// reach no other process; by seccomp it starts no thread and no program, opens no socket, traces nobody,
+// signals nobody but itself, lets no file signal (fcntl), makes no memory executable and changes no file's
+// rights: the call fails with EPERM. It gains no rights by any program (no_new_privs). Nothing of it can be
+// taken back. A kernel without Landlock, and one without seccomp or of another architecture than x86-64 and
+// arm64, goes without; a file that is not there is left out, and opening it says so later. For a process of
+// one thread.
 void enter_sandbox(const std::vector<std::string>& inputs, const std::string& output);
 
 // What this kernel has of it: "Landlock 4, seccomp", "seccomp" or "none".

@@ -28,14 +28,13 @@ ProcessLimits mesher_limits(const BuildOptions& options, double elements, double
   return {options.mesher_seconds, bytes, options.is_cancelled};
 }
 
-void fail_memory(const ProcessLimits& limits, const BuildOptions& options, const std::string& what,
-                 const std::string& cure) {
-  const std::string size = std::to_string(limits.bytes >> 20) + " MiB of memory ";
-  if (limits.bytes == options.mesher_bytes)
-    throw SceneError(what + " needs more than the " + size + "allowed; " + cure);
-  throw SceneError(what + " takes more than the " + size +
-                   "that its triangles and the resolution account for: some are splinters or nearly touch; "
-                   "remesh it, or " +
+void fail_memory(const ProcessLimits& limits, const BuildOptions& options, std::size_t triangles,
+                 const std::string& what, const std::string& cure) {
+  const std::string least = what + " needs more than the " + std::to_string(limits.bytes >> 20) + " MiB ";
+  if (limits.bytes == options.mesher_bytes) throw SceneError(least + "of memory allowed; " + cure);
+  throw SceneError(least + "set aside for a surface of " + std::to_string(triangles) +
+                   " triangles at this resolution. Often thin parts, splinters or crossing triangles are the "
+                   "cause. Remesh the surface, or " +
                    cure);
 }
 

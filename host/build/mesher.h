@@ -36,8 +36,9 @@ std::filesystem::path mesher_path(const BuildOptions& options);
 // takes as much as it gets.
 ProcessLimits mesher_limits(const BuildOptions& options, double elements, double bytes_each);
 
-// Says that a run had no more memory; `cure` is what needs less. Throws scene::SceneError.
-[[noreturn]] void fail_memory(const ProcessLimits& limits, const BuildOptions& options,
+// Says that a run over a surface of so many triangles had no more memory; `cure` is what needs less. Throws
+// scene::SceneError.
+[[noreturn]] void fail_memory(const ProcessLimits& limits, const BuildOptions& options, std::size_t triangles,
                               const std::string& what, const std::string& cure);
 
 // Throws Cancelled where options.is_cancelled says so.

@@ -78,7 +78,7 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
 
 // Turns a run that did not end well into one message.
 [[noreturn]] void fail_run(const ProcessResult& result, const fs::path& mesher, const fs::path& surface,
-                           const ProcessLimits& limits, const BuildOptions& options) {
+                           std::size_t triangles, const ProcessLimits& limits, const BuildOptions& options) {
   check_time(result, limits, "filling the surface with tetrahedra",
              "ask for a larger resolution (edge length) or simplify the surface");
   const bool crashed = result.end == ProcessEnd::signalled;
@@ -87,7 +87,7 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
                      " (counted from 0); weld its vertices, close its holes and remove what is loose");
   }
   if (!crashed && result.code == mesher_out_of_memory)
-    fail_memory(limits, options, "filling the surface with tetrahedra",
+    fail_memory(limits, options, triangles, "filling the surface with tetrahedra",
                 "ask for a larger resolution (edge length) or simplify the surface");
   if (!crashed && result.code == mesher_empty_result) {
     throw SceneError("the surface was filled with no tetrahedra; check that it encloses a volume");
@@ -209,7 +209,7 @@ TetMesh fill_by_mesher(const SurfaceMesh& surface, double edge, const std::vecto
   }
   const ProcessResult result = run_mesher(mesher, arguments, limits);
   if (result.end != ProcessEnd::exited || result.code != mesher_done) {
-    fail_run(result, mesher, surface_file, limits, options);
+    fail_run(result, mesher, surface_file, surface.triangles.size(), limits, options);
   }
   if (!fs::exists(volume_file)) fail_result("there is no file");
   try {

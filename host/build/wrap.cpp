@@ -25,22 +25,21 @@ namespace {
 namespace fs = std::filesystem;
 using scene::SceneError;
 
-// Runs the mesher; `what` is what it does, for messages, and `elements` what it works through: triangles and
-// vertices.
-void run(const std::string& what, const std::vector<std::string>& arguments, double elements,
-         const BuildOptions& options) {
+// Runs the mesher; `what` is what it does to so many triangles, for messages. `vertices` are those it makes.
+void run(const std::string& what, const std::vector<std::string>& arguments, std::size_t triangles,
+         double vertices, const BuildOptions& options) {
   // Measured: a wrap of 20,000 vertices takes 4 KB for each, the examination of 7000 triangles less than 1
   // KB.
   constexpr double bytes_each = 65536.0;
   const fs::path mesher = mesher_path(options);
-  const ProcessLimits limits = mesher_limits(options, elements, bytes_each);
+  const ProcessLimits limits = mesher_limits(options, static_cast<double>(triangles) + vertices, bytes_each);
   const ProcessResult result = run_mesher(mesher, arguments, limits);
   check_time(result, limits, what, "ask for less cage_detail or simplify the surface");
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
                      "; simplify the surface");
   if (result.code == mesher_out_of_memory)
-    fail_memory(limits, options, what, "ask for less cage_detail or simplify the surface");
+    fail_memory(limits, options, triangles, what, "ask for less cage_detail or simplify the surface");
   if (result.code == mesher_wrap_failed)
     throw SceneError(what + " failed" + reason(result) + "; ask for another resolution or cage_detail");
   if (result.code != mesher_done)
@@ -119,8 +118,8 @@ SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOption
     const TemporaryFolder folder;
     const fs::path in = folder.path() / "surface.off", out = folder.path() / "report.txt";
     mesh::write_off(in, surface);
-    run("examining the surface", {"report", in.string(), out.string()},
-        static_cast<double>(surface.triangles.size()), options);
+    run("examining the surface", {"report", in.string(), out.string()}, surface.triangles.size(), 0.0,
+        options);
     std::ifstream file(out);
     file.imbue(std::locale::classic());
     return parse_report(file, surface.vertices.size());
@@ -139,8 +138,7 @@ mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder
       arguments.insert(arguments.end(), {"--edge", digits_of(*order.edge)});
     else if (order.vertices)
       arguments.insert(arguments.end(), {"--vertices", std::to_string(*order.vertices)});
-    run("wrapping the surface", arguments,
-        static_cast<double>(surface.triangles.size()) + vertices_due(surface, order), options);
+    run("wrapping the surface", arguments, surface.triangles.size(), vertices_due(surface, order), options);
     try {
       mesh::SurfaceMesh wrap = mesh::read_surface_mesh(out);
       drop_inner_shells(wrap);

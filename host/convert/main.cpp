@@ -7,7 +7,9 @@
 #include <fstream>
 #include <iterator>
 #include <new>
+#include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <assimp/Importer.hpp>
@@ -75,21 +77,6 @@ void keep_only(Assimp::Importer& importer, const std::string& extension) {
   }
 }
 
-void write_file(const fs::path& path, const std::string& bytes) {
-  const fs::path part = path.string() + ".part";
-  std::error_code error, ignored;
-  // What has the name already may be a link to anywhere, which is not written through.
-  fs::remove(part, ignored);
-  std::FILE* out = std::fopen(part.c_str(), "wbx");
-  bool is_whole = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
-  if (out != nullptr) is_whole = std::fclose(out) == 0 && is_whole;
-  if (is_whole) fs::rename(part, path, error);
-  if (is_whole && !error) return;
-  fs::remove(part, ignored);
-  throw Failure(cannot_write, path.string() + " cannot be written" +
-                                  (error ? ": " + error.message() : "; check its folder and the free space"));
-}
-
 std::string glb_from(const fs::path& input) {
   const std::string extension = extension_of(input);
   const std::string bytes = bytes_of(input);
@@ -122,6 +109,16 @@ void convert(const fs::path& input, const fs::path& output) {
   std::error_code ignored;
   if (fs::equivalent(input, output, ignored))
     throw Failure(bad_usage, output.string() + " is the file to be read; give another name");
+  const auto not_written = [&](const std::system_error& error) {
+    return Failure(cannot_write, output.string() + " cannot be written: " + error.code().message() +
+                                     "; check its folder and the free space");
+  };
+  std::optional<base::PendingOutput> pending;
+  try {
+    pending.emplace(output.string());
+  } catch (const std::system_error& error) {
+    throw not_written(error);
+  }
   // The file is a stranger's, and assimp was not written for such.
   base::enter_sandbox({input.string()}, output.string());
   std::string glb;
@@ -134,7 +131,11 @@ void convert(const fs::path& input, const fs::path& output) {
   } catch (const std::exception& error) {
     throw Failure(unreadable, input.string() + ": " + error.what());
   }
-  write_file(output, glb);
+  try {
+    pending->finish(glb);
+  } catch (const std::system_error& error) {
+    throw not_written(error);
+  }
 }
 
 int run(const std::vector<std::string>& arguments) {

@@ -1,17 +1,12 @@
 #include "host/mesher/files.h"
 
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <string_view>
-
-#include <fcntl.h>
-#include <unistd.h>
 
 #include "host/mesher/exit_codes.h"
 
@@ -80,15 +75,6 @@ void append_point(std::string& text, const Point& point) {
   }
 }
 
-void write_all(int descriptor, std::string_view text, const std::string& path) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw Failure(cannot_write, path + ": " + std::strerror(errno));
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
 }  // namespace
 
 Surface read_surface(const std::string& path) {
@@ -119,7 +105,7 @@ std::vector<Point> read_points(const std::string& path) {
   return points;
 }
 
-void write_volume(const std::string& path, const Volume& volume) {
+std::string text_of(const Volume& volume) {
   std::string text =
       "MeshVersionFormatted 2\nDimension 3\nVertices\n" + std::to_string(volume.vertices.size()) + "\n";
   for (const Point& vertex : volume.vertices) {
@@ -132,10 +118,10 @@ void write_volume(const std::string& path, const Volume& volume) {
     text += "0\n";
   }
   text += "End\n";
-  write_text(path, text);
+  return text;
 }
 
-void write_surface(const std::string& path, const Surface& surface) {
+std::string text_of(const Surface& surface) {
   std::string text = "OFF\n" + std::to_string(surface.vertices.size()) + " " +
                      std::to_string(surface.triangles.size()) + " 0\n";
   for (const Point& vertex : surface.vertices) {
@@ -144,27 +130,7 @@ void write_surface(const std::string& path, const Surface& surface) {
   }
   for (const auto& t : surface.triangles)
     text += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + "\n";
-  write_text(path, text);
-}
-
-void write_text(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".part-" + std::to_string(::getpid());
-  // What has the name already may be a link to anywhere, which is not written through.
-  ::unlink(temporary.c_str());
-  const int descriptor =
-      ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-  if (descriptor < 0) throw Failure(cannot_write, path + ": " + std::strerror(errno));
-  try {
-    write_all(descriptor, text, path);
-    if (::fsync(descriptor) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0) {
-      throw Failure(cannot_write, path + ": " + std::strerror(errno));
-    }
-  } catch (const Failure&) {
-    ::close(descriptor);
-    ::unlink(temporary.c_str());
-    throw;
-  }
-  ::close(descriptor);
+  return text;
 }
 
 }  // namespace fascicle::mesher

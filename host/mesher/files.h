@@ -32,9 +32,8 @@ struct Volume {
   std::vector<std::array<int, 4>> tetrahedra;
 };
 
-// All of these appear whole or not at all, with all digits. Throw Failure (cannot_write).
-void write_volume(const std::string& path, const Volume& volume);     // MEDIT .mesh
-void write_surface(const std::string& path, const Surface& surface);  // OFF
-void write_text(const std::string& path, const std::string& text);
+// With all digits.
+std::string text_of(const Volume& volume);    // MEDIT .mesh
+std::string text_of(const Surface& surface);  // OFF
 
 }  // namespace fascicle::mesher

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <CGAL/version.h>
@@ -113,15 +114,29 @@ void enter_sandbox(const Options& options) {
   base::enter_sandbox({options.input, options.points}, options.output);
 }
 
+// Reads and computes in the sandbox, and writes what `text` gives.
+template <class Text>
+void write_from_sandbox(const Options& options, const Text& text) {
+  try {
+    base::PendingOutput output(options.output);
+    install_terminate_handler(output.part());
+    enter_sandbox(options);
+    output.finish(text());
+  } catch (const std::system_error& error) {
+    throw Failure(cannot_write, error.what());
+  }
+}
+
 void run_tetrahedralize(const Options& options) {
-  enter_sandbox(options);
-  const Surface surface = read_surface(options.input);
-  std::vector<Point> inside;
-  if (!options.points.empty()) inside = read_points(options.points);
-  check_closed(surface);
-  const Volume volume = fill(surface, inside, options.max_volume, options.quality);
-  if (volume.tetrahedra.empty()) throw Failure(empty_result, "TetGen made no tetrahedra");
-  write_volume(options.output, volume);
+  write_from_sandbox(options, [&] {
+    const Surface surface = read_surface(options.input);
+    std::vector<Point> inside;
+    if (!options.points.empty()) inside = read_points(options.points);
+    check_closed(surface);
+    const Volume volume = fill(surface, inside, options.max_volume, options.quality);
+    if (volume.tetrahedra.empty()) throw Failure(empty_result, "TetGen made no tetrahedra");
+    return text_of(volume);
+  });
 }
 
 void run_intersections(const Options& options) {
@@ -134,8 +149,7 @@ void run_intersections(const Options& options) {
 }
 
 void run_report(const Options& options) {
-  enter_sandbox(options);
-  write_text(options.output, text_of(report_surface(read_surface(options.input))));
+  write_from_sandbox(options, [&] { return text_of(report_surface(read_surface(options.input))); });
 }
 
 void run_wrap(const Options& options) {
@@ -145,8 +159,7 @@ void run_wrap(const Options& options) {
   if (settings.offset == 0.0) settings.offset = offset_of_alpha * settings.alpha;
   if (settings.edge && settings.vertices)
     throw Failure(bad_usage, "--edge and --vertices exclude each other");
-  enter_sandbox(options);
-  write_surface(options.output, wrap(read_surface(options.input), settings));
+  write_from_sandbox(options, [&] { return text_of(wrap(read_surface(options.input), settings)); });
 }
 
 int run(const std::vector<std::string>& arguments) {
@@ -184,7 +197,7 @@ void prepare() {
 int main(int argument_count, char** arguments) {
   fascicle::mesher::prepare();
   // Only Failure is caught: what TetGen throws must reach the terminate handler (tetgen_run.h).
-  fascicle::mesher::install_terminate_handler();
+  fascicle::mesher::install_terminate_handler("");
   try {
     return fascicle::mesher::run(std::vector<std::string>(arguments + 1, arguments + argument_count));
   } catch (const fascicle::mesher::Failure& failure) {

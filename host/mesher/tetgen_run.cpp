@@ -15,8 +15,15 @@
 namespace fascicle::mesher {
 namespace {
 
+// A terminate handler is given nothing, so what it needs cannot be anywhere else.
+std::string& part_to_remove() {
+  static std::string part;
+  return part;
+}
+
 [[noreturn]] void leave(int code, const char* what) {
   std::fprintf(stderr, "fascicle-mesher: %s\n", what);
+  if (!part_to_remove().empty()) ::unlink(part_to_remove().c_str());
   // No exit handlers: TetGen's memory is in an unknown state.
   _exit(code);
 }
@@ -117,7 +124,8 @@ class CapturedStdout {
 
 }  // namespace
 
-void install_terminate_handler() {
+void install_terminate_handler(const std::string& part) {
+  part_to_remove() = part;
   std::set_terminate(on_terminate);
 }
 

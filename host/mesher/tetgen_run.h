@@ -16,7 +16,8 @@
 
 namespace fascicle::mesher {
 
-void install_terminate_handler();
+// The handler removes the file `part` (none, where that is empty): the stack, which would, is left as it is.
+void install_terminate_handler(const std::string& part);
 
 // Fills a surface that passed check_closed(). Vertices of the result: the surface's, then `inside`, then
 // TetGen's own. `max_volume` 0: no limit. `quality`: the largest ratio of circumradius to shortest edge. The

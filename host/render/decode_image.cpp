@@ -120,7 +120,7 @@ DecodedImage decode_jpeg(std::span<const unsigned char> bytes) {
     is_read = read_jpeg(reader, texels.values.data());
   }
   if (!is_read && reader.errors.has_many_scans) {
-    image.flaw = "is a JPEG of more scans than are read at its size; save it without progression";
+    image.flaw = "has too many scans for a picture of this size; save it as baseline JPEG";
   } else if (!is_read) {
     (*reader.errors.manager.format_message)(reinterpret_cast<j_common_ptr>(&reader.jpeg),
                                             reader.message.data());

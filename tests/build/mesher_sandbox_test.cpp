@@ -25,6 +25,11 @@ namespace fs = std::filesystem;
 constexpr const char* tetrahedron =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
 
+// Two that cross.
+constexpr const char* crossing =
+    "OFF\n8 8 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0.2 0.2 0.2\n1.2 0.2 0.2\n0.2 1.2 0.2\n0.2 0.2 1.2\n"
+    "3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n3 4 6 5\n3 4 5 7\n3 5 6 7\n3 4 7 6\n";
+
 // The line "NAME:\tVALUE" of /proc/PID/status.
 std::string status_of(pid_t process, const std::string& name) {
   std::ifstream in("/proc/" + std::to_string(process) + "/status");
@@ -73,9 +78,9 @@ class MesherSandbox : public ::testing::Test {
     writer_ = there;
     return there >= 0;
   }
-  int finish() {
-    EXPECT_EQ(::write(writer_, tetrahedron, std::string(tetrahedron).size()),
-              static_cast<ssize_t>(std::string(tetrahedron).size()));
+  std::string part() const { return at("out.mesh.part-" + std::to_string(mesher_)); }
+  int finish(const std::string& surface = tetrahedron) {
+    EXPECT_EQ(::write(writer_, surface.data(), surface.size()), static_cast<ssize_t>(surface.size()));
     ::close(writer_);
     int status = 0;
     EXPECT_EQ(::waitpid(mesher_, &status, 0), mesher_);
@@ -97,9 +102,21 @@ TEST_F(MesherSandbox, IsEnteredBeforeTheInputIsRead) {
     EXPECT_EQ(status_of(mesher_, "Seccomp"), "2") << "2: by a filter";
   }
   EXPECT_EQ(status_of(::getpid(), "NoNewPrivs"), "0") << "the control: it is not this process's";
+  // It has its output already, as it may open nothing to be written from here on.
+  ASSERT_TRUE(fs::exists(part()));
+  EXPECT_EQ(fs::file_size(part()), 0u);
   // The control of the next test, too: it is whole in its sandbox.
   EXPECT_EQ(finish(), build::mesher_done);
   EXPECT_TRUE(fs::exists(at("out.mesh")));
+  EXPECT_FALSE(fs::exists(part()));
+}
+
+// TetGen gives up by an exception that unwinds nothing.
+TEST_F(MesherSandbox, LeavesNothingOfAnOutputWhereTetGenGivesUp) {
+  EXPECT_TRUE(fs::exists(part()));
+  EXPECT_EQ(finish(crossing), build::mesher_self_intersecting);
+  EXPECT_FALSE(fs::exists(part()));
+  EXPECT_FALSE(fs::exists(at("out.mesh")));
 }
 
 TEST_F(MesherSandbox, ReadsNoFileThatItWasNotGivenAtTheStart) {
@@ -109,6 +126,7 @@ TEST_F(MesherSandbox, ReadsNoFileThatItWasNotGivenAtTheStart) {
   fs::create_symlink("other.txt", at("points"));
   constexpr int unreadable = 3;
   EXPECT_EQ(finish(), unreadable);
+  EXPECT_FALSE(fs::exists(part()));
   EXPECT_FALSE(fs::exists(at("out.mesh")));
 }
 

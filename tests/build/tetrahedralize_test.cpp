@@ -317,7 +317,7 @@ TEST_F(Tetrahedralize, StopsMeshersThatEatMemory) {
 // GiB.
 TEST_F(Tetrahedralize, GivesMemoryByWhatIsDue) {
   fake_mesher("ulimit -v >&2; exit 6");
-  EXPECT_REFUSED(refusal(unit_cube), "256 MiB of memory that its triangles and the resolution account for");
+  EXPECT_REFUSED(refusal(unit_cube), "256 MiB set aside for a surface of 12 triangles at this resolution. ");
   const auto limit = [this](double edge) {
     fake_mesher("ulimit -v > '" + (folder_ / "limit").string() + "'; exit 8");
     refusal(unit_cube, edge);

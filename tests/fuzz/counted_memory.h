@@ -1,4 +1,5 @@
-// How much memory this program holds, and at most held: what it asked `new` for.
+// How much memory this program holds, and at most held: what it asked `new` for. What libraries of C (libpng,
+// libjpeg, zlib) ask malloc() for is not counted; the limits of `./do fuzz` are on all.
 #pragma once
 
 #include <cstddef>

@@ -1,12 +1,15 @@
 // The readers against seeds, against what the fuzzer once found, and against both damaged and grown by a
 // fixed rule: a short form of `./do fuzz` that any compiler builds.
 #include <algorithm>
+#include <array>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <map>
+#include <new>
+#include <numeric>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -122,7 +125,7 @@ TEST(Readers, TakeOrRefuseDamagedFiles) {
 }
 
 // A slice of the file again and again, up to a mebibyte: what takes time or memory by the square of a file's
-// size shows itself. The bounds are those of docs/reliability.md.
+// size shows itself. The bounds are those of docs/fuzzing.md, here on what `new` gave alone.
 TEST(Readers, TakeOrRefuseGrownFilesInBounds) {
   constexpr std::size_t most_bytes = std::size_t{1} << 20, most_memory = std::size_t{512} << 20;
   std::mt19937_64 random(20170523);
@@ -155,6 +158,43 @@ TEST(Readers, APlantedFlawIsFound) {
   const std::size_t before = fuzz::most_held_since_mark();
   { const std::vector<char> large(std::size_t{1} << 22); }
   EXPECT_GE(fuzz::most_held_since_mark(), before + (std::size_t{1} << 22));
+}
+
+// A compiler may leave out what it sees is never used.
+template <class T>
+T* seen(T* memory) {
+  T* volatile kept = memory;
+  return kept;
+}
+
+// A reader must meet no form of `new` that is not counted, nor one that a sanitizer defines beside ours.
+TEST(CountedMemory, IsThatOfAllFormsOfNew) {
+  constexpr std::size_t size = std::size_t{1} << 22;
+  struct alignas(64) Aligned {
+    std::array<char, size> bytes;
+  };
+  const auto rise_of = [](const auto& use) {
+    fuzz::mark_held();
+    const std::size_t before = fuzz::most_held_since_mark();
+    use();
+    const std::size_t rise = fuzz::most_held_since_mark() - before;
+    fuzz::mark_held();
+    EXPECT_EQ(fuzz::most_held_since_mark(), before) << "it was not given back";
+    return rise;
+  };
+  using Bytes = std::array<char, size>;
+  EXPECT_GE(rise_of([] { delete seen(new Bytes); }), size);
+  EXPECT_GE(rise_of([] { delete[] seen(new char[size]); }), size);
+  EXPECT_GE(rise_of([] { delete seen(new (std::nothrow) Bytes); }), size);
+  EXPECT_GE(rise_of([] { delete[] seen(new (std::nothrow) char[size]); }), size);
+  EXPECT_GE(rise_of([] { delete seen(new Aligned); }), size);
+  EXPECT_GE(rise_of([] { delete[] seen(new Aligned[2]); }), 2 * size);
+  EXPECT_GE(rise_of([] { delete seen(new (std::nothrow) Aligned); }), size);
+  EXPECT_GE(rise_of([] { delete[] seen(new (std::nothrow) Aligned[2]); }), 2 * size);
+  // Which takes a buffer by the third form and gives it back by the first one's `delete`.
+  std::vector<int> numbers(size / sizeof(int));
+  std::iota(numbers.rbegin(), numbers.rend(), 0);
+  EXPECT_GE(rise_of([&] { std::stable_sort(numbers.begin(), numbers.end()); }), size / 2);
 }
 
 }  // namespace

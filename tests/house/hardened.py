@@ -1,15 +1,20 @@
 #!/usr/bin/env python3
 """Looks into built programs and libraries for what makes them hard to break into (cmake/hardened.cmake).
 
-    python3 tests/house/hardened.py COMPILER SOURCE_FOLDER FILE...
+    python3 tests/house/hardened.py COMPILER SOURCE_FOLDER COMPILE_COMMANDS FILE...
+
+Each of COMPILE_COMMANDS (CMake's compile_commands.json) but those of tests must have the flags: libraries that are
+linked statically bring checks and guards of their own, which say nothing of our code.
 
 Each FILE must be position-independent, have its relocations bound at the start and read-only after, a stack that does
-not execute, no segment that is written and executed, guards on the stack, calls of the C library that check sizes (a
-program), a run path that begins at its own place or none, and nowhere the path of the sources. The controls: a tiny
-program without all of these is found out in each, and one with them in none.
+not execute, no segment that is written and executed, guards on the stack, calls of the C library that check sizes, a
+run path that begins at its own place or none, and nowhere the path of the sources. The controls: a tiny program without
+all of these is found out in each, and one with them in none.
 """
+import json
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -37,6 +42,32 @@ def read(file, *what):
     return subprocess.run(["readelf", "--wide", *what, str(file)], check=True, capture_output=True, text=True).stdout
 
 
+def names_path(data, path):
+    """Whether bytes hold an absolute path in this folder; ../../src/init.c is none in /src."""
+    return re.search(rb"(?<![\w./-])" + re.escape(str(path).encode()) + b"/", data) is not None
+
+
+def faults_of_command(command):
+    """The flags that a compiler's command lacks, or takes back."""
+    words = shlex.split(command)
+    last = lambda pattern: next((word for word in reversed(words) if re.fullmatch(pattern, word)), "none")
+    return [f"{last(pattern)}, not {wanted}" for pattern, wanted in
+            (("-[DU]_FORTIFY_SOURCE.*", "-D_FORTIFY_SOURCE=2"),
+             ("-f(no-)?stack-protector.*", "-fstack-protector-strong"))
+            if last(pattern) != wanted] + ["-O0"] * (last("-O.*") in ("none", "-O0"))
+
+
+def faults_of_commands(commands):
+    """Of all that is compiled but tests, by the objects' folders."""
+    faults, count = [], 0
+    for entry in commands:
+        name = re.search(r" -o (\S+)", entry["command"])[1]
+        if not name.startswith("tests/"):
+            count += 1
+            faults += [f"{entry['file']} is compiled with {words}" for words in faults_of_command(entry["command"])]
+    return faults or ([] if count else ["no command but those of tests"])
+
+
 def faults_of(file, sources):
     """What FILE lacks: names of ALL, with words."""
     header, segments = read(file, "--file-header"), read(file, "--program-headers")
@@ -58,14 +89,14 @@ def faults_of(file, sources):
         faults["segments"] = "has a segment that is written and executed"
     if not re.search(r"\b__stack_chk_(fail|guard)\b", symbols):
         faults["guards"] = "has no guards on its stack (-fstack-protector-strong)"
-    # A small library may call nothing that has a size to check.
-    if is_program and not re.search(r"\b__(?!stack)\w+_chk\b", symbols):
+    # The Python module calls nothing that has a size to check.
+    if not pathlib.Path(file).name.startswith("_fascicle") and not re.search(r"\b__(?!stack)\w+_chk\b", symbols):
         faults["sizes"] = "has no checks of sizes (-D_FORTIFY_SOURCE=2)"
     # CMake pads the run path of the build folder with colons, to write that of an installation into its place.
     for paths in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", dynamic):
         if any(path and not re.match(r"\$ORIGIN(/|$)", path) for path in paths.split(":")):
             faults["run path"] = f"looks for libraries in {paths}"
-    if str(sources).encode() in pathlib.Path(file).read_bytes():
+    if names_path(pathlib.Path(file).read_bytes(), sources):
         faults["sources"] = f"holds the path {sources} (-ffile-prefix-map)"
     return faults
 
@@ -75,9 +106,11 @@ def check_controls(compiler):
         folder = pathlib.Path(name)
         source, program = folder / "tiny.c", folder / "tiny"
         mapped = f"-ffile-prefix-map={folder}=."
+        library = [flag for flag in HARD if flag not in ("-fPIE", "-pie", "-D_FORTIFY_SOURCE=2")] + ["-fPIC", "-shared"]
         # Only a program without shared libraries can have code and data in one segment.
         for text, flags, wanted in ((TINY, SOFT, ALL - {"segments"}), (TINY, (*HARD, mapped), set()),
-                                    (BARE, (*ONE_SEGMENT, mapped), ALL - {"stack", "run path", "sizes", "sources"})):
+                                    (TINY, (*library, mapped), {"sizes"}),
+                                    (BARE, (*ONE_SEGMENT, mapped), ALL - {"stack", "run path", "sources"})):
             source.write_text(text)
             subprocess.run([compiler, "-x", "c", *flags, str(source), "-o", str(program)], check=True,
                            capture_output=True)
@@ -86,14 +119,26 @@ def check_controls(compiler):
                 sys.exit(f"the control with {' '.join(flags)}: found {sorted(found)}, not {sorted(wanted)}")
 
 
-def main(compiler, sources, files):
+    for data, is_named in ((b"\0/src/init.c", True), (b"\0../../src/init.c", False), (b"\0/src2/init.c", False)):
+        if names_path(data, "/src") != is_named:
+            sys.exit(f"the control with {data}: it must {'' if is_named else 'not '}be a path in /src")
+    hard = "c++ -O2 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -fstack-protector-strong -o host/a.o -c a.cpp"
+    for command, count in ((hard, 0), (hard.replace("=2", "=1"), 1), (hard + " -U_FORTIFY_SOURCE", 1),
+                           (hard + " -fno-stack-protector -O0", 2), ("c++ -o host/a.o -c a.cpp", 3),
+                           (hard.replace("host/", "tests/"), 1)):
+        if len(faults_of_commands([{"file": "a.cpp", "command": command}])) != count:
+            sys.exit(f"the control with {command}: not {count} faults")
+
+
+def main(compiler, sources, commands, files):
     check_controls(compiler)
-    faults = [f"{file} {words}" for file in files for words in faults_of(file, sources).values()]
+    faults = faults_of_commands(json.loads(pathlib.Path(commands).read_text()))
+    faults += [f"{file} {words}" for file in files for words in faults_of(file, sources).values()]
     print("\n".join(faults) or f"{len(files)} files are hardened")
     return 1 if faults else 0
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 4:
+    if len(sys.argv) < 5:
         sys.exit(__doc__)
-    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3:]))
+    sys.exit(main(sys.argv[1], sys.argv[2], sys.argv[3], sys.argv[4:]))

@@ -11,11 +11,35 @@ export SOURCE_DATE_EPOCH
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Compares each file of the list "$work/files" below two folders.
+# Those files below a folder that are given away.
+given_away() { # FOLDER
+  (cd "$1" && find -L . -maxdepth 3 -type f \( -name 'fascicle' -o -name 'fascicle-mesher' -o -name 'fascicle-convert' \
+    -o -name 'libfascicle.so.*.*.*' -o -name '_fascicle*.so' -o -name 'fascicle-blender.zip' -o -name '*.deb' \
+    -o -name '*.a' \) ! -path '*_CPack_Packages*' | sort)
+}
+
+same_names() { # A B
+  given_away "$1" > "$work/files"
+  given_away "$2" > "$work/files-of-other"
+  cmp -s "$work/files" "$work/files-of-other"
+}
+
+# Compares the files that are given away below two folders.
 compare() { # A B
   differ=0
+  # The control: a file that one alone has is seen.
+  mkdir -p "$work/control/one" "$work/control/other"
+  touch "$work/control/other/fascicle-mesher"
+  ! same_names "$work/control/one" "$work/control/other" || { echo "reproducible: a file more is not seen" >&2; exit 1; }
+  if ! same_names "$1" "$2"; then
+    echo "reproducible: one of the two has other files:" >&2
+    diff "$work/files" "$work/files-of-other" >&2 || true
+    differ=1
+  fi
   while read -r file; do
-    if cmp -s "$1/$file" "$2/$file"; then
+    if [ ! -f "$2/$file" ]; then
+      continue
+    elif cmp -s "$1/$file" "$2/$file"; then
       echo "$(sha256sum < "$1/$file" | cut -c 1-64)  $file"
     else
       echo "reproducible: $file differs" >&2
@@ -24,7 +48,8 @@ compare() { # A B
   done < "$work/files"
   [ -s "$work/files" ] || { echo "reproducible: there is nothing to compare" >&2; exit 1; }
   # The control: one byte more is seen.
-  file=$(head -n 1 "$work/files")
+  file=$(comm -12 "$work/files" "$work/files-of-other" | head -n 1)
+  [ -n "$file" ] || { echo "reproducible: the two have no file in common" >&2; exit 1; }
   { cat "$2/$file"; echo; } > "$work/longer"
   ! cmp -s "$1/$file" "$work/longer" || { echo "reproducible: a byte more is not seen" >&2; exit 1; }
   return $differ
@@ -42,7 +67,6 @@ if [ "${1:-}" = --packages ]; then
     # Times within the files are counted in seconds, those of zip in twos.
     sleep 3
   done
-  (cd "$work/first" && ls) > "$work/files"
   compare "$work/first" "$work/second"
   exit
 fi
@@ -61,8 +85,4 @@ for place in a b/in/a/deeper/folder; do
   # Where the two lie is all that may be another.
   ln -s "$build" "$work/built-$(echo "$place" | cut -c 1)"
 done
-cd "$work/built-a"
-find -L . -maxdepth 3 -type f \( -name 'fascicle' -o -name 'fascicle-mesher' -o -name 'fascicle-convert' \
-  -o -name 'libfascicle.so.*.*.*' -o -name '_fascicle*.so' -o -name 'fascicle-blender.zip' -o -name '*.deb' \
-  -o -name '*.a' \) ! -path '*_CPack_Packages*' | sort > "$work/files"
 compare "$work/built-a" "$work/built-b"

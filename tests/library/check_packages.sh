@@ -63,7 +63,7 @@ for deb in *.deb; do
   grep -q "\"name\": \"$package-" "${deb%.deb}.spdx.json" || fail "there is no list of what is in $package beside it"
 done
 sha256sum --quiet -c SHA256SUMS || fail "SHA256SUMS are not those of the files"
-[ "$(wc -l < SHA256SUMS)" -eq "$(ls | grep -c '\.')" ] || fail "SHA256SUMS leaves files out"
+[ "$(wc -l < SHA256SUMS)" -eq "$(ls -- *.deb *.spdx.json *.zip | wc -l)" ] || fail "SHA256SUMS leaves files out"
 for deb in *.deb; do
   # The files of one package are no other's.
   dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}'

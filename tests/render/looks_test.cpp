@@ -308,7 +308,8 @@ TEST(DecodeImage, ManyScansOfALargePictureAreRefused) {
   EXPECT_EQ(render::decode_image(sized(whole)).texels.width, 8192u);
   const render::DecodedImage refused = render::decode_image(sized(busy));
   EXPECT_TRUE(refused.texels.values.empty());
-  EXPECT_NE(refused.flaw.find("more scans than are read"), std::string::npos) << refused.flaw;
+  EXPECT_NE(refused.flaw.find("too many scans for a picture of this size"), std::string::npos)
+      << refused.flaw;
 }
 
 TEST(Annotate, RowKeepsPicturesBelowTheirWords) {
