@@ -14,6 +14,7 @@
 
 #include "host/gltf/convert.h"
 #include "host/gltf/gltf.h"
+#include "host/made/made_character.h"
 #include "host/mesh/mesh_file.h"
 
 namespace fascicle::scene {
@@ -168,6 +169,11 @@ void LoadedFiles::keep(const std::filesystem::path& path, gltf::Still still, con
   kept->geometry = loaded.geometry;
   kept->input_hashes = loaded.input_hashes;
   read_[{path, still}] = std::move(kept);
+}
+
+const rig::Character& LoadedFiles::made(const std::string& name) {
+  const auto found = made_.find(name);
+  return found != made_.end() ? found->second : made_.emplace(name, made::make_character(name)).first->second;
 }
 
 const std::string& LoadedFiles::text_of(const std::filesystem::path& path, std::uintmax_t most_bytes) {

@@ -42,6 +42,9 @@ class LoadedFiles {
   // Of `loaded` the geometry and the input hashes.
   void keep(const std::filesystem::path& path, gltf::Still still, const Scene& loaded);
 
+  // A character made in code, which is made once.
+  const rig::Character& made(const std::string& name);
+
   // Of a file of text: what is given for it, else what was read first. Throws InputFileError.
   const std::string& text_of(const std::filesystem::path& path, std::uintmax_t most_bytes);
   // What stands for a file of text, whether it is there or not; nothing: the file itself.
@@ -49,6 +52,7 @@ class LoadedFiles {
 
  private:
   std::map<std::pair<std::filesystem::path, gltf::Still>, std::unique_ptr<const Scene>> read_;
+  std::map<std::string, rig::Character> made_;
   std::map<std::filesystem::path, std::string> texts_, given_;
 };
 

@@ -94,10 +94,14 @@ void load_file(const std::filesystem::path& file, bool rigid, LoadedFiles* files
   loaded.geometry = character_of_mesh(std::move(std::get<mesh::SurfaceMesh>(loaded.geometry)));
 }
 
+rig::Character made_character(const std::string& name, LoadedFiles* files) {
+  return files != nullptr ? files->made(name) : made::make_character(name);
+}
+
 // What its file or its maker has of a character, with what the scene is to know of that file.
 rig::Character load_unpainted(const toml::table& table, const std::string& path,
                               const std::filesystem::path& folder, LoadedFiles* files, Scene& scene) {
-  if (table.contains("made")) return made::make_character(*table["made"].value<std::string>());
+  if (table.contains("made")) return made_character(*table["made"].value<std::string>(), files);
   Scene loaded;
   loaded.converter = scene.converter;
   try {
@@ -319,12 +323,12 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
         load_file(folder / *file, true, files, loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto made = stated("made")) {
-        all.push_back(made::make_character(*made));
+        all.push_back(made_character(*made, files));
       } else if (const auto in_table = table["file"].value<std::string>()) {
         load_file(folder / *in_table, true, files, loaded);
         all.push_back(std::move(std::get<rig::Character>(loaded.geometry)));
       } else if (const auto name = table["made"].value<std::string>()) {
-        all.push_back(made::make_character(*name));
+        all.push_back(made_character(*name, files));
       } else {
         return;
       }
