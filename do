@@ -247,8 +247,9 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     commit_time
     (cd build/release && cpack -B "$new") >&2 || packed=$?
     rm -rf "$new/_CPack_Packages"
-    # The tests of installed trees rest on the folders of a local prefix.
+    # The tests of installed trees rest on the folders of a local prefix, and the Python module is linked for them.
     cmake --preset release -DCMAKE_INSTALL_PREFIX=/usr/local -UCMAKE_INSTALL_LIBDIR >&2
+    cmake --build --preset release >&2
     [ "$packed" -eq 0 ] || exit "$packed"
     cp build/release/fascicle-blender.zip "$new"
     (cd "$new" && for deb in *.deb; do
