@@ -18,7 +18,7 @@ import tempfile
 import time
 
 PATIENCE = 300.0  # s
-TEXT, BINARY = 1, 2
+TEXT, BINARY, PING, PONG = 1, 2, 9, 10
 
 
 class Page:
@@ -61,8 +61,10 @@ class Page:
             elif length == 127:
                 (length,) = struct.unpack(">Q", self.take(8))
             part = self.take(length)
+            if first & 15 == PING:
+                self.socket.sendall(struct.pack(">BB", 128 | PONG, 128 | len(part)) + b"\0\0\0\0" + part)
             if first & 15 > BINARY:
-                continue  # a ping or its like
+                continue
             kind = first & 15 or kind
             content += part
             if first & 128:
