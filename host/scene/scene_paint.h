@@ -18,7 +18,7 @@ struct FilePaint {
   toml::source_region source;  // of the key that names the file
   std::string key;             // "character.paint"
   std::set<std::string> names;
-  std::set<int> layers;  // values of _LAYER but 0
+  std::set<int> layers;   // values of _LAYER but 0
   float stiffest = 0.0f;  // largest _STIFFNESS
 };
 
