@@ -8,9 +8,8 @@
 namespace fascicle::base {
 
 // The name nearest to `given` by Damerau-Levenshtein distance; the first of equals. Empty if none is near:
-// one that differs in more than a third of its letters is a guess, not a hint. A name that is `given` behind
-// a
-// "/" goes first.
+// one that differs in more than a third of its letters is a guess, not a hint. A name that is `given`
+// behind a "/" goes first.
 std::string nearest_name(std::string_view given, const std::vector<std::string>& names);
 
 // "; did you mean NAME?", or empty if none is near.
