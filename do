@@ -32,7 +32,11 @@
 #                         docs/farm-slurm.txt (root, minutes)
 #   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, and bake what strangers might
 #                         send; write docs/reliability.md (hours)
-#   ./do mutants [ROOM...] [--count N]   plant small faults, one at a time: do the tests find them? (hours)
+#   ./do mutants [ROOM...] [--count N] [--write]   plant small faults, one at a time: do the tests find them? --write
+#                         writes what lives into docs/tests.md (hours)
+#   ./do sanitize [PRESET] [--write] [CTEST...]   run the suite under the sanitizers of asan, or tsan, and count
+#                         reports; --write writes them into docs/tests.md (an hour)
+#   ./do coverage [--write] [--missed]   which lines of the rooms the last `./do sanitize asan` ran
 #   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
 #                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
@@ -359,6 +363,21 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
   mutants)
     need $build_packages $run_packages $test_packages
     exec python3 -B tests/mutants/mutants.py "$@"
+    ;;
+  sanitize)
+    need $build_packages $run_packages $test_packages
+    preset=${1:-asan}
+    [ $# -eq 0 ] || shift
+    set_coverage=""
+    [ "$preset" != asan ] || set_coverage="-DFASCICLE_COVERAGE=ON"
+    web_tools "$preset"
+    readers "$preset"
+    build "$preset" -DFASCICLE_TESTS=ON $set_coverage
+    exec python3 -B tests/tested/sanitize.py "$preset" "$@"
+    ;;
+  coverage)
+    need gcovr python3
+    exec python3 -B tests/tested/coverage.py build/asan "$@"
     ;;
   fuzz)
     need $build_packages clang python3

@@ -1,9 +1,10 @@
 """Small faults planted in the sources, one at a time: do the tests find them?
 
-mutants.py [ROOM...] [--count N]: copies the tree into build/mutants, builds it there, plants a fault at random, builds
-and runs the tests of its room until one fails. Before that the tests run over the sources as they are: they must pass,
-or every fault would seem to be found. Prints what lives as a table; living.txt says why some may. FASCICLE_SEED repeats
-a choice."""
+mutants.py [ROOM...] [--count N] [--write] [--in-place]: copies the tree into build/mutants, builds it there, plants a
+fault at random, builds and runs the tests of its room until one fails. Before that the tests run over the sources as
+they are: they must pass, or every fault would seem to be found. Prints what lives as a table, or writes it into
+docs/tests.md; living.txt says why some may. --in-place plants in this tree and builds in its build/release, which a
+clone made for that has at hand. FASCICLE_SEED repeats a choice."""
 
 import argparse
 import glob
@@ -16,6 +17,9 @@ import sys
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(os.path.dirname(HERE), "tested"))
+import page  # noqa: E402: it lies beside
+
 SOURCE = os.path.dirname(os.path.dirname(HERE))
 WORK = os.path.join(SOURCE, "build", "mutants")
 TREE, BUILD = os.path.join(WORK, "tree"), os.path.join(WORK, "build")
@@ -49,8 +53,14 @@ def fail(text):
     sys.exit(1)
 
 
-def prepare():
+def prepare(in_place):
     """The tree as git knows it, and a build of it; what was built before is kept."""
+    global TREE, BUILD
+    if in_place:
+        if subprocess.run(["git", "status", "--porcelain", "-uno"], cwd=SOURCE, capture_output=True).stdout:
+            fail("changes that are not committed would be mixed with faults")
+        TREE, BUILD = SOURCE, os.path.join(SOURCE, "build", "release")
+        return
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard"], cwd=SOURCE, capture_output=True,
                             text=True, check=True).stdout.splitlines()
     for name in listed:
@@ -173,26 +183,29 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("room", nargs="*", choices=[[], *ROOMS])
     parser.add_argument("--count", type=int, default=40, help="of each room")
+    parser.add_argument("--write", action="store_true", help="the rooms' figures into docs/tests.md")
+    parser.add_argument("--in-place", action="store_true")
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
     known = reasons()
-    prepare()
+    prepare(asked.in_place)
     temporary = os.path.join(WORK, "temporary")
-    figures, rows = [], []
+    rooms, rows = [], []
     for room in asked.room or ROOMS:
         shutil.rmtree(temporary, ignore_errors=True)
         os.makedirs(temporary)
         tried = try_room(room, asked.count, temporary)
         living = [one for one in tried if one[4] is None]
-        figures.append("%d of %d in `%s`" % (len(tried) - len(living), len(tried), room))
+        rooms.append([room, len(tried), len(tried) - len(living)])
         for name, number, line, made, _ in living:
             why = known.get((name, line, made), "not looked at")
-            rows.append("| `%s:%d` | `%s` | `%s` | %s |" % (name, number, line.replace("|", "\\|"),
-                                                           made.replace("|", "\\|"), why))
-    print("seed %d, found: %s" % (seed, ", ".join(figures)))
-    if rows:
-        print("| where | as it is | as it was made | why it lives |\n| --- | --- | --- | --- |\n" + "\n".join(rows))
+            rows.append(["`%s:%d`" % (name, number), "`%s`" % line.replace("|", "\\|"),
+                         "`%s`" % made.replace("|", "\\|"), why])
+    figures = {"rooms": rooms, "living": rows}
+    print("seed %d\n%s" % (seed, page.mutants_text({**figures, "about": ""})))
+    if asked.write:
+        page.put("mutants", figures)
     return 0
 
 

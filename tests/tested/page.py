@@ -1,0 +1,93 @@
+"""docs/tests.md: what the tests are worth. Each command brings its own figures and leaves the others' as they are."""
+
+import json
+import os
+import subprocess
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+FIGURES = os.path.join(ROOT, "docs", "tests.json")
+FILE = os.path.join(ROOT, "docs", "tests.md")
+
+PAGE = """# What the tests are worth
+
+A test that passes says little until one knows what it would have found. Three commands ask: whether the suite runs
+clean under sanitizers, which lines it runs, and whether it finds faults that somebody plants. Each writes its part of
+this page with `--write`.
+
+## Sanitizers
+
+`./do sanitize` builds the presets `asan` (addresses, leaks, undefined behaviour) and `tsan` (threads), with all asserts
+and the standard library's checks, and runs the suite. Reports are counted from the sanitizers' own files, of every
+process that a test starts, so that none is lost in a test that expects a failure. First a planted flaw of each kind
+must be reported.
+
+%(sanitizers)s
+## Coverage
+
+`./do coverage` counts lines and branches of the rooms in the same run as the address sanitizer's, by gcov and gcovr.
+Branches that only an exception takes do not count.
+
+%(coverage)s
+## Planted faults
+
+`./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the resuming of
+bakes: a comparison turned, a sign, a bound, a statement left out. It builds, and runs the room's tests until one fails.
+Before that the tests must pass over the sources as they are.
+
+%(mutants)s"""
+
+
+def table(head, rows):
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join("| %s |\n" % " | ".join(str(cell) for cell in line) for line in lines)
+
+
+def share(part, whole):
+    return "%.1f %%" % (100.0 * part / whole) if whole else "-"
+
+
+def sanitizers_text(figures):
+    rows = [("`%s`" % preset, one["tests"], one["skipped"], one["failed"], one["reports"],
+             "%.0f min" % (one["seconds"] / 60)) for preset, one in sorted(figures["presets"].items())]
+    return table(("preset", "tests", "skipped", "failed", "reports", "time"), rows) + "\n" + figures["about"]
+
+
+def coverage_text(figures):
+    rows = [("`%s`" % room, lines, share(run, lines), share(taken, branches))
+            for room, lines, run, branches, taken in figures["rooms"]]
+    whole = [sum(row[k] for row in figures["rooms"]) for k in range(1, 5)]
+    rows.append(("all", whole[0], share(whole[1], whole[0]), share(whole[3], whole[2])))
+    return table(("room", "lines", "run", "branches taken"), rows) + "\n" + figures["about"]
+
+
+def mutants_text(figures):
+    rows = [("`%s`" % room, tried, found, share(found, tried)) for room, tried, found in figures["rooms"]]
+    text = table(("room", "planted", "found", "share"), rows)
+    if figures["living"]:
+        head = ("where", "as it is", "as it was made", "why it lives")
+        text += "\nThose that live:\n\n" + table(head, figures["living"])
+    return text + "\n" + figures["about"]
+
+
+TEXTS = {"sanitizers": sanitizers_text, "coverage": coverage_text, "mutants": mutants_text}
+
+
+def about():
+    """Of which commit and machine figures are: a line for below a table."""
+    commit = subprocess.run(["git", "log", "-1", "--format=%h of %as"], cwd=ROOT, capture_output=True, text=True,
+                            check=True).stdout.strip()
+    return "Commit %s, %d cores.\n" % (commit, os.cpu_count())
+
+
+def put(section, figures):
+    """Replaces the section's figures, and writes the page anew."""
+    kept = {}
+    if os.path.exists(FIGURES):
+        with open(FIGURES) as file:
+            kept = json.load(file)
+    kept[section] = {**figures, "about": about()}
+    texts = {name: text(kept[name]) if name in kept else "Not measured yet.\n" for name, text in TEXTS.items()}
+    for path, text in ((FIGURES, json.dumps(kept, indent=1) + "\n"), (FILE, PAGE % texts)):
+        with open(path + ".new", "w") as file:
+            file.write(text)
+        os.rename(path + ".new", path)
