@@ -25,7 +25,8 @@ must be reported.
 ## Coverage
 
 `./do coverage` counts lines and branches of the rooms in the same run as the address sanitizer's, by gcov and gcovr.
-Branches that only an exception takes do not count.
+Branches that only an exception takes do not count, and neither do the mesher and the converter, whose sandbox lets
+them write no counts.
 
 %(coverage)s
 ## Planted faults
