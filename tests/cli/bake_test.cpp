@@ -1,8 +1,6 @@
 // fascicle bake as a user runs it.
 #include <algorithm>
-#include <chrono>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -20,16 +18,6 @@ using nlohmann::json;
 
 json manifest_of(const std::filesystem::path& folder) {
   return json::parse(read_text(folder / "manifest.json"), nullptr, false);
-}
-
-// Waits until `condition` holds or the program has ended; says whether it holds.
-template <class Condition>
-bool wait_until(Program& program, Condition condition) {
-  while (!condition()) {
-    if (!program.is_running()) return condition();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
 }
 
 TEST(Bake, ResultsGoToStdoutAndSayHowToLook) {

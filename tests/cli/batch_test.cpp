@@ -67,8 +67,7 @@ TEST(Batch, InterruptedAndResumedIsAsIfNeverStopped) {
   const TemporaryFolder folder;
   const std::string list = list_in(folder, three_bars);
   Program program({"batch", list, "--device", "cpu", "--at-once", "1"});
-  while (program.is_running() && !std::filesystem::exists(folder.path() / "out/bar-0.6/manifest.json")) {
-  }
+  wait_for_file(program, folder.path() / "out/bar-0.6/manifest.json");
   program.send(SIGINT);
   const Outcome stopped = program.wait();
   // On a machine that is fast enough it may have been done before.
@@ -88,8 +87,7 @@ TEST(Batch, KilledIsResumedAtOnce) {
                                    "format = [\"pc2\"]\n"
                                    "[job.bar]\nscene = \"bar-beta-1\"\nset = [\"scene.end=120.0\"]\n");
   Program program({"batch", list, "--device", "cpu"});
-  while (program.is_running() && !std::filesystem::exists(folder.path() / "out/bar/checkpoint")) {
-  }
+  wait_for_file(program, folder.path() / "out/bar/checkpoint");
   program.send(SIGKILL);
   ASSERT_EQ(program.wait().signal, SIGKILL);
   const Outcome resumed = fascicle({"batch", list, "--resume"});

@@ -178,8 +178,7 @@ TEST(BatchFarm, StatusTellsWhyAndWhatWasCutOff) {
   write_text(farm.output() + "/used/metrics.csv", "mine\n");
   EXPECT_EQ(fascicle({"batch", farm.list(), "--job", "used"}).status, 3);
   Program task({"batch", farm.list(), "--job", "long", "--threads", "1"});
-  while (task.is_running() && !fs::exists(farm.output() + "/long/manifest.json")) {
-  }
+  wait_for_file(task, farm.output() + "/long/manifest.json");
   const Outcome running = fascicle({"batch", "status", farm.list()});
   EXPECT_TRUE(contains(running.out, "long  running at frame ")) << running.out;
   EXPECT_TRUE(contains(running.out, "used  failed: ")) << running.out;

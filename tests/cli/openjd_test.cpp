@@ -318,8 +318,7 @@ TEST(OpenJd, ACanceledTaskGoesOn) {
   const std::vector<std::string> command{"batch", list,       "--job",        "bar-0.4", "--threads",
                                          "1",     "--resume", "--log-format", "openjd"};
   Program task(command);
-  while (task.is_running() && !fs::exists(folder.path() / "out/bar-0.4/manifest.json")) {
-  }
+  wait_for_file(task, folder.path() / "out/bar-0.4/manifest.json");
   task.send(SIGTERM);
   const auto start = std::chrono::steady_clock::now();
   const Outcome canceled = task.wait();

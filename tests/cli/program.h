@@ -1,8 +1,10 @@
 // Runs the built executable as a user would.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <sys/types.h>
@@ -48,6 +50,21 @@ class Program {
   bool ended_ = false;
   int raw_status_ = 0;
 };
+
+// Waits until `condition` holds or the program has ended; says whether it holds. Leaves the processor to the
+// program.
+template <class Condition>
+bool wait_until(Program& program, Condition condition) {
+  while (!condition()) {
+    if (!program.is_running()) return condition();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+inline bool wait_for_file(Program& program, const std::filesystem::path& file) {
+  return wait_until(program, [&] { return std::filesystem::exists(file); });
+}
 
 // Runs it to its end. `environment` adds NAME=VALUE entries.
 Outcome fascicle(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});

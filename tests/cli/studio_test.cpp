@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <thread>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -51,8 +50,7 @@ std::uint16_t free_port() {
 }
 
 void wait_until_open(std::uint16_t port, Program& program) {
-  while (program.is_running() && !LoopbackSocket(port).connects())
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  wait_until(program, [&] { return LoopbackSocket(port).connects(); });
 }
 
 TEST(StudioProgram, PrintsItsAddressAndEndsWithASignal) {
@@ -102,8 +100,7 @@ TEST(StudioProgram, TheTokenStandsInNoCommandLine) {
   ::setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
   Program program({"studio", "bar-beta-1", "-o", folder / "session", "--device", "cpu"});
   ::setenv("PATH", path.c_str(), 1);
-  while (program.is_running() && !fs::exists(folder / "line"))
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  wait_for_file(program, folder / "line");
   program.send(SIGINT);
   const Outcome outcome = program.wait();
   EXPECT_EQ(outcome.status, 0) << outcome.err;
