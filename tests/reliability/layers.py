@@ -68,5 +68,5 @@ def layers(bakes, count):
             hold_silent(scene + ", " + name, text)
             shutil.rmtree(out)
     shutil.rmtree(folder)
-    return "%d of %d scenes: 0 messages of core, synchronization and GPU-assisted validation; each of these finds the " \
-           "fault that is planted for it" % (len(chosen), len(scenes))
+    return "%d of %d scenes: 0 messages of core, synchronization and GPU-assisted validation; each of these finds " \
+           "the fault that is planted for it" % (len(chosen), len(scenes))
