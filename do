@@ -30,8 +30,8 @@
 #   ./do site             the pages as a web site in build/site (mkdocs)
 #   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
 #                         docs/farm-slurm.txt (root, minutes)
-#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, and bake what strangers might
-#                         send; write docs/reliability.md (hours)
+#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, bake what strangers might send,
+#                         and bake under Vulkan's validation layer and Valgrind; write docs/reliability.md (hours)
 #   ./do mutants [ROOM...] [--count N] [--write]   plant small faults, one at a time: do the tests find them? --write
 #                         writes what lives into docs/tests.md (hours)
 #   ./do sanitize [PRESET] [--write] [CTEST...]   run the suite under the sanitizers of asan, or tsan, and count
@@ -49,7 +49,7 @@ libcgal-dev libpugixml-dev libpng-dev libjpeg-dev zlib1g-dev libdraco-dev libmes
 pybind11-dev python3-dev libboost-dev"
 run_packages="libvulkan1 mesa-vulkan-drivers"
 test_packages="libgtest-dev librapidcheck-dev vulkan-validationlayers binutils blender python3-numpy strace \
-slurm-wlm munge xvfb xauth chromium"
+valgrind slurm-wlm munge xvfb xauth chromium"
 bench_packages="libbullet-dev libbenchmark-dev"
 lint_packages="clang-format clang-tidy clang"
 site_packages="mkdocs"
@@ -355,7 +355,8 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     build release -DFASCICLE_TESTS=ON
     export FASCICLE_PROGRAM="$PWD/build/release/fascicle"
     FASCICLE_FAILING_CALLS=$(find "$PWD/build/release/tests/reliability" -name 'libfailing_calls.so')
-    export FASCICLE_FAILING_CALLS
+    FASCICLE_PLANTED_FAULTS=$(find "$PWD/build/release" -maxdepth 1 -name planted_faults)
+    export FASCICLE_FAILING_CALLS FASCICLE_PLANTED_FAULTS
     cd tests/reliability
     if [ $# -eq 0 ]; then set -- --write; fi
     exec python3 -B reliability.py "$@"

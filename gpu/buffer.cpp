@@ -90,7 +90,6 @@ void write_buffer(Device::Impl& device, const Buffer& to, std::span<const std::b
     CommandBuffer commands(device, pool);
     commands.barrier();
     commands.copy(staging, 0, to, at, count);
-    commands.barrier();
     commands.submit_and_wait();
   }
 }

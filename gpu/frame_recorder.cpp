@@ -15,24 +15,29 @@ FrameRecorder::FrameRecorder(Device::Impl& device, FrameSlot& slot, const Submis
   assert(allowed_slices_ > 0 && allowed_groups_ > 0);
 }
 
-CommandBuffer& FrameRecorder::commands() {
+CommandBuffer& FrameRecorder::open_commands() {
   if (!open_) {
     open_.emplace(device_, slot_.pool);
     open_->begin_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
-    open_->barrier();  // after what was submitted before, and the host's writes of state
-    read_ = written_ = {};
   }
   return *open_;
 }
 
+CommandBuffer& FrameRecorder::commands() {
+  const bool is_new = !open_;
+  CommandBuffer& commands = open_commands();
+  if (is_new) commands.barrier();
+  return commands;
+}
+
 void FrameRecorder::submit(VkFence fence) {
-  if (!written_.empty()) wait_for_dispatches();
   commands().end_timing(slot_.timestamps, static_cast<std::uint32_t>(slot_.slices_of_submission.size()));
   open_->submit(fence);
   slot_.slices_of_submission.push_back(recorded_);
   if (options_.on_submission) options_.on_submission(recorded_);
   open_.reset();
   recorded_ = 0;
+  read_ = written_ = {};  // the next submission begins with a barrier
 }
 
 void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep,
@@ -40,9 +45,9 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
   const std::uint32_t slices = items / shader::slice_width + (items % shader::slice_width != 0 ? 1 : 0);
   shader::Push push{substep, 0, implicit};
   const model::KernelAccess& access = access_of(kernel);
-  if (must_wait(access, read_, written_)) wait_for_dispatches();
   while (push.first_slice < slices) {
     if (recorded_ >= allowed_slices_) submit(VK_NULL_HANDLE);
+    if (push.first_slice == 0 && must_wait(access, read_, written_)) wait_for_dispatches();
     const std::uint32_t left = slices - push.first_slice, of_group = slot_.slices_per_group();
     // A workgroup is not cut, as its rest would be done twice.
     const std::uint64_t room = std::max<std::uint64_t>((allowed_slices_ - recorded_) / of_group, 1);
@@ -60,8 +65,9 @@ void FrameRecorder::dispatch(StageKernel kernel, bool swapped, const shader::Sub
 }
 
 void FrameRecorder::upload_drive() {
-  slot_.record_upload(commands());
-  commands().barrier();
+  CommandBuffer& commands = open_commands();
+  slot_.record_upload(commands);
+  commands.barrier();
 }
 
 void FrameRecorder::wait_for_dispatches() {
@@ -70,7 +76,8 @@ void FrameRecorder::wait_for_dispatches() {
 }
 
 void FrameRecorder::read_results(bool swapped) {
-  wait_for_dispatches();
+  if (!slot_.has_results()) return;
+  if (!written_.empty()) wait_for_dispatches();
   slot_.record_readback(commands(), swapped);
 }
 

@@ -34,6 +34,8 @@ class FrameRecorder {
   void dispatch(StageKernel kernel, bool swapped, const shader::Substep& substep, std::uint32_t items,
                 const shader::ImplicitStep& implicit = {});
 
+  // Begins a frame. Copies of the drive need not wait for the frames before: they go to the slot's own
+  // buffer.
   void upload_drive();
   // `swapped`: of the frame's last dispatch.
   void read_results(bool swapped);
@@ -44,6 +46,9 @@ class FrameRecorder {
   void wait();
 
  private:
+  // What is recorded next, without a wait for what came before.
+  CommandBuffer& open_commands();
+  // The same, after what was submitted before and the host's writes.
   CommandBuffer& commands();
   void submit(VkFence fence);
   void wait_for_dispatches();

@@ -73,10 +73,9 @@ void FrameSlot::prepare(const model::Drive& drive, model::Read what, std::uint32
   what_ = what;
   vertex_bytes_ = VkDeviceSize{16} * vertices;
   surface_bytes_ = VkDeviceSize{12} * surface_vertices;
-  const VkDeviceSize readback_bytes =
-      (what.positions ? vertex_bytes_ : 0) + (what.velocities ? vertex_bytes_ : 0) +
-      (what.surface ? surface_bytes_ : 0) + (what.skinned ? vertex_bytes_ : 0);
-  if (readback_.size() < readback_bytes) readback_ = Buffer(*device_, readback_bytes, BufferUse::readback);
+  results_bytes_ = (what.positions ? vertex_bytes_ : 0) + (what.velocities ? vertex_bytes_ : 0) +
+                   (what.surface ? surface_bytes_ : 0) + (what.skinned ? vertex_bytes_ : 0);
+  if (readback_.size() < results_bytes_) readback_ = Buffer(*device_, results_bytes_, BufferUse::readback);
   pool.reset();
   slices_of_submission.clear();
 }
@@ -111,7 +110,7 @@ void FrameSlot::record_readback(CommandBuffer& commands, bool swapped) const {
   copy(what_.velocities, shader::buffer_velocity, vertex_bytes_);
   copy(what_.surface, shader::buffer_surface, surface_bytes_);
   copy(what_.skinned, swapped ? shader::buffer_skinned_before : shader::buffer_skinned, vertex_bytes_);
-  if (at > 0) commands.barrier_to_host();
+  commands.barrier_to_host();
 }
 
 model::Frame FrameSlot::finish(SubmissionPace& pace) {

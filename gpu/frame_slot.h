@@ -34,6 +34,8 @@ class FrameSlot {
     return sets_[2 * static_cast<std::uint32_t>(kernel) + (swapped ? 1 : 0)];
   }
 
+  // Whether something of the frame is read.
+  bool has_results() const { return results_bytes_ > 0; }
   // Records the copy of the drive to the device, and of results to the host.
   void record_upload(CommandBuffer& commands) const;
   void record_readback(CommandBuffer& commands, bool swapped) const;
@@ -68,7 +70,7 @@ class FrameSlot {
   std::optional<DescriptorPool> descriptors_;
   std::array<VkDescriptorSet, 2 * stage_kernel_count> sets_{};
   model::Read what_;
-  VkDeviceSize vertex_bytes_ = 0, surface_bytes_ = 0;
+  VkDeviceSize vertex_bytes_ = 0, surface_bytes_ = 0, results_bytes_ = 0;
 };
 
 }  // namespace fascicle::gpu

@@ -20,6 +20,7 @@ double seconds_of(Device::Impl& device, int repeats, const Record& record) {
   const CommandPool pool(device);
   const Timestamps timestamps(device, 1);
   CommandBuffer commands(device, pool);
+  commands.barrier();
   commands.begin_timing(timestamps, 0);
   for (int k = 0; k < repeats; ++k) {
     record(commands);

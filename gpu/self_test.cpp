@@ -118,6 +118,7 @@ std::vector<float> run_self_test(Device::Impl& device, spirv_exact::Module modul
   CommandBuffer commands(device, pool);
   shader::Push push{};
   push.substep.vertex_count = row_count;
+  commands.barrier();
   commands.dispatch(kernel, sets.make_set(kernel, buffers), push, row_count / shader::slice_width);
   commands.submit_and_wait();
   read_buffer(device, outputs, std::as_writable_bytes(std::span(results)));

@@ -5,11 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "gpu/experiments.h"
-#include "tests/gpu/vulkan_device.h"
+#include "tests/gpu/validated.h"
 #include "tests/support/bar_model.h"
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/lsan_interface.h>
-#endif
 
 namespace fascicle::tests {
 namespace {
@@ -18,31 +15,8 @@ struct Ignore : model::Probe {
   void on_stage(const model::Where&, std::span<const float>) override {}
 };
 
-class Validation : public VulkanTest {
-#if defined(__SANITIZE_ADDRESS__)
-  // The layer keeps memory when it is unloaded.
-  const __lsan::ScopedDisabler layer_leaks_{};
-#endif
-
+class Validation : public ValidatedTest {
  protected:
-  void SetUp() override {
-#if defined(__SANITIZE_THREAD__)
-    // The layer is compiled without the sanitizer, which then does not see how its threads wait for each
-    // other, and reports that one frees what another has just unlocked.
-    GTEST_SKIP() << "SKIPPED: the layer's own threads are reported by the thread sanitizer";
-#endif
-    VulkanTest::SetUp();
-    if (!index) return;
-    try {
-      gpu::DeviceOptions options;
-      options.validation = true;
-      const gpu::Device device(*index, options);
-    } catch (const gpu::DeviceError& error) {
-      if (vulkan_is_required()) FAIL() << error.what();
-      GTEST_SKIP() << "NOTHING WAS VALIDATED: " << error.what();
-    }
-  }
-
   // The messages of a run that uses everything: skeleton, muscles, forces, origin shifts, probes, frames in
   // flight.
   std::vector<std::string> messages_of(const gpu::Experiments& experiments) {

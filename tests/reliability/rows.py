@@ -17,6 +17,8 @@ from company import clashes, drivers, load
 from hostile_names import names
 from hostile_parameters import parameters
 from hostile_surfaces import surfaces
+from layers import layers
+from memory import memory
 
 
 PATIENCE = 120.0  # s, for what is over at once on a machine that is not busy
@@ -343,4 +345,6 @@ ROWS = (
     ("clashes", clashes, 60, 3),
     ("drivers", drivers, 12, 3),
     ("load", load, 10000, 100),
+    ("layers", layers, 100, 1),
+    ("memory", memory, 100, 1),
 )

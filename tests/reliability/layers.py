@@ -1,0 +1,72 @@
+"""Bakes under the Khronos validation layer, which the loader puts between the program and the driver."""
+
+import os
+import re
+import shutil
+import subprocess
+
+from bakes import DONE, PROGRAM, hold, must_be_found
+
+PATIENCE = 1800  # s; instrumented shaders take minutes on a software device
+# What the layer is told to look for beside what it always does, and the planted faults that it must find then.
+PASSES = (
+    ("synchronization", ("VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT",
+                         "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT"),
+     (("core", "VUID-vkCmdCopyBuffer-size"), ("synchronization", "SYNC-HAZARD-WRITE-AFTER-WRITE"))),
+    ("GPU-assisted", ("VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT",),
+     (("core", "VUID-vkCmdCopyBuffer-size"), ("gpu", "access out of bounds"))),
+)
+
+
+def under_layer(command, environment, folder, enables):
+    """Runs it with the layer: (the run, what the layer says of it)."""
+    log = os.path.join(folder, "layer.log")
+    with open(os.path.join(folder, "vk_layer_settings.txt"), "w") as file:
+        file.write("khronos_validation.debug_action = VK_DBG_LAYER_ACTION_LOG_MSG\n"
+                   "khronos_validation.report_flags = error,warn,perf\n"
+                   "khronos_validation.log_filename = %s\n"
+                   "khronos_validation.enables = %s\n" % (log, ",".join(enables)))
+    if os.path.exists(log):
+        os.remove(log)
+    with_layer = {**environment, "VK_LAYER_SETTINGS_PATH": folder, "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation"}
+    done = subprocess.run(command, capture_output=True, text=True, env=with_layer, timeout=PATIENCE)
+    # The layer opens its log as soon as it is there.
+    hold(os.path.exists(log), "the layer was not loaded (Debian: vulkan-validationlayers): " + done.stderr)
+    with open(log, errors="replace") as file:
+        return done, file.read()
+
+
+def hold_silent(name, text):
+    hold(not text.strip(), "%s: the layer says: %s" % (name, text[:2000]))
+
+
+def layers(bakes, count):
+    """So many of the built-in scenes, a few frames each, on a Vulkan device under the Khronos validation layer: once
+    with its looks at synchronization, in and across submissions, once with GPU-assisted ones, at what shaders access.
+    It may have nothing to say."""
+    folder = bakes[0].empty_folder()
+    faults = os.environ.get("FASCICLE_PLANTED_FAULTS", "")
+    hold(os.path.exists(faults), "FASCICLE_PLANTED_FAULTS names no program")
+    listed = subprocess.run([PROGRAM, "scenes"], capture_output=True, text=True, check=True).stdout
+    scenes = re.findall(r"^  ([\w.-]+)  ", listed, re.MULTILINE)
+    hold(len(scenes) > 10, "`scenes` names hardly any: " + listed)
+    # The smallest first, for a short form.
+    scenes.sort(key=lambda name: not name.startswith("bar-hang"))
+    chosen = scenes[:count]
+    for name, enables, planted in PASSES:
+        environment = bakes[0].environment(FASCICLE_CACHE_DIR=os.path.join(folder, "cache"))
+        for fault, said in planted:
+            done, text = under_layer([faults, fault], environment, folder, enables)
+            hold(done.returncode == DONE, "planted_faults %s: %s" % (fault, done.stderr))
+            hold(said in text, "%s: the layer does not find the fault that was planted (%s): %s" % (name, fault, text))
+            must_be_found(lambda: hold_silent(name, text), "a message of the layer")
+        for scene in chosen:
+            out = os.path.join(folder, "out")
+            command = [PROGRAM, "bake", scene, "--end", "0.034", "--device", "vulkan", "--format", "none", "-o", out]
+            done, text = under_layer(command, environment, folder, enables)
+            hold(done.returncode == DONE, "%s, %s: %s" % (scene, name, done.stderr))
+            hold_silent(scene + ", " + name, text)
+            shutil.rmtree(out)
+    shutil.rmtree(folder)
+    return "%d of %d scenes: 0 messages of core, synchronization and GPU-assisted validation; each of these finds " \
+           "the fault that is planted for it" % (len(chosen), len(scenes))
