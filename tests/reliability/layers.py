@@ -7,7 +7,7 @@ import subprocess
 
 from bakes import DONE, PROGRAM, hold, must_be_found
 
-PATIENCE = 1800  # s; instrumented shaders take minutes on a software device
+PATIENCE = 7200  # s; instrumented shaders take minutes on a busy software device
 # What the layer is told to look for beside what it always does, and the planted faults that it must find then.
 PASSES = (
     ("synchronization", ("VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT",
