@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "host/base/helper_program.h"
+#include "host/pipeline/bake_scene.h"
 #include "host/pipeline/build_scene.h"
 
 namespace fascicle::tests {
@@ -49,6 +51,29 @@ TEST(LongWaitTest, ABuildThatTakesLongSaysSo) {
       scene::SceneError);
   fs::remove(mesher);
   EXPECT_NE(said.find("still building the body: "), std::string::npos) << said;
+}
+
+// Frames before frame 0 of which one takes longer than that.
+TEST(LongWaitTest, ALongLeadInSaysSo) {
+  const base::TemporaryFolder folder;
+  scene::SceneOverrides overrides;
+  overrides.set = {"character.resolution=0.12", "motion.preroll=0.05", "motion.settle=0.0", "scene.end=0.02"};
+  pipeline::BakeRequest request;
+  request.output.folder = folder.path();
+  request.output.overwrite = true;
+  request.build.mesher = fs::path(FASCICLE_BINARY_DIR) / "fascicle-mesher";
+  request.devices = pipeline::parse_device_order("cpu");
+  int frames = 0;
+  request.on_lead_in = [&] {
+    if (++frames == 1) std::this_thread::sleep_for(5100ms);
+  };
+  std::string said;
+  const pipeline::Say say = [&](pipeline::Severity, const std::string& text) { said += text + "\n"; };
+  const auto prepared = pipeline::prepare_bake(scene::load_scene("jump", overrides), request, say);
+  const bake::BakeResult result = pipeline::run_bake(*prepared, request, say);
+  EXPECT_FALSE(result.interrupted);
+  EXPECT_GE(frames, 3) << "what the caller asked for is called, too";
+  EXPECT_NE(said.find("still before frame 0, frame "), std::string::npos) << said;
 }
 
 }  // namespace

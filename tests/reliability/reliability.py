@@ -24,8 +24,8 @@ a character whose body is kept; one whose body is built in every run) at random 
 its final name against an undisturbed bake, byte by byte, then lets `--resume` go on and compares again. Then it gives
 the program what no tool should write, lets bakes meet, takes its drivers away and makes its work grow. Each row first
 shows that its checks find a program out that is not careful: half a file, another byte, a child that lives, a socket,
-a message that names nothing. It writes this page. A short form of every row runs with the tests. What reads files is
-fuzzed: [Fuzzing](fuzzing.md).
+a message that names nothing or no way out, ten seconds without a word, a pace that slows down. It writes this page. A
+short form of every row runs with the tests. What reads files is fuzzed: [Fuzzing](fuzzing.md).
 
 Seed %d, %s, %s.
 
