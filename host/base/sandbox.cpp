@@ -1,11 +1,9 @@
 #include "host/base/sandbox.h"
 
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
 #include <iterator>
-#include <system_error>
 
 #include <fcntl.h>
 #include <linux/audit.h>
@@ -15,6 +13,8 @@
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+
+#include "host/base/descriptor.h"
 
 namespace fascicle::base {
 namespace {
@@ -221,34 +221,7 @@ bool has_seccomp() {
 }
 #endif
 
-[[noreturn]] void fail(const std::string& path) {
-  throw std::system_error(errno, std::generic_category(), path);
-}
-
 }  // namespace
-
-PendingOutput::PendingOutput(const std::string& path)
-    : path_(path), part_(path + ".part-" + std::to_string(::getpid())) {
-  // What has the name already may be a link to anywhere, which is not written through.
-  ::unlink(part_.c_str());
-  file_ = Descriptor(::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
-  if (file_.get() < 0) fail(path_);
-}
-
-PendingOutput::~PendingOutput() {
-  if (!is_whole_) ::unlink(part_.c_str());
-}
-
-void PendingOutput::finish(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file_.get(), bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(path_);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  if (::fsync(file_.get()) != 0 || ::rename(part_.c_str(), path_.c_str()) != 0) fail(path_);
-  is_whole_ = true;
-}
 
 void enter_sandbox(const std::vector<std::string>& inputs, const std::string& output) {
   // Both of the others ask for it.

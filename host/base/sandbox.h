@@ -2,33 +2,9 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "host/base/descriptor.h"
-
 namespace fascicle::base {
-
-// The file that a helper writes: made before the sandbox is entered, which lets no further one be written.
-class PendingOutput {
- public:
-  // Makes an empty file beside `path`. Throws std::system_error.
-  explicit PendingOutput(const std::string& path);
-  PendingOutput(const PendingOutput&) = delete;
-  PendingOutput& operator=(const PendingOutput&) = delete;
-  // Removes it unless it was finished.
-  ~PendingOutput();
-
-  // Writes all of it, to the disk too, and gives it its name. Throws std::system_error.
-  void finish(std::string_view bytes);
-  // The name that it has until then.
-  const std::string& part() const { return part_; }
-
- private:
-  std::string path_, part_;
-  Descriptor file_;
-  bool is_whole_ = false;
-};
 
 // From here on the process may read the files `inputs`, write what is open already, compute and end. In the
 // folder of `output` and below it (nowhere, where that is empty) it may rename and remove files and make

@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include <Eigen/Geometry>
+
 #include "host/build/bones.h"
 #include "host/build/box_tree.h"
 #include "host/build/caps.h"
@@ -99,6 +101,23 @@ double edge_to_fill(double volume, double vertices) {
   return high;
 }
 
+// Edge length at which `vertices` cover a surface.
+double edge_to_cover(const mesh::SurfaceMesh& surface, double vertices) {
+  double area = 0.0;
+  for (const auto& t : surface.triangles) {
+    const Vector3d& a = surface.vertices[t[0]];
+    area += 0.5 * (surface.vertices[t[1]] - a).cross(surface.vertices[t[2]] - a).norm();
+  }
+  return std::sqrt(2.0 / std::sqrt(3.0) * area / vertices);
+}
+
+// The edge length that a cage of so many vertices will have. Of a skin that is nearly flat its volume says
+// nothing: the vertices go to the surface.
+double edge_of_cage(const mesh::SurfaceMesh& surface, double volume, double vertices) {
+  constexpr double least_of_cover = 0.5;
+  return std::max(edge_to_fill(volume, vertices), least_of_cover * edge_to_cover(surface, vertices));
+}
+
 // One flag a vertex: whether it is one of the points.
 std::vector<char> vertices_at(std::vector<Vector3d> points, const mesh::TetMesh& mesh) {
   const auto before = [](const Vector3d& a, const Vector3d& b) {
@@ -173,7 +192,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   if (!order.edge) order.vertices = scene.body.vertices.value_or(default_vertices);
   std::optional<double> wanted_edge = order.edge;
   if (!wanted_edge && report.fill.cage.skin_volume > 0.0)
-    wanted_edge = edge_to_fill(report.fill.cage.skin_volume, *order.vertices);
+    wanted_edge = edge_of_cage(surface, report.fill.cage.skin_volume, *order.vertices);
   if (wanted_edge) order.alpha = std::min(order.alpha, alpha_in_edges * *wanted_edge);
   order.offset = scene.body.thickness;
   report.fill.cage.alpha = order.alpha;

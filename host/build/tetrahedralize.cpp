@@ -99,9 +99,9 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
     if (!crashed && result.code == mesher_self_intersecting) fail_crossing(result);
   }
   if (crashed) {
-    throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ")" +
-                     reason(result) +
-                     "; the surface may have triangles that nearly touch or overlap, remesh it");
+    // Its last words are a library's assertion or the allocator's: nothing to act on.
+    throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) +
+                     "); the surface may have triangles that nearly touch or overlap, remesh it");
   }
   if (result.code == mesher_failed) {
     throw SceneError("the surface could not be filled with tetrahedra" + reason(result) +

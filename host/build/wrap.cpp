@@ -31,15 +31,15 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
   // Measured: a wrap of 20,000 vertices takes 4 KB for each, the examination of 7000 triangles less than 1
   // KB.
   constexpr double bytes_each = 65536.0;
+  const std::string cure = "ask for less cage_detail or a larger resolution, or simplify the surface";
   const fs::path mesher = mesher_path(options);
   const ProcessLimits limits = mesher_limits(options, static_cast<double>(triangles) + vertices, bytes_each);
   const ProcessResult result = run_mesher(mesher, arguments, limits);
-  check_time(result, limits, what, "ask for less cage_detail or simplify the surface");
+  check_time(result, limits, what, cure);
   if (result.end == ProcessEnd::signalled)
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) + ") while " + what +
                      "; simplify the surface");
-  if (result.code == mesher_out_of_memory)
-    fail_memory(limits, options, triangles, what, "ask for less cage_detail or simplify the surface");
+  if (result.code == mesher_out_of_memory) fail_memory(limits, options, triangles, what, cure);
   if (result.code == mesher_wrap_failed)
     throw SceneError(what + " failed" + reason(result) + "; ask for another resolution or cage_detail");
   if (result.code != mesher_done)
@@ -62,6 +62,18 @@ double vertices_due(const mesh::SurfaceMesh& surface, const WrapOrder& order) {
   const double by_gap = vertices_at(surface, order.gap > 0.0 ? order.gap : order.alpha);
   if (order.edge) return by_gap + vertices_at(surface, *order.edge);
   return by_gap + order.vertices.value_or(0);
+}
+
+// Without a try where it cannot end well. CGAL takes more than 1 KB a vertex; of triangles that lie in layers
+// over each other the wrap is around the outermost.
+void check_count(const mesh::SurfaceMesh& surface, const WrapOrder& order, const BuildOptions& options) {
+  constexpr double least_bytes = 1024.0, most_sides = 16.0;
+  const double count = vertices_at(surface, order.alpha) / most_sides;
+  if (!(count * least_bytes > static_cast<double>(options.mesher_bytes))) return;
+  throw SceneError(
+      "wrapping the surface takes about " + digits_of(std::round(count / 1e5) / 10.0) +
+      " million vertices, more than the " + std::to_string(options.mesher_bytes >> 20) +
+      " MiB of memory allowed hold; ask for less cage_detail or a larger resolution (edge length)");
 }
 
 Finding* finding_of(SurfaceFindings& findings, const std::string& name) {
@@ -128,6 +140,7 @@ SurfaceFindings find_defects(const mesh::SurfaceMesh& surface, const BuildOption
 
 mesh::SurfaceMesh wrap_surface(const mesh::SurfaceMesh& surface, const WrapOrder& order,
                                const BuildOptions& options) {
+  check_count(surface, order, options);
   return with_system_errors([&] {
     const TemporaryFolder folder;
     const fs::path in = folder.path() / "surface.off", out = folder.path() / "wrap.off";

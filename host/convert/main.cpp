@@ -21,6 +21,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "host/base/pending_output.h"
 #include "host/base/sandbox.h"
 #include "host/convert/character.h"
 #include "host/convert/failure.h"

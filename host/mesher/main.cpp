@@ -14,6 +14,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "host/base/pending_output.h"
 #include "host/base/sandbox.h"
 #include "host/mesher/exit_codes.h"
 #include "host/mesher/files.h"

@@ -1,6 +1,7 @@
 #include "host/pipeline/bake_scene.h"
 
 #include <algorithm>
+#include <memory>
 #include <variant>
 
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include "host/build/cache.h"
 #include "host/build/filled_body.h"
 #include "host/drive/drive_source.h"
+#include "host/pipeline/long_wait.h"
 #include "host/pipeline/text.h"
 
 namespace fascicle::pipeline {
@@ -181,7 +183,11 @@ bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, co
     options.open_ends = open_ends_of(prepared.built.report);
     options.interrupted = request.interrupted;
     options.on_frame = request.on_frame;
-    options.on_lead_in = request.on_lead_in;
+    options.on_lead_in = [&request, wait = std::make_shared<LongWait>(say),
+                          frames = std::uint64_t{0}]() mutable {
+      wait->go_on("still before frame 0, frame " + count_text(++frames) + " of the lead-in");
+      if (request.on_lead_in) request.on_lead_in();
+    };
     if (!request.build.cache.empty()) keep_starts(request.build, options);
     return bake::bake(prepared.scene, prepared.built.model, *prepared.simulation.solver, options);
   });

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "host/pipeline/kept_model.h"
+#include "host/pipeline/long_wait.h"
 #include "host/pipeline/text.h"
 
 namespace fascicle::pipeline {
@@ -15,6 +17,16 @@ namespace {
 constexpr std::size_t warning_vertices_shown = 8;
 // What is built in less is not kept: it would take as long to find.
 constexpr double least_kept_seconds = 0.2;
+
+// The build asks it again and again whether it is cancelled: that is when words are due.
+build::BuildOptions with_words(const build::BuildOptions& options, const Say& say) {
+  build::BuildOptions result = options;
+  result.is_cancelled = [asked = options.is_cancelled, wait = std::make_shared<LongWait>(say)] {
+    wait->go_on("still building the body");
+    return asked && asked();
+  };
+  return result;
+}
 
 }  // namespace
 
@@ -29,7 +41,7 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
     built.report.body_from_cache = false;
     built.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   } else {
-    built.model = build::build_model(scene, built.report, options);
+    built.model = build::build_model(scene, built.report, with_words(options, say));
     // Solvers rely on it, and a fault of the build would show in them as a wild read.
     model::check_model(built.model);
     if (key && built.report.seconds >= least_kept_seconds)

@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "host/base/helper_program.h"
+#include "host/base/pending_output.h"
 
 namespace fascicle::tests {
 namespace {
@@ -218,32 +219,6 @@ TEST_F(Sandbox, LeavesWhatAHelperNeedsAndNothingElse) {
     }
     EXPECT_EQ(outside[i], '1') << "the control: without the sandbox it " << all[i].what;
   }
-}
-
-// What was not finished leaves nothing.
-TEST_F(Sandbox, PendingOutputsAppearWholeOrNotAtAll) {
-  const std::string path = (*this)("work/out");
-  {
-    const base::PendingOutput output(path);
-    EXPECT_TRUE(fs::exists(output.part()));
-    EXPECT_FALSE(fs::exists(path));
-  }
-  const auto files = [&] {
-    return std::distance(fs::directory_iterator((*this)("work")), fs::directory_iterator());
-  };
-  const auto before = files();
-  base::PendingOutput(path).finish("whole");
-  std::ifstream in(path);
-  std::string text;
-  EXPECT_TRUE(in >> text);
-  EXPECT_EQ(text, "whole");
-  EXPECT_EQ(files(), before + 1);
-  EXPECT_THROW(base::PendingOutput((*this)("missing/out")), std::system_error);
-  // Nothing is written through a link of the part's name.
-  const std::string part = base::PendingOutput(path).part();
-  fs::create_symlink((*this)("elsewhere/kept"), part);
-  base::PendingOutput(path).finish("other");
-  EXPECT_EQ(fs::file_size((*this)("elsewhere/kept")), 4u);
 }
 
 // abort() must end it: a helper that is lost says so by its signal.

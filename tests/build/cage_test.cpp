@@ -332,6 +332,42 @@ scene::Scene legs_scene(double gap) {
   return scene;
 }
 
+// A box of two triangles a side, closed and facing outward.
+SurfaceMesh box_of(const Vector3d& size) {
+  SurfaceMesh box;
+  for (int k = 0; k < 8; ++k)
+    box.vertices.emplace_back(k & 1 ? size.x() : 0.0, k & 2 ? size.y() : 0.0, k & 4 ? size.z() : 0.0);
+  box.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                   {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return box;
+}
+
+// The vertices that were asked for go to its two sides. By its volume alone its edges would be a thousandth
+// of that, and the wrap around it a million times as fine.
+TEST(Cage, ANearlyFlatSkinIsWrappedAsFineAsItsVerticesCoverIt) {
+  for (const double height : {1e-9, 0.05}) {
+    scene::Scene scene = scene_of(box_of({1.0, height, 1.0}), scene::Cage::wrap);
+    scene.body.vertices = 500;
+    scene.body.cage_detail = 50.0;
+    const Filled filled = fill(scene);
+    // 2 m^2 by 500 vertices of equilateral triangles: 68 mm. A gap is a fiftieth of the diagonal: 28 mm.
+    EXPECT_NEAR(filled.report.fill.cage.alpha, std::sqrt(2.0) / 50.0, 1e-4) << height;
+    EXPECT_GT(filled.body.mesh.vertices.size(), 200u) << height;
+    EXPECT_LT(filled.body.mesh.vertices.size(), 1000u) << height;
+  }
+}
+
+// A mesher that is not there is not asked.
+TEST(Cage, AWrapThatCannotFitIsRefusedBeforeItIsTried) {
+  build::WrapOrder order;
+  order.alpha = 1e-5;
+  build::BuildOptions options = with_mesher();
+  options.mesher = "/nowhere/fascicle-mesher";
+  expect_refusal([&] { build::wrap_surface(box_of({1.0, 1.0, 1.0}), order, options); }, "million vertices");
+  order.alpha = 1e-3;
+  expect_refusal([&] { build::wrap_surface(box_of({1.0, 1.0, 1.0}), order, options); }, "no such program");
+}
+
 // The control: the cage as it comes from the mesher joins the legs, and the measure sees it.
 TEST(Legs, AreFusedByAWrapAlone) {
   const scene::Scene scene = legs_scene(0.01);

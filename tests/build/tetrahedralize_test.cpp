@@ -271,7 +271,9 @@ TEST_F(Tetrahedralize, SaysWhenTheMesherIsMissing) {
 
 TEST_F(Tetrahedralize, SurvivesMeshersThatEndBadly) {
   fake_mesher("echo 'free(): invalid pointer' >&2; kill -SEGV $$");
-  EXPECT_REFUSED(refusal(unit_cube), "crashed (Segmentation fault): free(): invalid pointer");
+  const std::string crash = refusal(unit_cube);
+  EXPECT_NE(crash.find("crashed (Segmentation fault); the surface may have"), std::string::npos) << crash;
+  EXPECT_EQ(crash.find("invalid pointer"), std::string::npos) << "it tells of the inside: " << crash;
   fake_mesher("kill -ABRT $$");
   EXPECT_REFUSED(refusal(unit_cube), "crashed (Aborted)");
   fake_mesher("exit 42");

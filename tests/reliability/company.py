@@ -9,6 +9,7 @@ import subprocess
 import time
 
 from bakes import DONE, PROGRAM, end_by, hold, manifest, must_be_found
+import large_character
 from refusals import ended, hold_refusal
 
 NO_DEVICE = 4
@@ -37,7 +38,7 @@ def clashes(bakes, count):
     first, _, built = bakes
     folder = first.empty_folder()
     shutil.copytree(first.folder_of_whole, folder, dirs_exist_ok=True)
-    refused = "fascicle: error: %s: is busy\n" % folder
+    refused = "fascicle: error: %s: is busy; choose another\n" % folder
     hold_one_won(first, folder, [(DONE, ""), (2, refused)])
     must_be_found(lambda: hold_one_won(first, folder, [(2, refused), (2, refused)]), "none at its end")
     os.remove(os.path.join(folder, "surface.pc2"))
@@ -128,37 +129,121 @@ def hold_flat(few, many):
     hold(many <= 1.1 * few + (4 << 20), "memory grows with the work: %d MiB, then %d MiB" % (few >> 20, many >> 20))
 
 
+def hold_same(one, other, what):
+    hold(one and one == other, "other position hashes: " + what)
+
+
 def load(bakes, count):
-    """A bake of so many frames, and a tenth as many jobs of two frames in a batch, each beside a tenth of it."""
+    """A bake of so many frames, a tenth as many jobs of two frames in a batch, a hundredth as many clips of a snake of
+    300 joints, each beside a tenth of it; and a bar of 200 vertices a frame asked for (2 million), beside a tenth: the
+    memory stays, or grows as the bar does, no piece takes longer, and a piece alone has the same position hashes."""
     must_be_found(lambda: hold_flat(100 << 20, 200 << 20), "memory that grows")
-    bake = bakes[0]
-    root = bake.empty_folder()
-    environment = bake.environment()
-    small = ("--set", "bar.vertices=[4,8,4]", "--device", "cpu", "--threads", "1", "--overwrite")
-    found = []
+    must_be_found(lambda: hold_pace(1.0, 10, 40.0, 100), "a pace that slows down")
+    must_be_found(lambda: hold_same(["1"], ["2"], "a control"), "other hashes")
+    root = bakes[0].empty_folder()
+    environment = bakes[0].environment(FASCICLE_CACHE_DIR=os.path.join(root, "cache"))
+    said = [part(root, environment, count) for part in (load_of_frames, load_of_jobs, load_of_clips, load_of_vertices)]
+    shutil.rmtree(root)
+    return "; ".join(said)
+
+
+def hold_pace(few_seconds, few, many_seconds, many):
+    """A piece of ten times as many may take twice as long, on a machine that does other work too, and half a second
+    for what each call takes."""
+    hold(many_seconds / many <= 2 * (few_seconds + 0.5) / few,
+         "it slows down: %.3f s a piece of %d, then %.3f s of %d" % (few_seconds / few, few, many_seconds / many, many))
+
+
+SMALL = ("bar.vertices=[4,8,4]",)
+
+
+def load_of_frames(root, environment, count):
+    found, hashes = [], []
     for frames in (count // 10, count):
         folder = os.path.join(root, "frames")
-        found.append(memory_of([PROGRAM, "bake", "bar-hang-none", *small, "--end", repr(frames / 60), "-o", folder],
-                               environment))
-        hold(len(manifest(folder)["position_hashes"]) == frames + 1, folder + ": frames are missing")
+        sets = [word for one in SMALL for word in ("--set", one)]
+        found.append(memory_of([PROGRAM, "bake", "bar-hang-none", *sets, "--device", "cpu", "--threads", "1",
+                                "--overwrite", "--end", repr(frames / 60), "-o", folder], environment))
+        hashes.append(manifest(folder)["position_hashes"])
+        hold(len(hashes[-1]) == frames + 1, folder + ": frames are missing")
     hold_flat(found[0][0], found[1][0])
+    hold_pace(found[0][1], count // 10, found[1][1], count)
+    hold_same(hashes[0], hashes[1][:len(hashes[0])], "of the first frames of more")
+    return "%d frames in %d MiB, %d in %d, %.1f times the time a frame" % (
+        count, found[1][0] >> 20, count // 10, found[0][0] >> 20, found[1][1] / found[0][1] / 10)
+
+
+def load_of_jobs(root, environment, count):
     jobs = os.path.join(root, "jobs.toml")
     many = []
     for number in (max(1, count // 100), max(10, count // 10)):
-        values = ", ".join("%.6f" % (0.1 + 0.8 * k / number) for k in range(number))
+        values = ["%.6f" % (0.1 + 0.8 * k / number) for k in range(number)]
         with open(jobs, "w") as file:
             file.write('format = ["pc2"]\n[job.bar]\nscene = "bar-hang-none"\n'
-                       'set = ["scene.end=0.0334", "bar.vertices=[4,8,4]"]\n'
-                       '[job.bar.vary]\n"layers.body.alpha" = [%s]\n' % values)
-        folder = os.path.join(root, "batch-%d" % number)
+                       'set = ["scene.end=0.0334", "%s"]\n'
+                       '[job.bar.vary]\n"layers.body.alpha" = [%s]\n' % (SMALL[0], ", ".join(values)))
+        folder = os.path.join(root, "batch")
         many.append((number, *memory_of([PROGRAM, "batch", jobs, "--device", "cpu", "-o", folder], environment)))
         with open(os.path.join(folder, "batch.json")) as file:
             said = json.dumps(json.load(file))
         hold(said.count('"done"') >= number, folder + ": jobs are missing")
+        one = os.path.join(root, "one")
+        memory_of([PROGRAM, "bake", "bar-hang-none", "--end", "0.0334", "--set", SMALL[0], "--set",
+                   "layers.body.alpha=" + values[-1], "--device", "cpu", "--overwrite", "-o", one], environment)
+        of_jobs = [manifest(os.path.join(folder, name))["position_hashes"] for name in os.listdir(folder)
+                   if os.path.isdir(os.path.join(folder, name)) and not name.startswith(".")]
+        hold(len(of_jobs) == number, folder + ": %d folders" % len(of_jobs))
+        hold(manifest(one)["position_hashes"] in of_jobs, "a job alone has other position hashes")
         shutil.rmtree(folder)
     hold_flat(many[0][1], many[1][1])
-    shutil.rmtree(root)
-    return "%d frames in %d MiB, %.2f times the time a frame of %d frames in %d MiB; %d jobs in %d MiB, %.2f times " \
-           "the time a job of %d" % (count, found[1][0] >> 20, found[1][1] / found[0][1] / 10, count // 10,
-                                 found[0][0] >> 20, many[1][0], many[1][1] >> 20,
-                                 many[1][2] / many[0][2] * many[0][0] / many[1][0], many[0][0])
+    hold_pace(many[0][2], many[0][0], many[1][2], many[1][0])
+    return "%d jobs in %d MiB, %d in %d, %.1f times the time a job" % (
+        many[1][0], many[1][1] >> 20, many[0][0], many[0][1] >> 20,
+        many[1][2] / many[0][2] * many[0][0] / many[1][0])
+
+
+def load_of_clips(root, environment, count):
+    joints, found = 300, []
+    for clips in (max(1, count // 1000), max(2, count // 100)):
+        path = os.path.join(root, "snake.gltf")
+        large_character.write(path, joints, clips)
+        folder = os.path.join(root, "clips")
+        common = ["--cage", "off", "--device", "cpu", "--threads", "1"]
+        memory_of([PROGRAM, "inspect", path, "--cage", "off"], environment)  # the body is kept from here on
+        found.append((clips, *memory_of([PROGRAM, "bake", path, "--clips", "all", *common, "-o", folder], environment)))
+        baked = [manifest(os.path.join(folder, name))["position_hashes"] for name in sorted(os.listdir(folder))
+                 if os.path.exists(os.path.join(folder, name, "manifest.json"))]
+        hold(len(baked) == clips, folder + ": %d of %d clips" % (len(baked), clips))
+        hold(clips == 1 or len(set(map(str, baked))) == clips, folder + ": two clips are the same")
+        one = os.path.join(root, "one-clip")
+        memory_of([PROGRAM, "bake", path, "--clip", "clip %d" % (clips - 1), *common, "--overwrite", "-o", one],
+                  environment)
+        hold(manifest(one)["position_hashes"] in baked, "a clip alone has other position hashes")
+        shutil.rmtree(folder)
+    hold_flat(found[0][1], found[1][1])
+    hold_pace(found[0][2], found[0][0], found[1][2], found[1][0])
+    return "%d clips of %d joints in %d MiB, %d in %d, %.1f times the time a clip" % (
+        found[1][0], joints, found[1][1] >> 20, found[0][0], found[0][1] >> 20,
+        found[1][2] / found[0][2] * found[0][0] / found[1][0])
+
+
+def load_of_vertices(root, environment, count):
+    found = []
+    for wanted in (20 * count, 200 * count):
+        side = max(4, round((wanted / 2) ** (1 / 3)))
+        vertices = (2 * side, side, side)
+        folder, hashes = os.path.join(root, "large"), []
+        for threads in ("2", "1"):
+            figures = memory_of([PROGRAM, "bake", "bar-hang-none", "--set", "bar.vertices=[%d,%d,%d]" % vertices,
+                                 "--set", "solver.substeps=5", "--end", "0.0334", "--device", "cpu", "--threads",
+                                 threads, "--overwrite", "-o", folder], environment)
+            hashes.append(manifest(folder)["position_hashes"])
+        hold_same(hashes[0], hashes[1], "on other threads")
+        found.append((2 * side ** 3, *figures))
+        shutil.rmtree(folder)
+    least, most = found
+    # What a program of no vertex takes is in both.
+    hold((most[1] - least[1]) / (most[0] - least[0]) < 4096, "%d MiB for %d vertices" % (most[1] >> 20, most[0]))
+    hold_pace(least[2], least[0], most[2], most[0])
+    return "%d vertices in %d MiB, %d in %d, %.1f times the time a vertex" % (
+        most[0], most[1] >> 20, least[0], least[1] >> 20, most[2] / least[2] * least[0] / most[0])
