@@ -353,7 +353,8 @@ TEST(Cage, ANearlyFlatSkinIsWrappedAsFineAsItsVerticesCoverIt) {
     // 2 m^2 by 500 vertices of equilateral triangles: 68 mm. A gap is a fiftieth of the diagonal: 28 mm.
     EXPECT_NEAR(filled.report.fill.cage.alpha, std::sqrt(2.0) / 50.0, 1e-4) << height;
     EXPECT_GT(filled.body.mesh.vertices.size(), 200u) << height;
-    EXPECT_LT(filled.body.mesh.vertices.size(), 1000u) << height;
+    // A thin wrap is remeshed at 0.6 of the edge where coarser triangles cross: 500 / 0.6^2.
+    EXPECT_LT(filled.body.mesh.vertices.size(), 1400u) << height;
   }
 }
 

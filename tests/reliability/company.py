@@ -113,15 +113,14 @@ def drivers(bakes, count):
 
 
 def memory_of(command, environment):
-    """(Most memory it had, bytes; seconds) of a program and its children."""
-    begin = time.monotonic()
+    """(Most memory it had, bytes; seconds of processor time) of a program and its children."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment)
     text = process.stderr.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.stderr.close()
     process.returncode = os.waitstatus_to_exitcode(status)
     hold(process.returncode == DONE, "%s ended with %d: %s" % (" ".join(command), process.returncode, text))
-    return usage.ru_maxrss * 1024, time.monotonic() - begin
+    return usage.ru_maxrss * 1024, usage.ru_utime + usage.ru_stime
 
 
 def hold_flat(few, many):
@@ -148,8 +147,8 @@ def load(bakes, count):
 
 
 def hold_pace(few_seconds, few, many_seconds, many):
-    """A piece of ten times as many may take twice as long, on a machine that does other work too, and half a second
-    for what each call takes."""
+    """A piece of ten times as many may take twice the processor time, as caches are small and shared, and half a
+    second for what each call takes."""
     hold(many_seconds / many <= 2 * (few_seconds + 0.5) / few,
          "it slows down: %.3f s a piece of %d, then %.3f s of %d" % (few_seconds / few, few, many_seconds / many, many))
 

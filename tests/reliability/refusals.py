@@ -10,7 +10,8 @@ import time
 
 from bakes import Broken, hold, must_be_found
 
-PATIENCE = 120  # s; a bake here takes less than one on a machine that is not busy
+PATIENCE = 120  # s of processor time; a bake here takes less than one, a wrap as fine as a character's some ten
+STANDSTILL = 1800  # s on a machine that is busy with other things
 SILENCE = 10  # s that it may take without a word: the first is due after 5
 AT_ONCE = 2
 BAD_USAGE, NOT_FINITE, INTERRUPTED = 2, 5, 75
@@ -30,18 +31,20 @@ def hold_word(seconds, text):
     hold(seconds < SILENCE or AT_WORK.search(text), "%.0f s without a word: %s" % (seconds, text))
 
 
-def limit_memory():
+def limit():
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    # SIGXCPU ends it; the mesher has a limit of its own.
+    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, resource.RLIM_INFINITY))
 
 
 def ended(command, environment, folder):
-    """Runs it, its memory bounded as a farm bounds it: (status, all that it says). A signal, no end, or a long silence
+    """Runs it, its memory and time bounded: (status, all that it says). A signal, no end, or a long silence
     is Broken."""
     begin = time.monotonic()
     try:
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=folder, timeout=PATIENCE,
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=folder, timeout=STANDSTILL,
                               errors="replace",
-                              preexec_fn=limit_memory)
+                              preexec_fn=limit)
     except subprocess.TimeoutExpired:
         hold(False, "it does not end: " + " ".join(command))
     hold(done.returncode >= 0, "signal %d: %s" % (-done.returncode, " ".join(command)))
@@ -53,13 +56,13 @@ def ended_or_stopped(command, environment, folder):
     """The same of what may take as long as it was asked to: after a while it must have said that it is at work, and a
     signal must end it with INTERRUPTED."""
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment,
-                               cwd=folder, errors="replace", preexec_fn=limit_memory)
+                               cwd=folder, errors="replace", preexec_fn=limit)
     try:
         text, _ = process.communicate(timeout=SILENCE)
     except subprocess.TimeoutExpired:
         process.terminate()
         try:
-            text, _ = process.communicate(timeout=PATIENCE)
+            text, _ = process.communicate(timeout=STANDSTILL)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
