@@ -2,14 +2,14 @@
 
 reliability.py [ROW...] [--short] [--share S] [--write]: FASCICLE_PROGRAM names the program,
 FASCICLE_FAILING_CALLS the library that lets calls fail. --short: as often as CI has time for. --share: that share of
-the times. --write: into the page in docs."""
+the times. --write: into the page in docs, where a row's line stays as it was unless it ran now."""
 
 import argparse
 import os
 import platform
 import random
+import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
@@ -32,14 +32,27 @@ Valgrind 3.19 knows no AVX-512, so that level has no figure there. The mesher, a
 What the layer does not look at, the tests do: they leave each barrier of a solver out alone
 (`tests/gpu/barriers_test.cpp`).
 
-Seed %d, %s, %s.
-
-| row | what is done | what came of it | time |
-| --- | --- | --- | --- |
+| row | what is done | what came of it | time | seed |
+| --- | --- | --- | --- | --- |
 %s
-`./do reliability ROW...` runs single rows. `FASCICLE_SEED` repeats a run's moments, as far as a machine's own pace
-allows.
+The last run of each row on %s. `./do reliability ROW... --write` runs single rows, and leaves the others' lines as they
+are; `--share 0.1` runs a tenth. `FASCICLE_SEED` repeats a run's moments, as far as a machine's own pace allows.
 """
+PAGE_FILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "reliability.md")
+
+
+def write_page(lines):
+    """`lines` by the names of rows. A row that did not run keeps its line."""
+    kept = {}
+    if os.path.exists(PAGE_FILE):
+        with open(PAGE_FILE) as file:
+            kept = {found.group(1): line for line in file if (found := re.match(r"\| `(\w+)` \|", line))}
+    kept.update(lines)
+    text = PAGE % ("".join(kept[row[0]] for row in rows.ROWS if row[0] in kept),
+                   "%s, %d cores" % (platform.machine(), os.cpu_count()))
+    with open(PAGE_FILE + ".new", "w") as file:
+        file.write(text)
+    os.replace(PAGE_FILE + ".new", PAGE_FILE)
 
 
 def main():
@@ -51,7 +64,7 @@ def main():
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
-    lines, is_broken = [], True
+    lines, is_broken = {}, True
     root = tempfile.mkdtemp(prefix="fascicle-reliability-")
     try:
         small = bakes.small_bakes()
@@ -71,7 +84,7 @@ def main():
             seconds = time.monotonic() - begin
             print("%-8s %s (%.0f s, seed %d)" % (name, figure, seconds, seed), flush=True)
             what = " ".join(row.__doc__.split())
-            lines.append("| `%s` | %s | %s | %.0f s |\n" % (name, what, figure, seconds))
+            lines[name] = "| `%s` | %s | %s | %.0f s | %d |\n" % (name, what, figure, seconds, seed)
         is_broken = bool(broken)
     finally:
         if is_broken:
@@ -79,12 +92,7 @@ def main():
         else:
             shutil.rmtree(root, ignore_errors=True)
     if asked.write and not is_broken:
-        version = subprocess.run([bakes.PROGRAM, "--version"], capture_output=True, text=True).stdout.split("\n")[0]
-        text = PAGE % (seed, version, "%s, %d cores" % (platform.machine(), os.cpu_count()), "".join(lines))
-        page = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "reliability.md")
-        with open(page + ".new", "w") as file:
-            file.write(text)
-        os.replace(page + ".new", page)
+        write_page(lines)
     return 1 if is_broken else 0
 
 
