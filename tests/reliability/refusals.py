@@ -17,13 +17,13 @@ AT_ONCE = 2
 BAD_USAGE, NOT_FINITE, INTERRUPTED = 2, 5, 75
 MEMORY = 8 << 30  # bytes; what asks for more has to say so
 # How a line of an error says what to do: by a request, or by what would be right.
-ADVICE = re.compile(r"; [a-z]|\. [A-Z]|not one of |must be |takes |is not a finite number")
+ADVICE = re.compile(r"; [-a-z]|\. [A-Z]|not one of |must be |takes |is not a finite number")
 # What a line of an error must not be: what a library or the language says of itself.
 OF_THE_INSIDE = re.compile(r"std::|vector::|_M_|basic_string|bad_alloc|terminate called|Assertion|json\.exception")
 
 
 # What a line says of work that goes on.
-AT_WORK = re.compile(r"^(still |baking .*frame )", re.MULTILINE)
+AT_WORK = re.compile(r"^(still |[a-z]+ .*frame \d+/\d+)", re.MULTILINE)
 
 
 def hold_word(seconds, text):
