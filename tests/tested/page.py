@@ -12,7 +12,7 @@ PAGE = """# What the tests are worth
 
 A test that passes says little until one knows what it would have found. Three commands ask: whether the suite runs
 clean under sanitizers, which lines it runs, and whether it finds faults that somebody plants. Each writes its part of
-this page with `--write`.
+this page.
 
 ## Sanitizers
 
