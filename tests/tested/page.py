@@ -48,9 +48,10 @@ def share(part, whole):
 
 
 def sanitizers_text(figures):
-    rows = [("`%s`" % preset, one["tests"], one["skipped"], one["failed"], one["reports"],
+    rows = [("`%s`" % preset, one["which"], one["tests"], one["skipped"], one["failed"], one["reports"],
              "%.0f min" % (one["seconds"] / 60)) for preset, one in sorted(figures["presets"].items())]
-    return table(("preset", "tests", "skipped", "failed", "reports", "time"), rows) + "\n" + figures["about"]
+    head = ("preset", "which tests", "tests", "skipped", "failed", "reports", "time")
+    return table(head, rows) + "\n" + figures["about"]
 
 
 def coverage_text(figures):

@@ -106,8 +106,10 @@ def main():
         if os.path.exists(page.FIGURES):
             with open(page.FIGURES) as file:
                 kept = json.load(file).get("sanitizers", {}).get("presets", {})
-        kept[preset] = {"tests": count["tests"], "skipped": count["skipped"], "failed": count["failures"],
-                        "reports": sum(reports.values()), "seconds": seconds}
+        # A bar would end the table's cell.
+        which = "`ctest %s`" % " ".join(arguments).replace("|", "\\|") if arguments else "all"
+        kept[preset] = {"which": which, "tests": count["tests"], "skipped": count["skipped"],
+                        "failed": count["failures"], "reports": sum(reports.values()), "seconds": seconds}
         page.put("sanitizers", {"presets": kept})
     return 1 if reports or count["failures"] else 0
 
