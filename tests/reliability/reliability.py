@@ -35,8 +35,10 @@ What the layer does not look at, the tests do: they leave each barrier of a solv
 | row | what is done | what came of it | time | seed |
 | --- | --- | --- | --- | --- |
 %s
-The last run of each row on %s. `./do reliability ROW... --write` runs single rows, and leaves the others' lines as they
-are; `--share 0.1` runs a tenth. `FASCICLE_SEED` repeats a run's moments, as far as a machine's own pace allows.
+The last run of each row on %s.
+
+`./do reliability ROW... --write` runs single rows, and leaves the others' lines as they are; `./do reliability ROW...
+--share 0.1` runs a tenth. `FASCICLE_SEED` repeats a run's moments, as far as a machine's own pace allows.
 """
 PAGE_FILE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "reliability.md")
 
