@@ -19,12 +19,15 @@ LEAST = 0.9  # of the lines
 
 def read(build):
     """[(file, lines, run, branches, taken)] as gcovr counts them."""
-    with tempfile.NamedTemporaryFile(suffix=".json") as file:
+    with tempfile.TemporaryDirectory() as folder:
+        summary_file = os.path.join(folder, "summary.json")
         filters = [part for room in ROOMS for part in ("--filter", room)]
         subprocess.run(["gcovr", "--root", page.ROOT, *filters, "--exclude-unreachable-branches",
                         "--exclude-throw-branches", "--gcov-ignore-parse-errors", "-j", str(os.cpu_count()),
-                        "--json-summary", file.name, build], check=True, cwd=page.ROOT, stdout=subprocess.DEVNULL)
-        summary = json.load(file)
+                        "--json-summary", summary_file, build], check=True, cwd=page.ROOT,
+                       stdout=subprocess.DEVNULL)
+        with open(summary_file) as file:
+            summary = json.load(file)
     return [(one["filename"], one["line_total"], one["line_covered"], one["branch_total"], one["branch_covered"])
             for one in summary["files"]]
 
