@@ -36,7 +36,8 @@
 #                         writes what lives into docs/tests.md (hours)
 #   ./do sanitize [PRESET] [--write] [CTEST...]   run the suite under the sanitizers of asan, or tsan, and count
 #                         reports; --write writes them into docs/tests.md (an hour)
-#   ./do coverage [--write] [--missed]   which lines of the rooms the last `./do sanitize asan` ran
+#   ./do coverage [--write] [--missed] [CTEST...]   run the suite and count which lines of the rooms it runs; --write
+#                         writes them into docs/tests.md, --missed lists files (an hour)
 #   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
 #                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
 #   ./do soak             the long exactness and fuzzing runs that CI has a short form of
@@ -369,17 +370,18 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     need $build_packages $run_packages $test_packages
     preset=${1:-asan}
     [ $# -eq 0 ] || shift
-    set_coverage=""
-    [ "$preset" != asan ] || set_coverage="-DFASCICLE_COVERAGE=ON"
     web_tools "$preset"
     readers "$preset"
-    build "$preset" -DFASCICLE_TESTS=ON $set_coverage
+    build "$preset" -DFASCICLE_TESTS=ON
     # Of the distribution: Blender, which tests start, finds its Python by the path.
     exec /usr/bin/python3 -B tests/tested/sanitize.py "$preset" "$@"
     ;;
   coverage)
-    need gcovr python3
-    exec python3 -B tests/tested/coverage.py build/asan "$@"
+    need $build_packages $run_packages $test_packages gcovr
+    web_tools coverage
+    readers coverage
+    build coverage -DFASCICLE_TESTS=ON
+    exec /usr/bin/python3 -B tests/tested/coverage.py "$@"
     ;;
   fuzz)
     need $build_packages clang python3

@@ -112,8 +112,7 @@ bool holds_bake(const fs::path& folder) {
 
 void clear_bake(const fs::path& folder) {
   const std::vector<std::string> known = all_file_names();
-  std::vector<std::string> made;
-  if (const auto manifest = read_manifest(folder)) made = manifest->files;
+  std::vector<std::string> made = files_listed(folder);
   // Without a manifest only what shows by itself that it is ours.
   if (is_frame_cache(folder / cache_name)) made.push_back(cache_name);
   if (is_checkpoint(folder / checkpoint_name)) made.push_back(checkpoint_name);
@@ -180,10 +179,9 @@ void ExportStage::move_up(const std::vector<std::string>& files) {
 void refuse_foreign(const fs::path& folder, const std::vector<std::string>& files) {
   // What a bake leaves that is stopped while it writes its first file.
   const fs::path first_temporary = folder / (std::string(manifest_name) + base::temporary_suffix);
-  const auto manifest = read_manifest(folder);
+  const std::vector<std::string> listed = files_listed(folder);
   const auto is_listed = [&](const std::string& entry) {
-    return manifest &&
-           std::find(manifest->files.begin(), manifest->files.end(), entry) != manifest->files.end();
+    return std::find(listed.begin(), listed.end(), entry) != listed.end();
   };
   for (const std::string& entry : files)
     for (const fs::path& path : existing(folder, entry))

@@ -8,6 +8,7 @@
 #include "host/bake/model_file.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/sealed_json.h"
 #include "host/base/json_text.h"
 #include "host/base/part_file.h"
 #include "host/base/text.h"
@@ -61,12 +62,26 @@ Json json_of(const model::Model& model, std::uint64_t hash) {
           {"probes", std::move(probes)}};
 }
 
-// Null if there is none of ours.
-Json manifest_in(const fs::path& folder) {
-  const std::string text =
-      base::read_input_if_there(folder / manifest_name, base::most_json_bytes).value_or("");
+std::string text_in(const fs::path& folder) {
+  return base::read_input_if_there(folder / manifest_name, base::most_json_bytes).value_or("");
+}
+
+// Null if it is none of ours, or a damaged one.
+Json manifest_of_text(const std::string& text) {
   Json manifest = Json::parse(base::shallow_json(text), nullptr, false);
-  return manifest.is_object() && manifest.value("kind", Json()) == kind ? manifest : Json();
+  return manifest.is_object() && manifest.value("kind", Json()) == kind && !is_damaged(manifest) ? manifest
+                                                                                                 : Json();
+}
+Json manifest_in(const fs::path& folder) {
+  return manifest_of_text(text_in(folder));
+}
+
+std::vector<std::string> files_of(const Json& manifest) {
+  std::vector<std::string> names;
+  if (const auto files = manifest.find("files"); files != manifest.end() && files->is_array())
+    for (const Json& name : *files)
+      if (name.is_string()) names.push_back(name.get<std::string>());
+  return names;
 }
 
 Json json_of(const DeviceDescription& device) {
@@ -219,7 +234,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
   if (!progress.frames_kept) std::erase(files, cache_name);
   Json manifest{
       {"kind", kind},
-      {"version", 1},
+      {"version", sealed_json_version},
       {"fascicle", {{"version", base::fascicle_version}, {"solver_version", base::solver_version}}},
       {"status", name_of(progress.status)},
       {"message", progress.message},
@@ -262,7 +277,7 @@ std::string manifest_text(const scene::Scene& scene, const model::Model& model, 
         {"runs", progress.timings.runs}}},
       {"position_hashes", std::move(hashes)}};
   if (!progress.frames_kept) manifest["frames_kept"] = false;
-  return scene::dump(manifest, 2) + '\n';
+  return sealed_text(std::move(manifest), 2) + '\n';
 }
 
 std::string frames_not_kept_text(const fs::path& folder) {
@@ -275,9 +290,7 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   const Json manifest = manifest_in(folder);
   if (manifest.is_null()) return std::nullopt;
   ManifestSummary summary;
-  if (const auto files = manifest.find("files"); files != manifest.end() && files->is_array())
-    for (const Json& name : *files)
-      if (name.is_string()) summary.files.push_back(name.get<std::string>());
+  summary.files = files_of(manifest);
   const auto text_at = [](const Json& object, const char* key) {
     const auto entry = object.find(key);
     return entry != object.end() && entry->is_string() ? entry->get<std::string>() : std::string();
@@ -332,6 +345,19 @@ std::optional<ManifestSummary> read_manifest(const fs::path& folder) {
   return summary;
 }
 
+std::vector<std::string> files_listed(const fs::path& folder) {
+  const std::string text = text_in(folder);
+  if (const Json manifest = manifest_of_text(text); !manifest.is_null()) return files_of(manifest);
+  std::vector<std::string> names;
+  if (text.find('"' + std::string(kind) + '"') == std::string::npos) return names;
+  const std::size_t begin = text.find("\"files\"");
+  if (begin == std::string::npos) return names;
+  const std::string list = text.substr(begin, text.find(']', begin) - begin);
+  for (std::string& name : all_file_names())
+    if (list.find('"' + name + '"') != std::string::npos) names.push_back(std::move(name));
+  return names;
+}
+
 ManifestSummary manifest_of(const fs::path& folder) {
   if (!fs::exists(folder)) throw BakeError(folder.string() + ": no such folder");
   std::optional<ManifestSummary> manifest = read_manifest(folder);
@@ -348,11 +374,11 @@ void set_status(const fs::path& folder, Status status, const std::string& messag
   manifest["status"] = name_of(status);
   manifest["message"] = message;
   try {
-    base::write_whole(path, scene::dump(manifest, 2) + '\n');
+    base::write_whole(path, sealed_text(manifest, 2) + '\n');
   } catch (const std::system_error&) {
     // Without its indentation the new text is the shorter one. Spaces after it keep every byte of the old
     // one from standing there, should the system stop before the end.
-    std::string text = scene::dump(manifest);
+    std::string text = sealed_text(manifest);
     base::File file(path, base::FileMode::modify);
     const std::uint64_t room = file.size();
     if (text.size() + 1 > room) throw;
@@ -370,7 +396,7 @@ void add_to_manifest(const fs::path& folder, const std::vector<std::string>& fil
   Json& list = manifest["files"];
   for (const std::string& name : files)
     if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
-  base::write_whole(folder / manifest_name, scene::dump(manifest, 2) + '\n');
+  base::write_whole(folder / manifest_name, sealed_text(std::move(manifest), 2) + '\n');
 }
 
 }  // namespace fascicle::bake

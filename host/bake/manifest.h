@@ -68,10 +68,13 @@ struct ManifestSummary {
 // What is said where the frames of a bake are wanted and were not kept.
 std::string frames_not_kept_text(const std::filesystem::path& folder);
 
-// Nothing if there is no manifest in the folder or it is not one of fascicle.
+// Nothing if there is no manifest in the folder, or it is not one of fascicle, or is damaged.
 std::optional<ManifestSummary> read_manifest(const std::filesystem::path& folder);
 // Of a folder that must hold a bake. Throws BakeError where there is none.
 ManifestSummary manifest_of(const std::filesystem::path& folder);
+// The names under "files", which may be any. Of a damaged manifest those that are names of ours and can be
+// read there still, so that its bake can be replaced.
+std::vector<std::string> files_listed(const std::filesystem::path& folder);
 
 // Says of the manifest that is there how the bake stands; all else stays as the last checkpoint left it.
 // Takes no new room on a disk that is full. Throws std::system_error where even that fails.

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/bake/sealed_json.h"
 #include "host/base/errors.h"
 #include "host/base/file.h"
 #include "host/base/json_text.h"
@@ -13,6 +14,11 @@ namespace fascicle::cli {
 namespace {
 
 using SummaryJson = nlohmann::ordered_json;
+
+base::BakeError damaged(const std::filesystem::path& output) {
+  return base::BakeError((output / scene::batch_summary).string() +
+                         ": is damaged; name the list of jobs in place of the folder");
+}
 
 }  // namespace
 
@@ -35,7 +41,7 @@ void write_batch_summary(const std::filesystem::path& output, const std::vector<
   // Not one name for all: whoever merges need not be alone.
   base::write_whole_beside_others(
       output / scene::batch_summary,
-      SummaryJson{{"jobs", list}}.dump(2, ' ', false, SummaryJson::error_handler_t::replace) + "\n");
+      bake::sealed_text({{"version", bake::sealed_json_version}, {"jobs", std::move(list)}}, 2) + "\n");
 }
 
 std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem::path& output) {
@@ -45,6 +51,7 @@ std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem:
   try {
     std::vector<SummaryRow> rows;
     const SummaryJson summary = SummaryJson::parse(base::shallow_json(*text));
+    if (!summary.is_object() || bake::is_damaged(summary)) throw damaged(output);
     for (const SummaryJson& row : summary.at("jobs"))
       rows.push_back({.job = row.at("job"),
                       .folder = output / row.at("job").get<std::string>(),
@@ -58,8 +65,7 @@ std::optional<std::vector<SummaryRow>> read_batch_summary(const std::filesystem:
                       .error = row.at("error")});
     return rows;
   } catch (const SummaryJson::exception&) {
-    throw base::BakeError((output / scene::batch_summary).string() +
-                          ": is damaged; name the list of jobs in place of the folder");
+    throw damaged(output);
   }
 }
 

@@ -23,6 +23,7 @@
 #include "host/bake/export.h"
 #include "host/bake/outputs.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/sealed_json.h"
 #include "host/model/validate.h"
 #include "tests/bake/fake_bakes.h"
 #include "tests/drive/bending_bar.h"
@@ -158,7 +159,7 @@ TEST(BakeFolder, OverwriteRemovesOnlyWhatABakeMade) {
   manifest["files"].push_back("notes.txt");
   manifest["files"].push_back("../outside");
   manifest["files"].push_back("../");
-  write_text(folder / "out/manifest.json", manifest.dump());
+  write_text(folder / "out/manifest.json", bake::sealed_text(manifest));
   options.overwrite = true;
   options.formats = {};
   fake_bake_into(options, short_scene(2));

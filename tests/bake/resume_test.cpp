@@ -17,6 +17,7 @@
 #include "host/bake/checkpoint.h"
 #include "host/bake/identity.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/sealed_json.h"
 #include "tests/bake/fake_bakes.h"
 #include "tests/drive/bending_bar.h"
 
@@ -62,7 +63,7 @@ TEST(BakeResume, RemembersClampedMuscles) {
   bake_until(options_for(out), short_scene(6), 3);
   nlohmann::json manifest = manifest_in(out);
   manifest["clamped_muscles"] = {{"regions", 5}, {"frame", 2}};
-  write_text(out / "manifest.json", manifest.dump());
+  write_text(out / "manifest.json", bake::sealed_text(manifest));
   BakeOptions options = options_for(out);
   options.resume = true;
   const BakeResult result = fake_bake_into(options, short_scene(6));

@@ -11,6 +11,7 @@
 
 #include "host/bake/checkpoint.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/sealed_json.h"
 #include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
@@ -185,15 +186,36 @@ TEST_F(DamagedBake, FramesAreHeldAgainstTheModel) {
 }
 
 TEST_F(DamagedBake, TheManifestIsHeldAgainstTheFrames) {
-  for (const char* text : {"NaN", "null", "\"sixty\"", "30", "1e999"}) {
+  for (const json& fps : {json(nullptr), json("sixty"), json(30)}) {
+    SCOPED_TRACE(fps);
+    take("bar-hang-none");
+    json manifest = json::parse(read_text(out_ + "/manifest.json"));
+    manifest["output"]["fps"] = fps;
+    write_text(out_ + "/manifest.json", bake::sealed_text(manifest));
+    expect_bad_input(exported(), "manifest.json");
+  }
+}
+
+// A number that turned into another one: JSON as before, and nothing else to hold it against.
+TEST_F(DamagedBake, TheManifestIsHeldAgainstItsChecksum) {
+  for (const char* text : {"7", "1e999", "NaN"}) {
     SCOPED_TRACE(text);
     take("bar-hang-none");
     std::string manifest = read_text(out_ + "/manifest.json");
-    const std::size_t at = manifest.find("\"fps\": ", manifest.find("\"output\""));
-    ASSERT_NE(at, std::string::npos);
-    manifest.replace(at + 7, manifest.find(',', at) - at - 7, text);
+    const std::size_t at = manifest.find("\"runs\": ") + 8;
+    ASSERT_LT(at, manifest.size());
+    manifest.replace(at, 1, text);
     write_text(out_ + "/manifest.json", manifest);
     expect_bad_input(exported(), "manifest.json");
+    const Outcome verified = fascicle({"verify", out_});
+    EXPECT_EQ(verified.status, 3);
+    EXPECT_TRUE(contains(verified.err, "manifest.json")) << verified.err;
+    // What the messages say to do: its files are ours still.
+    std::vector<std::string> command = bake_command("bar-hang-none", out_);
+    command.push_back("--overwrite");
+    const Outcome again = fascicle(command);
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(fascicle({"verify", out_}).status, 0);
   }
 }
 

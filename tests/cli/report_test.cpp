@@ -14,6 +14,7 @@
 #include <png.h>
 #include <pugixml.hpp>
 
+#include "host/bake/sealed_json.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -107,7 +108,7 @@ class ReportPage : public testing::Test {
   void change_manifest(const json& patch) const {
     json manifest = json::parse(read_text(bake_ + "/manifest.json"));
     manifest.merge_patch(patch);
-    write_text(bake_ + "/manifest.json", manifest.dump());
+    write_text(bake_ + "/manifest.json", bake::sealed_text(manifest));
   }
   // Whatever went wrong: one message, the exit code, and no page or part of one.
   void expect_none(const Outcome& outcome, int status, const std::string& part) const {

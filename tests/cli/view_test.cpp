@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "host/bake/sealed_json.h"
 #include "host/page/base64.h"
 #include "tests/cli/program.h"
 #include "tests/support/assets.h"
@@ -270,7 +271,7 @@ TEST(View, NamesStayText) {
   bake_of("bar-layers-iii", folder / "bake", {"--end", "0.1"});
   json manifest = json::parse(read_text(folder / "bake/manifest.json"));
   manifest["scene"]["name"] = name;
-  write_text(folder / "bake/manifest.json", manifest.dump(1));
+  write_text(folder / "bake/manifest.json", bake::sealed_text(manifest, 1));
   ASSERT_EQ(fascicle({"view", folder / "bake", "-o", folder / "page.html"}).status, 0);
   const std::string page = read_text(folder / "page.html");
   EXPECT_FALSE(contains(page, "<img src=x")) << "the name is markup";

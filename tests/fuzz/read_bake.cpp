@@ -5,7 +5,9 @@
 #include "host/bake/manifest.h"
 #include "host/bake/model_file.h"
 #include "host/bake/read_frame_cache.h"
+#include "host/bake/sealed_json.h"
 #include "host/base/errors.h"
+#include "host/base/json_text.h"
 #include "tests/fuzz/one_file.h"
 #include "tests/fuzz/readers.h"
 #include "tests/fuzz/seal.h"
@@ -80,7 +82,12 @@ bool start(std::string_view bytes) {
 bool manifest(std::string_view bytes) {
   static const OneFile file("manifest.json");
   file.write(bytes);
-  return is_taken<BakeError>([&] { bake::manifest_of(file.folder()); });
+  const auto is_manifest = [] { return is_taken<BakeError>([] { bake::manifest_of(file.folder()); }); };
+  const bool is_whole = is_manifest();
+  const scene::Json object = scene::Json::parse(base::shallow_json(bytes), nullptr, false);
+  if (!object.is_object() || !bake::is_damaged(object)) return is_whole;
+  file.write(bake::sealed_text(object));
+  return is_manifest();
 }
 
 }  // namespace fascicle::fuzz

@@ -3,6 +3,7 @@ against an undisturbed one. A row returns its figure; it raises Broken where som
 control: the same checks against a program that is not careful, which they must find out."""
 
 import errno
+import json
 import os
 import random
 import re
@@ -21,6 +22,7 @@ from layers import layers
 from memory import memory
 
 
+HEAD_BYTES = 128  # of a file, with all of its header
 PATIENCE = 120.0  # s, for what is over at once on a machine that is not busy
 
 
@@ -245,38 +247,100 @@ def disk_fails(bakes, count):
     return text % (count, failed, survived)
 
 
+def damages(content, count):
+    """(what is left of the content, what was done to it): each bit of the first bytes in turn, an end at each 4 KiB, then
+    a bit anywhere."""
+    size = len(content)
+
+    def flipped(at, bit):
+        return content[:at] + bytes([content[at] ^ (1 << bit)]) + content[at + 1:], "bit %d of byte %d" % (bit, at)
+
+    def cut(at):
+        return content[:at], "the end at byte %d" % at
+
+    head = [(at, at % 8) for at in range(min(size, HEAD_BYTES))]
+    ends = list(range(0, size, 4096))
+    few = max(1, count // 4)  # in the short form
+    for at, bit in random.sample(head, min(len(head), few)):
+        yield flipped(at, bit)
+    for at in random.sample(ends, min(len(ends), few)):
+        yield cut(at)
+    for _ in range(max(0, count - min(len(head), few) - min(len(ends), few))):
+        yield flipped(random.randrange(size), random.randrange(8))
+
+
+def same_json(one, other):
+    """An e of an exponent may as well be an E."""
+    try:
+        return json.loads(one) == json.loads(other)
+    except ValueError:
+        return False
+
+
+def damage(path, count, check):
+    """`check` with so many damages of the file, one at a time; how many there were."""
+    with open(path, "rb") as file:
+        content = file.read()
+    done = 0
+    for left, what in damages(content, count):
+        if path.endswith(".json") and same_json(left, content):
+            continue
+        with open(path, "wb") as file:
+            file.write(left)
+        check("%s: %s" % (path, what))
+        done += 1
+        with open(path, "wb") as file:
+            file.write(content)
+    return done
+
+
 def damaged(bakes, count):
-    """A byte of a file of a finished bake is another one, or the file is cut off: `fascicle verify` must find it."""
-    bake = bakes[0]
+    """A bit of a file of our own is turned (each of the first 128 bytes, then any), or the file ends earlier (at each
+    4 KiB): `fascicle verify` finds it in a bake's files, `batch status` in that of a batch, and a bake never believes
+    what is kept of its body, but builds it anew."""
+    bake, kept = bakes[0], bakes[1]
     folder = bake.empty_folder()
     shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
 
-    def verify():
-        return subprocess.run([PROGRAM, "verify", folder], capture_output=True, text=True)
+    def ended(command, wanted, word="", what="undamaged"):
+        done = subprocess.run([PROGRAM, *command], capture_output=True, text=True)
+        hold(done.returncode == wanted and word in done.stdout + done.stderr,
+             "%s: %s ended with %d: %s" % (what, " ".join(command), done.returncode, done.stdout + done.stderr))
 
-    hold(verify().returncode == DONE, "a bake as it was written is not right: " + verify().stdout)
-    found = 0
-    own = [name for name in os.listdir(folder) if name in ("frames.fascicle", "model.fascicle", "checkpoint")]
-    hold(len(own) == 3, "the folder lacks a file")
-    for k in range(count):
-        path = os.path.join(folder, own[k % len(own)])
-        with open(path, "r+b") as file:
-            content = file.read()
-            at = k // len(own) if k < count // 4 else random.randrange(len(content))
-            at = min(at, len(content) - 1)
-            if k % 20 == 19:
-                file.truncate(at)
-            else:
-                file.seek(at)
-                file.write(bytes([content[at] ^ (1 << random.randrange(8))]))
-        done = verify()
-        hold(done.returncode == BAD_INPUT, "%s: byte %d is another one, and verify ended with %d: %s"
-             % (path, at, done.returncode, done.stdout + done.stderr))
-        found += 1
-        with open(path, "wb") as file:
-            file.write(content)
-    hold(verify().returncode == DONE, "the bake was put back, and is not right")
-    return "%d of %d damages found" % (found, count)
+    found = {}
+    ended(["verify", folder], DONE)
+    must_be_found(lambda: damage(os.path.join(folder, "surface.pc2"), 4,
+                                 lambda what: ended(["verify", folder], BAD_INPUT, what=what)),
+                  "a file that verify does not read")
+    shutil.copy(os.path.join(bake.folder_of_whole, "surface.pc2"), folder)
+    for name in ("frames.fascicle", "model.fascicle", "checkpoint", "manifest.json"):
+        # Of frames, verify names which.
+        found[name] = damage(os.path.join(folder, name), count // 5,
+                             lambda what, name=name: ended(["verify", folder], BAD_INPUT, name, what))
+    ended(["verify", folder], DONE)
+
+    jobs = os.path.join(bake.root, "damaged-jobs.toml")
+    batch = os.path.join(bake.root, "damaged-batch")
+    with open(jobs, "w") as file:
+        file.write('[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=0.1"]\n')
+    ended(["batch", jobs, "-o", batch], DONE)
+    ended(["batch", "status", batch], DONE)
+    found["batch.json"] = damage(os.path.join(batch, "batch.json"), count // 5,
+                                 lambda what: ended(["batch", "status", batch], BAD_INPUT, "batch.json", what))
+
+    def rebuilt(what):
+        out = kept.empty_folder()
+        done = kept.run(out)
+        hold(done.returncode == DONE, "%s: %s" % (what, done.stderr))
+        kept.hold_whole(out)
+        shutil.rmtree(out)
+
+    for name in sorted(os.listdir(kept.cache)):
+        if name.endswith(".entry"):
+            what = damage(os.path.join(kept.cache, name), max(1, count // 150), rebuilt)
+            found["kept entries"] = found.get("kept entries", 0) + what
+    return "%d of %d damages found: %s" % (sum(found.values()), sum(found.values()),
+                                           ", ".join("%s %d" % pair for pair in found.items()))
 
 
 def outside(bakes, count):
@@ -337,7 +401,7 @@ ROWS = (
     ("resumed", resumed, 200, 2),
     ("batches", batches_stopped, 60, 3),
     ("disk", disk_fails, 200, 5),
-    ("damaged", damaged, 3000, 30),
+    ("damaged", damaged, 12000, 40),
     ("outside", outside, 12, 3),
     ("surfaces", surfaces, 5000, 6),
     ("values", parameters, 10000, 10),

@@ -1,10 +1,12 @@
-"""Which lines and branches of the rooms a run of the tests has reached, room by room.
+"""Runs the suite over the preset `coverage`, and counts which lines and branches of the rooms it reaches.
 
-coverage.py BUILD [--write] [--missed]: BUILD was compiled with FASCICLE_COVERAGE and has run the tests. --write: into
-docs/tests.md. --missed: also the files with the most lines that never ran."""
+coverage.py [--write] [--missed] [--again] [CTEST ARGUMENTS...]: build/coverage holds the build. First a program of
+which one function never runs must be counted so. --write: into docs/tests.md. --missed: also the files with the most
+lines that never ran. --again: no test runs; counted is what the last run left."""
 
 import argparse
 import collections
+import glob
 import json
 import os
 import subprocess
@@ -12,33 +14,61 @@ import sys
 import tempfile
 
 import page
+import suite
 
+PRESET = "coverage"
+BUILD = os.path.join(page.ROOT, "build", PRESET)
 ROOMS = ("host/", "cpu_reference/", "gpu/")
 LEAST = 0.9  # of the lines
+PLANTED = """int reached(int a) { return a; }
+int missed(int a)
+{
+    a = a + 1;
+    return a;
+}
+int main(int argc, char**) { return argc > 99 ? missed(argc) : reached(0); }
+"""
 
 
-def read(build):
+def read(root, build, rooms):
     """[(file, lines, run, branches, taken)] as gcovr counts them."""
     with tempfile.TemporaryDirectory() as folder:
         summary_file = os.path.join(folder, "summary.json")
-        filters = [part for room in ROOMS for part in ("--filter", room)]
-        subprocess.run(["gcovr", "--root", page.ROOT, *filters, "--exclude-unreachable-branches",
+        filters = [part for room in rooms for part in ("--filter", room)]
+        subprocess.run(["gcovr", "--root", root, *filters, "--exclude-unreachable-branches",
                         "--exclude-throw-branches", "--gcov-ignore-parse-errors", "-j", str(os.cpu_count()),
-                        "--json-summary", summary_file, build], check=True, cwd=page.ROOT,
-                       stdout=subprocess.DEVNULL)
+                        "--json-summary", summary_file, build], check=True, cwd=root, stdout=subprocess.DEVNULL)
         with open(summary_file) as file:
             summary = json.load(file)
     return [(one["filename"], one["line_total"], one["line_covered"], one["branch_total"], one["branch_covered"])
             for one in summary["files"]]
 
 
+def control():
+    """Of the planted program's five lines the three of the function that nobody calls must be missed."""
+    with tempfile.TemporaryDirectory(prefix="fascicle-coverage-") as folder:
+        with open(os.path.join(folder, "planted.cpp"), "w") as file:
+            file.write(PLANTED)
+        subprocess.run(["g++", "-O0", "--coverage", "planted.cpp", "-o", "planted"], check=True, cwd=folder)
+        subprocess.run([os.path.join(folder, "planted")], check=True, cwd=folder)
+        counted = read(folder, folder, ["planted.cpp"])
+    if [one[1:3] for one in counted] != [(5, 2)]:
+        sys.exit("coverage: a line that nobody reaches was counted as run: %s" % counted)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("build")
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--missed", action="store_true")
-    asked = parser.parse_args()
-    files = read(os.path.abspath(asked.build))
+    parser.add_argument("--again", action="store_true")
+    asked, arguments = parser.parse_known_args()
+    control()
+    ran = None
+    if not asked.again:
+        for path in glob.glob(os.path.join(BUILD, "**", "*.gcda"), recursive=True):
+            os.remove(path)
+        ran = suite.run(PRESET, arguments)
+    files = read(page.ROOT, BUILD, ROOMS)
     rooms = collections.defaultdict(lambda: [0, 0, 0, 0])
     for name, *counts in files:
         room = "/".join(name.split("/")[:2]) if not name.startswith("gpu/") else "gpu"
@@ -46,13 +76,14 @@ def main():
     rows = [[room, *counts] for room, counts in sorted(rooms.items())]
     lines, run = sum(row[1] for row in rows), sum(row[2] for row in rows)
     if not lines or not run:
-        sys.exit("coverage: no line of the rooms has run; is %s built with FASCICLE_COVERAGE?" % asked.build)
-    print(page.coverage_text({"rooms": rows, "about": ""}))
+        sys.exit("coverage: no line of the rooms has run")
+    figures = {"rooms": rows, "ran": {**ran, "which": suite.which(arguments)} if ran else page.kept("coverage")["ran"]}
+    print(page.coverage_text({**figures, "about": ""}))
     if asked.missed:
-        for name, total, covered, *_ in sorted(files, key=lambda one: one[2] - one[1])[:40]:
+        for name, total, covered, *_ in sorted(files, key=lambda one: one[2] - one[1])[:60]:
             print("%5d of %5d lines never ran: %s" % (total - covered, total, name))
     if asked.write:
-        page.put("coverage", {"rooms": rows})
+        page.put("coverage", figures)
     if run < LEAST * lines:
         sys.exit("coverage: %s of the lines, below %s" % (page.share(run, lines), page.share(LEAST, 1)))
 

@@ -24,9 +24,9 @@ must be reported.
 %(sanitizers)s
 ## Coverage
 
-`./do coverage` counts lines and branches of the rooms in the same run as the address sanitizer's, by gcov and gcovr.
-Branches that only an exception takes do not count, and neither do the mesher and the converter, whose sandbox lets
-them write no counts.
+`./do coverage` builds the preset `coverage`, runs the suite, and counts lines and branches of the rooms by gcov and
+gcovr. Branches that only an exception takes do not count, and neither do the mesher and the converter, whose sandbox
+lets them write no counts. First a program of which a part never runs must be counted so.
 
 %(coverage)s
 ## Planted faults
@@ -59,7 +59,8 @@ def coverage_text(figures):
             for room, lines, run, branches, taken in figures["rooms"]]
     whole = [sum(row[k] for row in figures["rooms"]) for k in range(1, 5)]
     rows.append(("all", whole[0], share(whole[1], whole[0]), share(whole[3], whole[2])))
-    return table(("room", "lines", "run", "branches taken"), rows) + "\n" + figures["about"]
+    ran = "%(tests)d tests ran, %(skipped)d of them were skipped and %(failures)d failed: %(which)s." % figures["ran"]
+    return table(("room", "lines", "run", "branches taken"), rows) + "\n" + ran + " " + figures["about"]
 
 
 def mutants_text(figures):
@@ -81,15 +82,24 @@ def about():
     return "Commit %s, %d cores.\n" % (commit, os.cpu_count())
 
 
+def kept(section):
+    """The section's figures of the last time; none where there was no such time."""
+    return all_kept().get(section, {})
+
+
+def all_kept():
+    if not os.path.exists(FIGURES):
+        return {}
+    with open(FIGURES) as file:
+        return json.load(file)
+
+
 def put(section, figures):
     """Replaces the section's figures, and writes the page anew."""
-    kept = {}
-    if os.path.exists(FIGURES):
-        with open(FIGURES) as file:
-            kept = json.load(file)
-    kept[section] = {**figures, "about": about()}
-    texts = {name: text(kept[name]) if name in kept else "Not measured yet.\n" for name, text in TEXTS.items()}
-    for path, text in ((FIGURES, json.dumps(kept, indent=1) + "\n"), (FILE, PAGE % texts)):
+    sections = all_kept()
+    sections[section] = {**figures, "about": about()}
+    texts = {name: text(sections[name]) if name in sections else "Not measured yet.\n" for name, text in TEXTS.items()}
+    for path, text in ((FIGURES, json.dumps(sections, indent=1) + "\n"), (FILE, PAGE % texts)):
         with open(path + ".new", "w") as file:
             file.write(text)
         os.rename(path + ".new", path)

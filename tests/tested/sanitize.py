@@ -3,7 +3,6 @@
 sanitize.py PRESET [--write] [CTEST ARGUMENTS...]: build/PRESET holds the build. First a program with a planted flaw of
 each kind, compiled alike, must be reported. --write: into docs/tests.md."""
 
-import json
 import os
 import re
 import shutil
@@ -11,9 +10,9 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 
 import page
+import suite
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 # What is planted: a word of the report, and the body of main().
@@ -85,32 +84,18 @@ def main():
     logs = os.path.join(page.ROOT, "build", preset, "reports")
     shutil.rmtree(logs, ignore_errors=True)
     os.makedirs(logs)
-    results = os.path.join(temporary, "results.xml")
-    begin = time.monotonic()
-    # What takes a second takes ten here.
-    subprocess.run(["ctest", "--preset", preset, "--timeout", "3000", "-j", str(os.cpu_count()), "--output-on-failure",
-                    "--output-junit", results, *arguments],
-                   cwd=page.ROOT, env=environment(preset, os.path.join(logs, "of")), check=False)
-    seconds = time.monotonic() - begin
-    with open(results, errors="replace") as file:
-        head = re.search(r"<testsuite[^>]*>", file.read(), re.DOTALL).group()
-    count = {key: int(re.search(r'\b%s="(\d+)"' % key, head).group(1)) for key in ("tests", "failures", "skipped")}
+    count = suite.run(preset, arguments, environment(preset, os.path.join(logs, "of")))
     reports = reports_in(logs)
     for line, often in sorted(reports.items(), key=lambda one: -one[1]):
         print("%5d times: %s" % (often, line))
     print("%s: %d tests, %d skipped, %d failed, %d reports (%.0f s); %s" % (
-        preset, count["tests"], count["skipped"], count["failures"], sum(reports.values()), seconds, logs))
+        preset, count["tests"], count["skipped"], count["failures"], sum(reports.values()), count["seconds"], logs))
     shutil.rmtree(temporary)
     if write:
-        kept = {}
-        if os.path.exists(page.FIGURES):
-            with open(page.FIGURES) as file:
-                kept = json.load(file).get("sanitizers", {}).get("presets", {})
-        # A bar would end the table's cell.
-        which = "`ctest %s`" % " ".join(arguments).replace("|", "\\|") if arguments else "all"
-        kept[preset] = {"which": which, "tests": count["tests"], "skipped": count["skipped"],
-                        "failed": count["failures"], "reports": sum(reports.values()), "seconds": seconds}
-        page.put("sanitizers", {"presets": kept})
+        presets = page.kept("sanitizers").get("presets", {})
+        presets[preset] = {"which": suite.which(arguments), "tests": count["tests"], "skipped": count["skipped"],
+                           "failed": count["failures"], "reports": sum(reports.values()), "seconds": count["seconds"]}
+        page.put("sanitizers", {"presets": presets})
     return 1 if reports or count["failures"] else 0
 
 
