@@ -14,6 +14,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -21,6 +22,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(HERE), "tested"))
 import page  # noqa: E402: it lies beside
 
 SOURCE = os.path.dirname(os.path.dirname(HERE))
+SHARED = "/dev/shm"
 WORK = os.path.join(SOURCE, "build", "mutants")
 TREE, BUILD = os.path.join(WORK, "tree"), os.path.join(WORK, "build")
 
@@ -46,6 +48,8 @@ SWAPS = ((r" < ", " <= "), (r" <= ", " < "), (r" > ", " >= "), (r" >= ", " > "),
          (r"\b0\b(?!\.)", "1"), (r"\b1\b(?!\.)", "2"), (r"\b0\.5\b", "0.25"), (r"\b2\.0\b", "3.0"), (r"\(!", "("))
 # A whole statement that is left out: an assignment, or a call for what it does.
 STATEMENT = re.compile(r"^\s+(?!return|throw|const|auto|using)(?:[\w.:\[\]>-]+ [-+*/|&]?= .*|[\w.:>-]+\([^{}]*\));$")
+# What a test starts, beside its own program.
+STARTED = {"test_cli": ("fascicle", "fascicle-mesher"), "test_pipeline": ("fascicle-mesher",)}
 PATIENCE = 600  # s, for the tests of one room; what runs longer has been made endless
 
 def fail(text):
@@ -89,9 +93,15 @@ def built(targets):
                           stderr=subprocess.DEVNULL).returncode == 0
 
 
+class DoesNotBuild(Exception):
+    pass
+
+
 def first_that_fails(tests, temporary):
-    """The test that finds something wrong; None where all pass."""
+    """The test that finds something wrong; None where all pass. Each is built when it is its turn."""
     for test in tests:
+        if not built([test[0], *STARTED.get(test[0], ())]):
+            raise DoesNotBuild
         command = [os.path.join(BUILD, test[0]), *test[1:], "--gtest_brief=1", "--gtest_fail_fast"]
         environment = {**os.environ, "TMPDIR": temporary, "FASCICLE_CACHE_DIR": os.path.join(temporary, "cache")}
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=temporary,
@@ -141,10 +151,10 @@ def reasons():
 def try_room(room, count, temporary):
     """[(file, number, line, made of it, what found it)] of so many faults that compile."""
     patterns, tests = ROOMS[room]
-    targets = [test[0] for test in tests] + ["fascicle", "fascicle-mesher"]
-    if not built(targets):
+    try:
+        wrong = first_that_fails(tests, temporary)
+    except DoesNotBuild:
         fail(room + ": the sources as they are do not build")
-    wrong = first_that_fails(tests, temporary)
     if wrong:
         fail("%s: the sources as they are fail %s" % (room, wrong))
     choices = places(patterns)
@@ -166,9 +176,9 @@ def try_room(room, count, temporary):
         try:
             with open(path, "w") as file:
                 file.write("\n".join(rows))
-            if not built(targets):
-                continue  # the compiler found it
             found = first_that_fails(tests, temporary)
+        except DoesNotBuild:
+            continue  # the compiler found it
         finally:
             with open(path, "w") as file:
                 file.write(whole)
@@ -190,12 +200,12 @@ def main():
     random.seed(seed)
     known = reasons()
     prepare(asked.in_place)
-    temporary = os.path.join(WORK, "temporary")
     rooms, rows = [], []
     for room in asked.room or ROOMS:
-        shutil.rmtree(temporary, ignore_errors=True)
-        os.makedirs(temporary)
-        tried = try_room(room, asked.count, temporary)
+        # In memory, where there is such a folder: tests wait for disks.
+        with tempfile.TemporaryDirectory(prefix="fascicle-mutants-", dir=SHARED if os.path.isdir(SHARED) else None,
+                                         ignore_cleanup_errors=True) as temporary:
+            tried = try_room(room, asked.count, temporary)
         living = [one for one in tried if one[4] is None]
         rooms.append([room, len(tried), len(tried) - len(living)])
         for name, number, line, made, _ in living:
