@@ -29,6 +29,19 @@ add_dependencies(fascicle_portable mesher_portable)
 
 find_program(READELF readelf REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+# What is in the pair, as the packages say it of themselves (cmake/install.cmake).
+set(pair_contents ${pair_folder}/fascicle.spdx.json)
+add_custom_command(OUTPUT ${pair_contents}
+  COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/cmake/sbom.py --name fascicle-portable
+    --version ${PROJECT_VERSION} --in program,mesher --without assimp --source ${CMAKE_SOURCE_DIR} --strict
+    --prefix ${pair_folder} --output ${pair_contents} -- $<TARGET_FILE:fascicle_portable>
+    $<TARGET_FILE:mesher_portable> ${pair_folder}/libtet.so.1.5 ${pair_folder}/libstdc++.so.6
+    ${pair_folder}/libgcc_s.so.1
+  DEPENDS fascicle_portable mesher_portable ${CMAKE_SOURCE_DIR}/cmake/sbom.py ${CMAKE_SOURCE_DIR}/docs/licences.md
+    ${CMAKE_SOURCE_DIR}/web/package-lock.json
+  COMMENT "Listing what is in the portable pair" VERBATIM)
+add_custom_target(portable_contents ALL DEPENDS ${pair_contents})
 set(needed_check ${CMAKE_COMMAND} -D READELF=${READELF} -P ${CMAKE_SOURCE_DIR}/tests/house/needed.cmake --)
 add_test(NAME house.portable_fascicle_needs_only_the_c_library
   COMMAND ${needed_check} $<TARGET_FILE:fascicle_portable>)
@@ -36,7 +49,9 @@ add_test(NAME house.portable_mesher_needs_only_its_libraries_beside
   COMMAND ${needed_check} $<TARGET_FILE:mesher_portable> libtet.so.1.5 libstdc++.so.6 libgcc_s.so.1)
 add_test(NAME house.portable_bakes_a_character_in_an_empty_root
   COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/tests/house/empty_root.py $<TARGET_FILE:fascicle_portable>)
-set_tests_properties(house.portable_fascicle_needs_only_the_c_library
+add_test(NAME house.portable_pair_lists_what_is_in_it
+  COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/tests/house/portable_contents.py ${pair_folder})
+set_tests_properties(house.portable_fascicle_needs_only_the_c_library house.portable_pair_lists_what_is_in_it
   house.portable_mesher_needs_only_its_libraries_beside house.portable_bakes_a_character_in_an_empty_root
   PROPERTIES LABELS short TIMEOUT 600)
 if(FASCICLE_HARDENED AND CMAKE_BUILD_TYPE MATCHES "^(Release|MinSizeRel)$")

@@ -1,0 +1,28 @@
+"""portable_contents.py FOLDER: the list of what is in the portable pair (cmake/sbom.py) names each file with its
+checksum, what is linked into it, and what lies beside it."""
+
+import hashlib
+import json
+import os
+import sys
+
+LIST = "fascicle.spdx.json"
+folder = sys.argv[1]
+with open(os.path.join(folder, LIST), encoding="utf-8") as file:
+    listed = json.load(file)
+sums = {}
+for name in sorted(os.listdir(folder)):
+    if name != LIST:
+        with open(os.path.join(folder, name), "rb") as file:
+            sums["./" + name] = hashlib.sha256(file.read()).hexdigest()
+named = {entry["fileName"]: checksum["checksumValue"] for entry in listed["files"]
+         for checksum in entry["checksums"] if checksum["algorithm"] == "SHA256"}
+if named != sums:
+    sys.exit("%s: differs from what lies beside it: %s" % (LIST, sorted(set(named.items()) ^ set(sums.items()))))
+names = {package["SPDXID"]: package["name"] for package in listed["packages"]}
+kinds = {names.get(relation["relatedSpdxElement"], ""): relation["relationshipType"]
+         for relation in listed["relationships"]}
+for part, kind in {"libpng": "STATIC_LINK", "zlib": "STATIC_LINK", "GMP": "STATIC_LINK", "TetGen": "DYNAMIC_LINK",
+                   "GNU C library": "DYNAMIC_LINK", "assimp": None}.items():
+    if kinds.get(part) != kind:
+        sys.exit("%s: %s is %s, and not %s" % (LIST, part, kinds.get(part), kind))
