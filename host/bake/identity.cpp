@@ -75,11 +75,10 @@ struct FieldHash {
   Hash& hash;
 };
 
-std::string text_hash(const std::string& text) {
-  return base::hash_text(XXH3_64bits(text.data(), text.size()));
-}
-
 constexpr const char* end_name = "end";
+constexpr const char* model_name = "model";
+// Of what the scene's text says; other names are of what comes of it.
+constexpr const char* key_prefix = "the key ";
 constexpr const char* formats_name = "--format";
 // Of a checkpoint alone: formats whose files are not there, or not whole.
 constexpr const char* anew_name = "begun anew";
@@ -112,7 +111,7 @@ std::uint64_t model_hash(const model::Model& model) {
 Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOptions& options) {
   Identity identity{{"the version of fascicle", base::fascicle_version},
                     {"the solver's version", base::number_text(base::solver_version)},
-                    {"model", base::hash_text(hash)},
+                    {model_name, base::hash_text(hash)},
                     {"fps", base::number_text(scene.fps)},
                     {"start", base::number_text(scene.start)},
                     {end_name, base::number_text(scene.end)},
@@ -134,7 +133,8 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
     identity.emplace_back(
         "the content of " + name + (number > 1 ? " (" + base::number_text(number) + ")" : ""), file_hash);
   }
-  identity.emplace_back("the scene's keys (hash)", text_hash(scene::keys_text_without_end(scene)));
+  for (auto& [key, value] : scene::keys_without_end(scene))
+    identity.emplace_back(key_prefix + key, std::move(value));
   std::vector<std::string> formats = options.formats;
   std::sort(formats.begin(), formats.end());
   identity.emplace_back(formats_name, in_one_line(formats));
@@ -170,11 +170,34 @@ std::vector<Difference> differences(const Identity& before, const Identity& now)
   return found;
 }
 
+namespace {
+
+// What follows from a key that differs: scene.fps says all that fps does.
+bool follows(const std::string& name, const std::vector<Difference>& differences) {
+  return std::any_of(differences.begin(), differences.end(), [&](const Difference& one) {
+    if (!one.name.starts_with(key_prefix)) return false;
+    const std::string key = one.name.substr(std::string_view(key_prefix).size());
+    return name == model_name || key == name || key.starts_with(name + '.') || key.ends_with('.' + name);
+  });
+}
+
+// A list of numbers may be as long as a mesh.
+std::string shown(const std::string& value) {
+  constexpr std::size_t longest = 80;
+  if (value.empty()) return "nothing";
+  if (value.size() <= longest) return value;
+  std::size_t end = longest;
+  while (end > 0 && (static_cast<unsigned char>(value[end]) & 0xc0u) == 0x80u) --end;
+  return value.substr(0, end) + "...";
+}
+
+}  // namespace
+
 std::string text_of(const std::vector<Difference>& differences) {
-  const auto quoted = [](const std::string& value) { return value.empty() ? std::string("nothing") : value; };
   std::string text;
   for (const Difference& one : differences)
-    text += (text.empty() ? "" : "; ") + one.name + " was " + quoted(one.was) + " and is " + quoted(one.is);
+    if (!follows(one.name, differences))
+      text += (text.empty() ? "" : "; ") + one.name + " was " + shown(one.was) + " and is " + shown(one.is);
   return text;
 }
 

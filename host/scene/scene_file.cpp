@@ -397,13 +397,13 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   return scene;
 }
 
-std::string keys_text_without_end(const Scene& scene) {
+std::vector<std::pair<std::string, std::string>> keys_without_end(const Scene& scene) {
   toml::table root = parse_toml(scene.text, scene.source);
   if (toml::table* table = root["scene"].as_table()) {
     table->erase("end");
     if (table->empty()) root.erase("scene");
   }
-  return write_scene(root);
+  return keys_and_values(root);
 }
 
 std::string documented_text(const Scene& scene) {

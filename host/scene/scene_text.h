@@ -2,13 +2,16 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "host/scene/scene.h"
 
 namespace fascicle::scene {
 
-// In its keys but scene.end: comments, order and spelling are gone. Two scenes with one such text are the
-// same but for where they end.
-std::string keys_text_without_end(const Scene& scene);
+// Its keys but scene.end, as "layers.fat.alpha", with their values as TOML in one line: comments, order and
+// spelling are gone. Two scenes with the same keys are the same but for where they end and the order of their
+// tables.
+std::vector<std::pair<std::string, std::string>> keys_without_end(const Scene& scene);
 
 }  // namespace fascicle::scene

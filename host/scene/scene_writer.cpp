@@ -47,6 +47,22 @@ void write_value(std::ostream& out, const toml::node& node) {
   }
 }
 
+void add_keys(const toml::table& table, const std::string& path,
+              std::vector<std::pair<std::string, std::string>>& keys) {
+  for (const auto& [name, node] : in_order(table)) {
+    std::ostringstream key, value;
+    key << path;
+    write_name(key, name->str());
+    const toml::table* inner = node->as_table();
+    if (inner != nullptr && !inner->empty()) {
+      add_keys(*inner, key.str() + '.', keys);
+      continue;
+    }
+    write_value(value, *node);
+    keys.emplace_back(key.str(), value.str());
+  }
+}
+
 bool is_header(const Key& key) {
   return key.type == KeyType::table || key.type == KeyType::named_tables;
 }
@@ -167,6 +183,12 @@ std::string write_scene(const toml::table& root) {
   write_table(out, root, scene_table(), "");
   const std::string text = out.str();
   return text.starts_with('\n') ? text.substr(1) : text;
+}
+
+std::vector<std::pair<std::string, std::string>> keys_and_values(const toml::table& root) {
+  std::vector<std::pair<std::string, std::string>> keys;
+  add_keys(root, "", keys);
+  return keys;
 }
 
 std::string write_documented_scene(const toml::table& root, std::span<const char* const> left_out) {

@@ -315,7 +315,18 @@ TEST(BakeResume, TakesOtherCommentsAndRefusesOtherKeys) {
   scene.text = "# what I saw of it\n" + text + "# and more\n";
   bake_until(options, scene, 4);
   scene.text = text + "jitter = 0.1\n";
-  EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, scene); }), "the scene's keys"));
+  EXPECT_TRUE(contains(message_of<BakeError>([&] { fake_bake_into(options, scene); }),
+                       "the key bar.jitter was absent and is 0.1;"));
+  // What follows from a key is not said again, and long values are not said whole.
+  std::string many = "1.0";
+  for (int k = 0; k < 99; ++k) many += ", 1.0";
+  scene.text = "[scene]\nfps = 30\n[bar]\nsize = [1.0, 1.0, " + many + "]\n";
+  scene.fps = 30.0;
+  const std::string message = message_of<BakeError>([&] { fake_bake_into(options, scene); });
+  EXPECT_TRUE(contains(message, "the key scene.fps was 24 and is 30")) << message;
+  EXPECT_FALSE(contains(message, "; fps was")) << message;
+  EXPECT_TRUE(contains(message, "the key bar.size was [1.0, 1.0, 1.0] and is [1.0, 1.0, 1.0, ")) << message;
+  EXPECT_LT(message.size(), 600u) << message;
 }
 
 // Until its files are whole, none of the formats can be left out.
