@@ -4,7 +4,10 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <string>
+#include <string_view>
 
+#include "host/base/text.h"
 #include "host/scene/scene_check.h"
 
 namespace fascicle::scene {
@@ -12,9 +15,14 @@ namespace {
 
 // Whole, so that a bake goes on with --resume however its file is spelled.
 std::string in_quotes(const std::filesystem::path& path) {
+  const std::string whole = std::filesystem::absolute(path).lexically_normal().string();
+  for (std::string_view rest = whole; !rest.empty();)
+    if (!base::take_code_point(rest))
+      throw SceneError(path.string() +
+                       ": the name of the file, or of a folder that it is in, is not UTF-8, as the text of a "
+                       "scene has to be; rename it");
   std::ostringstream out;
-  out << toml::toml_formatter{
-      toml::value<std::string>(std::filesystem::absolute(path).lexically_normal().string())};
+  out << toml::toml_formatter{toml::value<std::string>(whole)};
   return out.str();
 }
 

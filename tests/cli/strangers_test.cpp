@@ -14,6 +14,7 @@
 
 #include "host/cli/shown_output.h"
 #include "host/cli/text.h"
+#include "tests/cli/changed_glb.h"
 #include "tests/cli/program.h"
 
 namespace fascicle::tests {
@@ -100,6 +101,31 @@ TEST(Strangers, FilesInAFolderOfABakeAreFiles) {
     fs::remove(bake + "/" + name);
     fs::rename(bake + "/kept", bake + "/" + name);
   }
+}
+
+// In centimetres or of a doll: what its scene says is written for its size.
+TEST(Strangers, CharactersOfAnySizeAreBaked) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(fascicle({"bake", "arm", "--end", "0.05", "--device", "cpu", "-o", folder / "arm"}).status, 0);
+  const auto scaled = [&](double scale) {
+    const std::string path = folder / "scaled.glb";
+    fs::copy_file(folder / "arm/character.glb", path, fs::copy_options::overwrite_existing);
+    change_glb(path, [&](nlohmann::json& document) {
+      nlohmann::json& roots = document["scenes"][0]["nodes"];
+      document["nodes"].push_back(
+          {{"name", "scaled"}, {"children", roots}, {"scale", {scale, scale, scale}}});
+      roots = {document["nodes"].size() - 1};
+    });
+    return fascicle({"bake", path, "--end", "0.05", "--device", "cpu", "--overwrite", "-o", folder / "out"});
+  };
+  for (const double scale : {0.0008, 0.04, 0.2, 300.0}) {
+    const Outcome outcome = scaled(scale);
+    EXPECT_EQ(outcome.status, 0) << scale << ": " << outcome.err;
+  }
+  const Outcome huge = scaled(1e6);
+  EXPECT_EQ(huge.status, 3);
+  EXPECT_TRUE(contains(huge.err, "the character is ") && contains(huge.err, "scale it to metres"))
+      << huge.err;
 }
 
 TEST(Strangers, DeepKeysAreBadInput) {

@@ -443,6 +443,21 @@ TEST(LoadScene, TakesABareMeshOfAnySize) {
   }
 }
 
+// The scene's text names the file, and is UTF-8.
+TEST(LoadScene, ABareFileWithANameThatIsNoTextIsRefusedByIt) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "caf\xe9");
+  for (const char* name : {"b\xe9.off", "caf\xe9/b.off"}) {
+    const std::string path = (folder.path() / name).string();
+    write_tetrahedron_of_size(path, 1.0);
+    const std::string text = refusal(path, {});
+    EXPECT_TRUE(text.starts_with(path + ": the name of the file")) << text;
+    EXPECT_NE(text.find("rename it"), std::string::npos) << text;
+  }
+  write_tetrahedron_of_size(folder.path() / "caf\xc3\xa9.off", 1.0);
+  EXPECT_EQ(load_scene((folder.path() / "caf\xc3\xa9.off").string()).layers.size(), 1u);
+}
+
 // The scene that a bare mesh gets has lines that its user never sees: a size that no layer can be stated for
 // is told as a size.
 TEST(LoadScene, ABareMeshOfAWrongUnitIsToldItsSize) {
