@@ -17,9 +17,11 @@ this page.
 ## Sanitizers
 
 `./do sanitize` builds the presets `asan` (addresses, leaks, undefined behaviour) and `tsan` (threads), with all asserts
-and the standard library's checks, and runs the suite. Reports are counted from the sanitizers' own files, of every
-process that a test starts, so that none is lost in a test that expects a failure. First a planted flaw of each kind
-must be reported.
+and the standard library's checks, and runs the suite, but for `exactness` and `reliability`: the one looks at what is
+given away, the other preloads a library, which goes around a sanitizer's calls. Reports are counted from the
+sanitizers' own files, of every process that a test starts, so that none is lost in a test that expects a failure;
+undefined behaviour ends the process by SIGABRT, which no test expects. First a planted flaw of each kind must be
+reported, and the programs that were built must have the sanitizer in them.
 
 %(sanitizers)s
 ## Coverage
@@ -32,7 +34,8 @@ lets them write no counts. First a program of which a part never runs must be co
 ## Planted faults
 
 `./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the resuming of
-bakes: a comparison turned, a sign, a bound, a statement left out. It builds, and runs the room's tests until one fails.
+bakes: a comparison turned, a sign, a bound, a statement left out. Lines with a text in them and lines that throw stay as
+they are. It builds, and runs the room's tests until one fails.
 Before that the tests must pass over the sources as they are.
 
 %(mutants)s"""

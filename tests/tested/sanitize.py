@@ -72,6 +72,15 @@ def control(preset, temporary):
             sys.exit("sanitize: %s: a planted flaw went unseen: %s" % (preset, word))
 
 
+def hold_instrumented(preset):
+    """A build without the sanitizer would report nothing."""
+    word = {"asan": b"__asan_report_load8", "tsan": b"__tsan_read8"}[preset]
+    for name in ("fascicle", "test_bake"):
+        with open(os.path.join(page.ROOT, "build", preset, name), "rb") as file:
+            if word not in file.read():
+                sys.exit("sanitize: build/%s/%s was built without the sanitizer" % (preset, name))
+
+
 def main():
     if len(sys.argv) < 2 or sys.argv[1] not in PLANTED:
         sys.exit("usage: sanitize.py asan|tsan [--write] [CTEST ARGUMENTS...]")
@@ -81,6 +90,7 @@ def main():
         arguments.remove("--write")
     temporary = tempfile.mkdtemp(prefix="fascicle-sanitize-")
     control(preset, temporary)
+    hold_instrumented(preset)
     logs = os.path.join(page.ROOT, "build", preset, "reports")
     shutil.rmtree(logs, ignore_errors=True)
     os.makedirs(logs)
