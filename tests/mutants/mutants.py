@@ -209,31 +209,28 @@ def main():
     random.seed(seed)
     known = reasons()
     prepare(asked.in_place)
-    rooms, rows = [], []
+    status, ran = 0, {}
     for room in asked.room or ROOMS:
         # In memory, where there is such a folder: tests wait for disks.
         with tempfile.TemporaryDirectory(prefix="fascicle-mutants-", dir=SHARED if os.path.isdir(SHARED) else None,
                                          ignore_cleanup_errors=True) as temporary:
             tried = try_room(room, asked.count, temporary)
-        living = [one for one in tried if one[4] is None]
-        rooms.append([room, len(tried), len(tried) - len(living)])
-        for name, number, line, made, _ in living:
-            why = known.get((name, line, made), UNKNOWN)
-            rows.append(["`%s:%d`" % (name, number), "`%s`" % line.replace("|", "\\|"),
-                         "`%s`" % made.replace("|", "\\|"), why])
-    figures = {"rooms": rooms, "living": rows}
+        living = [["`%s:%d`" % (name, number), *("`%s`" % text.replace("|", "\\|") for text in (line, made)),
+                   known.get((name, line, made), UNKNOWN)] for name, number, line, made, found in tried if not found]
+        ran[room] = {"planted": len(tried), "found": len(tried) - len(living), "living": living}
+        if ran[room]["found"] < LEAST * len(tried):
+            print("mutants: %s: %s were found, below %s" % (room, page.share(ran[room]["found"], len(tried)),
+                                                            page.share(LEAST, 1)))
+            status = 1
+        for row in living:
+            if row[-1] == UNKNOWN:
+                print("mutants: %s: nobody has said why it lives (living.txt)" % row[0])
+                status = 1
+    # Rooms that did not run keep their figures.
+    figures = {"rooms": {**page.kept("mutants").get("rooms", {}), **ran}}
     print("seed %d\n%s" % (seed, page.mutants_text({**figures, "about": ""})))
     if asked.write:
         page.put("mutants", figures)
-    status = 0
-    for room, tried, found in rooms:
-        if found < LEAST * tried:
-            print("mutants: %s: %s were found, below %s" % (room, page.share(found, tried), page.share(LEAST, 1)))
-            status = 1
-    for row in rows:
-        if row[3] == UNKNOWN:
-            print("mutants: %s: nobody has said why it lives (living.txt)" % row[0])
-            status = 1
     return status
 
 

@@ -67,11 +67,14 @@ def coverage_text(figures):
 
 
 def mutants_text(figures):
-    rows = [("`%s`" % room, tried, found, share(found, tried)) for room, tried, found in figures["rooms"]]
-    text = table(("room", "planted", "found", "share"), rows)
-    if figures["living"]:
-        head = ("where", "as it is", "as it was made", "why it lives")
-        text += "\nThose that live:\n\n" + table(head, figures["living"])
+    rooms = figures["rooms"]
+    rows = [("`%s`" % room, one["planted"], one["found"], share(one["found"], one["planted"]))
+            for room, one in rooms.items()]
+    planted, found = (sum(one[key] for one in rooms.values()) for key in ("planted", "found"))
+    text = table(("room", "planted", "found", "share"), [*rows, ("all", planted, found, share(found, planted))])
+    living = [row for one in rooms.values() for row in one["living"]]
+    if living:
+        text += "\nThose that live:\n\n" + table(("where", "as it is", "as it was made", "why it lives"), living)
     return text + "\n" + figures["about"]
 
 
