@@ -26,7 +26,8 @@ TARGETS = {
     "gltf": "`.glb`, `.gltf`: character, rig, looks, the document handed on", "picture": "PNG and JPEG of textures",
     "scene": "scene files", "set": "values of `--set`", "jobs": "lists of jobs", "paint": "paint files",
     "frames": "`frames.fascicle`", "model": "`model.fascicle`", "checkpoint": "`checkpoint`",
-    "start": "a kept start", "manifest": "`manifest.json`", "body": "a kept body", "report": "a kept model's report",
+    "start": "a kept start", "manifest": "`manifest.json`", "metrics": "`metrics.csv`",
+    "record": "a job's record", "batch": "`batch.json`", "body": "a kept body", "report": "a kept model's report",
     "message": "messages to the studio", "session": "the studio's `session.json`",
 }
 # Longer files are the business of test_fuzz, which grows seeds to a mebibyte: the fuzzer is fast with short ones.
@@ -38,9 +39,8 @@ CONTROL, RUNS_OF_CONTROL = "planted", 2000000
 PAGE = """# Fuzzing
 
 What reads files from strangers has a target for clang's libFuzzer, with its sanitizers of addresses, leaks and
-undefined behaviour in the same process (`tests/fuzz`). Four readers have none: FBX and Collada, which
-`fascicle-convert` reads with assimp in a sandbox; what the mesher and the program hand each other; `metrics.csv`; and
-records of jobs.
+undefined behaviour in the same process (`tests/fuzz`). Two readers have none: FBX and Collada, which
+`fascicle-convert` reads with assimp in a sandbox, and what the mesher and the program hand each other.
 
 A reader takes its bytes or refuses them by the error that its header names, in one line; all else is a crash: another
 exception, a read or write out of bounds, a leak, undefined behaviour, one allocation or a process of more than %d MiB,

@@ -33,8 +33,11 @@ bool model(std::string_view bytes);
 bool checkpoint(std::string_view bytes);
 bool start(std::string_view bytes);  // of a bake, in the cache
 bool manifest(std::string_view bytes);
-bool body(std::string_view bytes);    // in the cache
-bool report(std::string_view bytes);  // of a kept model, in the cache
+bool metrics(std::string_view bytes);  // metrics.csv
+bool record(std::string_view bytes);   // of a job
+bool batch(std::string_view bytes);    // batch.json
+bool body(std::string_view bytes);     // in the cache
+bool report(std::string_view bytes);   // of a kept model, in the cache
 // The studio's.
 bool message(std::string_view bytes);
 bool session(std::string_view bytes);

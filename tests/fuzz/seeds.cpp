@@ -9,6 +9,7 @@ std::vector<Seed> seeds() {
   add_scene_seeds(all);
   add_bake_seeds(all);
   add_build_seeds(all);
+  add_cli_seeds(all);
   add_studio_seeds(all);
   return all;
 }

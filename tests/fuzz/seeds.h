@@ -12,6 +12,7 @@ void add_gltf_seeds(std::vector<Seed>& seeds);
 void add_scene_seeds(std::vector<Seed>& seeds);
 void add_bake_seeds(std::vector<Seed>& seeds);
 void add_build_seeds(std::vector<Seed>& seeds);
+void add_cli_seeds(std::vector<Seed>& seeds);
 void add_studio_seeds(std::vector<Seed>& seeds);
 
 }  // namespace fascicle::fuzz

@@ -1,0 +1,45 @@
+#include <fstream>
+#include <iterator>
+
+#include "host/base/helper_program.h"
+#include "host/cli/batch_summary.h"
+#include "host/cli/job_record.h"
+#include "host/scene/jobs.h"
+#include "tests/fuzz/seeds.h"
+
+namespace fascicle::fuzz {
+namespace {
+
+std::string content_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+}  // namespace
+
+void add_cli_seeds(std::vector<Seed>& seeds) {
+  seeds.push_back(
+      {"metrics", "two", "frame,time,volume,tip_x\n0,0,0.0625,1e-3\n1,0.016666666666666666,0.06,nan\n"});
+  seeds.push_back({"metrics", "quoted", "frame,\"a \"\"name\"\", of two\"\n0,1\n"});
+  const base::TemporaryFolder folder;
+  cli::write_job_record(folder.path(), "job",
+                        {.host = "node7",
+                         .process = 42,
+                         .device = "cpu",
+                         .exit_status = 3,
+                         .error = "bad",
+                         .warnings = {"a", "b"}});
+  seeds.push_back({"record", "ended", content_of(cli::job_record_file(folder.path(), "job"))});
+  cli::SummaryRow row;
+  row.job = "walk";
+  row.folder = folder.path() / "walk";
+  row.set = {"layers.fat.alpha=0.5"};
+  row.formats = {"pc2"};
+  row.exit_status = 0;
+  cli::SummaryRow other = row;
+  other.exit_status = std::nullopt;
+  cli::write_batch_summary(folder.path(), {row, other});
+  seeds.push_back({"batch", "two", content_of(folder.path() / scene::batch_summary)});
+}
+
+}  // namespace fascicle::fuzz
