@@ -40,7 +40,8 @@
 #                         writes them into docs/tests.md, --missed lists files (an hour)
 #   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
 #                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
-#   ./do soak             the long exactness and fuzzing runs that CI has a short form of
+#   ./do soak [SHARE]     all long runs that CI has a short form of, or a share of their counts: exactness, reliability,
+#                         fuzzing, sanitizers, coverage, planted faults; they write their pages (days; 0.01: hours)
 set -eu
 cd "$(dirname "$0")"
 
@@ -392,7 +393,20 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
   soak)
     need $build_packages $run_packages $test_packages
     build release -DFASCICLE_TESTS=ON
-    exec tests/soak.sh build/release
+    failed=""
+    # One that finds something keeps none of the others from running, and none runs without an end.
+    step() { timeout 24h "$@" || failed="$failed
+do: soak: failed, or took more than 24 hours: $*"; }
+    counted() { awk "BEGIN { count = int($1 * ${share}); print count > 0 ? count : 1 }"; }
+    share=${1:-1}
+    step tests/soak.sh build/release
+    step ./do reliability --share "$share" --write
+    step ./do fuzz --runs "$(counted 10000000)" --write
+    step ./do sanitize asan --write
+    step ./do sanitize tsan --write
+    step ./do coverage --write
+    step ./do mutants --count "$(counted 40)" --write
+    [ -z "$failed" ] || { echo "$failed" >&2; exit 1; }
     ;;
   *)
     sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
