@@ -2,7 +2,10 @@
 #include "host/build/fibre.h"
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include <Eigen/QR>
 #include <gtest/gtest.h>
@@ -322,6 +325,34 @@ TEST(FibreDirections, OfAModelComeFromTheField) {
     }
   }
   EXPECT_GT(muscle, 300u);
+}
+
+// Counted again, of the tetrahedra's edges and of the directions as the model has them, which are all of the
+// field's where no layer is without one.
+TEST(FibreDirections, AreCountedAsTheyAre) {
+  scene::Scene scene = boned_bar();
+  scene.layers.pop_back();
+  build::Report report;
+  const model::Model model = build::build_model(scene, report);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (std::size_t t = 0; t < model.tetrahedron_count(); ++t)
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b)
+        if (const std::uint32_t i = model.tetrahedron[4 * t + a], j = model.tetrahedron[4 * t + b]; i < j)
+          edges.insert({i, j});
+  std::uint32_t directed = 0, flipped = 0, bent = 0;
+  for (const auto& [i, j] : edges) {
+    const auto of = [&](std::uint32_t k) {
+      return Vector3d(model.fibre[3 * k], model.fibre[3 * k + 1], model.fibre[3 * k + 2]);
+    };
+    if (of(i) == Vector3d::Zero() || of(j) == Vector3d::Zero()) continue;
+    ++directed;
+    flipped += of(i).dot(of(j)) < 0.0 ? 1u : 0u;
+    bent += std::abs(of(i).dot(of(j))) < 0.5 ? 1u : 0u;
+  }
+  EXPECT_EQ(report.fibres.edges, directed);
+  EXPECT_EQ(report.fibres.flipped_edges, flipped);
+  EXPECT_EQ(report.fibres.bent_edges, bent);
 }
 
 TEST(FibreDirections, NeedSomethingThatLeadsThem) {

@@ -35,8 +35,8 @@ lets them write no counts. First a program of which a part never runs must be co
 
 `./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the resuming of
 bakes: a comparison turned, a sign, a bound, a statement left out. Lines with a text in them and lines that throw stay as
-they are. It builds, and runs the room's tests until one fails.
-Before that the tests must pass over the sources as they are.
+they are. It builds, and runs the room's tests until one fails. Before that the tests must pass over the sources as they
+are.
 
 %(mutants)s"""
 
@@ -104,8 +104,16 @@ def put(section, figures):
     """Replaces the section's figures, and writes the page anew."""
     sections = all_kept()
     sections[section] = {**figures, "about": about()}
+    write(sections)
+
+
+def write(sections):
     texts = {name: text(sections[name]) if name in sections else "Not measured yet.\n" for name, text in TEXTS.items()}
     for path, text in ((FIGURES, json.dumps(sections, indent=1) + "\n"), (FILE, PAGE % texts)):
         with open(path + ".new", "w") as file:
             file.write(text)
         os.rename(path + ".new", path)
+
+
+if __name__ == "__main__":  # the same figures in the words above
+    write(all_kept())
