@@ -332,6 +332,12 @@ TEST(FibreDirections, OfAModelComeFromTheField) {
 TEST(FibreDirections, AreCountedAsTheyAre) {
   scene::Scene scene = boned_bar();
   scene.layers.pop_back();
+  scene.bones.clear();
+  // Around a bend the lines turn by half a turn: somewhere one must point against the next.
+  scene.fibres = {
+      {"bend",
+       {{0.35, 0.01, 0.04}, {0.12, 0.01, 0.04}, {0.1, 0.04, 0.04}, {0.12, 0.07, 0.04}, {0.35, 0.07, 0.04}},
+       0.02}};
   build::Report report;
   const model::Model model = build::build_model(scene, report);
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
@@ -351,6 +357,7 @@ TEST(FibreDirections, AreCountedAsTheyAre) {
     bent += std::abs(of(i).dot(of(j))) < 0.5 ? 1u : 0u;
   }
   EXPECT_EQ(report.fibres.edges, directed);
+  EXPECT_GT(flipped, 0u);
   EXPECT_EQ(report.fibres.flipped_edges, flipped);
   EXPECT_EQ(report.fibres.bent_edges, bent);
 }
