@@ -5,6 +5,7 @@ import os
 import random
 import shutil
 import signal
+import struct
 import subprocess
 import tempfile
 import time
@@ -15,6 +16,7 @@ OF_ITS_RUN = ("manifest.json", "checkpoint")
 UNFINISHED = (".part", ".tmp")
 # Grows frame by frame under its own name; the checkpoint says how far it counts.
 GROWING = "frames.fascicle"
+HEADER_BYTES = 104  # of it; a record a frame follows
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 3, 75
 
@@ -40,7 +42,8 @@ def must_be_found(check, text):
 def files(folder):
     """{path below the folder: bytes} of what is published, but for what says how the bake ran."""
     found = {}
-    for parent, _, names in os.walk(folder):
+    for parent, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if not name.endswith(UNFINISHED)]
         for name in names:
             path = os.path.join(parent, name)
             if name in OF_ITS_RUN or name.endswith(UNFINISHED):
@@ -59,6 +62,67 @@ def manifest(folder):
         return None
     except ValueError as error:
         raise Broken("%s: a manifest that is torn: %s" % (folder, error)) from error
+
+
+def frame_of_checkpoint(folder):
+    """The frame after which a resumed bake goes on; None where there is none, and it begins anew."""
+    try:
+        with open(os.path.join(folder, "checkpoint"), "rb") as file:
+            content = file.read()
+        of_identity = struct.unpack_from("<8sII", content)[2]
+        return struct.unpack_from("<Q", content, 16 + of_identity)[0]
+    except FileNotFoundError:
+        return None
+    except struct.error as error:
+        raise Broken("%s: a checkpoint that is torn: %s" % (folder, error)) from error
+
+
+def hold_verified(folder):
+    """No frame that counts is missing, as `fascicle verify` finds it."""
+    if manifest(folder) is not None:
+        done = subprocess.run([PROGRAM, "verify", folder], capture_output=True, text=True)
+        hold(done.returncode == DONE, "%s: verify ended with %d: %s" % (folder, done.returncode, done.stderr))
+
+
+class Kept:
+    """What a folder has at one moment, for a later one. Its frames stay open: no new file gets their inode."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.checkpoint = frame_of_checkpoint(folder)
+        said = manifest(folder)
+        self.runs = None if said is None else said["timings"]["runs"]
+        self.names = set(files(folder))
+        path = os.path.join(folder, GROWING)
+        self.frames = open(path, "rb") if os.path.exists(path) else None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.frames:
+            self.frames.close()
+
+    def hold_still_there(self):
+        """Nothing was lost, but where no checkpoint was: then a resumed bake begins anew. A stream that is resumed has
+        its unfinished name again."""
+        if self.checkpoint is None:
+            return
+        now = frame_of_checkpoint(self.folder)
+        hold(now is not None and now >= self.checkpoint,
+             "%s: the checkpoint was of frame %d, and is of %s" % (self.folder, self.checkpoint, now))
+        for name in self.names:
+            path = os.path.join(self.folder, name)
+            hold(os.path.exists(path) or os.path.exists(path + ".part"), path + ": was there, and is lost")
+
+    def hold_gone_on(self):
+        """A resumed bake has gone on with what was there: the same file of frames, and one run more."""
+        said = manifest(self.folder)["timings"]["runs"]
+        hold(self.runs is not None and said == self.runs + 1,
+             "%s: run %s went on, and the manifest counts %d runs" % (self.folder, self.runs, said))
+        now = os.stat(os.path.join(self.folder, GROWING))
+        hold(self.frames and os.path.samestat(os.fstat(self.frames.fileno()), now),
+             "%s/%s: is another file: the bake began anew" % (self.folder, GROWING))
 
 
 class Bake:
@@ -134,6 +198,25 @@ class Bake:
                 whole = whole[:len(content)]
             hold(content == whole, "%s/%s: has other bytes" % (folder, name))
 
+    def record_bytes(self):
+        return (len(self.whole[GROWING]) - HEADER_BYTES) // len(self.hashes)
+
+    def frames_in(self, folder):
+        """Whole frames that are written."""
+        try:
+            size = os.path.getsize(os.path.join(folder, GROWING))
+        except FileNotFoundError:
+            return 0
+        return max(0, size - HEADER_BYTES) // self.record_bytes()
+
+    def hold_counted(self, folder):
+        """What is published has its bytes, and no frame is missing that the checkpoint or the manifest counts."""
+        self.hold_published(folder)
+        checkpoint = frame_of_checkpoint(folder)
+        hold(checkpoint is None or self.frames_in(folder) > checkpoint,
+             "%s: %d frames, and the checkpoint is of frame %s" % (folder, self.frames_in(folder), checkpoint))
+        hold_verified(folder)
+
     def hold_whole(self, folder):
         self.hold_published(folder)
         missing = set(self.whole) - set(files(folder))
@@ -143,9 +226,14 @@ class Bake:
         hold(manifest(folder)["position_hashes"] == self.hashes, folder + ": other position hashes")
 
     def resume(self, folder, *more):
-        done = self.run(folder, "--resume", *more)
-        hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
-        self.hold_whole(folder)
+        """To its end. Whether there was a checkpoint, and it went on from there."""
+        with Kept(folder) as kept:
+            done = self.run(folder, "--resume", *more)
+            hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
+            self.hold_whole(folder)
+            if kept.checkpoint is not None:
+                kept.hold_gone_on()
+            return kept.checkpoint is not None
 
 
 def end_by(process, number):
@@ -158,15 +246,16 @@ def end_by(process, number):
 
 
 def small_bakes():
-    """A bar with a file a frame, a character whose body is kept, and one whose body is built in every run."""
+    """A bar with a file a frame, a character whose body is kept, in all formats, and one whose body is built and comes
+    to rest in every run."""
     character = ["crouch", "--set", "character.resolution=0.12", "--set", "motion.hold=0.0", "--end", "0.3"]
     return [Bake("bar", ["bar-hang-none", "--end", "3", "--format", "pc2,obj"]),
-            Bake("bear", [*character, "--format", "pc2,glb"]),
-            Bake("built-bear", [*character, "--format", "abc"], keeps_cache=False)]
+            Bake("bear", [*character, "--format", "abc,glb,mdd,obj,pc2,usda,vtp,vtu"]),
+            Bake("built-bear", [*character, "--set", "motion.settle=0.2", "--format", "abc"], keeps_cache=False)]
 
 
 def killed_at_work(bake, folder, *more):
-    """Starts it and kills it at a random moment; whether it was still at work. Where a bake from the start was over
+    """Starts it and kills it at a random moment; whether it was still at work. Where one from the start was over
     before, the next moments are earlier: how long one takes depends on what else the machine does."""
     process = bake.start(folder, *more)
     time.sleep(bake.moment())
@@ -175,3 +264,39 @@ def killed_at_work(bake, folder, *more):
     if not was_at_work and not more:
         bake.seconds *= 0.8
     return was_at_work
+
+
+def control_of_files(bakes):
+    """A whole bake of which one file is torn, and one whose frames are of another bake."""
+    bake = bakes[0]
+    folder = bake.empty_folder()
+    shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
+    bake.hold_whole(folder)
+    path = os.path.join(folder, max(bake.whole, key=lambda name: len(bake.whole[name])))
+    with open(path, "r+b") as file:
+        file.truncate(os.path.getsize(path) // 2)
+    must_be_found(lambda: bake.hold_whole(folder), "half a file")
+    if os.path.basename(path) == GROWING:
+        must_be_found(lambda: hold_verified(folder), "frames that are missing")
+    with open(path, "r+b") as file:
+        file.write(b"?")
+    must_be_found(lambda: bake.hold_published(folder), "another byte")
+    shutil.rmtree(folder)
+
+
+def control_of_going_on(bakes):
+    """A bake that is cut off, and loses its checkpoint, begins anew; and one that loses a file."""
+    bake = bakes[0]
+    folder = bake.empty_folder()
+    shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
+    with Kept(folder) as kept:
+        os.remove(os.path.join(folder, "checkpoint"))
+        must_be_found(kept.hold_still_there, "a checkpoint that is lost")
+        done = bake.run(folder, "--resume")
+        hold(done.returncode == DONE, done.stderr)
+        bake.hold_whole(folder)
+        must_be_found(kept.hold_gone_on, "a bake that begins anew")
+    with Kept(folder) as kept:
+        os.remove(os.path.join(folder, "surface.pc2"))
+        must_be_found(kept.hold_still_there, "a file that is lost")
+    shutil.rmtree(folder)

@@ -2,7 +2,6 @@
 against an undisturbed one. A row returns its figure; it raises Broken where something does not hold. Each has a
 control: the same checks against a program that is not careful, which they must find out."""
 
-import errno
 import json
 import os
 import random
@@ -13,93 +12,25 @@ import subprocess
 import sys
 import time
 
-from bakes import BAD_INPUT, DONE, FAILED, INTERRUPTED, PROGRAM, Broken, hold, killed_at_work, manifest, must_be_found
+from bakes import BAD_INPUT, DONE, INTERRUPTED, PROGRAM, control_of_files, hold, must_be_found
 from company import clashes, drivers, load
+from disk import disk_fails
+from durable import durable
 from hostile_names import names
 from hostile_parameters import parameters
 from hostile_surfaces import surfaces
+from killed import killed
 from layers import layers
 from memory import memory
+from stopped import PATIENCE, stopped
 
 
 HEAD_BYTES = 128  # of a file, with all of its header
-PATIENCE = 120.0  # s, for what is over at once on a machine that is not busy
 
 
 def in_turns(bakes, count):
     for k in range(count):
         yield bakes[k % len(bakes)]
-
-
-def control_of_files(bakes):
-    """A whole bake of which one file is torn, and one whose frames are of another bake."""
-    bake = bakes[0]
-    folder = bake.empty_folder()
-    shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
-    bake.hold_whole(folder)
-    path = os.path.join(folder, max(bake.whole, key=lambda name: len(bake.whole[name])))
-    with open(path, "r+b") as file:
-        file.truncate(os.path.getsize(path) // 2)
-    must_be_found(lambda: bake.hold_whole(folder), "half a file")
-    with open(path, "r+b") as file:
-        file.write(b"?")
-    must_be_found(lambda: bake.hold_published(folder), "another byte")
-    shutil.rmtree(folder)
-
-
-def killed(bakes, count):
-    """SIGKILL at random moments, several times in a row, until the bake comes to its end."""
-    control_of_files(bakes)
-    kills = late = 0
-    while kills < count:
-        for bake in bakes:
-            folder = bake.empty_folder()
-            more = ()
-            for _ in range(random.randint(1, 4)):
-                if kills == count:
-                    break
-                if killed_at_work(bake, folder, *more):
-                    kills += 1
-                else:
-                    late += 1
-                more = ("--resume",)
-                bake.hold_published(folder)
-            bake.resume(folder)
-            shutil.rmtree(folder)
-        hold(late <= 20 + 5 * kills, "hardly any bake was at work when it was killed: %d of %d" % (kills, kills + late))
-    return "%d kills at work, %d more came too late; every file has the bytes of an unbroken bake" % (kills, late)
-
-
-def stopped(bakes, count):
-    """SIGTERM and SIGINT at random moments; one in four twice."""
-    control_of_files(bakes)
-    stops = twice = 0
-    for k, bake in enumerate(in_turns(bakes, count)):
-        folder = bake.empty_folder()
-        process = bake.start_listening(folder)
-        time.sleep(bake.moment())
-        number = (signal.SIGTERM, signal.SIGINT)[k % 2]
-        try:
-            os.kill(process.pid, number)
-            if k % 4 == 3:
-                os.kill(process.pid, number)
-                twice += 1
-        except ProcessLookupError:
-            pass
-        try:
-            _, text = process.communicate(timeout=PATIENCE)
-        except subprocess.TimeoutExpired:
-            raise Broken(folder + ": it goes on after a signal") from None
-        hold(process.returncode in (DONE, INTERRUPTED, 128 + number, -number),
-             "%s: signal %d ended it with %d: %s" % (folder, number, process.returncode, text))
-        if k % 4 != 3:
-            hold(process.returncode in (DONE, INTERRUPTED), "%s: ended with %d" % (folder, process.returncode))
-        stops += process.returncode == INTERRUPTED
-        bake.hold_published(folder)
-        bake.resume(folder)
-        shutil.rmtree(folder)
-    return "%d signals, %d twice; %d ended with 75, the others came too late; each went on to the same bytes" % (
-        count, twice, stops)
 
 
 def resumed(bakes, count):
@@ -199,57 +130,9 @@ def batches_stopped(bakes, count):
     return "%d batches; no child stayed, and each went on to the same bytes" % count
 
 
-def calls_in(path):
-    """What failing_calls.cpp counted: of the process that made most of them."""
-    hold(os.path.exists(path), "no call was seen: the library is not preloaded, or has nothing to say")
-    with open(path) as file:
-        return max(int(line) for line in file)
-
-
-def disk_fails(bakes, count):
-    """The k-th call that changes a file fails: once (an I/O error) or all from there on (a full disk)."""
-    library = os.environ.get("FASCICLE_FAILING_CALLS", "")
-    hold(os.path.exists(library), "FASCICLE_FAILING_CALLS names no library")
-    failed = survived = 0
-    for k, bake in enumerate(in_turns(bakes, count)):
-        folder = bake.empty_folder()
-        plan = {"LD_PRELOAD": library, "FAILING_FOLDER": folder, "FAILING_CALL": "0",
-                "FAILING_COUNT": folder + ".calls", "FAILING_ERROR": str(errno.ENOSPC)}
-        if not hasattr(bake, "calls"):
-            counted = bake.run(folder, **plan)
-            hold(counted.returncode == DONE, counted.stderr)
-            bake.calls = calls_in(folder + ".calls")
-            hold(bake.calls > 10, "%s: hardly any call was seen" % bake.name)
-            os.remove(folder + ".calls")
-            shutil.rmtree(folder)
-            os.mkdir(folder)
-        is_once = k % 2 == 0
-        plan.update(FAILING_CALL=str(random.randint(1, bake.calls)), FAILING_MODE="once" if is_once else "from",
-                    FAILING_ERROR=str(errno.EIO if is_once else errno.ENOSPC))
-        done = bake.run(folder, **plan)
-        bake.hold_published(folder)
-        if done.returncode == DONE:
-            survived += 1  # nothing rests on it, or the bake was over: checkpoints go by the clock
-            hold(is_once or calls_in(folder + ".calls") < int(plan["FAILING_CALL"]),
-                 "%s: call %s and all after it failed, and nobody noticed" % (folder, plan["FAILING_CALL"]))
-        else:
-            failed += 1
-            hold(done.returncode == FAILED, "%s: ended with %d: %s" % (folder, done.returncode, done.stderr))
-            reason = os.strerror(errno.EIO if is_once else errno.ENOSPC)
-            hold(reason in done.stderr, "%s: the message does not say why: %s" % (folder, done.stderr))
-            said = manifest(folder)
-            if is_once and said is not None:
-                hold(said["status"] == "failed" and reason in said["message"],
-                     "%s: the manifest says %s after %s" % (folder, said["status"], done.stderr))
-        bake.resume(folder)
-        shutil.rmtree(folder)
-    text = "%d calls failed: %d ended the bake with 1 and the reason, %d were not needed; all went on to the same bytes"
-    return text % (count, failed, survived)
-
-
 def damages(content, count):
-    """(what is left of the content, what was done to it): each bit of the first bytes in turn, an end at each 4 KiB, then
-    a bit anywhere."""
+    """(what is left of the content, what was done to it): each bit of the first bytes in turn, an end at each 4 KiB,
+    then a bit anywhere."""
     size = len(content)
 
     def flipped(at, bit):
@@ -398,9 +281,10 @@ def outside(bakes, count):
 ROWS = (
     ("killed", killed, 1000, 4),
     ("stopped", stopped, 400, 4),
+    ("durable", durable, 18, 9),
     ("resumed", resumed, 200, 2),
     ("batches", batches_stopped, 60, 3),
-    ("disk", disk_fails, 200, 5),
+    ("disk", disk_fails, 200, 9),
     ("damaged", damaged, 12000, 40),
     ("outside", outside, 12, 3),
     ("surfaces", surfaces, 5000, 6),

@@ -1,0 +1,314 @@
+"""Disks that fail under bakes, exports, pictures, batches and the cache: full, broken, or with a limit on files."""
+
+import errno
+import os
+import random
+import resource
+import shutil
+import subprocess
+import sys
+
+from bakes import (DONE, FAILED, PROGRAM, control_of_files, control_of_going_on, files, hold, manifest,
+                   must_be_found)
+from killed import export_of
+
+# Goes on as if nothing had happened where the disk says no; the count: how much it still says.
+SWALLOWS = """import os, sys
+with open(sys.argv[1], "wb", buffering=0) as file:
+    for _ in range(100):
+        try:
+            file.write(b"x" * 1000)
+        except OSError as error:
+            if sys.argv[2] != "silent":
+                sys.exit(str(error))
+"""
+
+
+def calls_in(path):
+    """What failing_calls.cpp counted: of the process that made most of them."""
+    hold(os.path.exists(path), "no call was seen: the library is not preloaded, or has nothing to say")
+    with open(path) as file:
+        return max(int(line) for line in file)
+
+
+def hold_noticed(done, number, calls, error, what):
+    """A call that failed ended the program with its reason. Whether one failed: `calls` may be fewer than `number`."""
+    if done.returncode == DONE:
+        hold(calls < number, "%s: call %d of %d failed (%s), and nobody noticed" % (
+            what, number, calls, os.strerror(error)))
+        return False
+    hold(done.returncode == FAILED, "%s: ended with %d: %s" % (what, done.returncode, done.stderr))
+    hold(os.strerror(error) in done.stderr, "%s: the message does not say why: %s" % (what, done.stderr))
+    return True
+
+
+class BakeThere:
+    """A bake whose output folder fails."""
+
+    def __init__(self, bake):
+        self.bake, self.name = bake, bake.name
+
+    def folder(self):
+        return self.bake.empty_folder()
+
+    def run(self, folder, **more):
+        return self.bake.run(folder, **more)
+
+    def hold_published(self, folder, reason):
+        self.bake.hold_counted(folder)
+        said = manifest(folder)
+        # A disk that takes nothing more takes no manifest.
+        if said is not None and reason:
+            hold(said["status"] == "failed" and reason in said["message"],
+                 "%s: the manifest says %s" % (folder, said["status"]))
+
+    def finish(self, folder):
+        self.bake.resume(folder)
+
+
+class ExportThere:
+    """An export over the files of another one."""
+    name = "export"
+
+    def __init__(self, bake):
+        self.export = export_of(bake)
+
+    def folder(self):
+        return self.export.folder_of_older()
+
+    def run(self, folder, **more):
+        return subprocess.run(self.export.command(folder, "--overwrite"), capture_output=True, text=True,
+                              env={**os.environ, **more})
+
+    def hold_published(self, folder, _):
+        self.export.hold_whole_files(folder)
+
+    def finish(self, folder):
+        self.export.finish(folder)
+
+
+class RenderThere:
+    """A picture of a bake's last frame, and a folder of pictures."""
+    name = "render"
+
+    def __init__(self, bake):
+        self.bake = bake
+        folder = bake.empty_folder()
+        done = self.run(folder)
+        hold(done.returncode == DONE, done.stderr)
+        self.whole = files(folder)
+        shutil.rmtree(folder)
+
+    def folder(self):
+        return self.bake.empty_folder()
+
+    def run(self, folder, *more, **environment):
+        return subprocess.run([PROGRAM, "render", self.bake.folder_of_whole, "--size", "160x120", "-o",
+                               os.path.join(folder, "pictures"), *more],
+                              capture_output=True, text=True, env={**os.environ, **environment})
+
+    def hold_published(self, folder, _):
+        for name, content in files(folder).items():
+            hold(content == self.whole.get(name), "%s/%s: has other bytes" % (folder, name))
+
+    def finish(self, folder):
+        done = self.run(folder, "--overwrite")
+        hold(done.returncode == DONE, "%s: the next render ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(files(folder) == self.whole, folder + ": other pictures")
+
+
+class BatchThere:
+    """Two bars; a call fails in the batch and in each of its bakes."""
+    name = "batch"
+
+    def __init__(self, bake):
+        self.bake = bake
+        self.jobs = os.path.join(bake.root, "disk-jobs.toml")
+        with open(self.jobs, "w") as file:
+            file.write('format = ["pc2"]\n[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=1.0"]\n'
+                       '[job.bar.vary]\n"layers.body.alpha" = [0.3, 0.6]\n')
+        folder = bake.empty_folder()
+        done = self.run(folder)
+        hold(done.returncode == DONE, done.stderr)
+        self.whole = self.files_in(folder)
+        shutil.rmtree(folder)
+
+    def folder(self):
+        return self.bake.empty_folder()
+
+    def run(self, folder, *more, **environment):
+        return subprocess.run([PROGRAM, "batch", self.jobs, "--device", "cpu", "-o", folder, *more],
+                              capture_output=True, text=True, env=self.bake.environment(**environment))
+
+    @staticmethod
+    def files_in(folder):
+        return {name: content for name, content in files(folder).items() if os.sep in name and name[0] != "."}
+
+    def hold_published(self, folder, _):
+        for name, content in self.files_in(folder).items():
+            whole = self.whole.get(name, b"")
+            hold(content == (whole[:len(content)] if name.endswith("frames.fascicle") else whole),
+                 "%s/%s: has other bytes" % (folder, name))
+        if os.path.exists(os.path.join(folder, "batch.json")):
+            done = subprocess.run([PROGRAM, "batch", "status", folder], capture_output=True, text=True)
+            hold("damaged" not in done.stderr, "%s: batch.json: %s" % (folder, done.stderr))
+
+    def finish(self, folder):
+        done = self.run(folder, "--resume")
+        hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(self.files_in(folder) == self.whole, folder + ": other bytes")
+
+
+class CacheThere:
+    """A bake whose cache fails: it is baked all the same, and no entry is half there."""
+    name = "cache"
+
+    def __init__(self, bake):
+        self.bake = bake
+        self.whole = self.sizes_in(bake.cache)
+        self.out = os.path.join(bake.root, "of-failing-cache")
+
+    @staticmethod
+    def sizes_in(folder):
+        return {name: len(content) for name, content in files(folder).items()}
+
+    def folder(self):
+        return self.bake.empty_folder()
+
+    def run(self, folder, **more):
+        """The folder is the cache."""
+        shutil.rmtree(self.out, ignore_errors=True)
+        return self.bake.run(self.out, FASCICLE_CACHE_DIR=folder, **more)
+
+    def hold_published(self, folder, _):
+        self.bake.hold_whole(self.out)
+        # What it says of how long it took to build has other bytes in each run.
+        for name, content in files(folder).items():
+            hold(len(content) == self.whole.get(name), "%s/%s: is not whole" % (folder, name))
+
+    def finish(self, folder):
+        done = self.run(folder)
+        hold(done.returncode == DONE, "%s: the next bake ended with %d: %s" % (folder, done.returncode, done.stderr))
+        self.bake.hold_whole(self.out)
+        hold(self.sizes_in(folder) == self.whole, folder + ": other entries")
+        shutil.rmtree(self.out)
+
+
+def plan(library, folder, number, error, mode):
+    return {"LD_PRELOAD": library, "FAILING_FOLDER": folder, "FAILING_CALL": str(number), "FAILING_MODE": mode,
+            "FAILING_COUNT": folder + ".calls", "FAILING_ERROR": str(error)}
+
+
+def counted_calls(of, library):
+    """How many calls it makes undisturbed."""
+    folder = of.folder()
+    done = of.run(folder, **plan(library, folder, 0, 0, "once"))
+    hold(done.returncode == DONE, done.stderr)
+    calls = calls_in(folder + ".calls")
+    hold(calls > 4, "%s: hardly any call was seen" % of.name)
+    os.remove(folder + ".calls")
+    shutil.rmtree(folder)
+    return calls
+
+
+def control_of_errors(library, root):
+    """A program that does not hear that the disk is full, and one that leaves half a file."""
+    path = os.path.join(root, "swallowed")
+    for how in ("silent", "aloud"):
+        done = subprocess.run([sys.executable, "-c", SWALLOWS, path, how], capture_output=True, text=True,
+                              env={**os.environ, **plan(library, path, 50, errno.ENOSPC, "from")})
+        calls = calls_in(path + ".calls")
+        os.remove(path + ".calls")
+        hold(calls >= 50 and os.path.getsize(path) == 49000, "the control met no full disk: %s" % done.stderr)
+        if how == "silent":
+            must_be_found(lambda: hold_noticed(done, 50, calls, errno.ENOSPC, path), "an error that is swallowed")
+        else:
+            hold(hold_noticed(done, 50, calls, errno.ENOSPC, path), "the control ended well")
+
+
+def fail_one(of, calls, is_once, library):
+    """One of so many calls fails: once, or it and all after it. Whether it failed, as seen by the program's end."""
+    folder = of.folder()
+    number, error = random.randint(1, calls), errno.EIO if is_once else errno.ENOSPC
+    done = of.run(folder, **plan(library, folder, number, error, "once" if is_once else "from"))
+    what = "%s, %s" % (of.name, folder)
+    made = calls_in(folder + ".calls") if os.path.exists(folder + ".calls") else 0
+    if isinstance(of, CacheThere):  # what is not kept is made again
+        hold(done.returncode == DONE, "%s: ended with %d: %s" % (what, done.returncode, done.stderr))
+        has_failed = made >= number
+    else:
+        has_failed = hold_noticed(done, number, made, error, what)
+    of.hold_published(folder, os.strerror(error) if is_once and has_failed else "")
+    of.finish(folder)
+    shutil.rmtree(folder)
+    if made:
+        os.remove(folder + ".calls")
+    return has_failed
+
+
+def fill_tmpfs(bake, size):
+    """A bake on a disk of so many bytes, and --resume once there is room. False where nobody may mount one."""
+    folder = bake.empty_folder()
+    options = "size=%d" % size
+    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder],
+                                           capture_output=True).returncode != 0:
+        shutil.rmtree(folder)
+        return False
+    try:
+        done = bake.run(folder)
+        hold(hold_noticed(done, 1, 1, errno.ENOSPC, folder), folder + ": a small disk was large enough")
+        bake.hold_counted(folder)
+        subprocess.run(["mount", "-o", "remount,size=64m", folder], check=True, capture_output=True)
+        bake.resume(folder)
+    finally:
+        subprocess.run(["umount", folder], check=True)
+    os.rmdir(folder)
+    return True
+
+
+def limit_files(bake):
+    """No file of the bake may become larger than some size (ulimit -f), as on farms."""
+    folder = bake.empty_folder()
+    most = random.randint(4096, max(len(content) for content in bake.whole.values()) - 1)
+    done = subprocess.run(bake.command(folder), capture_output=True, text=True, env=bake.environment(),
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
+    hold_noticed(done, 1, 1, errno.EFBIG, "%s, files of %d bytes at most" % (folder, most))
+    bake.hold_counted(folder)
+    bake.resume(folder)
+    shutil.rmtree(folder)
+
+
+def disk_fails(bakes, count):
+    """The k-th call that changes a file fails, once (an I/O error) or with all after it (a full disk), under a bake, an
+    export, a render, a batch, or in a bake's cache, which is then no reason to end; a bake on a tmpfs that is too
+    small, and one under a limit on the size of files (ulimit -f)."""
+    library = os.environ.get("FASCICLE_FAILING_CALLS", "")
+    hold(os.path.exists(library), "FASCICLE_FAILING_CALLS names no library")
+    control_of_files(bakes)
+    control_of_going_on(bakes)
+    control_of_errors(library, bakes[0].root)
+    # The longest last: a short form has no time for them.
+    places = [BakeThere(bakes[0]), RenderThere(bakes[0]), BatchThere(bakes[0]), "tmpfs", "limit", CacheThere(bakes[1]),
+              ExportThere(bakes[1]), BakeThere(bakes[1]), BakeThere(bakes[2])]
+    calls, failed = {}, {place.name: 0 for place in places if not isinstance(place, str)}
+    beyond = tmpfs = limits = 0
+    is_mountable = True
+    for k in range(count):
+        place = places[k % len(places)]
+        if place == "tmpfs":
+            is_mountable = is_mountable and fill_tmpfs(bakes[0], random.randint(1, 8) << 18)
+            tmpfs += is_mountable
+        elif place == "limit":
+            limit_files(bakes[limits % 2])
+            limits += 1
+        else:
+            if place.name not in calls:
+                calls[place.name] = counted_calls(place, library)
+            if fail_one(place, calls[place.name], k // len(places) % 2 == k % 2, library):
+                failed[place.name] += 1
+            else:
+                beyond += 1
+    text = "%d times: %d calls failed (%s), each but the cache's ended its program with 1 and the reason; %d were " \
+           "beyond the last call of their run; %d tmpfs were full%s; %d limits were met; all went on to the same bytes"
+    return text % (count, sum(failed.values()), ", ".join("%s %d" % pair for pair in failed.items()), beyond, tmpfs,
+                   "" if is_mountable else " (NOT TRIED: no tmpfs can be mounted here)", limits)

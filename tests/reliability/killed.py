@@ -1,0 +1,235 @@
+"""Bakes and exports that are killed: what has its final name is whole, nothing is lost, and they go on."""
+
+import os
+import random
+import shutil
+import subprocess
+import sys
+import time
+
+from bakes import (DONE, GROWING, PROGRAM, Bake, Kept, control_of_files, control_of_going_on, files, hold,
+                   killed_at_work, must_be_found)
+
+# Where a kill fell, as the folder says.
+PHASES = ("building", "settling", "frames", "ends of files", "export")
+EVERY_FORMAT = "abc,glb,mdd,obj,pc2,usda,vtp"  # that can be exported; vtu needs velocities
+
+# Not careful: each file has its final name before it has its bytes.
+NAIVE = """import os, sys, time
+source, folder = sys.argv[1:]
+paths = [os.path.join(parent, name) for parent, _, names in os.walk(source) for name in names]
+names = [os.path.relpath(path, source) for path in sorted(paths, key=os.path.getsize, reverse=True)]
+names = [name for name in names if name not in ("manifest.json", "checkpoint")]
+print("begins", flush=True)
+for name in names:
+    os.makedirs(os.path.dirname(os.path.join(folder, name)), exist_ok=True)
+    with open(os.path.join(source, name), "rb") as old, open(os.path.join(folder, name), "wb") as new:
+        content = old.read()
+        for k in range(4):
+            new.write(content[k * len(content) // 4:(k + 1) * len(content) // 4])
+            new.flush()
+            time.sleep(0.005)
+"""
+
+
+class Export:
+    """A finished bake's folder, written again and again over files that another export of it made."""
+
+    name = "export"
+
+    def __init__(self, bake):
+        self.root, self.bake = bake.root, bake
+        self.source = bake.empty_folder()
+        shutil.copytree(bake.folder_of_whole, self.source, dirs_exist_ok=True)
+        self.of_source = self.all_in(self.source)
+        self.older = self.exported("--first-frame", "1001", "--glb-stride", "3")
+        self.before = files(self.older)
+        begin = time.monotonic()
+        self.newer = self.exported()
+        self.seconds = time.monotonic() - begin
+        self.after = files(self.newer)
+        hold(set(self.before) - set(self.after) and self.before["surface.glb"] != self.after["surface.glb"],
+             "two exports do not differ")
+        # A stream has one name in both; of frame files, those of one export or of the other are all there.
+        self.common = {name for name in self.before if os.sep not in name}
+        self.folders = {name.split(os.sep)[0] for name in self.before if os.sep in name}
+
+    def exported(self, *more):
+        folder = self.bake.empty_folder()
+        done = subprocess.run(self.command(folder, *more), capture_output=True, text=True)
+        hold(done.returncode == DONE, done.stderr)
+        return folder
+
+    @staticmethod
+    def all_in(folder):
+        found = {}
+        for parent, _, names in os.walk(folder):
+            for name in names:
+                with open(os.path.join(parent, name), "rb") as file:
+                    found[os.path.relpath(os.path.join(parent, name), folder)] = file.read()
+        return found
+
+    def command(self, folder, *more):
+        return [PROGRAM, "export", self.source, "--to", EVERY_FORMAT, "-o", folder, *more]
+
+    def start(self, folder, *more):
+        return subprocess.Popen(self.command(folder, "--overwrite"), stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+    def moment(self):
+        return random.uniform(0.0, self.seconds)
+
+    def folder_of_older(self):
+        folder = self.bake.empty_folder()
+        shutil.copytree(self.older, folder, dirs_exist_ok=True)
+        return folder
+
+    def hold_whole_files(self, folder):
+        """Each is one of the older export's or one of the newer's, and none is lost."""
+        found = files(folder)
+        for name, content in found.items():
+            hold(content in (self.before.get(name), self.after.get(name)), "%s/%s: has other bytes" % (folder, name))
+        hold(self.common <= set(found), "%s: lost %s" % (folder, ", ".join(sorted(self.common - set(found)))))
+        for inner in self.folders:
+            hold(any({name for name in of if name.startswith(inner + os.sep)} <= set(found)
+                     for of in (self.before, self.after)), "%s/%s: lost a frame" % (folder, inner))
+        hold(self.all_in(self.source) == self.of_source, self.source + ": the bake that is exported has changed")
+
+    def finish(self, folder):
+        done = subprocess.run(self.command(folder, "--overwrite"), capture_output=True, text=True)
+        hold(done.returncode == DONE, "%s: the next export ended with %d: %s" % (folder, done.returncode, done.stderr))
+        hold(self.all_in(folder) == self.after, folder + ": other files than of an export that was not killed")
+
+
+def export_of(bake):
+    """One for all rows."""
+    if not hasattr(bake, "export"):
+        bake.export = Export(bake)
+    return bake.export
+
+
+class Naive(Bake):
+    """A bake by a program that is not careful."""
+
+    def __init__(self, bake):
+        super().__init__("naive", ())
+        self.root, self.cache, self.whole, self.hashes = bake.root, bake.cache, bake.whole, bake.hashes
+        self.source, self.seconds = bake.folder_of_whole, 0.5
+
+    def command(self, folder, *more):
+        return [sys.executable, "-c", NAIVE, self.source, folder]
+
+    def start(self, folder, *more):
+        """Once it begins to write: what takes time before is no part of it."""
+        process = subprocess.Popen(self.command(folder), stdout=subprocess.PIPE, text=True, start_new_session=True)
+        process.stdout.readline()
+        return process
+
+
+def control_of_writer(bake, export):
+    """A program that is not careful, killed in the same way, as a bake and as an export."""
+    naive = Naive(bake)
+
+    def as_bake():
+        for _ in range(20):
+            folder = naive.empty_folder()
+            killed_at_work(naive, folder)
+            naive.hold_published(folder)
+            shutil.rmtree(folder)
+
+    def as_export():
+        naive.source = export.newer
+        for _ in range(20):
+            folder = export.folder_of_older()
+            killed_at_work(naive, folder)
+            export.hold_whole_files(folder)
+            shutil.rmtree(folder)
+
+    must_be_found(as_bake, "a bake's files that have their names before their bytes")
+    must_be_found(as_export, "an export's files that have their names before their bytes")
+
+
+def stamp(folder):
+    """Of the manifest: another one once a bake has said there that it is at work."""
+    try:
+        of = os.stat(os.path.join(folder, "manifest.json"))
+        return of.st_ino, of.st_mtime_ns
+    except FileNotFoundError:
+        return None
+
+
+def phase_of(bake, folder, before):
+    """Where a bake was killed or stopped; `before`: the manifest's stamp when it began."""
+    if stamp(folder) in (before, None):
+        return "building"
+    if not os.path.exists(os.path.join(folder, GROWING)):
+        return "settling"
+    return "frames" if bake.frames_in(folder) < len(bake.hashes) else "ends of files"
+
+
+class Tally:
+    def __init__(self):
+        self.kills = dict.fromkeys(PHASES, 0)
+        self.late = self.went_on = self.anew = 0
+
+    def all(self):
+        return sum(self.kills.values())
+
+
+def kill_bake(bake, times, tally):
+    """So many times in a row, then to its end."""
+    folder = bake.empty_folder()
+    more = ()
+    for _ in range(times):
+        with Kept(folder) as kept:
+            before = stamp(folder)
+            if killed_at_work(bake, folder, *more):
+                tally.kills[phase_of(bake, folder, before)] += 1
+            else:
+                tally.late += 1
+            bake.hold_counted(folder)
+            kept.hold_still_there()
+        more = ("--resume",)
+    if bake.resume(folder):
+        tally.went_on += 1
+    else:
+        tally.anew += 1
+    shutil.rmtree(folder)
+
+
+def kill_export(export, times, tally):
+    folder = export.folder_of_older()
+    for _ in range(times):
+        if killed_at_work(export, folder):
+            tally.kills["export"] += 1
+        else:
+            tally.late += 1
+        export.hold_whole_files(folder)
+    export.finish(folder)
+    shutil.rmtree(folder)
+
+
+def killed(bakes, count):
+    """SIGKILL at random moments, several times in a row, to a bake, which is then resumed, and to an export in every
+    format over the files of another one. After each, files with a final name have all their bytes, none that was there
+    is gone, and `fascicle verify` finds all frames that count; a bake that had a checkpoint goes on from there."""
+    control_of_files(bakes)
+    control_of_going_on(bakes)
+    export = export_of(bakes[1])
+    control_of_writer(bakes[0], export)
+    tally = Tally()
+    subjects = [*bakes, export]
+    most = max(1, min(4, count // len(subjects)))
+    while tally.all() < count:
+        for subject in subjects:
+            times = min(random.randint(1, most), count - tally.all())
+            if times > 0:
+                (kill_export if subject is export else kill_bake)(subject, times, tally)
+        hold(tally.late <= 20 + 5 * tally.all(),
+             "hardly any was at work when it was killed: %d of %d" % (tally.all(), tally.all() + tally.late))
+    # So many that none stays out by chance.
+    hold(count < 200 or all(tally.kills.values()), "a phase without a kill: %s" % tally.kills)
+    return "%d kills at work (%s), %d more came too late; 0 files torn or lost; %d bakes went on from their " \
+           "checkpoint, %d had none yet and began anew; every file has the bytes of an unbroken bake or export" % (
+               tally.all(), ", ".join("%s %d" % pair for pair in tally.kills.items()), tally.late, tally.went_on,
+               tally.anew)

@@ -1,0 +1,239 @@
+"""Bakes that are asked to end by SIGTERM and SIGINT, and one bake of a batch."""
+
+import json
+import os
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+from bakes import (DONE, INTERRUPTED, PROGRAM, Broken, control_of_files, control_of_going_on, end_by, files,
+                   frame_of_checkpoint, hold, manifest, must_be_found)
+from killed import PHASES, phase_of, stamp
+
+PATIENCE = 120.0  # s, for what is over at once on a machine that is not busy
+AT_ONCE = 2.0  # s
+# After the last frame that is written: one that is being written, one that waits for it, the one that the solver has
+# in hand and the one that is asked of it already. The frame in hand is the only one that is waited for.
+MOST_AHEAD = 4
+# A frame of it takes seconds.
+SLOW = ["bar-hang-none", "--set", "bar.vertices=[60,50,50]", "--set", "solver.substeps=1000", "--end", "0.2",
+        "--device", "cpu", "--threads", "1"]
+IGNORANT = "import signal, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); print(flush=True); time.sleep(30)"
+TWICE = 4  # one in so many gets two signals
+
+
+def ended_within(process, seconds):
+    """What it says on stderr. It is gone in any case."""
+    try:
+        return process.communicate(timeout=seconds)[1]
+    except subprocess.TimeoutExpired:
+        end_by(process, signal.SIGKILL)
+        raise Broken("it goes on %.0f s after a signal" % seconds) from None
+
+
+def stand_still(process):
+    """Stops all its threads: nothing happens between what is read of its files now and the next signal. Whether it was
+    still there."""
+    try:
+        os.kill(process.pid, signal.SIGSTOP)
+    except ProcessLookupError:
+        return False
+    seen = os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+    return seen.si_code == os.CLD_STOPPED
+
+
+def hold_near(checkpoint, last_written, folder):
+    """The checkpoint is of a frame that was under way at the signal."""
+    hold(checkpoint is not None and last_written <= checkpoint <= last_written + MOST_AHEAD,
+         "%s: frame %d was written at the signal, and the checkpoint is of %s" % (folder, last_written, checkpoint))
+    return checkpoint - last_written
+
+
+def signalled(bake, number, is_twice, frames_late=0):
+    """(exit status, phase, frames from the last one written at the signal to the checkpoint or None, folder). It goes
+    on for `frames_late` frames before the signal comes: a control."""
+    folder = bake.empty_folder()
+    before = stamp(folder)
+    process = bake.start_listening(folder)
+    time.sleep(bake.moment() if not frames_late else 0.0)
+    while frames_late and bake.frames_in(folder) == 0:
+        time.sleep(0.0005)
+    if not stand_still(process):
+        text = ended_within(process, PATIENCE)
+        hold(process.returncode == DONE, "%s: ended with %d: %s" % (folder, process.returncode, text))
+        return DONE, None, None, folder
+    phase, written = phase_of(bake, folder, before), bake.frames_in(folder)
+    if frames_late:
+        process.send_signal(signal.SIGCONT)
+        while bake.frames_in(folder) < written + frames_late and process.poll() is None:
+            time.sleep(0.0005)
+    process.send_signal(number)
+    process.send_signal(signal.SIGCONT)
+    if is_twice:
+        process.send_signal(number)
+    text = ended_within(process, PATIENCE)
+    # Twice: the second may come when the first has ended it.
+    wanted = (DONE, INTERRUPTED, -number) if is_twice else (DONE, INTERRUPTED)
+    hold(process.returncode in wanted,
+         "%s: signal %d ended it with %d: %s" % (folder, number, process.returncode, text))
+    ahead = None
+    if process.returncode == INTERRUPTED and written > 0:
+        said = manifest(folder)["status"]
+        hold(said == "interrupted", "%s: interrupted, and the manifest says %s" % (folder, said))
+        ahead = hold_near(frame_of_checkpoint(folder), written - 1, folder)
+    return process.returncode, phase, ahead, folder
+
+
+def control_of_signals(bake):
+    process = subprocess.Popen([sys.executable, "-c", IGNORANT], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               text=True, start_new_session=True)
+    process.stdout.readline()
+    process.send_signal(signal.SIGTERM)
+    must_be_found(lambda: ended_within(process, 1.0), "a program that ignores SIGTERM")
+
+    def late():
+        signalled(bake, signal.SIGTERM, False, frames_late=MOST_AHEAD + 20)
+
+    must_be_found(late, "a bake that goes on for twenty frames")
+
+
+def processor_seconds(process):
+    with open("/proc/%d/stat" % process.pid) as file:
+        of = file.read().rpartition(")")[2].split()
+    return (int(of[11]) + int(of[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def second_signal(bake, number, root):
+    """Seconds from a second signal, while the first one still waits for a frame, to the end."""
+    folder = os.path.join(root, "slow")
+    process = subprocess.Popen([PROGRAM, "bake", *SLOW, "-o", folder], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True, env=bake.environment(), start_new_session=True)
+    patience = time.monotonic() + PATIENCE
+    while frame_of_checkpoint(folder) is None and process.poll() is None:
+        hold(time.monotonic() < patience, "the slow bake does not begin")
+        time.sleep(0.01)
+    # From the checkpoint of frame 0 on it is soon at work on the next one.
+    begin = processor_seconds(process)
+    while process.poll() is None and processor_seconds(process) < begin + 0.5:
+        time.sleep(0.01)
+    process.send_signal(number)
+    time.sleep(0.3)
+    hold(process.poll() is None, "a frame of the slow bake is too short: the first signal has ended it")
+    begin = time.monotonic()
+    process.send_signal(number)
+    text = ended_within(process, AT_ONCE)
+    seconds = time.monotonic() - begin
+    hold(process.returncode == -number, "a second signal %d ended it with %d: %s" % (number, process.returncode, text))
+    done = subprocess.run([PROGRAM, "verify", folder], capture_output=True, text=True)
+    hold(done.returncode == DONE, "%s: verify after two signals: %s" % (folder, done.stderr))
+    shutil.rmtree(folder)
+    return seconds
+
+
+class Batch:
+    """Four bars, two at once, of which one gets a signal alone."""
+
+    def __init__(self, bake):
+        self.root, self.environment = bake.root, bake.environment()
+        self.jobs = os.path.join(bake.root, "stopped-jobs.toml")
+        with open(self.jobs, "w") as file:
+            file.write('format = ["pc2"]\n[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=10.0"]\n'
+                       '[job.bar.vary]\n"layers.body.alpha" = [0.3, 0.4, 0.5, 0.6]\n')
+        whole = os.path.join(bake.root, "stopped-whole")
+        self.run(whole)
+        self.whole = self.files_in(whole)
+
+    def command(self, folder, *more):
+        return [PROGRAM, "batch", self.jobs, "--device", "cpu", "--at-once", "2", "-o", folder, *more]
+
+    def run(self, folder, *more):
+        done = subprocess.run(self.command(folder, *more), env=self.environment, capture_output=True, text=True)
+        hold(done.returncode == DONE, "%s: ended with %d: %s" % (folder, done.returncode, done.stderr))
+
+    @staticmethod
+    def files_in(folder):
+        return {name: content for name, content in files(folder).items() if os.sep in name and name[0] != "."}
+
+    def child_signalled(self, number):
+        """Whether a child was at work, and the batch went on without it."""
+        folder = os.path.join(self.root, "stopped-batch")
+        process = subprocess.Popen(self.command(folder), env=self.environment, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        # A child listens once it has begun its bake.
+        while not (at_work := self.at_work(process)) and process.poll() is None:
+            time.sleep(0.001)
+        time.sleep(random.uniform(0.0, 0.2))
+        for child in at_work[:1]:
+            try:
+                os.kill(child, number)
+            except ProcessLookupError:
+                pass
+        text = ended_within(process, PATIENCE)
+        with open(os.path.join(folder, "batch.json")) as file:
+            states = [job["status"] for job in json.load(file)["jobs"]]
+        stopped = states.count("interrupted")
+        hold(sorted(set(states)) in (["done"], ["done", "interrupted"]) and stopped <= 1,
+             "%s: a child's signal left %s" % (folder, states))
+        hold(process.returncode == (INTERRUPTED if stopped else DONE),
+             "%s: one of its bakes got signal %d, and the batch ended with %d: %s" % (
+                 folder, number, process.returncode, text))
+        hold(not stopped or re.search(r"bar-0\.\d: interrupted", text),
+             "%s: it does not say which: %s" % (folder, text))
+        self.run(folder, "--resume")
+        hold(self.files_in(folder) == self.whole, folder + ": other bytes")
+        shutil.rmtree(folder)
+        return bool(stopped)
+
+    @staticmethod
+    def at_work(process):
+        """Children that catch the signals."""
+        found = []
+        try:
+            with open("/proc/%d/task/%d/children" % (process.pid, process.pid)) as file:
+                children = file.read().split()
+            for child in children:
+                with open("/proc/%s/cmdline" % child, "rb") as file:
+                    is_bake = b"\0bake\0" in file.read()
+                with open("/proc/%s/status" % child) as file:
+                    caught = re.search(r"SigCgt:\s*(\w+)", file.read())
+                if is_bake and caught and int(caught.group(1), 16) & 1 << (signal.SIGTERM - 1):
+                    found.append(int(child))
+        except (FileNotFoundError, ProcessLookupError):
+            pass
+        return found
+
+
+def stopped(bakes, count):
+    """SIGTERM and SIGINT at random moments of a bake, one in four twice; the bake stands still (SIGSTOP) while its
+    written frames are counted and the signal is sent, so that no frame falls in between. A second signal while a frame
+    of seconds is waited for ends it within 2 s. One bake of a batch gets a signal alone: the others go on."""
+    control_of_files(bakes)
+    control_of_going_on(bakes)
+    control_of_signals(bakes[0])
+    signals = (signal.SIGTERM, signal.SIGINT)
+    phases, ended, twice, ahead, went_on = dict.fromkeys(PHASES[:-1], 0), 0, 0, [], 0
+    for k in range(count):
+        bake = bakes[k % len(bakes)]
+        status, phase, frames, folder = signalled(bake, signals[k // 2 % 2], k % TWICE == TWICE - 1)
+        if phase is not None:
+            phases[phase] += 1
+            twice += k % TWICE == TWICE - 1
+        ended += status == INTERRUPTED
+        ahead += [] if frames is None else [frames]
+        bake.hold_counted(folder)
+        went_on += bake.resume(folder)
+        shutil.rmtree(folder)
+    hold(count < 200 or all(phases.values()), "a phase without a signal: %s" % phases)
+    seconds = [second_signal(bakes[0], signals[(k + 1) % 2], bakes[0].root) for k in range(max(1, count // 40))]
+    batch = Batch(bakes[0])
+    children = max(1, count // 20)
+    alone = sum(batch.child_signalled(signals[k % 2]) for k in range(children))
+    return "%d signals at work (%s), %d of them twice; %d ended with 75; checkpoints at most %d frames after the " \
+           "last one written; a second signal ended %d slow bakes, in %.1f s at most; %d of %d bakes of a batch " \
+           "stopped alone, and the others went on; each went on to the same bytes, %d from a checkpoint" % (
+               sum(phases.values()), ", ".join("%s %d" % pair for pair in phases.items()), twice, ended,
+               max(ahead, default=0), len(seconds), max(seconds), alone, children, went_on)
