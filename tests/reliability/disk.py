@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 
-from bakes import (DONE, FAILED, PROGRAM, control_of_files, control_of_going_on, files, hold, manifest,
+from bakes import (DONE, FAILED, GROWING, PROGRAM, control_of_files, control_of_going_on, digest, files, hold, manifest,
                    must_be_found)
 from killed import export_of
 
@@ -88,7 +88,7 @@ class ExportThere:
 
 
 class RenderThere:
-    """A picture of a bake's last frame, and a folder of pictures."""
+    """A picture a frame."""
     name = "render"
 
     def __init__(self, bake):
@@ -130,8 +130,7 @@ class BatchThere:
         folder = bake.empty_folder()
         done = self.run(folder)
         hold(done.returncode == DONE, done.stderr)
-        self.whole = self.files_in(folder)
-        shutil.rmtree(folder)
+        self.folder_of_whole, self.whole = folder, self.files_in(folder)
 
     def folder(self):
         return self.bake.empty_folder()
@@ -146,9 +145,10 @@ class BatchThere:
 
     def hold_published(self, folder, _):
         for name, content in self.files_in(folder).items():
-            whole = self.whole.get(name, b"")
-            hold(content == (whole[:len(content)] if name.endswith("frames.fascicle") else whole),
-                 "%s/%s: has other bytes" % (folder, name))
+            whole = self.whole.get(name)
+            if name.endswith(GROWING):
+                whole = digest(os.path.join(self.folder_of_whole, name), content[0])
+            hold(content == whole, "%s/%s: has other bytes" % (folder, name))
         if os.path.exists(os.path.join(folder, "batch.json")):
             done = subprocess.run([PROGRAM, "batch", "status", folder], capture_output=True, text=True)
             hold("damaged" not in done.stderr, "%s: batch.json: %s" % (folder, done.stderr))
@@ -170,7 +170,7 @@ class CacheThere:
 
     @staticmethod
     def sizes_in(folder):
-        return {name: len(content) for name, content in files(folder).items()}
+        return {name: content[0] for name, content in files(folder).items()}
 
     def folder(self):
         return self.bake.empty_folder()
@@ -184,7 +184,7 @@ class CacheThere:
         self.bake.hold_whole(self.out)
         # What it says of how long it took to build has other bytes in each run.
         for name, content in files(folder).items():
-            hold(len(content) == self.whole.get(name), "%s/%s: is not whole" % (folder, name))
+            hold(content[0] == self.whole.get(name), "%s/%s: is not whole" % (folder, name))
 
     def finish(self, folder):
         done = self.run(folder)
@@ -269,7 +269,7 @@ def fill_tmpfs(bake, size):
 def limit_files(bake):
     """No file of the bake may become larger than some size (ulimit -f), as on farms."""
     folder = bake.empty_folder()
-    most = random.randint(4096, max(len(content) for content in bake.whole.values()) - 1)
+    most = random.randint(4096, max(bake.whole.values())[0] - 1)
     done = subprocess.run(bake.command(folder), capture_output=True, text=True, env=bake.environment(),
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
     hold_noticed(done, 1, 1, errno.EFBIG, "%s, files of %d bytes at most" % (folder, most))
@@ -288,7 +288,7 @@ def disk_fails(bakes, count):
     control_of_going_on(bakes)
     control_of_errors(library, bakes[0].root)
     # The longest last: a short form has no time for them.
-    places = [BakeThere(bakes[0]), RenderThere(bakes[0]), BatchThere(bakes[0]), "tmpfs", "limit", CacheThere(bakes[1]),
+    places = [BakeThere(bakes[0]), RenderThere(bakes[1]), BatchThere(bakes[0]), "tmpfs", "limit", CacheThere(bakes[1]),
               ExportThere(bakes[1]), BakeThere(bakes[1]), BakeThere(bakes[2])]
     calls, failed = {}, {place.name: 0 for place in places if not isinstance(place, str)}
     beyond = tmpfs = limits = 0

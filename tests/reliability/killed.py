@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 
-from bakes import (DONE, GROWING, PROGRAM, Bake, Kept, control_of_files, control_of_going_on, files, hold,
+from bakes import (DONE, GROWING, PROGRAM, Bake, Kept, control_of_files, control_of_going_on, digest, files, hold,
                    killed_at_work, must_be_found)
 
 # Where a kill fell, as the folder says.
@@ -65,8 +65,8 @@ class Export:
         found = {}
         for parent, _, names in os.walk(folder):
             for name in names:
-                with open(os.path.join(parent, name), "rb") as file:
-                    found[os.path.relpath(os.path.join(parent, name), folder)] = file.read()
+                path = os.path.join(parent, name)
+                found[os.path.relpath(path, folder)] = digest(path)
         return found
 
     def command(self, folder, *more):
@@ -114,7 +114,8 @@ class Naive(Bake):
     def __init__(self, bake):
         super().__init__("naive", ())
         self.root, self.cache, self.whole, self.hashes = bake.root, bake.cache, bake.whole, bake.hashes
-        self.source, self.seconds = bake.folder_of_whole, 0.5
+        self.source = self.folder_of_whole = bake.folder_of_whole
+        self.seconds = 0.5
 
     def command(self, folder, *more):
         return [sys.executable, "-c", NAIVE, self.source, folder]

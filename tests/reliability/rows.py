@@ -284,7 +284,7 @@ ROWS = (
     ("durable", durable, 18, 9),
     ("resumed", resumed, 200, 2),
     ("batches", batches_stopped, 60, 3),
-    ("disk", disk_fails, 200, 9),
+    ("disk", disk_fails, 200, 7),
     ("damaged", damaged, 12000, 40),
     ("outside", outside, 12, 3),
     ("surfaces", surfaces, 5000, 6),
