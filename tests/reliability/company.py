@@ -10,9 +10,13 @@ import time
 
 from bakes import DONE, PROGRAM, end_by, hold, manifest, must_be_found
 import large_character
-from refusals import ended, hold_refusal
+from refusals import BAD_USAGE, ended, hold_refusal
 
 NO_DEVICE = 4
+
+
+IN_USE, HOLDS_A_BAKE = "another fascicle is writing there", "holds a bake"
+WAYS = ((), ("--resume",), ("--overwrite",))
 
 
 def ends_of(processes):
@@ -24,63 +28,141 @@ def ends_of(processes):
     return found
 
 
-def hold_one_won(bake, folder, ends):
-    """At least one came to its end, each other one says why it did not, and the folder holds one whole bake."""
-    hold(any(status == DONE for status, _ in ends), "%s: none came to its end: %s" % (folder, ends))
+def hold_one_won(bake, folder, ends, reasons):
+    """Exactly one came to its end, each other one says which of these reasons it had not to, and the folder holds one
+    whole bake."""
+    hold(sum(status == DONE for status, _ in ends) == 1, "%s: not one alone came to its end: %s" % (folder, ends))
     for status, text in ends:
         if status != DONE:
-            hold_refusal(status, text, (1, 2, 3), (os.path.basename(folder),))
+            hold_refusal(status, text, (BAD_USAGE,), reasons)
+            hold(folder in text, "%s: the message does not name the folder: %s" % (folder, text))
     bake.hold_whole(folder)
 
 
-def clashes(bakes, count):
-    """Two bakes at once into one folder; two that resume one bake; ten from one empty cache."""
-    first, _, built = bakes
-    folder = first.empty_folder()
-    shutil.copytree(first.folder_of_whole, folder, dirs_exist_ok=True)
-    refused = "fascicle: error: %s: is busy; choose another\n" % folder
-    hold_one_won(first, folder, [(DONE, ""), (2, refused)])
-    must_be_found(lambda: hold_one_won(first, folder, [(2, refused), (2, refused)]), "none at its end")
-    os.remove(os.path.join(folder, "surface.pc2"))
-    must_be_found(lambda: hold_one_won(first, folder, [(DONE, ""), (2, refused)]), "a file that lacks")
+def is_locked_by(process, folder):
+    """Whether the process holds the lock on the folder, by what the kernel says."""
+    with open("/proc/locks") as file:
+        lines = [line.split() for line in file]
+    inode = str(os.stat(folder).st_ino)
+    return any(line[1] == "FLOCK" and line[-4] == str(process.pid) and line[-3].endswith(":" + inode) for line in lines
+               if "->" not in line)
+
+
+def stopped_at_work(bake, folder, *more):
+    """A bake that is stopped (SIGSTOP) at a random moment at which it has its folder; None where it was over before."""
+    process = bake.start(folder, *more)
+    while process.poll() is None and not is_locked_by(process, folder):
+        time.sleep(0.0005)
+    time.sleep(random.uniform(0.0, bake.seconds / 2))
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGSTOP)
+        # It may end by itself instead.
+        os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
+        if process.poll() is None and is_locked_by(process, folder):
+            return process
+    end_by(process, signal.SIGKILL)
+    return None
+
+
+def half_done(bake, folder):
+    """A bake that was killed on its way."""
+    process = bake.start(folder)
+    while manifest(folder) is None and process.poll() is None:
+        time.sleep(0.001)
+    time.sleep(random.uniform(0.0, 0.2))
+    end_by(process, signal.SIGKILL)
+
+
+def ends_while_stopped(bake, first, first_folder, second_folder, more):
+    """The ends of a bake that is stopped and goes on once another one, which is started now, is over."""
+    try:
+        second = bake.run(second_folder, *more)
+    finally:
+        os.killpg(first.pid, signal.SIGCONT)
+        ends = ends_of([first])
+    return [*ends, (second.returncode, second.stderr)]
+
+
+def one_while_another(bake, turn):
+    """A bake from the start, one that resumes or one that overwrites is stopped at work; then comes another, in any of
+    these ways. False where the first was over too early."""
+    folder = bake.empty_folder()
+    first, second = WAYS[turn % len(WAYS)], WAYS[turn // len(WAYS) % len(WAYS)]
+    if first:
+        half_done(bake, folder)
+    process = stopped_at_work(bake, folder, *first)
+    if process is not None:
+        # What would go on or replace asks for the folder; what starts afresh may see first that it is not empty.
+        reasons = (IN_USE,) if second else (IN_USE, HOLDS_A_BAKE)
+        hold_one_won(bake, folder, ends_while_stopped(bake, process, folder, folder, second), reasons)
     shutil.rmtree(folder)
-    turned_away = 0
+    return process is not None
+
+
+def controls_of_clashes(bake):
+    """Ends of bakes that nobody kept apart."""
+    folder, other = bake.empty_folder(), bake.empty_folder()
+    refused = "fascicle: error: %s: %s; choose another\n" % (folder, IN_USE)
+    reasons = (IN_USE,)
+    process = None
+    while process is None:
+        shutil.rmtree(folder)
+        os.mkdir(folder)
+        process = stopped_at_work(bake, folder)
+    # As if the lock always succeeded: each has a folder of its own.
+    ends = ends_while_stopped(bake, process, folder, other, ())
+    hold([status for status, _ in ends] == [DONE, DONE], "two bakes in two folders: %s" % ends)
+    hold_one_won(bake, folder, [(DONE, ""), (BAD_USAGE, refused)], reasons)
+    must_be_found(lambda: hold_one_won(bake, folder, ends, reasons), "two at their end")
+    must_be_found(lambda: hold_one_won(bake, folder, [(BAD_USAGE, refused)] * 2, reasons), "none at its end")
+    must_be_found(lambda: hold_one_won(bake, folder, [(DONE, ""), (BAD_USAGE, refused.replace(IN_USE, "is busy"))],
+                                       reasons), "no reason")
+    os.remove(os.path.join(folder, "surface.pc2"))
+    must_be_found(lambda: hold_one_won(bake, folder, [(DONE, ""), (BAD_USAGE, refused)], reasons), "a file that lacks")
+    shutil.rmtree(folder)
+    shutil.rmtree(other)
+
+
+def ten_from_one_cache(built):
+    folders = [built.empty_folder() for _ in range(10)]
+    # The cache is kept here: it is what they share.
+    shutil.rmtree(built.cache, ignore_errors=True)
+    command = lambda folder: [*built.command(folder), "--threads", "1"]
+    started = [subprocess.Popen(command(folder), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                                env=built.environment()) for folder in folders]
+    for folder, (status, text) in zip(folders, ends_of(started)):
+        hold(status == DONE, "%s: of ten from one cache, one ended with %d: %s" % (folder, status, text))
+        built.hold_whole(folder)
+        shutil.rmtree(folder)
+    again = built.empty_folder()
+    done = built.run(again)
+    hold(done.returncode == DONE, "after ten from one cache: " + done.stderr)
+    built.hold_whole(again)
+    shutil.rmtree(again)
+
+
+def clashes(bakes, count):
+    """Two bakes at once into one folder, both from the start: one of them wins, the other is refused. One that comes
+    while another, which is stopped for that long, has the folder at a random moment, each from the start, with --resume
+    or with --overwrite: it is refused, and the first comes to its end. Ten bakes from one empty cache."""
+    controls_of_clashes(bakes[0])
+    rounds = late = 0
     for k in range(count):
         bake = bakes[k % 2]
         folder = bake.empty_folder()
-        if k % 3 == 2:
-            process = bake.start(folder)
-            while manifest(folder) is None and process.poll() is None:
-                time.sleep(0.001)
-            time.sleep(random.uniform(0.0, 0.2))
-            end_by(process, signal.SIGKILL)
-        more = ("--resume",) if k % 3 == 2 else ()
-        ends = []
-        one = bake.start(folder, *more)
+        one = bake.start(folder)
         time.sleep(random.uniform(0.0, 0.05))
-        ends = ends_of([one, bake.start(folder, *more)])
-        hold_one_won(bake, folder, ends)
-        turned_away += sum(status != DONE for status, _ in ends)
+        # The later one finds the first at work, or what it has left.
+        hold_one_won(bake, folder, ends_of([one, bake.start(folder)]), (IN_USE, HOLDS_A_BAKE))
         shutil.rmtree(folder)
-        if k % 3 != 0:
-            continue
-        folders = [built.empty_folder() for _ in range(10)]
-        # The cache is kept here: it is what they share.
-        shutil.rmtree(built.cache, ignore_errors=True)
-        command = lambda folder: [*built.command(folder), "--threads", "1"]
-        started = [subprocess.Popen(command(folder), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                                    env=built.environment()) for folder in folders]
-        for folder, (status, text) in zip(folders, ends_of(started)):
-            hold(status == DONE, "%s: of ten from one cache, one ended with %d: %s" % (folder, status, text))
-            built.hold_whole(folder)
-            shutil.rmtree(folder)
-        again = built.empty_folder()
-        done = built.run(again)
-        hold(done.returncode == DONE, "after ten from one cache: " + done.stderr)
-        built.hold_whole(again)
-        shutil.rmtree(again)
-    return "%d pairs: one bake came to its end in each, %d others were turned away with a message; %d rounds of ten " \
-           "bakes from one cache; all bytes equal" % (count, turned_away, (count + 2) // 3)
+        while not one_while_another(bake, k):
+            late += 1
+            hold(late < 20 + 10 * count, "bakes are over before they can be stopped, or lock nothing")
+        if k % 3 == 0:
+            ten_from_one_cache(bakes[2])
+            rounds += 1
+    return "%d pairs at once, %d with one stopped: each time one alone came to its end, and the other was refused with " \
+           "a message; %d rounds of ten bakes from one cache; all bytes equal" % (count, count, rounds)
 
 
 def drivers(bakes, count):
