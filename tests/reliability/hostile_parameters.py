@@ -1,5 +1,6 @@
 """Values of scene keys, drawn by the rules of the schema and against them."""
 
+import array
 import json
 import math
 import os
@@ -7,6 +8,7 @@ import random
 import re
 import shutil
 import subprocess
+import sys
 
 from bakes import BAD_INPUT, DONE, PROGRAM, hold, must_be_found
 from refusals import BAD_USAGE, INTERRUPTED, NOT_FINITE, controls, ended_or_stopped, hold_refusal, in_pairs
@@ -52,25 +54,78 @@ def toml(value):
     return text if isinstance(value, int) or not math.isfinite(value) or "." in text or "e" in text else text + ".0"
 
 
-def keys_of_schema():
-    """{table: {key: rule}} of those tables that hold for any bar, without what names files or other tables."""
-    schema = json.loads(subprocess.run([PROGRAM, "schema"], capture_output=True, text=True, check=True).stdout)
-    left_out = {"layer": ("where", "alpha_attribute"), "contact": ("ignore", "attribute"), "scene": ("description",),
-                "bar": ("vertices", "count", "seed"), "motion": ("cuts",)}
-    found = {}
-    for table, path in (("scene", "scene"), ("bar", "bar"), ("solver", "solver"), ("layer", "layers.body"),
-                        ("contact", "contact"), ("motion", "motion")):
-        rules = schema["$defs"][table]["properties"]
-        found[path] = {key: rule for key, rule in rules.items() if key not in left_out.get(table, ())}
+# Two bars that winds and blows push, onto a plane and a ball that comes up, and onto each other.
+PUSHED = """
+[scene]
+[bar]
+size = [0.2, 0.1, 0.1]
+vertices = [4, 3, 3]
+count = 2
+[layers.body]
+alpha = 0.5
+damping = 4.0
+[solver]
+substeps = 10
+[contact]
+self = true
+[force.wind]
+kind = "wind"
+vector = [3.0, 0.0, 0.0]
+[force.blow]
+kind = "point"
+vector = [0.0, 0.0, 2.0]
+where = { above = { axis = "y", fraction = 1.0 } }
+start = 0.1
+end = 0.2
+[collider.floor]
+shape = "plane"
+center = [0.0, -0.02, 0.0]
+[collider.ball]
+shape = "sphere"
+center = [0.1, -0.03, 0.05]
+radius = 0.03
+times = [0.0, 0.3]
+offsets = [[0.0, 0.0, 0.0], [0.0, 0.02, 0.0]]
+"""
+OF_ANY = {"scene": "scene", "solver": "solver", "contact": "contact", "motion": "motion"}
+OF_BAR = {**OF_ANY, "bar": "bar", "layers.body": "layer"}
+OF_CHARACTER = {**OF_ANY, "layers.fat": "layer", "layers.muscle": "layer", "flesh": "flesh", "body": "body",
+                "skeleton": "skeleton"}
+SMALL_BAR = {"bar.vertices": "[4, 3, 3]", "solver.substeps": "10"}
+SMALL_CHARACTER = {"character.resolution": "0.12"}
+# Of so many: the scene (PUSHED is its text), its tables and their names in the schema, and what is set in it so
+# that it is small and takes STEPS. A bar of either integrator; forces, colliders, contact; a muscle; a body of depth.
+SCENES = (
+    (22, "bar-hang-none", OF_BAR, SMALL_BAR),
+    (22, "rod-hang", OF_BAR, SMALL_BAR),
+    (22, PUSHED, {**OF_BAR, "force.wind": "force", "force.blow": "force", "collider.floor": "collider",
+                  "collider.ball": "collider"}, {}),
+    (5, "arm", {**OF_CHARACTER, "muscle.biceps": "muscle"}, SMALL_CHARACTER),
+    (1, "crouch", OF_CHARACTER, {**SMALL_CHARACTER, "motion.hold": "0.0"}),
+)
+FRAMES, STEPS = 20, 200
+# What else a message may name where a key of a table was changed: the body that the first makes has no place for what
+# the second asks for, a bar's size is that of its tetrahedra, and no layer may be left that touches another.
+FOLLOWS = {"body": ("muscle.biceps", "probe.biceps", "probe.belly"), "skeleton": ("muscle.biceps",), "bar": ("mesh",),
+           **{"layers." + name: ("contact", "layers: fibre_field") for name in ("body", "fat", "muscle")}}
+# Keys that name files, attributes or other tables, ask for millions of vertices, or are only words.
+LEFT_OUT = ("where", "alpha_attribute", "ignore", "attribute", "description", "vertices", "seed", "cuts", "resolution",
+            "bones", "not_bones", "kinematic", "simulated", "rigid", "only", "parent", "child", "layer", "twist_joint",
+            "contraction_channel")
+
+
+def keys_of_schema(schema, tables):
+    """{table: {key: rule}} of a scene's tables."""
+    found = {table: {key: rule for key, rule in schema["$defs"][name]["properties"].items()
+                     if key not in LEFT_OUT or (key == "kinematic" and name == "layer")}
+             for table, name in tables.items()}
     hold(sum(map(len, found.values())) > 40, "the schema has hardly any key")
     return found
 
 
-# A bar of either integrator.
-SCENES = ("bar-hang-none", "rod-hang")
 # Keys that only make a bake longer: mostly small, so that most come to their end.
 OF_LENGTH = ("motion.handles", "motion.settle", "motion.preroll", "motion.hold", "motion.loop",
-             "motion.seamless_cycles")
+             "motion.seamless_cycles", "bar.count")
 
 
 def drawn_changes(keys):
@@ -80,80 +135,135 @@ def drawn_changes(keys):
         table = random.choice(list(keys))
         key = random.choice(list(keys[table]))
         name, value = table + "." + key, values_of(keys[table][key], is_hostile)
-        if name in OF_LENGTH and isinstance(value, (int, float)) and value > 20 and random.random() < 0.8:
+        if name in OF_LENGTH and isinstance(value, (int, float)) and value > 20 and random.random() < 0.93:
             value = random.randint(1, 20)
         changes[name] = toml(value)
     return changes
 
 
-def with_twenty_frames(changes):
-    """Whatever the rate is: so long as that is a number."""
-    rate = changes.get("scene.fps", "60.0")
-    end = 20 / float(rate) if re.fullmatch(r"[0-9.e+-]+", rate) and 1e-3 <= float(rate) <= 1e5 else 0.3
-    start = changes.get("scene.start", "0.0")
-    if re.fullmatch(r"[0-9.e+-]+", start) and abs(float(start)) <= 1e5:
-        end += float(start)
-    return {**changes, "scene.end": repr(end), "bar.vertices": "[4, 3, 3]"}
+def with_frames(changes):
+    """FRAMES of them, more where a frame has few steps; whatever the rate is, so long as that is a number."""
+    number = lambda key, other, least, most: float(changes[key]) if key in changes and re.fullmatch(
+        r"-?[0-9.e+-]+", changes[key]) and least <= float(changes[key]) <= most else other
+    frames = max(FRAMES, math.ceil(STEPS / number("solver.substeps", 10, 1, 1000)))
+    end = number("scene.start", 0.0, -1e5, 1e5) + frames / number("scene.fps", 60.0, 1e-3, 1e5)
+    return {**changes, "scene.end": repr(end)}
+
+
+def hold_finite(path):
+    """All that a .pc2 says of where vertices are."""
+    with open(path, "rb") as file:
+        content = file.read()
+    numbers = array.array("f", content[32:])
+    if sys.byteorder == "big":
+        numbers.byteswap()
+    hold(content.startswith(b"POINTCACHE2") and numbers, path + ": holds no position")
+    hold(all(map(math.isfinite, numbers)), path + ": a position is no finite number")
+
+
+def hold_names(text, changed):
+    """The error names one of these keys, or one of the same table that does not go with it, or what FOLLOWS."""
+    tables = {key.rpartition(".")[0] for key in changed}
+    names = {*changed, *tables, *(name for table in tables for name in FOLLOWS.get(table, ()))}
+    error = "".join(line for line in text.splitlines() if line.startswith("fascicle: error: "))
+    hold(any(re.search(r"(?<![\w.-])%s(?![\w-])" % re.escape(name), error) for name in names),
+         "names none of %s: %s" % (", ".join(sorted(names)), text))
 
 
 def try_values(inputs):
     """The position hashes on each device; None where the positions burst, and no list where a key was refused. What
-    was stopped at work, as it was asked for far too many frames, has no hashes either: (hashes, is at work, text)."""
-    scene, sets, devices, names, environment, folder = inputs
-    hashes = []
+    was stopped at work, as it was asked for far too many frames, has no hashes either: (hashes, steps, is at work,
+    text)."""
+    scene, changes, devices, environment, folder = inputs
+    sets = [word for change in changes.items() for word in ("--set", "%s=%s" % change)]
+    hashes, steps = [], 0
     for device in devices:
         out = os.path.join(folder, device.partition(":")[0])
-        status, text = ended_or_stopped([PROGRAM, "bake", scene, *sets, "--device", device, "--threads", "1", "-o",
-                                         out], environment, environment["TMPDIR"])
+        command = [PROGRAM, "bake", scene, *sets, "--device", device, "--threads", "1", "--format", "pc2", "-o", out]
+        status, text = ended_or_stopped(command, environment, environment["TMPDIR"])
         if status == DONE:
             with open(os.path.join(out, "manifest.json")) as file:
-                hashes.append(json.load(file)["position_hashes"])
+                said = json.load(file)
+            hashes.append(said["position_hashes"])
+            steps = said["frames"] * said["scene"]["solver"]["substeps"]
+            hold_finite(os.path.join(out, "surface.pc2"))
         elif status == NOT_FINITE:
             hold_refusal(status, text, (NOT_FINITE,))
             hashes.append(None)
         elif status == INTERRUPTED:
-            return [], True, text
+            return [], 0, True, text
         else:
-            hold_refusal(status, text, (BAD_USAGE, BAD_INPUT), names)
-            return [], False, text
-    hold(len(hashes) < 2 or hashes[0] == hashes[1], "other bits on Vulkan: " + " ".join(sets))
+            hold_refusal(status, text, (BAD_USAGE, BAD_INPUT))
+            hold_names(text, changes)
+            return [], 0, False, text
+    hold(len(hashes) < 2 or hashes[0] == hashes[1], "other bits on Vulkan: %s %s" % (scene, " ".join(sets)))
     shutil.rmtree(folder, ignore_errors=True)
-    return hashes, False, ""
+    return hashes, steps, False, ""
+
+
+def controls_of_values(root):
+    """Messages and files of a program that is not careful."""
+    text = "fascicle: error: layers.body.alpha: is 0, at the end of the start; must be above 0\n"
+    hold_names(text, ("layers.body.alpha",))
+    for others in (("scene.end", "scene.start", "solver.substeps"), ("layers.bod.alpha",), ("body.cage",)):
+        must_be_found(lambda: hold_names(text, others), "another key")
+    path = os.path.join(root, "control.pc2")
+    for value, is_finite in ((1.0, True), (math.nan, False), (-math.inf, False)):
+        with open(path, "wb") as file:
+            file.write(b"POINTCACHE2\0" + bytes(20))
+            array.array("f", [0.0, 1e38, value]).tofile(file)
+        if is_finite:
+            hold_finite(path)
+        else:
+            must_be_found(lambda: hold_finite(path), "a position of %r" % value)
 
 
 def parameters(bakes, count):
-    """Values of scene keys, allowed and not, several at once: 20 frames of a bar of either integrator, every eighth
-    on the Vulkan device too, where there is one, with the same bits. Positions stay finite, or one message names a key.
-    A bake that was asked for hours says that it is at work, and a signal ends it."""
+    """Values of scene keys, allowed and not, several at once, of bars of either integrator, of bars with forces,
+    colliders and contact, of an arm with muscles and of a bear: 20 frames, or more until they are 200 solver steps, as
+    far as the scene says how many a frame takes. A fifth goes to the Vulkan device too, where there is one. Each
+    position that is written is a finite number and has the same bits on both; or the bake ends with 5 and says that
+    positions burst; or one message names a key that was changed, or what in its table does not go with it. A bake that
+    was asked for hours says that it is at work, and a signal ends it."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment(TMPDIR=root)
-    keys = keys_of_schema()
-    names = [key for rules in keys.values() for key in rules]
-    names += ["fascicle: error: --set", "finite", "frames"]
+    schema = json.loads(subprocess.run([PROGRAM, "schema"], capture_output=True, text=True, check=True).stdout)
+    with open(os.path.join(root, "pushed.toml"), "w") as file:
+        file.write(PUSHED)
+    kinds = [(share, os.path.join(root, "pushed.toml") if scene == PUSHED else scene, keys_of_schema(schema, tables),
+              small) for share, scene, tables, small in SCENES]
     controls(environment, root)
-    hold_refusal(BAD_INPUT, "fascicle: error: solver.substeps: is 0; must be above 0\n", (BAD_INPUT,), names)
-    must_be_found(lambda: hold_refusal(BAD_INPUT, "fascicle: error: it is bad; give another\n", (BAD_INPUT,), names),
-                  "no name")
+    controls_of_values(root)
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
     vulkan = "vulkan:0" in devices
+    # The first of each kind has no change: what refuses all of them is found out.
+    bare = len(kinds) if count >= 50 else 1
 
     def drawn():
         for k in range(count):
-            # The first scene has no change: what refuses all of them is found out.
-            changes = with_twenty_frames(drawn_changes(keys) if k > 0 else {})
-            sets = [word for change in changes.items() for word in ("--set", "%s=%s" % change)]
-            on = ("cpu", "vulkan:0") if vulkan and k % 8 == 5 else ("cpu",)
-            yield SCENES[(k + k // 8) % 2], sets, on, names, environment, os.path.join(root, str(k))
+            _, scene, keys, small = kinds[k] if k < bare else random.choices(kinds, [kind[0] for kind in kinds])[0]
+            changes = with_frames({**small, **(drawn_changes(keys) if k >= bare else {})})
+            on = ("cpu", "vulkan:0") if vulkan and k % 5 == 0 else ("cpu",)
+            yield scene, changes, on, environment, os.path.join(root, str(k))
 
-    finite = refused = burst = compared = stopped = 0
-    for k, (hashes, is_at_work, text) in enumerate(in_pairs(try_values, drawn())):
-        hold(hashes or k > 0, "a scene without a change was refused: " + text)
-        compared += len(hashes) == 2
-        finite += bool(hashes) and hashes[0] is not None
-        burst += bool(hashes) and hashes[0] is None
+    refused = burst = compared = stopped = 0
+    steps = []
+    for k, (hashes, of_bake, is_at_work, text) in enumerate(in_pairs(try_values, drawn())):
+        hold(hashes or k >= bare, "a scene without a change was refused: " + text)
+        is_finite = bool(hashes) and hashes[0] is not None
+        compared += len(hashes) == 2 and is_finite
+        burst += bool(hashes) and not is_finite
         stopped += is_at_work
         refused += not hashes and not is_at_work
+        if is_finite:
+            steps.append(of_bake)
+    finite = len(steps)
     hold(count < 50 or (finite and refused), "%d were baked and %d refused" % (finite, refused))
+    least = max(1, count // 16) if count >= 50 else 1
+    hold(not vulkan or compared >= least, "only %d of %d were compared on Vulkan" % (compared, count))
     shutil.rmtree(root)
-    return "%d scenes: %d stayed finite, %d refused by name, %d said that they burst, %d were long, said so and were " \
-           "stopped; %d had the same bits on Vulkan" % (count, finite, refused, burst, stopped, compared)
+    on_vulkan = "%d had the same bits on Vulkan" % compared if vulkan else "there was no Vulkan device to compare with"
+    return "%d scenes: %d stayed finite, %d of these over %d solver steps or more (the middle one %d); %d refused by " \
+           "name, %d said that they burst, %d were long, said so and were stopped; %s" % (
+               count, finite, sum(n >= STEPS for n in steps), STEPS, sorted(steps)[finite // 2], refused, burst,
+               stopped, on_vulkan)
