@@ -161,8 +161,8 @@ def clashes(bakes, count):
         if k % 3 == 0:
             ten_from_one_cache(bakes[2])
             rounds += 1
-    return "%d pairs at once, %d with one stopped: each time one alone came to its end, and the other was refused with " \
-           "a message; %d rounds of ten bakes from one cache; all bytes equal" % (count, count, rounds)
+    return "%d pairs at once, %d with one stopped: each time one alone came to its end, and the other was refused " \
+           "with a message; %d rounds of ten bakes from one cache; all bytes equal" % (count, count, rounds)
 
 
 def drivers(bakes, count):
