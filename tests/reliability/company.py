@@ -165,33 +165,59 @@ def clashes(bakes, count):
            "with a message; %d rounds of ten bakes from one cache; all bytes equal" % (count, count, rounds)
 
 
-def drivers(bakes, count):
-    """No Vulkan driver, a driver's description that is half a file, and one that names a program."""
-    bake = bakes[0]
-    root = bake.empty_folder()
+def lacking(root):
+    """(what is lacking, the environment that makes it so, whether a Vulkan device may be left) of each case."""
     half, program = os.path.join(root, "half.json"), os.path.join(root, "program.json")
-    with open(half, "w") as file:
-        file.write('{"file_format_version": "1.0')
+    no_layers, half_layers = os.path.join(root, "no-layers"), os.path.join(root, "half-layers")
+    os.mkdir(no_layers)
+    os.mkdir(half_layers)
+    for path in (half, os.path.join(half_layers, "half.json")):
+        with open(path, "w") as file:
+            file.write('{"file_format_version": "1.0')
     with open(program, "w") as file:
         json.dump({"file_format_version": "1.0.0", "ICD": {"library_path": "/bin/true", "api_version": "1.3.0"}}, file)
+    # Older loaders know the second name alone.
+    of_driver = lambda path: {"VK_DRIVER_FILES": path, "VK_ICD_FILENAMES": path}
+    of_layers = lambda path: {"VK_LAYER_PATH": path, "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation"}
+    return (("no driver", of_driver(os.path.join(root, "none.json")), False), ("half a driver", of_driver(half), False),
+            ("a driver that is a program", of_driver(program), False), ("no layer", of_layers(no_layers), True),
+            ("half a layer", of_layers(half_layers), True))
+
+
+def drivers(bakes, count):
+    """No Vulkan driver, a driver's description that is half a file, and one that names a program: the message names the
+    package. No layer where the environment asks for the validation layer, and half a file in place of one: a bake on
+    Vulkan has the same bytes, or says the same. Each time `devices` lists the CPU, and the CPU bakes."""
+    bake = bakes[0]
+    root = bake.empty_folder()
     names = ("mesa-vulkan-drivers",)
-    must_be_found(lambda: hold_refusal(NO_DEVICE, "fascicle: error: no device\n", (NO_DEVICE,), names), "no advice")
+    must_be_found(lambda: hold_refusal(NO_DEVICE, "fascicle: error: no device; get one\n", (NO_DEVICE,), names),
+                  "no package")
+    cases = lacking(root)
+    devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
+    on_vulkan = 0
     for k in range(count):
-        description = (os.path.join(root, "none.json"), half, program)[k % 3]
-        # Older loaders know the second name alone.
-        environment = bake.environment(VK_DRIVER_FILES=description, VK_ICD_FILENAMES=description)
+        what, changes, may_be_left = cases[k % len(cases)]
+        environment = bake.environment(**changes)
         folder = os.path.join(root, "out")
         status, text = ended(bake.command(folder, "--device", "vulkan"), environment, root)
-        hold_refusal(status, text, (NO_DEVICE,), names)
-        hold(not os.path.exists(folder) or not os.listdir(folder), folder + ": something was written")
+        if status == DONE and may_be_left:
+            hold("vulkan:0" in devices, "baked on a device that is not there: " + text)
+            bake.hold_whole(folder)
+            shutil.rmtree(folder)
+            on_vulkan += 1
+        else:
+            hold_refusal(status, text, (NO_DEVICE,), names)
+        hold(not os.path.exists(folder) or not os.listdir(folder), "%s, %s: something was written" % (folder, what))
         status, text = ended([PROGRAM, "devices"], environment, root)
-        hold(status == DONE and "cpu" in text, "`devices` ended with %d: %s" % (status, text))
-        status, text = ended(bake.command(folder, "--device", "auto"), environment, root)
-        hold(status == DONE, "the CPU does not bake: " + text)
+        hold(status == DONE and "cpu" in text, "%s: `devices` ended with %d: %s" % (what, status, text))
+        status, text = ended(bake.command(folder, "--device", "auto" if not may_be_left else "cpu"), environment, root)
+        hold(status == DONE, "%s: the CPU does not bake: %s" % (what, text))
         bake.hold_whole(folder)
         shutil.rmtree(folder)
     shutil.rmtree(root)
-    return "%d times: the message names the package, and the CPU bakes the same bytes" % count
+    return "%d times: %d messages name the package, %d bakes without the layer have the same bytes, and so have all " \
+           "of the CPU" % (count, count - on_vulkan, on_vulkan)
 
 
 def memory_of(command, environment):
