@@ -6,6 +6,7 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import time
 
 from bakes import DONE, PROGRAM, end_by, hold, manifest, must_be_found
@@ -220,15 +221,30 @@ def drivers(bakes, count):
            "of the CPU" % (count, count - on_vulkan, on_vulkan)
 
 
-def memory_of(command, environment):
-    """(Most memory it had, bytes; seconds of processor time) of a program and its children."""
+def figures_of(command, environment):
+    """(Most memory it had, bytes; seconds of processor time; bytes written) of a program and its children."""
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment)
     text = process.stderr.read()
+    # Once it is over, and before it is forgotten: with what its threads and children have written.
+    os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+    with open("/proc/%d/io" % process.pid) as file:
+        written = next(int(line.split()[1]) for line in file if line.startswith("wchar:"))
     _, status, usage = os.wait4(process.pid, 0)
     process.stderr.close()
     process.returncode = os.waitstatus_to_exitcode(status)
     hold(process.returncode == DONE, "%s ended with %d: %s" % (" ".join(command), process.returncode, text))
-    return usage.ru_maxrss * 1024, usage.ru_utime + usage.ru_stime
+    return usage.ru_maxrss * 1024, usage.ru_utime + usage.ru_stime, written
+
+
+def memory_of(command, environment):
+    """The first two of these."""
+    return figures_of(command, environment)[:2]
+
+
+def hold_written(few_bytes, few, many_bytes, many):
+    """A piece of ten times as many may take a fifth more: a checkpoint, which lists what is done, goes by the clock."""
+    hold(many_bytes / many <= 1.2 * few_bytes / few, "more is written for each: %.0f bytes of %d, then %.0f of %d"
+         % (few_bytes / few, few, many_bytes / many, many))
 
 
 def hold_flat(few, many):
@@ -243,15 +259,29 @@ def hold_same(one, other, what):
 def load(bakes, count):
     """A bake of so many frames, a tenth as many jobs of two frames in a batch, a hundredth as many clips of a snake of
     300 joints, each beside a tenth of it; and a bar of 200 vertices a frame asked for (2 million), beside a tenth: the
-    memory stays, or grows as the bar does, no piece takes longer, and a piece alone has the same position hashes."""
+    memory stays, or grows as the bar does, no piece takes longer, no frame more bytes that are written, and a piece
+    alone has the same position hashes."""
     must_be_found(lambda: hold_flat(100 << 20, 200 << 20), "memory that grows")
     must_be_found(lambda: hold_pace(1.0, 10, 40.0, 100), "a pace that slows down")
     must_be_found(lambda: hold_same(["1"], ["2"], "a control"), "other hashes")
+    controls_of_written(bakes[0].environment())
     root = bakes[0].empty_folder()
     environment = bakes[0].environment(FASCICLE_CACHE_DIR=os.path.join(root, "cache"))
     said = [part(root, environment, count) for part in (load_of_frames, load_of_jobs, load_of_clips, load_of_vertices)]
     shutil.rmtree(root)
     return "; ".join(said)
+
+
+def controls_of_written(environment):
+    """Frames of 1500 bytes, and a list of those that are done: at the end, or rewritten whole every 100 frames, by a
+    child."""
+    script = "import subprocess, sys; subprocess.run([sys.executable, '-c', sys.argv[1]], stdout=subprocess.DEVNULL)"
+    child = "import os; [os.write(1, b'0' * (1500 + (30 * i if i %% 100 == 0 and %d else 0))) for i in range(%d)]"
+    written = lambda *how: figures_of([sys.executable, "-S", "-c", script, child % how], environment)[2]
+    figures = {(again, frames): written(again, frames) for again in (0, 1) for frames in (1000, 10000)}
+    hold(figures[0, 10000] >= 15000000, "what a child writes is not seen")
+    hold_written(figures[0, 1000], 1000, figures[0, 10000], 10000)
+    must_be_found(lambda: hold_written(figures[1, 1000], 1000, figures[1, 10000], 10000), "a list rewritten whole")
 
 
 def hold_pace(few_seconds, few, many_seconds, many):
@@ -269,15 +299,17 @@ def load_of_frames(root, environment, count):
     for frames in (count // 10, count):
         folder = os.path.join(root, "frames")
         sets = [word for one in SMALL for word in ("--set", one)]
-        found.append(memory_of([PROGRAM, "bake", "bar-hang-none", *sets, "--device", "cpu", "--threads", "1",
-                                "--overwrite", "--end", repr(frames / 60), "-o", folder], environment))
+        found.append(figures_of([PROGRAM, "bake", "bar-hang-none", *sets, "--device", "cpu", "--threads", "1",
+                                 "--overwrite", "--end", repr(frames / 60), "-o", folder], environment))
         hashes.append(manifest(folder)["position_hashes"])
         hold(len(hashes[-1]) == frames + 1, folder + ": frames are missing")
     hold_flat(found[0][0], found[1][0])
     hold_pace(found[0][1], count // 10, found[1][1], count)
+    hold_written(found[0][2], count // 10, found[1][2], count)
     hold_same(hashes[0], hashes[1][:len(hashes[0])], "of the first frames of more")
-    return "%d frames in %d MiB, %d in %d, %.1f times the time a frame" % (
-        count, found[1][0] >> 20, count // 10, found[0][0] >> 20, found[1][1] / found[0][1] / 10)
+    return "%d frames in %d MiB, %d in %d, %.1f times the time and %.2f times the bytes written a frame" % (
+        count, found[1][0] >> 20, count // 10, found[0][0] >> 20, found[1][1] / found[0][1] / 10,
+        found[1][2] / found[0][2] / 10)
 
 
 def load_of_jobs(root, environment, count):
