@@ -1,61 +1,194 @@
-"""What a bake asks of the system."""
+"""What bakes ask of the system."""
 
+import glob
 import os
 import re
 import shutil
 import subprocess
 import sys
 
-from bakes import DONE, hold, must_be_found
+from bakes import DONE, PROGRAM, hold, must_be_found
+import large_character
+
+PROGRAMS = ("fascicle", "fascicle-mesher")
+# All calls that name a file, of which LOOKS only ask what there is; and those that make a socket or use one.
+CALLS = "trace=%file,socket,connect,bind"
+LOOKS = re.compile(r"(new|old)?l?f?stat(at|64|x|fs|fs64)?$|statx$|access$|faccessat2?$|readlink(at)?$|getcwd$|chdir$")
+CHANGES = re.compile(r"O_WRONLY|O_RDWR|O_CREAT|O_TRUNC")
+
+# What may be opened for reading beside a bake's input, output, cache and temporary folder, and why. A path stands for
+# all below it.
+READ_BY_ALL = (
+    (os.path.dirname(PROGRAM), "the program, the mesher beside it"),
+    ("/etc/ld.so.cache", "where the loader finds libraries"),
+    ("/etc/ld.so.preload", "the loader looks for it"),
+    ("/lib", "libraries"), ("/lib64", "libraries"), ("/usr/lib", "libraries"),
+    ("/proc/self", "where the program lies, how much memory it and its children have"),
+    ("/proc/meminfo", "how many bakes of a batch there is memory for"),
+    ("/sys/fs/cgroup", "the same in a container"),
+    ("/proc/cpuinfo", "the processor's name, for the manifest"),
+    ("/sys/devices/system/cpu", "how many cores there are"),
+    ("/proc/sys/vm/overcommit_memory", "the C library, as it gives memory back"),
+    ("/dev/null", "in place of a child's input"),
+)
+# On lavapipe: what the Vulkan loader and Mesa open beside that.
+READ_BY_VULKAN = (
+    ("/usr/share/vulkan", "the loader: drivers, layers"), ("/usr/local/share/vulkan", "the loader"),
+    ("/etc/vulkan", "the loader"), ("/etc/xdg/vulkan", "the loader"),
+    ("HOME/.config/vulkan", "the loader"), ("HOME/.local/share/vulkan", "the loader"),
+    ("/usr/share/drirc.d", "Mesa's options"), ("/etc/drirc", "Mesa's options"), ("HOME/.drirc", "Mesa's options"),
+    ("/dev/dri", "Mesa: GPUs"), ("/sys/class/drm", "Mesa: GPUs"), ("/sys/dev/char", "Mesa: GPUs"),
+    ("/etc/nsswitch.conf", "Mesa: whose home this is"), ("/etc/passwd", "Mesa: whose home this is"),
+)
+# Mesa asks for the user's home by getpwuid(), which looks for this daemon.
+NSCD = re.compile(r'socket\(AF_UNIX, SOCK_STREAM\|SOCK_CLOEXEC\|SOCK_NONBLOCK, 0\) |connect\(.*"/var/run/nscd/socket"')
+# Where Mesa keeps its shaders: in the user's cache folder.
+MESA_CACHE = "mesa_shader_cache"
+
+
+def traced(command, environment, folder, log):
+    """The calls of it and of its children, whole lines each, those that failed among them."""
+    shutil.rmtree(log, ignore_errors=True)
+    os.mkdir(log)
+    # -y names the folders of names that are relative to one.
+    done = subprocess.run(["strace", "-ff", "-y", "-qq", "-s", "4096", "-e", CALLS, "-o", log + "/of", *command],
+                          capture_output=True, text=True, env=environment, cwd=folder)
+    hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
+    lines = []
+    for name in os.listdir(log):
+        with open(os.path.join(log, name), errors="replace") as file:
+            lines += [line for line in file.read().splitlines() if not line.startswith(("---", "+++"))]
+    return lines
+
+
+def of_own(path):
+    """A process by its number is one of those that are traced, as /proc/self is."""
+    return re.sub(r"^/proc/\d+", "/proc/self", path)
+
+
+def is_below(path, folders):
+    return any(path == folder or path.startswith(folder.rstrip("/") + "/") for folder in folders)
+
+
+def hold_inside(lines, allowed, read=(), programs=PROGRAMS, sockets=None):
+    """Nothing is changed but below what is allowed, nothing is opened but that and what may be read, nothing is started
+    but these programs, whether the call worked or not; and no socket but such as are expected."""
+    for line in lines:
+        name, _, words = line.partition("(")
+        paths = [of_own(os.path.normpath(os.path.join(folder, path))) for folder, path in
+                 re.findall(r'(?:(?:AT_FDCWD|\d+)<([^>]*)>, )?"((?:[^"\\]|\\.)*)"', words)]
+        if name in ("socket", "connect", "bind"):
+            hold(sockets and sockets.match(line), "a socket: " + line)
+        elif name == "execve":
+            # A batch starts itself.
+            hold(os.path.basename(paths[0]) in programs or paths[0] == "/proc/self/exe", "another program: " + line)
+        elif not LOOKS.match(name):
+            is_change = not name.startswith("open") or CHANGES.search(line)
+            for path in paths:
+                hold(is_below(path, allowed) or path in ("/dev/null", "/dev/tty") or
+                     not is_change and is_below(path, read), "a file outside: " + line)
+
+
+def hold_controls(bake):
+    """Programs that are not careful."""
+    root = bake.empty_folder()
+    python = os.path.basename(sys.executable)
+    passwd = "open('/etc/passwd').read()"
+    for script, what in (("import socket; socket.socket()", "a socket"),
+                         ("import os; os.execv('/bin/true', ['true'])", "another program"),
+                         (passwd, "a file that is read"),
+                         ("import os; os.path.exists('/etc/no-such') or open('/etc/no-such', 'a+', opener=lambda p, f: "
+                          "os.open(p, os.O_RDONLY))", "a file that is looked for"),
+                         ("open(%r, 'w').close()" % os.path.join(root, "sibling-x"), "a file of a folder beside")):
+        script = "try:\n %s\nexcept OSError: pass" % script
+        lines = traced([sys.executable, "-S", "-c", script], bake.environment(), root, root + "/control")
+        # Of Python itself all may be read that lies elsewhere.
+        read = [path for path in ("/usr", "/lib", "/lib64", "/proc", "/sys", "/root", "/home", "/opt", sys.prefix,
+                                  sys.base_prefix, "/etc/localtime", "/etc/ld.so.cache", "/etc/ld.so.preload")]
+        programs = (python, "python3")
+        if script.find(passwd) >= 0:
+            hold_inside(lines, (os.path.join(root, "sibling"),), (*read, "/etc/passwd"), programs)
+        must_be_found(lambda: hold_inside(lines, (os.path.join(root, "sibling"),), read, programs), what)
+    shutil.rmtree(root)
 
 
 def outside(bakes, count):
-    """What a bake asks of the system, by strace: sockets, files it changes, programs it starts."""
-    calls = "trace=socket,connect,bind,open,openat,creat,unlink,unlinkat,rename,renameat,renameat2,mkdir,mkdirat," \
-            "link,linkat,symlink,symlinkat,truncate,execve"
+    """What the system is asked for, seen by strace, by bakes of a bar, of characters made in code and of one of a file, by
+    an export, a batch and a bake on Mesa's software device: sockets, files that are changed, read or looked for,
+    programs that are started."""
+    hold_controls(bakes[0])
+    drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
+    kept = set()
 
-    def traced(command, environment, log):
-        """The calls of it and of its children, whole lines each."""
-        shutil.rmtree(log, ignore_errors=True)
-        os.mkdir(log)
-        # -y names the folders of names that are relative to one.
-        done = subprocess.run(["strace", "-ff", "-y", "-qq", "-s", "4096", "-e", calls, "-o", log + "/of", *command],
-                              capture_output=True, text=True, env=environment)
-        hold(done.returncode == DONE, done.stderr)
-        lines = []
-        for name in os.listdir(log):
-            with open(os.path.join(log, name), errors="replace") as file:
-                lines += [line for line in file.read().splitlines() if " = -1" not in line]
-        return lines
+    def prepared(root):
+        """The files that the commands below read."""
+        large_character.write(os.path.join(root, "snake.gltf"), 6, 1)
+        with open(os.path.join(root, "jobs.toml"), "w") as file:
+            file.write('[job.bar]\nscene = "bar-hang-none"\nset = ["scene.end=0.1"]\nformat = ["pc2"]\n'
+                       '[job.snake]\nscene = "snake.gltf"\n')
 
-    def hold_inside(lines, allowed, programs):
-        for line in lines:
-            name = line.partition("(")[0]
-            paths = [os.path.join(folder, path)
-                     for folder, path in re.findall(r'(?:(?:AT_FDCWD|\d+)<([^>]*)>, )?"([^"]*)"', line)]
-            hold(name not in ("socket", "connect", "bind"), "a socket: " + line)
-            if name == "execve":
-                hold(os.path.basename(paths[0]) in programs, "another program: " + line)
-            elif not name.startswith("open") or re.search(r"O_WRONLY|O_RDWR|O_CREAT|O_TRUNC", line):
-                for path in paths:
-                    hold(path in ("/dev/null", "/dev/tty") or
-                         any((path + "/").startswith(folder + "/") for folder in allowed), "a file outside: " + line)
+    def read_by_vulkan(environment):
+        return tuple((path.replace("HOME", environment["HOME"]), why) for path, why in READ_BY_VULKAN)
 
-    programs = ("fascicle", "fascicle-mesher")
+    def traced_bake(bake, root, environment):
+        return traced(bake.command(os.path.join(root, "out")), environment, root, root + ".strace"), ()
+
+    def of_file(bake, root, environment):
+        command = [PROGRAM, "bake", "snake.gltf", "--device", "cpu", "--format", "glb,usda"]
+        return traced([*command, "-o", root + "/out"], environment, root, root + ".strace"), ()
+
+    def of_export(bake, root, environment):
+        command = [PROGRAM, "export", bake.folder_of_whole, "--to", "abc,mdd,obj,pc2,usda,vtp"]
+        lines = traced([*command, "-o", root + "/out"], environment, root, root + ".strace")
+        return lines, ((bake.folder_of_whole, "the bake"),)
+
+    def of_batch(bake, root, environment):
+        command = [PROGRAM, "batch", "jobs.toml", "--device", "cpu", "-o", root + "/out"]
+        # It lists all devices, whatever it is told to bake on.
+        return traced(command, environment, root, root + ".strace"), read_by_vulkan(environment)
+
+    def on_vulkan(bake, root, environment):
+        if not drivers:
+            return None, ()
+        command = [PROGRAM, "bake", "bar-hang-none", "--end", "0.1", "--device", "vulkan", "-o", root + "/out"]
+        lines = traced(command, environment, root, root + ".strace")
+        return lines, read_by_vulkan(environment)
+
+    kinds = ((traced_bake, bakes[2]), (on_vulkan, bakes[0]), (of_file, bakes[0]), (of_batch, bakes[0]),
+             (of_export, bakes[1]), (traced_bake, bakes[0]), (traced_bake, bakes[1]))
+    traces = 0
     for k in range(count):
-        bake = bakes[k % len(bakes)]
-        folder = bake.empty_folder()
+        trace, bake = kinds[k % len(kinds)]
         bake.forget_body()
-        temporary = bake.empty_folder()
-        lines = traced(bake.command(folder, "--overwrite"), bake.environment(TMPDIR=temporary), folder + ".strace")
+        root = bake.empty_folder()
+        temporary, home = bake.empty_folder(), bake.empty_folder()
+        prepared(root)
+        environment = bake.environment(TMPDIR=temporary, HOME=home, XDG_CACHE_HOME=os.path.join(home, "cache"))
+        if drivers:
+            environment.update(VK_DRIVER_FILES=drivers[0], VK_ICD_FILENAMES=drivers[0])
+        lines, more = trace(bake, root, environment)
+        if lines is None:
+            continue
         hold(len(lines) > 20, "strace saw nothing")
-        hold_inside(lines, (folder, bake.cache, temporary), programs)
-        must_be_found(lambda: hold_inside(lines, (bake.cache, temporary), programs), "files outside")
-        shutil.rmtree(folder)
-    control, python = bakes[0].root + "/control", os.path.basename(sys.executable)
-    for script, what in (("import socket; socket.socket()", "a socket"),
-                         ("import os; os.execv('/bin/true', ['true'])", "another program")):
-        lines = traced([sys.executable, "-c", script], bakes[0].environment(), control)
-        must_be_found(lambda: hold_inside(lines, ("/",), (python, "python3")), what)
-    return "%d bakes: no socket, no file outside the bake's folder, the cache and what is temporary, no program but " \
-           "the mesher" % count
+        read = [path for path, _ in (*READ_BY_ALL, *more)] + [root]
+        out = os.path.join(root, "out")
+        allowed = [out, bake.cache, temporary]
+        is_mesa = trace is on_vulkan
+        if is_mesa:
+            allowed += [os.path.join(home, "cache"), os.path.join(home, "cache", MESA_CACHE)]
+        hold_inside(lines, allowed, read, sockets=NSCD if is_mesa else None)
+        must_be_found(lambda: hold_inside(lines, allowed[1:], read, sockets=NSCD), "files outside")
+        without = [path for path in read if "lib" not in path]
+        must_be_found(lambda: hold_inside(lines, allowed, without, sockets=NSCD), "libraries that are read")
+        kept |= {os.path.relpath(os.path.join(parent, name), home) for parent, _, names in os.walk(home)
+                 for name in names}
+        hold(all(path.startswith("cache/%s/" % MESA_CACHE) for path in kept), "in the home: " + ", ".join(sorted(kept)))
+        traces += 1
+        for folder in (root, temporary, home, root + ".strace"):
+            shutil.rmtree(folder)
+    said = "there was no lavapipe to look at" if not drivers else \
+        "Mesa beside that asks who the user is (passwd, the socket of nscd) and keeps %s in the user's cache folder" % (
+            "%d files of shaders" % len(kept) if kept else "nothing")
+    return "%d traces: no socket, nothing changed but the output, the cache and what is temporary, nothing read or " \
+           "looked for but these, the input, libraries and what the system says of the processor, no program but the " \
+           "mesher and, for a batch, its bakes; %s" % (traces, said)
