@@ -1,13 +1,19 @@
 """Surfaces that no tool should write."""
 
+import json
 import math
 import os
 import random
 import shutil
+import struct
+import sys
 import time
 
-from bakes import BAD_INPUT, DONE, FAILED, PROGRAM, hold
-from refusals import controls, ended, hold_refusal, in_pairs
+from bakes import BAD_INPUT, DONE, FAILED, PROGRAM, hold, must_be_found
+from refusals import controls, hold_refusal, in_pairs, measured
+
+# Bytes that a small file may take, three times as much as was seen; and for each byte of a larger one.
+MOST_MEMORY, MEMORY_A_BYTE = 256 << 20, 1 << 10
 
 
 def sphere(rings, radius=0.3):
@@ -94,58 +100,128 @@ def few(vertices, triangles):
 SURFACES = (opened, crossed, flat, doubled, stacked, odd_numbers, scaled, slivers, turned, beyond, torn, few)
 
 
-def obj_text(vertices, triangles):
-    return "".join("v %r %r %r\n" % v for v in vertices) + \
-        "".join("f %d %d %d\n" % tuple(i + 1 for i in t) for t in triangles)
+def narrow(x):
+    """As a float of 32 bits has it."""
+    try:
+        return struct.unpack("<f", struct.pack("<f", x))[0]
+    except OverflowError:
+        return math.copysign(math.inf, x)
+
+
+def obj(vertices, triangles):
+    return ("".join("v %r %r %r\n" % v for v in vertices) +
+            "".join("f %d %d %d\n" % tuple(i + 1 for i in t) for t in triangles)).encode()
+
+
+def stl(vertices, triangles):
+    """It has corners in place of vertices: one that is not there is no number."""
+    corner = lambda i: tuple(map(narrow, vertices[i])) if i < len(vertices) else (math.nan,) * 3
+    return bytes(80) + struct.pack("<I", len(triangles)) + b"".join(
+        struct.pack("<12fH", 0.0, 0.0, 0.0, *(x for i in t for x in corner(i)), 0) for t in triangles)
+
+
+def ply(vertices, triangles):
+    head = "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty double x\nproperty double y\n" \
+           "property double z\nelement face %d\nproperty list uchar uint vertex_indices\nend_header\n"
+    return (head % (len(vertices), len(triangles))).encode() + \
+        b"".join(struct.pack("<3d", *v) for v in vertices) + \
+        b"".join(struct.pack("<B3I", 3, *(min(i, 2 ** 32 - 1) for i in t)) for t in triangles)
+
+
+def glb(vertices, triangles):
+    positions = [tuple(map(narrow, v)) for v in vertices]
+    numbers = [[v[axis] for v in positions if math.isfinite(v[axis])] or [0.0] for axis in range(3)]
+    data = b"".join(struct.pack("<3f", *v) for v in positions)
+    indices = b"".join(struct.pack("<3I", *(min(i, 2 ** 32 - 1) for i in t)) for t in triangles)
+    # A clip moves it: what nothing moves is no character.
+    clip = struct.pack("<8f", 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0)
+    parts = (data, indices, clip[:8], clip[8:])
+    begins = [sum(map(len, parts[:i])) for i in range(len(parts))]
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                        "samplers": [{"input": 2, "output": 3}]}],
+        "buffers": [{"byteLength": sum(map(len, parts))}],
+        "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": len(part)} for at, part in zip(begins, parts)],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(vertices), "type": "VEC3",
+                       "min": list(map(min, numbers)), "max": list(map(max, numbers))},
+                      {"bufferView": 1, "componentType": 5125, "count": 3 * len(triangles), "type": "SCALAR"},
+                      {"bufferView": 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0.0],
+                       "max": [narrow(0.2)]},
+                      {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"}]}
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    data = b"".join(parts)
+    return struct.pack("<III", 0x46546C67, 2, 28 + len(text) + len(data)) + \
+        struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(data), 0x004E4942) + data
+
+
+# The text, and binary files whose reader has no say in what a number is.
+FORMATS = (obj, stl, ply, glb)
+
+
+def hold_memory(taken, size):
+    """A small file may not ask for much, nor a large one for much more than it is."""
+    hold(taken <= MOST_MEMORY + MEMORY_A_BYTE * size, "%d MiB for a file of %d bytes" % (taken >> 20, size))
 
 
 def try_surface(inputs):
-    """(whether it was baked, what was said, the longest time) of one surface."""
+    """(whether it was baked, what was said, the longest time, the most memory) of one surface."""
     k, kind, surface, environment, folder = inputs
     os.makedirs(folder)
-    path = os.path.join(folder, "%s-%d.obj" % (kind.__name__, k))
-    with open(path, "w") as file:
-        file.write(obj_text(*surface))
+    write = FORMATS[k % len(FORMATS)]
+    path = os.path.join(folder, "%s-%d.%s" % (kind.__name__, k, write.__name__))
+    content = write(*surface)
+    with open(path, "wb") as file:
+        file.write(content)
     # As fine as for a character it takes seconds, nearly all in the library that wraps: one in ten.
     options = ("--resolution", "500", *(() if k % 10 == 9 else ("--cage-detail", "20")))
-    longest, text = 0.0, ""
+    longest, most, text = 0.0, 0, ""
     for command in (["inspect", path],
                     ["bake", path, "--end", "0.05", "--device", "cpu", "--threads", "1", "-o", folder + "/out"]):
         begin = time.monotonic()
-        status, text = ended([PROGRAM, *command, *options],
-                             {**environment, "FASCICLE_CACHE_DIR": os.path.join(folder, "cache")}, folder)
-        longest = max(longest, time.monotonic() - begin)
+        status, text, taken = measured([PROGRAM, *command, *options],
+                                       {**environment, "FASCICLE_CACHE_DIR": os.path.join(folder, "cache")}, folder)
+        longest, most = max(longest, time.monotonic() - begin), max(most, taken)
         is_whole = status == DONE
         if not is_whole:
             hold_refusal(status, text, (FAILED, BAD_INPUT), (os.path.basename(path), "mesh", "body"))
+        hold_memory(taken, len(content))
     shutil.rmtree(folder)
-    return is_whole, text, longest
+    return is_whole, text, longest, most
 
 
 def surfaces(bakes, count):
     """Surfaces that are open, crossed, flat, doubled, stacked, torn, inside out, huge, tiny, of slivers, of odd numbers
-    or of vertices that are not there, through `inspect` and `bake`: baked, or refused with one message that says what
-    to do; what takes more than 10 s says that it is at work."""
+    or of vertices that are not there, as .obj and as binary .stl, .ply and .glb, through `inspect` and `bake`: baked,
+    or refused with one message that says what to do; what takes more than 10 s says that it is at work, and the mesher
+    and all else stay in a memory that goes by the file's size (256 MiB, and 1 KiB a byte)."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment()
     controls(environment, root)
+    must_be_found(lambda: hold_memory(4 << 30, 2000), "4 GiB for 2 kB")
+    # By a child of a child, as the mesher is.
+    greedy = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'bytearray(300 << 20)'])"
+    _, _, taken = measured([sys.executable, "-c", greedy], environment, root)
+    hold(taken > 300 << 20, "the memory of a child's child is not seen")
 
     def drawn():
         for k in range(count):
-            # The first is a surface that nothing is wrong with: what refuses all of them is found out.
-            kind = SURFACES[k % len(SURFACES)] if k > 0 else good
+            # The first of each format is a surface that nothing is wrong with: what refuses all of them is found out.
+            kind = SURFACES[k // len(FORMATS) % len(SURFACES)] if k >= len(FORMATS) else good
             surface = kind(*sphere(random.randint(2, 9)))
-            if k > 0 and random.random() < 0.2:
+            if k >= len(FORMATS) and random.random() < 0.2:
                 surface = random.choice(SURFACES)(*surface) if surface[1] else surface
             yield k, kind, surface, environment, os.path.join(root, str(k))
 
-    baked, longest = 0, 0.0
-    for k, (is_whole, text, seconds) in enumerate(in_pairs(try_surface, drawn())):
-        hold(is_whole or k > 0, "a sphere was refused: " + text)
-        baked, longest = baked + is_whole, max(longest, seconds)
+    baked, longest, most = 0, 0.0, 0
+    for k, (is_whole, text, seconds, taken) in enumerate(in_pairs(try_surface, drawn())):
+        hold(is_whole or k >= len(FORMATS), "a sphere was refused: " + text)
+        baked, longest, most = baked + is_whole, max(longest, seconds), max(most, taken)
     refused = count - baked
     hold(count < 50 or (baked and refused), "%d were baked and %d refused: the surfaces are all of one kind"
          % (baked, refused))
     shutil.rmtree(root)
-    return "%d surfaces: %d baked, %d refused with one message; no crash, no hang, %.0f s at most" \
-        % (count, baked, refused, longest)
+    return "%d surfaces: %d baked, %d refused with one message; no crash, no hang, %.0f s and %d MiB at most" \
+        % (count, baked, refused, longest, most >> 20)

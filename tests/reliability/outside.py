@@ -113,9 +113,9 @@ def hold_controls(bake):
 
 
 def outside(bakes, count):
-    """What the system is asked for, seen by strace, by bakes of a bar, of characters made in code and of one of a file, by
-    an export, a batch and a bake on Mesa's software device: sockets, files that are changed, read or looked for,
-    programs that are started."""
+    """What the system is asked for, by strace: bakes of a bar, of characters made in code and of one of a file, an
+    export, a batch and a bake on Mesa's software device. Sockets, files that are changed, read or looked for, programs
+    that are started."""
     hold_controls(bakes[0])
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
     kept = set()

@@ -3,19 +3,23 @@ line that names something of the input, says what to do, and tells nothing of it
 say that it is at work."""
 
 import concurrent.futures
+import os
 import re
 import resource
 import subprocess
+import threading
 import time
 
 from bakes import Broken, hold, must_be_found
 
 PATIENCE = 120  # s of processor time; a bake here takes less than one, a wrap as fine as a character's some ten
 STANDSTILL = 1800  # s on a machine that is busy with other things
-SILENCE = 10  # s that it may take without a word: the first is due after 5
+SILENCE = 10  # s of processor time that it may take without a word: the first is due after 5
 AT_ONCE = 2
 BAD_USAGE, NOT_FINITE, INTERRUPTED = 2, 5, 75
-MEMORY = 8 << 30  # bytes; what asks for more has to say so
+MEMORY = 512 << 20  # bytes in use at once; the most that was seen is a third, of a software device for Vulkan
+# Bytes of addresses, of which a thread takes 64 MiB without using them: what asks for more is refused by the system.
+ADDRESSES = 4 << 30
 # How a line of an error says what to do: by a request, by what would be right, or by the place where the file's
 # language is broken.
 ADVICE = re.compile(r"; [-`a-z]|\. [A-Z]|not one of |must be |takes |is not a finite number|:\d+: TOML: ")
@@ -33,43 +37,73 @@ def hold_word(seconds, text):
 
 
 def limit():
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES, ADDRESSES))
     # SIGXCPU ends it; the mesher has a limit of its own.
     resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, resource.RLIM_INFINITY))
 
 
-def ended(command, environment, folder):
-    """Runs it, its memory and time bounded: (status, all that it says). A signal, no end, or a long silence
-    is Broken."""
-    begin = time.monotonic()
+def started(command, environment, folder):
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace",
+                            env=environment, cwd=folder, preexec_fn=limit)
+
+
+def processor_seconds(pid):
+    """What a process and its children, as far as they are at work, have taken so far; 0 of one that is over."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=folder, timeout=STANDSTILL,
-                              errors="replace",
-                              preexec_fn=limit)
-    except subprocess.TimeoutExpired:
-        hold(False, "it does not end: " + " ".join(command))
-    hold(done.returncode >= 0, "signal %d: %s" % (-done.returncode, " ".join(command)))
-    hold_word(time.monotonic() - begin, done.stdout + done.stderr)
-    return done.returncode, done.stdout + done.stderr
+        with open("/proc/%d/stat" % pid) as file:
+            times = file.read().rpartition(")")[2].split()[11:15]
+        with open("/proc/%d/task/%d/children" % (pid, pid)) as file:
+            children = [int(child) for child in file.read().split()]
+    except OSError:
+        return 0.0
+    return sum(map(int, times)) / os.sysconf("SC_CLK_TCK") + sum(map(processor_seconds, children))
+
+
+def measured(command, environment, folder):
+    """Runs it, its memory and time bounded: (status, all that it says, the most memory that it or a child of it had, in
+    bytes). A signal, no end, or a long silence is Broken."""
+    process = started(command, environment, folder)
+    ending = threading.Timer(STANDSTILL, process.kill)
+    ending.start()
+    try:
+        text = process.stdout.read()
+        # The mesher is a child of the program, which waits for it: it counts too.
+        _, status, usage = os.wait4(process.pid, 0)
+    finally:
+        ending.cancel()
+        process.stdout.close()
+    process.returncode = os.waitstatus_to_exitcode(status)
+    hold(process.returncode >= 0, "signal %d: %s" % (-process.returncode, " ".join(command)))
+    hold_word(usage.ru_utime + usage.ru_stime, text)
+    hold(usage.ru_maxrss * 1024 <= MEMORY, "%d MiB: %s" % (usage.ru_maxrss >> 10, " ".join(command)))
+    return process.returncode, text, usage.ru_maxrss * 1024
+
+
+def ended(command, environment, folder):
+    """The same without the memory."""
+    return measured(command, environment, folder)[:2]
 
 
 def ended_or_stopped(command, environment, folder):
-    """The same of what may take as long as it was asked to: after a while it must have said that it is at work, and a
-    signal must end it with INTERRUPTED."""
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment,
-                               cwd=folder, errors="replace", preexec_fn=limit)
-    try:
-        text, _ = process.communicate(timeout=SILENCE)
-    except subprocess.TimeoutExpired:
-        process.terminate()
+    """(status, all that it says) of what may take as long as it was asked to: after a while of processor time it must
+    have said that it is at work, and a signal must end it with INTERRUPTED."""
+    process, begin = started(command, environment, folder), time.monotonic()
+    text = None
+    while text is None:
         try:
-            text, _ = process.communicate(timeout=STANDSTILL)
+            text, _ = process.communicate(timeout=SILENCE)
         except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
-            raise Broken("it goes on after a signal: " + " ".join(command)) from None
-        hold_word(SILENCE, " ".join(command) + "\n" + text)
-        hold(process.returncode in (0, INTERRUPTED), "stopped, it ended with %d: %s" % (process.returncode, text))
+            if processor_seconds(process.pid) < SILENCE and time.monotonic() - begin < STANDSTILL:
+                continue
+            process.terminate()
+            try:
+                text, _ = process.communicate(timeout=STANDSTILL)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+                raise Broken("it goes on after a signal: " + " ".join(command)) from None
+            hold_word(SILENCE, " ".join(command) + "\n" + text)
+            hold(process.returncode in (0, INTERRUPTED), "stopped, it ended with %d: %s" % (process.returncode, text))
     hold(process.returncode >= 0, "signal %d: %s" % (-process.returncode, " ".join(command)))
     return process.returncode, text
 
@@ -96,6 +130,7 @@ def controls(environment, folder):
                   "a message of the inside")
     must_be_found(lambda: hold_refusal(3, "fascicle: error: a.obj: mesh: it is bad\n", (3,)), "no way out")
     must_be_found(lambda: ended(["sh", "-c", "kill -SEGV $$"], environment, folder), "a crash")
+    must_be_found(lambda: ended(["python3", "-c", "bytearray(1 << 30)"], environment, folder), "much memory")
     must_be_found(lambda: hold_word(SILENCE + 1, "fascicle 0.1\n"), "a long silence")
     hold_word(SILENCE + 1, "still building the body: 5 s so far\n")
     must_be_found(lambda: list(in_pairs(lambda k: hold(k < 3, "3"), range(9))), "one of several")

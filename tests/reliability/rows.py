@@ -237,7 +237,7 @@ ROWS = (
     ("disk", disk_fails, 200, 7),
     ("damaged", damaged, 12000, 40),
     ("outside", outside, 14, 4),
-    ("surfaces", surfaces, 5000, 6),
+    ("surfaces", surfaces, 5000, 8),
     ("values", parameters, 10000, 10),
     ("names", names, 270, 2),
     ("clashes", clashes, 60, 3),

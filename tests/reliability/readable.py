@@ -1,0 +1,125 @@
+"""What others read is read as they do: each format's file, and pages and scripts whose words come from a character."""
+
+import ast
+import json
+import os
+import re
+import struct
+import subprocess
+import xml.etree.ElementTree
+
+from bakes import hold
+
+# What a page or a script must not do: names that are asked to be code call it.
+CALLED = "escaped"
+OBJ_WORDS = ("v", "vn", "vt", "f", "o", "g", "s", "usemtl", "mtllib")
+MTL_WORDS = ("newmtl", "Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr", "illum", "map_Kd", "Pr", "Pm",
+             "map_Pr", "map_Pm", "map_d", "norm", "map_Ke")
+USD_NAME = re.compile(r"[A-Za-z_]\w*$")
+
+
+def lines_of(content, words, path):
+    for line in content.decode().split("\n"):
+        word = line.split(" ")[0]
+        hold(not line.strip() or line.startswith("#") or word in words, "%s: a line of its own: %r" % (path, line[:80]))
+        hold(word not in ("v", "vn", "vt") or all(map(is_number, line.split()[1:])), "%s: %r" % (path, line[:80]))
+
+
+def is_number(text):
+    return re.fullmatch(r"[-+]?\d+(\.\d*)?([eE][-+]?\d+)?", text) is not None
+
+
+def obj(content, path):
+    lines_of(content, OBJ_WORDS, path)
+
+
+def mtl(content, path):
+    lines_of(content, MTL_WORDS, path)
+
+
+def usda(content, path):
+    """Its strings end in their line, its brackets close, and prims have the names that USD allows."""
+    text = content.decode()
+    hold(text.startswith("#usda 1.0"), path + ": no USD")
+    bare = re.sub(r'"""(?:[^"\\]|\\.|"(?!""))*"""|"(?:[^"\\\n]|\\.)*"|@[^@\n]*@|<[^>\n]*>|#[^\n]*', "", text)
+    hold('"' not in bare and "@" not in bare, path + ": a string does not end")
+    open_ones = []
+    for mark in re.findall(r"[(){}\[\]]", bare):
+        if mark in "({[":
+            open_ones.append(mark)
+        else:
+            hold(open_ones and open_ones.pop() + mark in ("()", "{}", "[]"), path + ": brackets do not close")
+    hold(not open_ones, path + ": brackets do not close")
+    for name in re.findall(r'^\s*(?:def|over|class) \w* ?"([^\n]*?)"\s*[({]?$', text, re.MULTILINE):
+        hold(USD_NAME.match(name), "%s: a prim is called %r" % (path, name))
+
+
+def pc2(content, path):
+    hold(content.startswith(b"POINTCACHE2\0"), path + ": no point cache")
+    points, samples = struct.unpack_from("<i", content, 16)[0], struct.unpack_from("<i", content, 28)[0]
+    hold(points > 0 and samples > 0 and len(content) == 32 + 12 * points * samples, path + ": another size")
+
+
+def mdd(content, path):
+    frames, points = struct.unpack_from(">2i", content)
+    hold(frames > 0 and points > 0 and len(content) == 8 + 4 * frames + 12 * points * frames, path + ": another size")
+
+
+def glb(content, path):
+    magic, version, size = struct.unpack_from("<3I", content)
+    hold((magic, version, size) == (0x46546C67, 2, len(content)), path + ": no glTF")
+    json.loads(content[20:20 + struct.unpack_from("<I", content, 12)[0]])
+
+
+def vtk(content, path):
+    head, appended, _ = content.partition(b"<AppendedData")
+    # Raw bytes stand behind it, as VTK has it.
+    xml.etree.ElementTree.fromstring(head + (b"</VTKFile>" if appended else b""))
+
+
+def abc(content, path):
+    hold(content.startswith(b"Ogawa\xff"), path + ": no Alembic that is whole")
+
+
+def html(content, path):
+    text = content.decode()
+    for planted in ("<script>" + CALLED, "<img src=x", "<b>&amp;]]>"):
+        hold(planted not in text, "%s: a name is mark-up: %s" % (path, planted))
+
+
+def py(content, path):
+    """It compiles, and no name in it has become code."""
+    tree = ast.parse(content, path)
+    hold(not any(isinstance(node, ast.Name) and node.id == CALLED for node in ast.walk(tree)),
+         path + ": a name is code")
+
+
+def sh(content, path):
+    done = subprocess.run(["bash", "-n", path], capture_output=True, text=True)
+    hold(done.returncode == 0 and not done.stderr, "%s: %s" % (path, done.stderr))
+    # With every quoted word left out nothing of a name may be left.
+    bare = re.sub(r"'[^']*'|\"(?:[^\"\\$`]|\\.|\$\{?\w+\}?)*\"|\\.", "", content.decode())
+    hold(CALLED not in "\n".join(line for line in bare.split("\n") if not line.startswith("#")),
+         path + ": a name is a command")
+
+
+def as_json(content, path):
+    json.loads(content)
+
+
+READERS = {".obj": obj, ".mtl": mtl, ".usda": usda, ".pc2": pc2, ".mdd": mdd, ".glb": glb, ".vtu": vtk, ".vtp": vtk,
+           ".pvd": vtk, ".abc": abc, ".html": html, ".py": py, ".sh": sh, ".sbatch": sh, ".json": as_json}
+
+
+def hold_readable(path):
+    """Whether it is of a kind that is read here."""
+    read = READERS.get(os.path.splitext(path)[1])
+    if read is None:
+        return False
+    with open(path, "rb") as file:
+        content = file.read()
+    try:
+        read(content, path)
+    except (ValueError, SyntaxError, struct.error, xml.etree.ElementTree.ParseError) as error:
+        hold(False, "%s: %s" % (path, error))
+    return True
