@@ -22,7 +22,7 @@ MEMORY = 512 << 20  # bytes in use at once; the most that was seen is a third, o
 ADDRESSES = 4 << 30
 # How a line of an error says what to do: by a request, by what would be right, or by the place where the file's
 # language is broken.
-ADVICE = re.compile(r"; [-`a-z]|\. [A-Z]|not one of |must be |takes |is not a finite number|:\d+: TOML: ")
+ADVICE = re.compile(r"; [-`a-z]|\. [A-Z]|not one of |must (be|ascend)|takes |is not a finite number|:\d+: TOML: ")
 # What a line of an error must not be: what a library or the language says of itself.
 OF_THE_INSIDE = re.compile(r"std::|vector::|_M_|basic_string|bad_alloc|terminate called|Assertion|json\.exception")
 
