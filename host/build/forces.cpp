@@ -18,7 +18,7 @@ std::vector<double> coefficients(const scene::Scene& scene, const scene::Force& 
       if (!kinematic[i]) result[i] = area[i] / mass[i];
     return result;
   }
-  const std::string key = "forces." + force.name;
+  const std::string key = "force." + force.name;
   const std::vector<char> inside = test.contains(force.where, key, scene.source);
   double total = 0.0;
   for (std::size_t i = 0; i < n; ++i)

@@ -190,7 +190,9 @@ class Batch {
   std::vector<std::string> command_of(const OneBake& job, const Device& device) const {
     const auto number = static_cast<std::size_t>(&job - asked_.bakes.data());
     const std::string label = failures_.device_of(number, device.label);
-    std::vector<std::string> command{"bake", job.scene, "-o", folder_of(job).string(), "--device", label};
+    // A file whose name begins with a dash would be taken for an option.
+    const std::string scene = job.scene.starts_with('-') ? "./" + job.scene : job.scene;
+    std::vector<std::string> command{"bake", scene, "-o", folder_of(job).string(), "--device", label};
     if (device.threads > 0) command.insert(command.end(), {"--threads", std::to_string(device.threads)});
     // What a device has done before it failed stays.
     command.push_back(asked_.overwrite && !begun_.contains(number) ? "--overwrite" : "--resume");

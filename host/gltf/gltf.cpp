@@ -321,7 +321,8 @@ class Reader {
            numbers(pointer + "/indices", primitive.indices, TINYGLTF_TYPE_SCALAR, is_index, 0)) {
         if (corner >= static_cast<double>(count)) {
           fail(pointer + "/indices", "names vertex " + std::to_string(static_cast<std::uint64_t>(corner)) +
-                                         " of " + std::to_string(count));
+                                         " of " + std::to_string(count) +
+                                         ", counted from 0; export the mesh again");
         }
         corners.push_back(static_cast<std::uint32_t>(corner));
       }

@@ -64,10 +64,11 @@ void check_size(const std::string& what, double size, double longest, const std:
 }
 
 std::string rounded(double value) {
+  // What a stream writes may be no number in TOML: "213." or "1.e+03".
   std::ostringstream out;
-  out << std::setprecision(3) << std::showpoint << value;
-  // "213." is no number in TOML.
-  return out.str() + (out.str().back() == '.' ? "0" : "");
+  out << std::setprecision(3) << value;
+  const std::string text = shortest(std::stod(out.str()));
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
 
 bool is_painted(const rig::Character& character, const std::string& name) {

@@ -225,9 +225,13 @@ std::vector<NamedClip> named_clips(const rig::Character& character, const std::v
   const auto number_of = [&](const rig::Clip* clip) {
     return std::to_string(static_cast<std::size_t>(clip - character.clips.data()));
   };
-  // By name where that finds it again: another clip may have the same one, or a number for a name.
+  // By name where that finds it again: another clip may have the same one, or a number for a name, and --clip
+  // would take a name in quotes for what stands in them.
   const auto text_of = [&](const rig::Clip* clip) {
-    const bool is_plain = std::none_of(clip->name.begin(), clip->name.end(), [](char c) {
+    const std::size_t first = clip->name.find_first_not_of(' ');
+    const bool is_quoted =
+        first != std::string::npos && (clip->name[first] == '"' || clip->name[first] == '\'');
+    const bool is_plain = !is_quoted && std::none_of(clip->name.begin(), clip->name.end(), [](char c) {
       return std::iscntrl(static_cast<unsigned char>(c)) != 0;
     });
     return !clip->name.empty() && is_plain && rig::find_clip(character, clip->name) == clip ? clip->name

@@ -22,7 +22,8 @@ void write_name(std::ostream& out, std::string_view name) {
 // back the same.
 void write_value(std::ostream& out, const toml::node& node) {
   if (const auto* table = node.as_table()) {
-    const char* separator = "{ ";
+    const char* separator = "";
+    out << "{ ";
     for (const auto& [name, value] : in_order(*table)) {
       out << separator;
       write_name(out, name->str());
@@ -32,7 +33,8 @@ void write_value(std::ostream& out, const toml::node& node) {
     }
     out << " }";
   } else if (const auto* array = node.as_array()) {
-    const char* separator = "[";
+    const char* separator = "";
+    out << "[";
     for (const toml::node& value : *array) {
       out << separator;
       write_value(out, value);

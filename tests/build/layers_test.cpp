@@ -477,7 +477,7 @@ TEST(Forces, KinematicVerticesTakeNone) {
   // The free vertices take the whole force.
   EXPECT_NEAR(total_push(model, 1), 1.0, 1e-7);
   scene.forces[1].where = scene.pins[0].where;
-  expect_refusal([&] { build_quietly(scene); }, "forces.push");
+  expect_refusal([&] { build_quietly(scene); }, "force.push");
 }
 
 TEST(Forces, WithoutForcesThereAreNoArrays) {

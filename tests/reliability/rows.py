@@ -54,7 +54,7 @@ def resumed(bakes, count):
         done = subprocess.run(command, capture_output=True, text=True, env=bake.environment())
         hold(done.returncode == DONE, "%s: %s" % (" ".join(command), done.stderr))
         refused = bake.run(folder, "--resume", "--set", "layers.body.alpha=0.9")
-        hold(refused.returncode == BAD_INPUT and "model was" in refused.stderr,
+        hold(refused.returncode == BAD_INPUT and "the key layers.body.alpha was" in refused.stderr,
              "%s: another stiffness was not refused: %s" % (folder, refused.stderr))
         bake.resume(folder, "--device", random.choice(levels), "--threads", str(1 + k % 3))
         shutil.rmtree(folder)

@@ -443,6 +443,21 @@ TEST(LoadScene, TakesABareMeshOfAnySize) {
   }
 }
 
+// Three digits of 999.6 are 1.00e+03, which a stream may write as no TOML knows it.
+TEST(LoadScene, NumbersOfABareScenesAreTOML) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "a.off").string();
+  for (double size = 1e-3; size < 1e3; size *= 1.013) {
+    write_tetrahedron_of_size(path, size);
+    EXPECT_NO_THROW((void)load_scene(path)) << size;
+  }
+}
+
+TEST(LoadScene, AnEmptyListIsWrittenAsOne) {
+  const Scene scene = load_scene("builtin:bar-hang-none", {.set = {"motion.cuts=[]"}});
+  EXPECT_TRUE(contains(scene.text, "cuts = []")) << scene.text;
+}
+
 // The scene's text names the file, and is UTF-8.
 TEST(LoadScene, ABareFileWithANameThatIsNoTextIsRefusedByIt) {
   const TemporaryFolder folder;
