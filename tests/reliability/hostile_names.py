@@ -14,8 +14,9 @@ from refusals import BAD_USAGE, ended, hold_refusal
 NAMES = ("../../escaped", "/tmp/escaped", "a\nb", "a\x1b[31mb", "\u202eevil", "'; touch escaped; '", "$(touch escaped)",
          "\"quoted\"", "<b>&amp;]]>", "a" * 100000, "nul", "-rf", ".", "..", " ", "", "\ttab", "100%s%n", "{}", "\\x",
          "\u0085next", "name\r", "caf\u00e9", "\U0001f600", "`id`", "#{a}", "*",
-         "</script><script>escaped()</script>", "\"><img src=x onerror=escaped()>", "\"+escaped()+\"", "'+escaped()+'",
-         "\"\"\"+escaped()+\"\"\"", "\\\"+escaped()#", "'$(escaped)'", "a\nescaped()\n", "]]><b/>")
+         "</script><script>escaped()</script>", "\"><img src=x onerror=escaped()>", "a\"+escaped()+\"b",
+         "a'+escaped()+'b",
+         "a\"\"\"+escaped()+\"\"\"b", "\\\"+escaped()#", "a'$(escaped)'b", "a\nescaped()\n", "]]><b/>")
 FORMATS = "abc,glb,mdd,obj,pc2,usda,vtp,vtu"
 # What a terminal obeys, and what turns the direction of a line.
 OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
