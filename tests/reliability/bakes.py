@@ -164,7 +164,8 @@ class Bake:
         return [PROGRAM, "bake", *self.arguments, *device, "-o", folder, *more]
 
     def environment(self, **more):
-        return {**os.environ, "FASCICLE_CACHE_DIR": self.cache, **more}
+        # What a killed build leaves in its temporary folder goes with the rest.
+        return {**os.environ, "FASCICLE_CACHE_DIR": self.cache, "TMPDIR": self.root, **more}
 
     def run(self, folder, *more, **environment):
         return subprocess.run(self.command(folder, *more), capture_output=True, text=True,
