@@ -1,5 +1,6 @@
 #include "host/base/process_start.h"
 #include "host/cli/command.h"
+#include "host/cli/driver_files.h"
 #include "host/cli/interrupt.h"
 #include "host/cli/memory.h"
 
@@ -9,5 +10,6 @@ int main(int argc, char** argv) {
   fascicle::base::open_standard_streams();
   fascicle::base::outlive_the_limit_on_files();
   fascicle::cli::give_freed_arrays_back();
+  fascicle::cli::keep_drivers_from_writing();
   return fascicle::cli::run(argc, argv);
 }

@@ -38,12 +38,7 @@ READ_BY_VULKAN = (
     ("HOME/.config/vulkan", "the loader"), ("HOME/.local/share/vulkan", "the loader"),
     ("/usr/share/drirc.d", "Mesa's options"), ("/etc/drirc", "Mesa's options"), ("HOME/.drirc", "Mesa's options"),
     ("/dev/dri", "Mesa: GPUs"), ("/sys/class/drm", "Mesa: GPUs"), ("/sys/dev/char", "Mesa: GPUs"),
-    ("/etc/nsswitch.conf", "Mesa: whose home this is"), ("/etc/passwd", "Mesa: whose home this is"),
 )
-# Mesa asks for the user's home by getpwuid(), which looks for this daemon.
-NSCD = re.compile(r'socket\(AF_UNIX, SOCK_STREAM\|SOCK_CLOEXEC\|SOCK_NONBLOCK, 0\) |connect\(.*"/var/run/nscd/socket"')
-# Where Mesa keeps its shaders: in the user's cache folder.
-MESA_CACHE = "mesa_shader_cache"
 
 
 def traced(command, environment, folder, log):
@@ -70,15 +65,15 @@ def is_below(path, folders):
     return any(path == folder or path.startswith(folder.rstrip("/") + "/") for folder in folders)
 
 
-def hold_inside(lines, allowed, read=(), programs=PROGRAMS, sockets=None):
+def hold_inside(lines, allowed, read=(), programs=PROGRAMS):
     """Nothing is changed but below what is allowed, nothing is opened but that and what may be read, nothing is started
-    but these programs, whether the call worked or not; and no socket but such as are expected."""
+    but these programs, whether the call worked or not; and there is no socket."""
     for line in lines:
         name, _, words = line.partition("(")
         paths = [of_own(os.path.normpath(os.path.join(folder, path))) for folder, path in
                  re.findall(r'(?:(?:AT_FDCWD|\d+)<([^>]*)>, )?"((?:[^"\\]|\\.)*)"', words)]
         if name in ("socket", "connect", "bind"):
-            hold(sockets and sockets.match(line), "a socket: " + line)
+            hold(False, "a socket: " + line)
         elif name == "execve":
             # A batch starts itself.
             hold(os.path.basename(paths[0]) in programs or paths[0] == "/proc/self/exe", "another program: " + line)
@@ -118,7 +113,6 @@ def outside(bakes, count):
     that are started."""
     hold_controls(bakes[0])
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
-    kept = set()
 
     def prepared(root):
         """The files that the commands below read."""
@@ -173,22 +167,16 @@ def outside(bakes, count):
         read = [path for path, _ in (*READ_BY_ALL, *more)] + [root]
         out = os.path.join(root, "out")
         allowed = [out, bake.cache, temporary]
-        is_mesa = trace is on_vulkan
-        if is_mesa:
-            allowed += [os.path.join(home, "cache"), os.path.join(home, "cache", MESA_CACHE)]
-        hold_inside(lines, allowed, read, sockets=NSCD if is_mesa else None)
-        must_be_found(lambda: hold_inside(lines, allowed[1:], read, sockets=NSCD), "files outside")
+        hold_inside(lines, allowed, read)
+        must_be_found(lambda: hold_inside(lines, allowed[1:], read), "files outside")
         without = [path for path in read if "lib" not in path]
-        must_be_found(lambda: hold_inside(lines, allowed, without, sockets=NSCD), "libraries that are read")
-        kept |= {os.path.relpath(os.path.join(parent, name), home) for parent, _, names in os.walk(home)
-                 for name in names}
-        hold(all(path.startswith("cache/%s/" % MESA_CACHE) for path in kept), "in the home: " + ", ".join(sorted(kept)))
+        must_be_found(lambda: hold_inside(lines, allowed, without), "libraries that are read")
+        kept = os.listdir(home)
+        hold(not kept, "in the home: " + ", ".join(kept))
         traces += 1
         for folder in (root, temporary, home, root + ".strace"):
             shutil.rmtree(folder)
-    said = "there was no lavapipe to look at" if not drivers else \
-        "Mesa beside that asks who the user is (passwd, the socket of nscd) and keeps %s in the user's cache folder" % (
-            "%d files of shaders" % len(kept) if kept else "nothing")
+    said = "on the CPU and on lavapipe" if drivers else "on the CPU; there was no lavapipe to look at"
     return "%d traces: no socket, nothing changed but the output, the cache and what is temporary, nothing read or " \
            "looked for but these, the input, libraries and what the system says of the processor, no program but the " \
            "mesher and, for a batch, its bakes; %s" % (traces, said)

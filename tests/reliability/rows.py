@@ -27,6 +27,7 @@ from stopped import PATIENCE, stopped
 
 
 HEAD_BYTES = 128  # of a file, with all of its header
+HEAD_OF_FRAMES = 104  # bytes before the first frame (host/bake/read_frame_cache.h)
 
 
 def in_turns(bakes, count):
@@ -132,19 +133,19 @@ def batches_stopped(bakes, count):
 
 
 def damages(content, count):
-    """(what is left of the content, what was done to it): each bit of the first bytes in turn, an end at each 4 KiB,
-    then a bit anywhere."""
+    """(what is left of the content, what was done to it, the byte that turned or none): a bit of each of the first bytes,
+    an end at each 4 KiB, then a bit anywhere."""
     size = len(content)
 
     def flipped(at, bit):
-        return content[:at] + bytes([content[at] ^ (1 << bit)]) + content[at + 1:], "bit %d of byte %d" % (bit, at)
+        return content[:at] + bytes([content[at] ^ (1 << bit)]) + content[at + 1:], "bit %d of byte %d" % (bit, at), at
 
     def cut(at):
-        return content[:at], "the end at byte %d" % at
+        return content[:at], "the end at byte %d" % at, None
 
     head = [(at, at % 8) for at in range(min(size, HEAD_BYTES))]
     ends = list(range(0, size, 4096))
-    few = max(1, count // 4)  # in the short form
+    few = max(1, 2 * count // 5)  # fewer than all only where hardly any is asked for
     for at, bit in random.sample(head, min(len(head), few)):
         yield flipped(at, bit)
     for at in random.sample(ends, min(len(ends), few)):
@@ -166,12 +167,12 @@ def damage(path, count, check):
     with open(path, "rb") as file:
         content = file.read()
     done = 0
-    for left, what in damages(content, count):
+    for left, what, at in damages(content, count):
         if path.endswith(".json") and same_json(left, content):
             continue
         with open(path, "wb") as file:
             file.write(left)
-        check("%s: %s" % (path, what))
+        check("%s: %s" % (path, what), at)
         done += 1
         with open(path, "wb") as file:
             file.write(content)
@@ -194,13 +195,21 @@ def damaged(bakes, count):
     found = {}
     ended(["verify", folder], DONE)
     must_be_found(lambda: damage(os.path.join(folder, "surface.pc2"), 4,
-                                 lambda what: ended(["verify", folder], BAD_INPUT, what=what)),
+                                 lambda what, _: ended(["verify", folder], BAD_INPUT, what=what)),
                   "a file that verify does not read")
     shutil.copy(os.path.join(bake.folder_of_whole, "surface.pc2"), folder)
-    for name in ("frames.fascicle", "model.fascicle", "checkpoint", "manifest.json"):
-        # Of frames, verify names which.
+    frames = os.path.join(folder, "frames.fascicle")
+    record = (os.path.getsize(frames) - HEAD_OF_FRAMES) // len(bake.hashes)
+
+    def frame_is_named(what, at):
+        in_frames = at is not None and at >= HEAD_OF_FRAMES
+        word = "frame %d\n" % ((at - HEAD_OF_FRAMES) // record) if in_frames else "frames.fascicle"
+        ended(["verify", folder], BAD_INPUT, word, what)
+
+    found["frames.fascicle"] = damage(frames, count // 5, frame_is_named)
+    for name in ("model.fascicle", "checkpoint", "manifest.json"):
         found[name] = damage(os.path.join(folder, name), count // 5,
-                             lambda what, name=name: ended(["verify", folder], BAD_INPUT, name, what))
+                             lambda what, _, name=name: ended(["verify", folder], BAD_INPUT, name, what))
     ended(["verify", folder], DONE)
 
     jobs = os.path.join(bake.root, "damaged-jobs.toml")
@@ -210,18 +219,19 @@ def damaged(bakes, count):
     ended(["batch", jobs, "-o", batch], DONE)
     ended(["batch", "status", batch], DONE)
     found["batch.json"] = damage(os.path.join(batch, "batch.json"), count // 5,
-                                 lambda what: ended(["batch", "status", batch], BAD_INPUT, "batch.json", what))
+                                 lambda what, _: ended(["batch", "status", batch], BAD_INPUT, "batch.json", what))
 
-    def rebuilt(what):
+    def rebuilt(what, _, *changed):
         out = kept.empty_folder()
-        done = kept.run(out)
+        done = kept.run(out, *changed)
         hold(done.returncode == DONE, "%s: %s" % (what, done.stderr))
         kept.hold_whole(out)
         shutil.rmtree(out)
 
+    must_be_found(lambda: rebuilt("another body", None, "--set", "character.resolution=0.13"), "another body")
     for name in sorted(os.listdir(kept.cache)):
         if name.endswith(".entry"):
-            what = damage(os.path.join(kept.cache, name), max(1, count // 150), rebuilt)
+            what = damage(os.path.join(kept.cache, name), max(1, count // 40), rebuilt)
             found["kept entries"] = found.get("kept entries", 0) + what
     return "%d of %d damages found: %s" % (sum(found.values()), sum(found.values()),
                                            ", ".join("%s %d" % pair for pair in found.items()))
