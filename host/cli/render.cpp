@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/bake/bake.h"
+#include "host/bake/folder.h"
 #include "host/base/part_file.h"
 #include "host/cli/artist.h"
 #include "host/cli/command.h"
@@ -119,7 +120,7 @@ void choose_frames(const RenderArguments& arguments, const std::optional<FrameSc
     }
     case Plan::Form::folder:
       for (std::uint64_t k = 0; k < count; ++k) plan.frames.push_back(k);
-      fs::create_directories(arguments.output);
+      bake::make_folder(arguments.output);
       for (const std::uint64_t k : plan.frames)
         refuse_existing(fs::path(arguments.output) / frame_name(k), arguments.overwrite);
       break;

@@ -17,7 +17,6 @@ NOT_DURABLE = (
     (r"/fascicle-helper-\w+(/|$)", "what the mesher and the program tell each other: gone at the end of both"),
     (r"/surface\.(abc|glb|usda)(\.\w+)?\.part$", "a resumed bake begins these streams anew; their last rename is held"),
     (r"/export\.part(/|$)", "where an export is made; what is moved up from there is held"),
-    (r"/pictures$", "the folder that `render` makes for pictures: they are drawn again"),
     (r"/cache$", "the cache's own folder: what is lost of it is made again"),
 )
 
