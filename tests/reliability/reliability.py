@@ -10,6 +10,7 @@ import platform
 import random
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -27,16 +28,16 @@ should write, lets bakes meet, takes its drivers away and makes its work grow. A
 Vulkan's validation layer and Valgrind. Each row first shows that its checks find a program out that is not careful:
 half a file, another byte, a file that has its name before its bytes, a resume that begins anew, a signal that is
 ignored or comes late, an error of the disk that is swallowed, a sync that is left out, a child that lives, a socket, a
-message that names nothing or no way out, ten seconds without a word, a pace that slows down, a fault planted for the
-layer, a leak. It writes this page. A short form of every row runs with the tests. What reads files is fuzzed:
+message that names nothing or no way out, ten seconds at work without a word, a pace that slows down, a fault planted
+for the layer, a leak. It writes this page. A short form of every row runs with the tests. What reads files is fuzzed:
 [Fuzzing](fuzzing.md).
 
 Valgrind 3.19 knows no AVX-512, so that level has no figure there. The mesher, a program of its own, is not watched.
 What the layer does not look at, the tests do: they leave each barrier of a solver out alone
 (`tests/gpu/barriers_test.cpp`).
 
-| row | what is done | what came of it | time | seed |
-| --- | --- | --- | --- | --- |
+| row | what is done | what came of it | time | seed | commit |
+| --- | --- | --- | --- | --- | --- |
 %s
 The last run of each row on %s.
 
@@ -69,6 +70,8 @@ def main():
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=os.path.dirname(PAGE_FILE), text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False).stdout.strip() or "unknown"
     lines, is_broken = {}, True
     root = tempfile.mkdtemp(prefix="fascicle-reliability-")
     try:
@@ -89,7 +92,7 @@ def main():
             seconds = time.monotonic() - begin
             print("%-8s %s (%.0f s, seed %d)" % (name, figure, seconds, seed), flush=True)
             what = " ".join(row.__doc__.split())
-            lines[name] = "| `%s` | %s | %s | %.0f s | %d |\n" % (name, what, figure, seconds, seed)
+            lines[name] = "| `%s` | %s | %s | %.0f s | %d | %s |\n" % (name, what, figure, seconds, seed, commit)
         is_broken = bool(broken)
     finally:
         if is_broken:

@@ -40,6 +40,8 @@ const shot = (name) => page.screenshot({ path: join(folder, `${name}.png`), scal
 
 // What moves is drawn with fewer pixels where the machine is slow; what stands has all of them.
 await page.waitForFunction(() => document.documentElement.dataset.beside !== "");
+// The names come with the first picture of both.
+await page.waitForFunction(() => document.getElementById("tag-right").textContent !== "");
 report.comparison = await choice("comparison");
 report.against = await page.inputValue("#against");
 report.tags = [await page.textContent("#tag-left"), await page.textContent("#tag-right")];
