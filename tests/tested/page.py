@@ -34,9 +34,9 @@ lets them write no counts. First a program of which a part never runs must be co
 ## Planted faults
 
 `./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the resuming of
-bakes: a comparison turned, a sign, a bound, a statement left out. Lines with a text in them and lines that throw stay as
-they are. It builds, and runs the room's tests until one fails. Before that the tests must pass over the sources as they
-are.
+bakes: a comparison turned, a sign, a bound, a statement left out. Lines with a text in them and lines that throw stay
+as they are. It builds, and runs the room's tests until one fails. Before that the tests must pass over the sources as
+they are.
 
 %(mutants)s"""
 
