@@ -68,6 +68,11 @@ TEST(Bake, WritesEveryFileAndDescribesIt) {
   EXPECT_EQ(manifest["device"]["exact"], true);
   EXPECT_EQ(manifest["model"]["unit"], 0.5);
   EXPECT_EQ(manifest["model"]["rest_origin"][0], 10.0);
+  const nlohmann::json& layers = manifest["model"]["layers"];
+  EXPECT_EQ(layers[0]["mass"], 10.0);
+  EXPECT_EQ(layers[0]["vertices"], 4);
+  EXPECT_EQ(layers[1]["mass"], 5.0);
+  EXPECT_EQ(layers[1]["vertices"], 1);
   EXPECT_EQ(manifest["warnings"][0], "two seams were welded");
   EXPECT_EQ(manifest["position_hashes"].size(), 8u);
   EXPECT_EQ(manifest["position_hashes"].back(), result.last_position_hash);

@@ -63,12 +63,17 @@ TEST(BakeResume, RemembersClampedMuscles) {
   bake_until(options_for(out), short_scene(6), 3);
   nlohmann::json manifest = manifest_in(out);
   manifest["clamped_muscles"] = {{"regions", 5}, {"frame", 2}};
+  for (const char* key : {"solver_seconds", "writing_seconds", "total_seconds"})
+    manifest["timings"][key] = 1000.5;
   write_text(out / "manifest.json", bake::sealed_text(manifest));
   BakeOptions options = options_for(out);
   options.resume = true;
   const BakeResult result = fake_bake_into(options, short_scene(6));
   EXPECT_EQ(result.clamped.regions, 5u);
   EXPECT_EQ(result.clamped.frame, 2u);
+  // Of all runs.
+  for (const char* key : {"solver_seconds", "writing_seconds", "total_seconds"})
+    EXPECT_GE(manifest_in(out)["timings"][key], 1000.5) << key;
   EXPECT_EQ(manifest_in(out)["clamped_muscles"]["regions"], 5);
 }
 
