@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import shutil
 import signal
 import struct
@@ -116,7 +117,8 @@ class Kept:
 
     def hold_still_there(self):
         """Nothing was lost, but where no checkpoint was: then a resumed bake begins anew. A stream that is resumed has
-        its unfinished name again."""
+        its unfinished name again, and files of frames that no checkpoint counts yet are taken back, to be written
+        again."""
         if self.checkpoint is None:
             return
         now = frame_of_checkpoint(self.folder)
@@ -124,6 +126,9 @@ class Kept:
              "%s: the checkpoint was of frame %d, and is of %s" % (self.folder, self.checkpoint, now))
         for name in self.names:
             path = os.path.join(self.folder, name)
+            number = re.search(r"/frame_(\d+)\.\w+$", name)
+            if number and int(number.group(1)) > self.checkpoint:
+                continue
             hold(os.path.exists(path) or os.path.exists(path + ".part"), path + ": was there, and is lost")
 
     def hold_gone_on(self):
