@@ -358,7 +358,8 @@ gpu/model_buffers.cpp cpu_reference/*lane_stages.h cpu_reference/*lane_stages.cp
     export FASCICLE_PROGRAM="$PWD/build/release/fascicle"
     FASCICLE_FAILING_CALLS=$(find "$PWD/build/release/tests/reliability" -name 'libfailing_calls.so')
     FASCICLE_PLANTED_FAULTS=$(find "$PWD/build/release" -maxdepth 1 -name planted_faults)
-    export FASCICLE_FAILING_CALLS FASCICLE_PLANTED_FAULTS
+    FASCICLE_FAULT_LAYER=$(find "$PWD/build/release/tests" -name 'fault_layer.json')
+    export FASCICLE_FAILING_CALLS FASCICLE_PLANTED_FAULTS FASCICLE_FAULT_LAYER
     cd tests/reliability
     if [ $# -eq 0 ]; then set -- --write; fi
     exec python3 -B reliability.py "$@"

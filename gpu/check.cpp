@@ -1,6 +1,7 @@
 #include "gpu/check.h"
 
 namespace fascicle::gpu {
+namespace {
 
 const char* name_of(VkResult result) {
   switch (result) {
@@ -43,12 +44,16 @@ const char* name_of(VkResult result) {
   }
 }
 
+}  // namespace
+
+std::string text_of(VkResult result) {
+  const char* name = name_of(result);
+  return name != nullptr ? name : "VkResult " + std::to_string(static_cast<int>(result));
+}
+
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_NOT_READY || result == VK_INCOMPLETE) return;
-  const char* name = name_of(result);
-  const std::string text =
-      std::string(call) + ": " +
-      (name ? std::string(name) : "VkResult " + std::to_string(static_cast<int>(result)));
+  const std::string text = std::string(call) + ": " + text_of(result);
   if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
   throw DeviceError(text);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 
@@ -105,6 +106,11 @@ Instance::Instance(const DeviceOptions& options) {
   if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
     throw DeviceError(
         "the Vulkan loader found no driver; on Debian, mesa-vulkan-drivers has one for most devices");
+  const char* layers = std::getenv("VK_INSTANCE_LAYERS");
+  if (created != VK_SUCCESS && layers != nullptr && *layers != '\0')
+    throw DeviceError(
+        "vkCreateInstance: " + text_of(created) + " with VK_INSTANCE_LAYERS=" + layers +
+        "; unset it, or install these layers; on Debian, vulkan-validationlayers has Khronos's");
   check(created, "vkCreateInstance");
   {
     const std::scoped_lock lock(volk_mutex());

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/build/check_mesh.h"
 #include "host/build/mass.h"
 #include "host/build/message.h"
 
@@ -135,6 +136,11 @@ mesh::TetMesh make_bar(const scene::Bar& bar, const std::string& source) {
           mesh.tetrahedra.push_back(t);
         }
 
+  if (!tetrahedra_without_volume(mesh).empty())
+    fail(source,
+         "bar: size: its cells have no volume that can be told; make its thin sides longer, or give them "
+         "fewer "
+         "vertices");
   if (bar.jitter > 0.0)
     apply_jitter(mesh, std::move(displacement), spacing[0] * spacing[1] * spacing[2] / 6.0);
   repeat_upwards(mesh, bar.count, bar.size[1] + bar.gap);

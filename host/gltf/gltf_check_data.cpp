@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -8,7 +9,10 @@ namespace {
 
 using nlohmann::json;
 
+// Elements that any file may have without bytes for them; and numbers, where a large file has more: the
+// weights of a baked animation grow by the square of its frames.
 constexpr std::uint64_t most_elements_without_view = std::uint64_t{1} << 24;
+constexpr std::uint64_t most_numbers_without_view = std::uint64_t{1} << 28, numbers_a_byte = 16;
 
 }  // namespace
 
@@ -170,6 +174,9 @@ json GltfCheck::sparse(const GltfPlace& accessor, std::uint64_t count, std::uint
 
 void GltfCheck::accessors() {
   out_["accessors"] = json::array();
+  std::uint64_t file_bytes = 0;
+  for (const auto& [name, bytes] : checked_.buffers) file_bytes += bytes.size();
+  const std::uint64_t numbers = std::min(most_numbers_without_view, numbers_a_byte * file_bytes);
   for (const GltfPlace& place : objects({&file_.document, ""}, "accessors")) {
     const std::uint64_t component = required_whole(place, "componentType");
     const std::uint64_t bytes = gltf_component_bytes(component);
@@ -203,9 +210,12 @@ void GltfCheck::accessors() {
       fits(place.pointer + "/count", *view, offset, stride, size, count);
       accessor["bufferView"] = *view;
       accessor["byteOffset"] = offset;
-    } else if (count > most_elements_without_view) {
-      fail(place.pointer + "/count", std::to_string(count) + " elements without a buffer view; at most " +
-                                         std::to_string(most_elements_without_view) + " are read");
+    } else {
+      const std::uint64_t most = std::max(most_elements_without_view, numbers / components);
+      if (count > most) {
+        fail(place.pointer + "/count", std::to_string(count) + " elements without a buffer view; at most " +
+                                           std::to_string(most) + " are read from a file of this size");
+      }
     }
     if (member(place, "sparse") != nullptr) accessor["sparse"] = sparse(place, count, size);
     accessors_.push_back({*type, component, count, view.has_value()});

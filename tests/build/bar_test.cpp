@@ -91,6 +91,7 @@ TEST(Bar, RefusesWhatIsNoBar) {
   expect_refusal([] { build::make_bar({.vertices = {1, 5, 5}}, "here"); }, "here: bar: vertices");
   expect_refusal([] { build::make_bar({.size = {0.4, 0.0, 0.1}}, "here"); }, "size");
   expect_refusal([] { build::make_bar({.size = {0.4, NAN, 0.1}}, "here"); }, "size");
+  expect_refusal([] { build::make_bar({.size = {0.4, 1e-30, 0.1}}, "here"); }, "here: bar: size");
   expect_refusal([] { build::make_bar({.vertices = {4000, 4000, 4000}}, "here"); }, "coarser");
   expect_refusal([] { build::make_bar({.jitter = 0.5}, "here"); }, "jitter");
 }

@@ -347,6 +347,23 @@ TEST(LyingCounts, many_uses_of_one_accessor) {
                  "/meshes/0/primitives/1/attributes/POSITION");
 }
 
+// What has no bytes is read as zeros: as many as any file may have, or more in a large file, where a baked
+// animation of N frames has N times N weights.
+TEST(LyingCounts, elements_without_bytes) {
+  const TemporaryFolder folder;
+  const std::size_t any = std::size_t{1} << 24, count = any + (any >> 1);
+  const auto file = [&](const std::string& name, const char* type, std::size_t bytes) {
+    GltfBuilder b = column();
+    b.document["accessors"].push_back({{"componentType", 5126}, {"type", type}, {"count", count}});
+    if (bytes > 0) b.add_view(std::vector<std::uint8_t>(bytes));
+    return folder.write(name, b.glb());
+  };
+  expect_refused(file("small.glb", "SCALAR", 0), "/accessors/8/count");
+  EXPECT_NO_THROW(gltf::read_gltf(file("large.glb", "SCALAR", count / 16)));
+  // Three numbers an element.
+  expect_refused(file("wide.glb", "VEC3", count / 16), "/accessors/8/count");
+}
+
 TEST(LyingCounts, many_uses_of_one_target) {
   GltfBuilder b = column();
   json& primitive = b.document["meshes"][0]["primitives"][0];

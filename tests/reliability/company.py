@@ -185,15 +185,27 @@ def lacking(root):
             ("half a layer", of_layers(half_layers), True))
 
 
+def hold_layer_is_missed(environment):
+    """A device that is to be watched by the validation layer says which package has it."""
+    faults = os.environ.get("FASCICLE_PLANTED_FAULTS", "")
+    hold(os.path.exists(faults), "FASCICLE_PLANTED_FAULTS names no program")
+    done = subprocess.run([faults, "layer"], capture_output=True, text=True, env=environment)
+    hold(done.returncode == NO_DEVICE and "vulkan-validationlayers" in done.stderr,
+         "without the validation layer it ends with %d: %s" % (done.returncode, done.stderr))
+
+
 def drivers(bakes, count):
     """No Vulkan driver, a driver's description that is half a file, and one that names a program: the message names the
     package. No layer where the environment asks for the validation layer, and half a file in place of one: a bake on
-    Vulkan has the same bytes, or says the same. Each time `devices` lists the CPU, and the CPU bakes."""
+    Vulkan has the same bytes, or the message names the layer's package. Each time `devices` lists the CPU, and the CPU
+    bakes. A device that is to be watched by the validation layer, where there is none, says the same."""
     bake = bakes[0]
     root = bake.empty_folder()
-    names = ("mesa-vulkan-drivers",)
+    names, layers = ("mesa-vulkan-drivers",), ("vulkan-validationlayers",)
     must_be_found(lambda: hold_refusal(NO_DEVICE, "fascicle: error: no device; get one\n", (NO_DEVICE,), names),
                   "no package")
+    must_be_found(lambda: hold_layer_is_missed(None), "a layer that is there")
+    hold_layer_is_missed({**os.environ, "VK_LAYER_PATH": bake.empty_folder()})
     cases = lacking(root)
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True).stdout
     on_vulkan = 0
@@ -208,7 +220,7 @@ def drivers(bakes, count):
             shutil.rmtree(folder)
             on_vulkan += 1
         else:
-            hold_refusal(status, text, (NO_DEVICE,), names)
+            hold_refusal(status, text, (NO_DEVICE,), layers if may_be_left else names)
         hold(not os.path.exists(folder) or not os.listdir(folder), "%s, %s: something was written" % (folder, what))
         status, text = ended([PROGRAM, "devices"], environment, root)
         hold(status == DONE and "cpu" in text, "%s: `devices` ended with %d: %s" % (what, status, text))

@@ -1,5 +1,7 @@
 // planted_faults core|synchronization|gpu: asks Vulkan for something wrong, by the solver's own means, and
 // does nothing else. A control: a validation layer that watches must have something to say.
+// planted_faults layer: opens a device that is to watch itself, as tests do. Ends with 4, and why, where it
+// cannot.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -54,6 +56,13 @@ int main(int count, char** arguments) {
   const auto devices = list_devices();
   const auto usable = std::find_if(devices.begin(), devices.end(), [](const auto& d) { return d.usable; });
   if (usable == devices.end()) return std::fprintf(stderr, "no Vulkan device\n"), 4;
+  if (fault == "layer") {
+    try {
+      return Device(usable->index, {.validation = true}), 0;
+    } catch (const DeviceError& error) {
+      return std::fprintf(stderr, "planted_faults: error: %s\n", error.what()), 4;
+    }
+  }
   Device opened(usable->index);
   Device::Impl& device = opened.impl();
   const Buffer from(device, bytes, BufferUse::storage), to(device, bytes, BufferUse::storage);
@@ -63,5 +72,5 @@ int main(int count, char** arguments) {
   CommandBuffer commands(device, pool);
   if (fault == "core") return plant_core(commands, from, to), 0;
   if (fault == "synchronization") return plant_hazard(commands, from, to), 0;
-  return std::fprintf(stderr, "planted_faults core|synchronization|gpu\n"), 2;
+  return std::fprintf(stderr, "planted_faults core|synchronization|gpu|layer\n"), 2;
 }

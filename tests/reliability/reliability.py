@@ -24,13 +24,13 @@ Bakes run overnight, on farms, on machines that stop. `./do reliability` disturb
 a character whose body is kept, in all formats; one whose body is built and comes to rest in every run) at random
 moments and holds every file that has its final name against an undisturbed bake, byte by byte, then lets `--resume` go
 on and compares again; it must go on from the checkpoint, where there is one. Then it gives the program what no tool
-should write, lets bakes meet, takes its drivers away and makes its work grow. At last it lets others watch bakes:
-Vulkan's validation layer and Valgrind. Each row first shows that its checks find a program out that is not careful:
-half a file, another byte, a file that has its name before its bytes, a resume that begins anew, a signal that is
-ignored or comes late, an error of the disk that is swallowed, a sync that is left out, a child that lives, a socket, a
-message that names nothing or no way out, ten seconds at work without a word, a pace that slows down, a fault planted
-for the layer, a leak. It writes this page. A short form of every row runs with the tests. What reads files is fuzzed:
-[Fuzzing](fuzzing.md).
+should write, lets bakes meet, takes its drivers away, lets their calls fail and makes its work grow. At last it lets
+others watch bakes: Vulkan's validation layer and Valgrind. Each row first shows that its checks find a program out that
+is not careful: half a file, another byte, a file that has its name before its bytes, a resume that begins anew, a
+signal that is ignored or comes late, an error of the disk that is swallowed, a sync that is left out, a child that
+lives, a socket, a message that names nothing or no way out, ten seconds at work without a word, a pace that slows down,
+a fault planted for the layer, a leak. It writes this page. A short form of every row runs with the tests. What reads
+files is fuzzed: [Fuzzing](fuzzing.md).
 
 Valgrind 3.19 knows no AVX-512, so that level has no figure there. The mesher, a program of its own, is not watched.
 What the layer does not look at, the tests do: they leave each barrier of a solver out alone

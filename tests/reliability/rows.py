@@ -14,6 +14,7 @@ import time
 
 from bakes import BAD_INPUT, DONE, INTERRUPTED, PROGRAM, control_of_files, hold, must_be_found
 from company import clashes, drivers, load
+from device_faults import device_faults
 from disk import disk_fails
 from durable import durable
 from hostile_names import names
@@ -252,6 +253,7 @@ ROWS = (
     ("names", names, 270, 2),
     ("clashes", clashes, 60, 3),
     ("drivers", drivers, 20, 5),
+    ("device", device_faults, 200, 8),
     ("load", load, 10000, 100),
     ("layers", layers, 100, 1),
     ("memory", memory, 100, 1),
