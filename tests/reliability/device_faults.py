@@ -34,8 +34,8 @@ def calls_of(bake):
 
 
 def hold_handed_over(bake, folder, done, name):
-    """The CPU went on, to the same bytes, and the user was told why. A call that may fail without harm, as that for kept
-    pipelines, is no reason to leave the device: False then."""
+    """The CPU went on, to the same bytes, and the user was told why. A call that may fail without harm, as that for
+    kept pipelines, is no reason to leave the device: False then."""
     hold(done.returncode == DONE, "%s: %s ended it with %d: %s" % (folder, name, done.returncode, done.stderr))
     bake.hold_whole(folder)
     to_cpu = manifest(folder)["device"]["solver"] == "cpu"
@@ -45,7 +45,8 @@ def hold_handed_over(bake, folder, done, name):
 
 
 def hold_kept(bake, folder, done, name):
-    """What was done is kept, and a resumed bake goes on from it, on the CPU. False where the failed call did no harm."""
+    """What was done is kept, and a resumed bake goes on from it, on the CPU. False where the failed call did no
+    harm."""
     if done.returncode == DONE:
         bake.hold_whole(folder)
         return False
@@ -55,7 +56,8 @@ def hold_kept(bake, folder, done, name):
         hold("--resume" in done.stderr, "%s: the message does not say how to go on: %s" % (folder, done.stderr))
     said = manifest(folder)
     if said is not None:
-        hold(said["status"] == "failed" and name in said["message"], "%s: the manifest says: %s" % (folder, said["status"]))
+        hold(said["status"] == "failed" and name in said["message"],
+             "%s: the manifest says: %s" % (folder, said["status"]))
         hold_verified(folder)
     bake.resume(folder)
     return True
@@ -70,7 +72,8 @@ def device_faults(bakes, count):
     folder = chosen[0].empty_folder()
     done = chosen[0].run(folder, "--device", "vulkan:0,cpu", **with_layer(1, -3))
     must_be_found(lambda: hold_handed_over(chosen[0], folder, done, "VK_TIMEOUT"), "another reason")
-    must_be_found(lambda: hold_kept(chosen[0], folder, chosen[0].run(folder), "VK_TIMEOUT"), "another end than a failure")
+    must_be_found(lambda: hold_kept(chosen[0], folder, chosen[0].run(folder), "VK_TIMEOUT"),
+                  "another end than a failure")
     shutil.rmtree(folder)
     handed_over = kept = harmless = 0
     for k in range(count):
@@ -90,5 +93,5 @@ def device_faults(bakes, count):
         else:
             harmless += 1
         shutil.rmtree(folder)
-    return "%d of %d to %d calls failed: %d times the CPU went on, %d times --resume did, %d times the device could do " \
-           "without; all bytes equal" % (count, min(calls), max(calls), handed_over, kept, harmless)
+    return "%d of %d to %d calls failed: %d times the CPU went on, %d times --resume did, %d times the device could " \
+           "do without; all bytes equal" % (count, min(calls), max(calls), handed_over, kept, harmless)

@@ -213,7 +213,8 @@ def kill_export(export, times, tally):
 def killed(bakes, count):
     """SIGKILL at random moments, several times in a row, to a bake, which is then resumed, and to an export in every
     format over the files of another one. After each, files with a final name have all their bytes, none that was there
-    and counts is gone, and `fascicle verify` finds all frames that count; a bake that had a checkpoint goes on from there."""
+    and counts is gone, and `fascicle verify` finds all frames that count; a bake that had a checkpoint goes on from
+    there."""
     control_of_files(bakes)
     control_of_going_on(bakes)
     export = export_of(bakes[1])

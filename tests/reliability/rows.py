@@ -134,8 +134,8 @@ def batches_stopped(bakes, count):
 
 
 def damages(content, count):
-    """(what is left of the content, what was done to it, the byte that turned or none): a bit of each of the first bytes,
-    an end at each 4 KiB, then a bit anywhere."""
+    """(what is left of the content, what was done to it, the byte that turned or none): a bit of each of the first
+    bytes, an end at each 4 KiB, then a bit anywhere."""
     size = len(content)
 
     def flipped(at, bit):
