@@ -46,7 +46,7 @@ BakeResult Run::go() {
   } else if (files_change_) {
     begin_other_files(*resumed);
   } else {
-    set_status(options_.folder, Status::running, "");
+    set_running_from(options_.folder, resumed->state.frame);
   }
   has_begun_ = true;
   model::State state;

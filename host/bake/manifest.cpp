@@ -367,9 +367,9 @@ ManifestSummary manifest_of(const fs::path& folder) {
   return std::move(*manifest);
 }
 
-void set_status(const fs::path& folder, Status status, const std::string& message) {
-  Json manifest = manifest_in(folder);
-  if (manifest.is_null()) return;
+namespace {
+
+void write_status(const fs::path& folder, Json& manifest, Status status, const std::string& message) {
   const fs::path path = folder / manifest_name;
   manifest["status"] = name_of(status);
   manifest["message"] = message;
@@ -386,6 +386,25 @@ void set_status(const fs::path& folder, Status status, const std::string& messag
     file.write_at(0, text + '\n');
     file.sync();
   }
+}
+
+}  // namespace
+
+void set_status(const fs::path& folder, Status status, const std::string& message) {
+  Json manifest = manifest_in(folder);
+  if (manifest.is_null()) return;
+  write_status(folder, manifest, status, message);
+}
+
+void set_running_from(const fs::path& folder, std::uint64_t frame) {
+  Json manifest = manifest_in(folder);
+  if (manifest.is_null()) return;
+  Json& hashes = manifest["position_hashes"];
+  if (hashes.is_array() && hashes.size() > frame + 1) {
+    hashes.erase(hashes.begin() + static_cast<std::ptrdiff_t>(frame + 1), hashes.end());
+    manifest["frames_done"] = frame;
+  }
+  write_status(folder, manifest, Status::running, "");
 }
 
 void add_to_manifest(const fs::path& folder, const std::vector<std::string>& files) {

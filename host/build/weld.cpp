@@ -147,7 +147,7 @@ WeldedSurface weld(const SurfaceMesh& surface, const std::string& source, Report
     welded.surface.triangles.push_back(t);
   }
   if (welded.surface.triangles.empty())
-    fail(source, "mesh: every triangle has two corners at the same place");
+    fail(source, "mesh: every triangle has two corners at the same place; check what was exported");
   if (is_flat_to_lines(surface, welded.surface.triangles))
     fail(source,
          "mesh: every triangle is flat to a line, there is no room for flesh; check what was exported");

@@ -441,6 +441,31 @@ TEST(BakeResume, DropsAHalfWrittenFrame) {
 }
 
 // Death at any moment: the child is killed, often several times, until a run comes through.
+// What a manifest counts is there, also where a kill left it ahead of the checkpoint, and the frames between
+// are about to be written again.
+TEST(BakeResume, CountsNoFrameThatItWritesAgain) {
+  const TemporaryFolder folder;
+  bake_until(options_for(folder / "earlier"), short_scene(9), 3);
+  bake_until(options_for(folder / "cut"), short_scene(9), 6);
+  fs::copy_file(folder / "earlier/checkpoint", folder / "cut/checkpoint",
+                fs::copy_options::overwrite_existing);
+  ASSERT_EQ(manifest_in(folder / "cut")["frames_done"], 6);
+  BakeOptions options = options_for(folder / "cut");
+  options.resume = true;
+  options.checkpoint_frames = 100;
+  int looked = 0;
+  options.on_frame = [&](std::uint64_t frame, std::uint64_t) {
+    if (frame != 4) return;
+    ++looked;
+    const nlohmann::json manifest = manifest_in(folder / "cut");
+    EXPECT_EQ(manifest["frames_done"], 3);
+    EXPECT_EQ(manifest["position_hashes"].size(), 4u);
+    EXPECT_EQ(manifest["status"], "running");
+  };
+  EXPECT_EQ(fake_bake_into(options, short_scene(9)).frames_done, 9u);
+  EXPECT_EQ(looked, 1);
+}
+
 TEST(BakeResume, SurvivesBeingKilledAtRandomMoments) {
   const TemporaryFolder folder;
   constexpr std::uint64_t frames = 24;

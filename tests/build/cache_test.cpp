@@ -151,6 +151,15 @@ TEST_F(CacheTest, WhatWasNotUsedForLongestMakesRoom) {
   EXPECT_TRUE(cache.find(key_a));
 }
 
+TEST_F(CacheTest, MayBeAsFullAsItIsAllowedToBe) {
+  const std::string bytes(1000, 'x');
+  Cache(folder_).put(key_a, bytes);
+  const Cache full(folder_, 2 * fs::file_size(folder_ / (std::string(key_a) + ".entry")));
+  full.put(key_b, bytes);
+  EXPECT_TRUE(full.find(key_a));
+  EXPECT_TRUE(full.find(key_b));
+}
+
 TEST_F(CacheTest, ManyMayWriteAndReadAtATime) {
   const Cache cache(folder_);
   const std::string bytes(200000, 'z');

@@ -10,8 +10,8 @@
 
 namespace fascicle::tests {
 
-// Sways the joints, contracts and twists the muscles and pulls on the forces: every path of a random model is
-// used.
+// Sways the joints, contracts and twists the muscles and pulls on the forces, each along and about all axes:
+// every path of a random model is used.
 struct Sway {
   TestDrive drive;
   explicit Sway(const model::Model& model, double h = 1.0 / 480.0)
@@ -24,11 +24,15 @@ struct Sway {
       drive.bones[k].xt = 0.02f * wave(k);
       drive.bones[k].xy = 0.05f * wave(k + 9);
       drive.bones[k].yx = -drive.bones[k].xy;
+      drive.bones[k].zt = 0.02f * wave(k + 5);
+      drive.bones[k].yz = 0.05f * wave(k + 14);
+      drive.bones[k].zy = -drive.bones[k].yz;
     }
     for (std::size_t k = 0; k < drive.muscles.size(); ++k)
-      drive.muscles[k] = {0.0f, wave(k), 0.0f, 0.5f * wave(k + 1), wave(k + 2)};
+      drive.muscles[k] = {0.4f * wave(k + 3), 0.8f * wave(k), 0.4f * wave(k + 4), 0.5f * wave(k + 1),
+                          wave(k + 2)};
     for (std::size_t k = 0; k < drive.forces.size(); ++k)
-      drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.0f, 0.0f};
+      drive.forces[k] = {wave(k), 0.5f * wave(k + 3), 0.7f * wave(k + 6), 0.0f};
     return drive.get();
   }
 };

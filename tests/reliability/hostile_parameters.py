@@ -108,7 +108,7 @@ FRAMES, STEPS = 20, 200
 # the second asks for, a bar's size is that of its tetrahedra, and no layer may be left that touches another, or that a
 # force moves.
 FOLLOWS = {"body": ("muscle.biceps", "probe.biceps", "probe.belly"), "skeleton": ("muscle.biceps",), "bar": ("mesh",),
-           **{"layers." + name: ("contact", "layers: fibre_field")
+           **{"layers." + name: ("contact", "layers: fibre_field", "force.blow", "force.wind")
               for name in ("body", "fat", "muscle")}}
 # Keys that name files, attributes or other tables, ask for millions of vertices, or are only words.
 LEFT_OUT = ("where", "alpha_attribute", "ignore", "attribute", "description", "vertices", "seed", "cuts", "resolution",
