@@ -80,7 +80,8 @@ std::vector<std::string> files_listed(const std::filesystem::path& folder);
 // Takes no new room on a disk that is full. Throws std::system_error where even that fails.
 void set_status(const std::filesystem::path& folder, Status status, const std::string& message);
 
-// The same of a bake that goes on from this frame: later ones that were counted are about to be written again.
+// The same of a bake that goes on from this frame: later ones that were counted are about to be written
+// again.
 void set_running_from(const std::filesystem::path& folder, std::uint64_t frame);
 
 // Adds to the list of files, whole; the rest stays as it is. Throws BakeError without a manifest.
