@@ -13,6 +13,7 @@
 #include <malloc.h>
 #endif
 
+#include "host/base/text.h"
 #include "host/build/body.h"
 #include "host/build/boundary.h"
 #include "host/build/build.h"
@@ -83,6 +84,28 @@ void write_rest(const mesh::TetMesh& mesh, const std::string& source, Model& mod
   if (!lost.empty())
     fail(source, "mesh: tetrahedra are too flat for single precision at vertex " + list_of(lost) +
                      " (counted from 0); improve the mesh there");
+}
+
+// What the lightest vertex takes of a push that is shared with the heaviest must stay a number of the
+// solver's.
+constexpr double most_mass_ratio = 0x1p36;
+
+void check_shared_masses(const scene::Scene& scene, const Model& model) {
+  if (model.mobility.empty() && !model.has_ties()) return;
+  std::optional<std::uint32_t> least, most;
+  for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
+    if (model.is_kinematic(i)) continue;
+    if (!least || model.mass[i] < model.mass[*least]) least = i;
+    if (!most || model.mass[i] > model.mass[*most]) most = i;
+  }
+  if (!least || model.mass[*most] <= most_mass_ratio * model.mass[*least]) return;
+  const auto density = [&](std::uint32_t i) {
+    const scene::Layer& layer = scene.layers[model.layer_of(i)];
+    return "layers." + layer.name + ".density of " + base::number_text(layer.density);
+  };
+  fail(scene.source, density(*least) +
+                         ": vertices there are lighter by more than a factor of 7e10 than with " +
+                         density(*most) + "; make the densities, or the mesh, more even");
 }
 
 void write_layers(const scene::Scene& scene, const Layering& layering, const std::vector<double>& volume,
@@ -350,6 +373,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   write_limits(least_volumes, model);
   add_contact(scene, contact_groups(scene, layering.layer, measures, report),
               memory != nullptr ? &memory->contact : nullptr, model);
+  check_shared_masses(scene, model);
   write_colliders(scene, model, report);
   write_skin(body, model);
   if (!scene.characters.empty()) {

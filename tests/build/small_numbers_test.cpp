@@ -46,6 +46,24 @@ TEST(SmallNumbers, RegionsThatTurnAreNot) {
   EXPECT_TRUE(stillness_warnings(bar_scene()).empty());
 }
 
+// A push is shared by the masses: between a gas of nothing and flesh it cannot be. Alone, either may be as
+// light.
+TEST(SmallNumbers, LayersThatShareAPushAreOfMassesThatCompare) {
+  scene::Scene scene = bar_scene();
+  scene.contact.self = true;
+  scene.layers.push_back(scene.layers[0]);
+  scene.layers[1].name = "gas";
+  scene.layers[1].where = {scene::HalfSpace{scene::Axis::x, false, true, 0.5}};
+  EXPECT_NO_THROW(build_quietly(scene));
+  scene.layers[1].density = 1e-30;
+  expect_refusal([&] { build_quietly(scene); }, "layers.gas.density of 1e-30: ");
+  scene.contact.self = false;
+  EXPECT_NO_THROW(build_quietly(scene));
+  for (scene::Layer& layer : scene.layers) layer.density = 1e-30;
+  scene.contact.self = true;
+  EXPECT_NO_THROW(model::check_model(build_quietly(scene)));
+}
+
 // An alpha so small is no stiffness: the vertex is free, its pull nothing.
 TEST(SmallNumbers, AnAlphaBelowTheLeastBuildsAFreeBody) {
   scene::Scene scene = bar_scene();

@@ -183,6 +183,7 @@ def try_values(inputs):
         out = os.path.join(folder, device.partition(":")[0])
         command = [PROGRAM, "bake", scene, *sets, "--device", device, "--threads", "1", "--format", "pc2", "-o", out]
         status, text = ended_or_stopped(command, environment, environment["TMPDIR"])
+        text = " ".join(command) + "\n" + text
         if status == DONE:
             with open(os.path.join(out, "manifest.json")) as file:
                 said = json.load(file)

@@ -38,7 +38,7 @@ def good(vertices, triangles):
 
 
 def opened(vertices, triangles):
-    keep = random.sample(triangles, max(1, len(triangles) - random.randint(1, len(triangles) // 2)))
+    keep = random.sample(triangles, len(triangles) - random.randint(0, len(triangles) // 2))
     return vertices, keep
 
 
