@@ -44,7 +44,7 @@ const auto& layer_rows() {
            .doc = "In place of damping, with the implicit integrator: of the layer's lowest mode; 1 is "
                   "critical.",
            .range = between(0.0, 100.0)}),
-      key(&Layer::density, {.name = "density", .doc = "Density, kg/m^3.", .range = between(1e-30, 1e5)}),
+      key(&Layer::density, {.name = "density", .doc = "Density, kg/m^3.", .range = between(1e-3, 1e5)}),
       key(&Layer::fibre,
           {.name = "fibre",
            .doc = "Direction of the fibres at rest; its length and sign mean nothing.",

@@ -297,8 +297,8 @@ TEST(Bake, DryRunWritesNothing) {
 TEST(Bake, LeavingTheFiniteNumbersIsFive) {
   const TemporaryFolder folder;
   write_text(folder / "heavy.toml",
-             "[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [5, 3, 3]\n"
-             "[layers.body]\ndensity = 1e-28\n"
+             "[bar]\nsize = [4e-9, 1e-9, 1e-9]\nvertices = [5, 3, 3]\n"
+             "[layers.body]\ndensity = 0.001\n"
              "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
              "[force.push]\nkind = \"point\"\nvector = [0.0, -1e9, 0.0]\nwhere = { everywhere = true }\n");
   const Outcome outcome = fascicle({"bake", folder / "heavy.toml", "-o", folder / "bake", "--device", "cpu"});

@@ -99,7 +99,7 @@ TEST(Batch, OneFailureDoesNotEndTheOthers) {
   const TemporaryFolder folder;
   // Too light for the force on it: it leaves the finite numbers in its first frame.
   write_text(folder / "light.toml",
-             "[bar]\nsize = [0.4, 0.1, 0.1]\nvertices = [5, 3, 3]\n[layers.body]\ndensity = 1e-28\n"
+             "[bar]\nsize = [4e-9, 1e-9, 1e-9]\nvertices = [5, 3, 3]\n[layers.body]\ndensity = 0.001\n"
              "[pin.wall]\nwhere = { below = { axis = \"x\", fraction = 0.0 } }\n"
              "[force.push]\nkind = \"point\"\nvector = [0.0, -1e9, 0.0]\nwhere = { everywhere = true }\n");
   const std::string list = list_in(folder,
