@@ -280,7 +280,8 @@ std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried
 }
 
 TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
-                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame) {
+                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame,
+                   const std::function<bool(const TriedLook&)>& goes_on) {
   const auto frames_of = [&](double seconds) {
     return static_cast<std::uint64_t>(std::ceil(seconds * scene.fps));
   };
@@ -291,6 +292,7 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, const L
   solver.load(tried.first == 0 ? drives.initial_state() : drives.state_on_skeleton(tried.first));
   Look look(model, body, scene.fps);
   for (std::uint64_t k = tried.first + 1; k <= tried.last; ++k) {
+    if (goes_on && !goes_on(tried)) break;
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});
     const model::Frame seen = solver.collect();
     // What diverges is the bake's to tell.

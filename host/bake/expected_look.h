@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,6 +44,10 @@ std::string expected_look_warning(const scene::Scene& scene, const model::Model&
 // are baked for a look at all that there is to see: skin that stretches, crosses itself or turns inside out.
 inline constexpr double least_tried_score = 0.25;
 inline constexpr double tried_before = 0.2, tried_after = 0.1;  // s, before and after that frame
+// Frames that lie further apart than that show none of it, and each takes long.
+inline bool can_try_look(const scene::Scene& scene) {
+  return scene.fps * tried_before >= 1.0;
+}
 
 struct TriedLook {
   std::uint64_t first = 0, last = 0;  // frames (first, last] were baked
@@ -55,8 +60,10 @@ struct TriedLook {
 // Of a look over the limit, one line: what was seen, where, and what helps.
 std::string tried_look_warning(const scene::Scene& scene, const TriedLook& tried);
 
-// Leaves the solver in the initial state. What it throws is the solver's.
+// Leaves the solver in the initial state. What it throws is the solver's. `goes_on`, if any, is asked before
+// each frame, and false ends it there.
 TriedLook try_look(const scene::Scene& scene, const model::Model& model, const LookBody& body,
-                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame);
+                   drive::DriveSource& drives, model::Solver& solver, std::uint64_t frame,
+                   const std::function<bool(const TriedLook&)>& goes_on = {});
 
 }  // namespace fascicle::bake

@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "host/bake/expected_look.h"
 #include "host/bake/folder.h"
 #include "host/bake/options.h"
 #include "host/base/content_hash.h"
@@ -146,10 +147,16 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   if (prepared.look_body)
     prepared.expected = bake::expected_look(scene, built.model, *prepared.look_body, drives);
   take_device(prepared, request, say);
-  if (prepared.expected && prepared.expected->score >= bake::least_tried_score) {
+  if (prepared.expected && prepared.expected->score >= bake::least_tried_score && bake::can_try_look(scene)) {
+    LongWait wait(say);
+    const auto goes_on = [&](const bake::TriedLook& tried) {
+      wait.go_on("still before frame 0, trying frames " + count_text(tried.first + 1) + " to " +
+                 count_text(tried.last) + " for their look");
+      return request.interrupted == nullptr || !request.interrupted->load();
+    };
     prepared.tried = on_a_device(prepared, request, say, [&] {
       return bake::try_look(scene, built.model, *prepared.look_body, drives, *prepared.simulation.solver,
-                            prepared.expected->frame);
+                            prepared.expected->frame, goes_on);
     });
     // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
     if (prepared.tried->worst.score > 1.0)

@@ -141,6 +141,30 @@ TEST(ExpectedLook, TriedFramesLookLikeTheBakes) {
   }
 }
 
+TEST(ExpectedLook, TriedFramesCanBeStopped) {
+  const BendingBar bar = elastic_bar(500.0);
+  const auto solver =
+      cpu_reference::make_cpu_solver(bar.model, {.integrator = model::Integrator::implicit_step}, 2);
+  drive::DriveSource drives(bar.scene, bar.model);
+  int asked = 0;
+  const auto twice = [&](const bake::TriedLook& tried) {
+    EXPECT_LT(tried.first, tried.last);
+    return ++asked <= 2;
+  };
+  bake::try_look(bar.scene, bar.model, bake::look_body_of(bar.scene, bar.model).value(), drives, *solver,
+                 scene::cycle_frames(bar.scene) / 2, twice);
+  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(solver->save().positions, drives.initial_state().positions);
+}
+
+// A look at 0.3 s has no sense where a frame is longer.
+TEST(ExpectedLook, LongFramesAreNotTried) {
+  scene::Scene scene = elastic_bar(500.0).scene;
+  EXPECT_TRUE(bake::can_try_look(scene));
+  scene.fps = 4.9;
+  EXPECT_FALSE(bake::can_try_look(scene));
+}
+
 TEST(ExpectedLook, AsksFreeFleshAndASkeleton) {
   BendingBar bar = elastic_bar(1e4);
   for (std::uint32_t i = 0; i < bar.model.vertex_count; ++i) make_kinematic(bar.model, i);
