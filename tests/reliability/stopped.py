@@ -107,6 +107,13 @@ def processor_seconds(process):
     return (int(of[11]) + int(of[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def is_pending(process, number):
+    """Whether a signal that was sent has not come yet: a second one of its kind would be lost."""
+    with open("/proc/%d/status" % process.pid) as file:
+        found = re.search(r"^ShdPnd:\s*(\w+)", file.read(), re.MULTILINE)
+    return found is not None and bool(int(found.group(1), 16) & 1 << (number - 1))
+
+
 def second_signal(bake, number, root):
     """Seconds from a second signal, while the first one still waits for a frame, to the end."""
     folder = os.path.join(root, "slow")
@@ -121,6 +128,8 @@ def second_signal(bake, number, root):
     while process.poll() is None and processor_seconds(process) < begin + 0.5:
         time.sleep(0.01)
     process.send_signal(number)
+    while process.poll() is None and is_pending(process, number):
+        time.sleep(0.01)
     time.sleep(0.3)
     hold(process.poll() is None, "a frame of the slow bake is too short: the first signal has ended it")
     begin = time.monotonic()
