@@ -44,6 +44,8 @@ constexpr double margin_edges = 2.0;
 // What a margin may be at most, in diagonals of the body, and in mean edges if that is more: where the mesh
 // is coarse. Every point asks all vertices within some margins.
 constexpr double most_diagonals = 0.1, most_edges = 4.0;
+// And at least, in mean edges: below, it vanishes beside them in single precision.
+constexpr double least_edges = 1e-6;
 // How far around a point vertices across a gap are looked for, in margins, and how many times that the way
 // along the flesh must be.
 constexpr double gap_margins = 1.5;
@@ -79,6 +81,11 @@ double margin_of(const scene::ContactSettings& settings, const std::vector<Vecto
     fail(source, "contact.distance: " + base::number_text(*settings.distance) +
                      " m is too far for a body of this size; give at most " + metres(most) +
                      ", or leave it out for " + metres(margin_edges * edge));
+  if (margin < least_edges * edge)
+    fail(source, "contact.distance: " + base::number_text(*settings.distance) +
+                     " m is too small for a body of this size; give at least " +
+                     metres((1.0 + 2e-6) * least_edges * edge) + ", or leave it out for " +
+                     metres(margin_edges * edge));
   return margin;
 }
 

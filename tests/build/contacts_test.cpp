@@ -119,7 +119,8 @@ TEST(WriteContact, PointsAreTheBoundaryAndDepthsTheDistanceToIt) {
   EXPECT_EQ(with_contact(halved, settings).contact[0].margin, 0.5f) << "in working units";
 }
 
-// A tenth of the diagonal, and where the mesh is coarse four mean edges of its surface.
+// A tenth of the diagonal, and where the mesh is coarse four mean edges of its surface; and a millionth of an
+// edge.
 TEST(WriteContact, RefusesADistanceBeyondTheBody) {
   const auto is_taken = [](const Model& m, double distance) {
     scene::ContactSettings settings = self_contact();
@@ -137,6 +138,9 @@ TEST(WriteContact, RefusesADistanceBeyondTheBody) {
   const double edge = 0.0625 * (2.0 + std::sqrt(2.0)) / 3.0;
   EXPECT_TRUE(is_taken(m, 3.99 * edge));
   EXPECT_FALSE(is_taken(m, 4.2 * edge));
+  EXPECT_TRUE(is_taken(m, 2e-6 * edge));
+  EXPECT_FALSE(is_taken(m, 0.5e-6 * edge));
+  EXPECT_FALSE(is_taken(m, 1e-300));
   EXPECT_FALSE(is_taken(m, 1000.0));
   m.unit = 0.25;
   EXPECT_TRUE(is_taken(m, 0.25 * 3.99 * edge)) << "metres";
