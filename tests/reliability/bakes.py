@@ -262,10 +262,18 @@ def end_by(process, number):
     process.communicate()
 
 
+CHARACTER = ["crouch", "--set", "character.resolution=0.12", "--set", "motion.hold=0.0"]
+
+
+def a_kept_body():
+    """A bake of two frames of a character whose body is kept, for what is done thousands of times."""
+    return Bake("short-bear", [*CHARACTER, "--end", "0.034", "--format", "pc2"])
+
+
 def small_bakes():
     """A bar with a file a frame, a character whose body is kept, in all formats, and one whose body is built and comes
     to rest in every run."""
-    character = ["crouch", "--set", "character.resolution=0.12", "--set", "motion.hold=0.0", "--end", "0.3"]
+    character = [*CHARACTER, "--end", "0.3"]
     return [Bake("bar", ["bar-hang-none", "--end", "3", "--format", "pc2,obj"]),
             Bake("bear", [*character, "--format", "abc,glb,mdd,obj,pc2,usda,vtp,vtu"]),
             Bake("built-bear", [*character, "--set", "motion.settle=0.2", "--format", "abc"], keeps_cache=False)]

@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 
-from bakes import BAD_INPUT, DONE, INTERRUPTED, PROGRAM, control_of_files, hold, must_be_found
+from bakes import BAD_INPUT, DONE, INTERRUPTED, PROGRAM, a_kept_body, control_of_files, hold, must_be_found
 from company import clashes, drivers, load
 from device_faults import device_faults
 from disk import disk_fails
@@ -184,7 +184,8 @@ def damaged(bakes, count):
     """A bit of a file of our own is turned (each of the first 128 bytes, then any), or the file ends earlier (at each
     4 KiB): `fascicle verify` finds it in a bake's files, `batch status` in that of a batch, and a bake never believes
     what is kept of its body, but builds it anew."""
-    bake, kept = bakes[0], bakes[1]
+    bake, kept = bakes[0], a_kept_body()
+    kept.prepare(bake.root)
     folder = bake.empty_folder()
     shutil.copytree(bake.folder_of_whole, folder, dirs_exist_ok=True)
 
