@@ -77,7 +77,7 @@ def device_faults(bakes, count):
     shutil.rmtree(folder)
     handed_over = kept = harmless = 0
     for k in range(count):
-        which = 1 if k % 8 == 7 else 0  # a character's bake takes ten times as long
+        which = 1 if k % 20 == 19 else 0  # a character's bake takes ten times as long
         bake = chosen[which]
         # Every other time while the device is set up.
         call = random.randint(1, calls[which] - 1 if k % 2 else SETTING_UP)
