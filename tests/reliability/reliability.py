@@ -10,6 +10,7 @@ import platform
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -70,6 +71,8 @@ def main():
     asked = parser.parse_args()
     seed = int(os.environ.get("FASCICLE_SEED", str(time.time_ns() % 1000000)))
     random.seed(seed)
+    # A shell's background job ignores it, and so would all bakes.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=os.path.dirname(PAGE_FILE), text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False).stdout.strip() or "unknown"
     lines, is_broken = {}, True

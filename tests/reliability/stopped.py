@@ -224,19 +224,21 @@ def stopped(bakes, count):
     control_of_going_on(bakes)
     control_of_signals(bakes[0])
     signals = (signal.SIGTERM, signal.SIGINT)
-    phases, ended, twice, ahead, went_on = dict.fromkeys(PHASES[:-1], 0), 0, 0, [], 0
+    phases, ended, twice, ahead, went_on = dict.fromkeys(PHASES[:-1], 0), dict.fromkeys(signals, 0), 0, [], 0
     for k in range(count):
         bake = bakes[k % len(bakes)]
-        status, phase, frames, folder = signalled(bake, signals[k // 2 % 2], k % TWICE == TWICE - 1)
+        number = signals[k // 2 % 2]
+        status, phase, frames, folder = signalled(bake, number, k % TWICE == TWICE - 1)
         if phase is not None:
             phases[phase] += 1
             twice += k % TWICE == TWICE - 1
-        ended += status == INTERRUPTED
+        ended[number] += status == INTERRUPTED
         ahead += [] if frames is None else [frames]
         bake.hold_counted(folder)
         went_on += bake.resume(folder)
         shutil.rmtree(folder)
     hold(count < 200 or all(phases.values()), "a phase without a signal: %s" % phases)
+    hold(count < 40 or all(ended.values()), "a signal that ended no bake with 75: %s" % ended)
     seconds = [second_signal(bakes[0], signals[(k + 1) % 2], bakes[0].root) for k in range(max(1, count // 40))]
     batch = Batch(bakes[0])
     children = max(1, count // 20)
@@ -244,5 +246,5 @@ def stopped(bakes, count):
     return "%d signals at work (%s), %d of them twice; %d ended with 75; checkpoints at most %d frames after the " \
            "last one written; a second signal ended %d slow bakes, in %.1f s at most; %d of %d bakes of a batch " \
            "stopped alone, and the others went on; each went on to the same bytes, %d from a checkpoint" % (
-               sum(phases.values()), ", ".join("%s %d" % pair for pair in phases.items()), twice, ended,
-               max(ahead, default=0), len(seconds), max(seconds), alone, children, went_on)
+               sum(phases.values()), ", ".join("%s %d" % pair for pair in phases.items()), twice,
+               sum(ended.values()), max(ahead, default=0), len(seconds), max(seconds), alone, children, went_on)
