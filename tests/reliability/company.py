@@ -143,9 +143,9 @@ def ten_from_one_cache(built):
 
 
 def clashes(bakes, count):
-    """Two bakes at once into one folder, both from the start: one of them wins, the other is refused. One that comes
-    while another, which is stopped for that long, has the folder at a random moment, each from the start, with --resume
-    or with --overwrite: it is refused, and the first comes to its end. Ten bakes from one empty cache."""
+    """Two bakes start at once into one folder: one wins, the other is refused. A second bake arrives while SIGSTOP
+    holds a first one at a random moment, with or without `--resume` or `--overwrite`: it is refused, and the first one
+    finishes. Ten bakes start at once with one empty cache."""
     controls_of_clashes(bakes[0])
     rounds = late = 0
     for k in range(count):
@@ -162,8 +162,8 @@ def clashes(bakes, count):
         if k % 3 == 0:
             ten_from_one_cache(bakes[2])
             rounds += 1
-    return "%d pairs at once, %d with one stopped: each time one alone came to its end, and the other was refused " \
-           "with a message; %d rounds of ten bakes from one cache; all bytes equal" % (count, count, rounds)
+    return "%d pairs at once, %d with one paused: each time exactly one finished, and the other was refused with a " \
+           "message; %d rounds of ten bakes with one cache; all bytes equal" % (count, count, rounds)
 
 
 def lacking(root):
@@ -195,10 +195,11 @@ def hold_layer_is_missed(environment):
 
 
 def drivers(bakes, count):
-    """No Vulkan driver, a driver's description that is half a file, and one that names a program: the message names the
-    package. No layer where the environment asks for the validation layer, and half a file in place of one: a bake on
-    Vulkan has the same bytes, or the message names the layer's package. Each time `devices` lists the CPU, and the CPU
-    bakes. A device that is to be watched by the validation layer, where there is none, says the same."""
+    """There is no Vulkan driver, or its description is half a file, or names a program in place of a library: the
+    message names the package to install. Or the environment asks for the validation layer, and the layer is missing or
+    its description is half a file: a bake on Vulkan gives the same bytes, or the message names the layer's package.
+    Each time, `devices` lists the CPU, and the CPU bakes. A device that the program itself is to open with the
+    validation layer is refused in the same way."""
     bake = bakes[0]
     root = bake.empty_folder()
     names, layers = ("mesa-vulkan-drivers",), ("vulkan-validationlayers",)
@@ -229,8 +230,8 @@ def drivers(bakes, count):
         bake.hold_whole(folder)
         shutil.rmtree(folder)
     shutil.rmtree(root)
-    return "%d times: %d messages name the package, %d bakes without the layer have the same bytes, and so have all " \
-           "of the CPU" % (count, count - on_vulkan, on_vulkan)
+    return "%d runs: %d messages name the package; %d bakes without the layer have the same bytes, and so has every " \
+           "bake on the CPU" % (count, count - on_vulkan, on_vulkan)
 
 
 def figures_of(command, environment):
@@ -269,10 +270,10 @@ def hold_same(one, other, what):
 
 
 def load(bakes, count):
-    """A bake of so many frames, a tenth as many jobs of two frames in a batch, a hundredth as many clips of a snake of
-    300 joints, each beside a tenth of it; and a bar of 200 vertices a frame asked for (2 million), beside a tenth: the
-    memory stays, or grows as the bar does, no piece takes longer, no frame more bytes that are written, and a piece
-    alone has the same position hashes."""
+    """One bake has very many frames, a batch has a tenth as many jobs of two frames each, and a character of 300 joints
+    has a hundredth as many clips. A bar has 200 vertices for each of those frames: 2 million. Each runs beside one of a
+    tenth of its size. Memory stays the same, or grows with the bar; no frame, job, clip or vertex takes longer; no
+    frame writes more bytes; and a part that is baked alone has the same position hashes."""
     must_be_found(lambda: hold_flat(100 << 20, 200 << 20), "memory that grows")
     must_be_found(lambda: hold_pace(1.0, 10, 40.0, 100), "a pace that slows down")
     must_be_found(lambda: hold_same(["1"], ["2"], "a control"), "other hashes")
@@ -281,7 +282,7 @@ def load(bakes, count):
     environment = bakes[0].environment(FASCICLE_CACHE_DIR=os.path.join(root, "cache"))
     said = [part(root, environment, count) for part in (load_of_frames, load_of_jobs, load_of_clips, load_of_vertices)]
     shutil.rmtree(root)
-    return "; ".join(said)
+    return ". ".join(said)
 
 
 def controls_of_written(environment):
@@ -319,7 +320,7 @@ def load_of_frames(root, environment, count):
     hold_pace(found[0][1], count // 10, found[1][1], count)
     hold_written(found[0][2], count // 10, found[1][2], count)
     hold_same(hashes[0], hashes[1][:len(hashes[0])], "of the first frames of more")
-    return "%d frames in %d MiB, %d in %d, %.1f times the time and %.2f times the bytes written a frame" % (
+    return "%d frames used %d MiB and %d used %d; each frame took %.1f times as long and wrote %.2f times as much" % (
         count, found[1][0] >> 20, count // 10, found[0][0] >> 20, found[1][1] / found[0][1] / 10,
         found[1][2] / found[0][2] / 10)
 
@@ -348,7 +349,7 @@ def load_of_jobs(root, environment, count):
         shutil.rmtree(folder)
     hold_flat(many[0][1], many[1][1])
     hold_pace(many[0][2], many[0][0], many[1][2], many[1][0])
-    return "%d jobs in %d MiB, %d in %d, %.1f times the time a job" % (
+    return "%d jobs used %d MiB and %d used %d; each took %.1f times as long" % (
         many[1][0], many[1][1] >> 20, many[0][0], many[0][1] >> 20,
         many[1][2] / many[0][2] * many[0][0] / many[1][0])
 
@@ -373,7 +374,7 @@ def load_of_clips(root, environment, count):
         shutil.rmtree(folder)
     hold_flat(found[0][1], found[1][1])
     hold_pace(found[0][2], found[0][0], found[1][2], found[1][0])
-    return "%d clips of %d joints in %d MiB, %d in %d, %.1f times the time a clip" % (
+    return "%d clips of %d joints used %d MiB and %d used %d; each took %.1f times as long" % (
         found[1][0], joints, found[1][1] >> 20, found[0][0], found[0][1] >> 20,
         found[1][2] / found[0][2] * found[0][0] / found[1][0])
 
@@ -396,5 +397,5 @@ def load_of_vertices(root, environment, count):
     # What a program of no vertex takes is in both.
     hold((most[1] - least[1]) / (most[0] - least[0]) < 4096, "%d MiB for %d vertices" % (most[1] >> 20, most[0]))
     hold_pace(least[2], least[0], most[2], most[0])
-    return "%d vertices in %d MiB, %d in %d, %.1f times the time a vertex" % (
+    return "%d vertices used %d MiB and %d used %d; each took %.1f times as long" % (
         most[0], most[1] >> 20, least[0], least[1] >> 20, most[2] / least[2] * least[0] / most[0])

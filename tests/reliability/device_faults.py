@@ -64,9 +64,9 @@ def hold_kept(bake, folder, done, name):
 
 
 def device_faults(bakes, count):
-    """Any call of the Vulkan device returns DEVICE_LOST, OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY,
-    INITIALIZATION_FAILED or TIMEOUT, by a layer of our own: a bake that may go on with the CPU (`--device
-    vulkan:0,cpu`) does, to the same bytes; one that may not keeps what it did, says why, and `--resume` goes on."""
+    """A Vulkan layer of our own lets the k-th call return DEVICE_LOST, OUT_OF_DEVICE_MEMORY, OUT_OF_HOST_MEMORY,
+    INITIALIZATION_FAILED or TIMEOUT. A bake that may continue on the CPU (`--device vulkan:0,cpu`) does so. One that
+    may not keeps its checkpoint, says what failed, and `--resume` completes it."""
     chosen = bakes[:2]
     calls = [calls_of(bake) for bake in chosen]
     folder = chosen[0].empty_folder()
@@ -93,5 +93,6 @@ def device_faults(bakes, count):
         else:
             harmless += 1
         shutil.rmtree(folder)
-    return "%d of %d to %d calls failed: %d times the CPU went on, %d times --resume did, %d times the device could " \
-           "do without; all bytes equal" % (count, min(calls), max(calls), handed_over, kept, harmless)
+    return "%d runs, each with one of %d to %d calls failing: the CPU took over %d times, --resume completed the " \
+           "bake %d times, the device did without the call %d times; all bytes equal" % (
+               count, min(calls), max(calls), handed_over, kept, harmless)

@@ -279,9 +279,9 @@ def limit_files(bake):
 
 
 def disk_fails(bakes, count):
-    """The k-th call that changes a file fails, once (an I/O error) or with all after it (a full disk), under a bake, an
-    export, a render, a batch, or in a bake's cache, which is then no reason to end; a bake on a tmpfs that is too
-    small, and one under a limit on the size of files (ulimit -f)."""
+    """The k-th call that changes a file fails, either alone (an I/O error) or with all calls after it (a full disk). It
+    fails in a bake, an export, a render, a batch, and in the cache of a bake, which must then finish without its cache.
+    Bakes also run on a tmpfs that is too small and under a limit on file size (`ulimit -f`)."""
     library = os.environ.get("FASCICLE_FAILING_CALLS", "")
     hold(os.path.exists(library), "FASCICLE_FAILING_CALLS names no library")
     control_of_files(bakes)
@@ -308,7 +308,8 @@ def disk_fails(bakes, count):
                 failed[place.name] += 1
             else:
                 beyond += 1
-    text = "%d times: %d calls failed (%s), each but the cache's ended its program with 1 and the reason; %d were " \
-           "beyond the last call of their run; %d tmpfs were full%s; %d limits were met; all went on to the same bytes"
+    text = "%d runs: %d calls failed (%s), and each outside the cache ended its program with 1 and the reason; %d " \
+           "were set after the last call of their run; %d tmpfs were full%s; %d limits were hit; all were resumed to " \
+           "the same bytes"
     return text % (count, sum(failed.values()), ", ".join("%s %d" % pair for pair in failed.items()), beyond, tmpfs,
                    "" if is_mountable else " (NOT TRIED: no tmpfs can be mounted here)", limits)

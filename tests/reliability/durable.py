@@ -14,10 +14,10 @@ WRITES = ("write", "pwrite64", "writev", "pwritev", "pwritev2", "ftruncate", "tr
 
 # A pattern of paths, and why they need not outlast a power cut.
 NOT_DURABLE = (
-    (r"/fascicle-helper-\w+(/|$)", "what the mesher and the program tell each other: gone at the end of both"),
-    (r"/surface\.(abc|glb|usda)(\.\w+)?\.part$", "a resumed bake begins these streams anew; their last rename is held"),
-    (r"/export\.part(/|$)", "where an export is made; what is moved up from there is held"),
-    (r"/cache$", "the cache's own folder: what is lost of it is made again"),
+    (r"/fascicle-helper-\w+(/|$)", "messages between the program and the mesher, which neither keeps"),
+    (r"/surface\.(abc|glb|usda)(\.\w+)?\.part$", "streams that a resumed bake starts over, until their last rename"),
+    (r"/export\.part(/|$)", "the folder in which an export is made, until its files are moved up"),
+    (r"/cache$", "the cache folder itself, which is made again when it is lost"),
 )
 
 
@@ -177,9 +177,10 @@ def control_of_order(log, root):
 
 
 def durable(bakes, count):
-    """The commands that write files, by strace: a bake in all formats that keeps its body, the same gone on with to
-    another end, exports into the bake and beside it, a batch, pictures, a report and a page to view. Before a file
-    gets its final name, its bytes are synced, and after it, its folder; before a checkpoint, all that it counts on."""
+    """strace records the commands that write files: a bake in all formats with a cache, the same bake resumed to a
+    later end, exports into the bake and beside it, a batch, pictures, a report and a page to view. The bytes of a file
+    are synced before it gets its final name, and its folder is synced after that. Everything that a checkpoint relies
+    on is synced before the checkpoint."""
     why_not = subprocess.run(["strace", "-o", "/dev/null", "true"], capture_output=True).returncode \
         if shutil.which("strace") else 1
     if why_not:
@@ -223,7 +224,7 @@ def durable(bakes, count):
             control_of_order(log, root)
     shutil.rmtree(root)
     os.remove(root + ".strace")
-    text = "%d runs, %d files: all had their bytes synced before their names and their folders after (%s); not held: %s"
+    text = "%d runs, %d files: every file was synced before it got its name, and its folder after (%s); exempt: %s"
     return text % (
         count, sum(held.values()), ", ".join("%s %d" % pair for pair in held.items()),
         "; ".join(reason for _, reason in NOT_DURABLE))

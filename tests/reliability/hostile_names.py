@@ -146,11 +146,11 @@ def bakes_below(folder):
 
 
 def names(bakes, count):
-    """Names with slashes, quotes, line ends, mark-up, code, control and bidirectional characters, or 100 kB long, of
-    all that a character's file names (joints, meshes, clips, blend shapes, materials, textures), of the file itself,
-    and of jobs, layers and probes: `inspect`, `bake` of all clips in every format, `report` and `view` of each, then
-    `batch`, and `batch --emit` for both farms. Each file of each format is read by a parser, the script for Blender is
-    compiled, those for a shell go through `bash -n`."""
+    """Hostile names hold slashes, quotes, line ends, markup, code, control or bidirectional characters, or are 100 kB
+    long. They are given to everything that a character file names (joints, meshes, clips, blend shapes, materials,
+    textures), to the file itself, and to jobs, layers and probes. The commands are `inspect`, `bake` of all clips in
+    every format, `report` and `view` of each bake, `batch`, and `batch --emit` for both farms. A parser reads every
+    file that they write; the Blender script is compiled, and shell scripts go through `bash -n`."""
     controls_root = bakes[0].empty_folder()
     controls_of_names(controls_root)
     shutil.rmtree(controls_root)
@@ -180,5 +180,5 @@ def names(bakes, count):
         parsed += sum(hold_readable(path) for path in sorted(found) if os.path.isfile(path))
         shutil.rmtree(outer)
     hold(baked * 2 > count, "of only %d of %d all clips were baked" % (baked, count))
-    return "%d characters, both clips of %d baked: no file outside, no escape reaches the terminal, parsers read %d " \
-           "files" % (count, baked, parsed)
+    return "%d characters, of which %d baked both clips: no file outside the folder, no escape sequence on the " \
+           "terminal; parsers read %d files" % (count, baked, parsed)

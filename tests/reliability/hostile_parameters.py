@@ -222,12 +222,12 @@ def controls_of_values(root):
 
 
 def parameters(bakes, count):
-    """Values of scene keys, allowed and not, several at once, of bars of either integrator, of bars with forces,
-    colliders and contact, of an arm with muscles and of a bear: 20 frames, or more until they are 200 solver steps, as
-    far as the scene says how many a frame takes. A fifth goes to the Vulkan device too, where there is one. Each
-    position that is written is a finite number and has the same bits on both; or the bake ends with 5 and says that
-    positions burst; or one message names a key that was changed, or what in its table does not go with it. A bake that
-    was asked for hours says that it is at work, and a signal ends it."""
+    """Random values go into the keys of scenes, valid and invalid, several at once: bars with either integrator, bars
+    with forces, colliders and contact, an arm with muscles, and a bear. Each bakes 20 frames, or more until it has
+    taken 200 solver steps. A fifth also bakes on the Vulkan device, where there is one. A bake either writes finite
+    positions, with the same bits on both devices; or ends with 5 and says that positions burst; or is refused with one
+    message that names a key that was changed, or one in its table that conflicts with it. A bake that would take hours
+    says that it is at work, and a signal ends it."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment(TMPDIR=root)
     schema = json.loads(subprocess.run([PROGRAM, "schema"], capture_output=True, text=True, check=True).stdout)
@@ -266,7 +266,7 @@ def parameters(bakes, count):
     hold(not vulkan or compared >= least, "only %d of %d were compared on Vulkan" % (compared, count))
     shutil.rmtree(root)
     on_vulkan = "%d had the same bits on Vulkan" % compared if vulkan else "there was no Vulkan device to compare with"
-    return "%d scenes: %d stayed finite, %d of these over %d solver steps or more (the middle one %d); %d refused by " \
-           "name, %d said that they burst, %d were long, said so and were stopped; %s" % (
+    return "%d scenes: %d stayed finite, %d of these for %d solver steps or more (the median took %d); %d were " \
+           "refused by name, %d reported that they burst, %d were long, said so and were stopped; %s" % (
                count, finite, sum(n >= STEPS for n in steps), STEPS, sorted(steps)[finite // 2], refused, burst,
                stopped, on_vulkan)

@@ -193,10 +193,11 @@ def try_surface(inputs):
 
 
 def surfaces(bakes, count):
-    """Surfaces that are open, crossed, flat, doubled, stacked, torn, inside out, huge, tiny, of slivers, of odd numbers
-    or of vertices that are not there, as .obj and as binary .stl, .ply and .glb, through `inspect` and `bake`: baked,
-    or refused with one message that says what to do; what takes more than 10 s says that it is at work, and the mesher
-    and all else stay in a memory that goes by the file's size (256 MiB, and 1 KiB a byte)."""
+    """Generated surfaces go through `inspect` and `bake`, as .obj and as binary .stl, .ply and .glb. They are open,
+    self-intersecting, flat, duplicated, torn, partly inside out, huge, tiny or made of slivers; their vertices
+    coincide, are NaN, infinite or extreme, or are missing. Each is baked, or refused with one message that says what to
+    do. What takes more than 10 s must say that it is at work. All processes together may use 256 MiB and 1 KiB for each
+    byte of the file."""
     root = bakes[0].empty_folder()
     environment = bakes[0].environment()
     controls(environment, root)
@@ -223,5 +224,5 @@ def surfaces(bakes, count):
     hold(count < 50 or (baked and refused), "%d were baked and %d refused: the surfaces are all of one kind"
          % (baked, refused))
     shutil.rmtree(root)
-    return "%d surfaces: %d baked, %d refused with one message; no crash, no hang, %.0f s and %d MiB at most" \
+    return "%d surfaces: %d baked, %d refused with one message; no crash, no hang; %.0f s and %d MiB at most" \
         % (count, baked, refused, longest, most >> 20)

@@ -211,10 +211,10 @@ def kill_export(export, times, tally):
 
 
 def killed(bakes, count):
-    """SIGKILL at random moments, several times in a row, to a bake, which is then resumed, and to an export in every
-    format over the files of another one. After each, files with a final name have all their bytes, none that was there
-    and counts is gone, and `fascicle verify` finds all frames that count; a bake that had a checkpoint goes on from
-    there."""
+    """SIGKILL ends a bake at a random moment, several times in a row, and the bake is then resumed. It also ends
+    exports that write every format over an older export. After each kill, every file under its final name is complete,
+    no published file or frame is gone, and `fascicle verify` accepts every frame that the manifest counts. A bake that
+    had a checkpoint continues from it."""
     control_of_files(bakes)
     control_of_going_on(bakes)
     export = export_of(bakes[1])
@@ -231,7 +231,8 @@ def killed(bakes, count):
              "hardly any was at work when it was killed: %d of %d" % (tally.all(), tally.all() + tally.late))
     # So many that none stays out by chance.
     hold(count < 200 or all(tally.kills.values()), "a phase without a kill: %s" % tally.kills)
-    return "%d kills at work (%s), %d more came too late; 0 files torn or lost; %d bakes went on from their " \
-           "checkpoint, %d had none yet and began anew; every file has the bytes of an unbroken bake or export" % (
+    return "%d kills hit a bake at work (%s), %d more came after its end; 0 files torn or lost; %d bakes continued " \
+           "from their checkpoint, %d had none yet and started over; every file ended up with the bytes of an " \
+           "uninterrupted bake or export" % (
                tally.all(), ", ".join("%s %d" % pair for pair in tally.kills.items()), tally.late, tally.went_on,
                tally.anew)

@@ -41,9 +41,9 @@ def hold_silent(name, text):
 
 
 def layers(bakes, count):
-    """So many of the built-in scenes, a few frames each, on a Vulkan device under the Khronos validation layer: once
-    with its looks at synchronization, in and across submissions, once with GPU-assisted ones, at what shaders access.
-    It may have nothing to say."""
+    """Built-in scenes bake a few frames on a Vulkan device under the Khronos validation layer: once with
+    synchronization validation, within and across submissions, and once with GPU-assisted validation, which checks what
+    shaders access. Neither may report anything."""
     folder = bakes[0].empty_folder()
     faults = os.environ.get("FASCICLE_PLANTED_FAULTS", "")
     hold(os.path.exists(faults), "FASCICLE_PLANTED_FAULTS names no program")
@@ -68,5 +68,5 @@ def layers(bakes, count):
             hold_silent(scene + ", " + name, text)
             shutil.rmtree(out)
     shutil.rmtree(folder)
-    return "%d of %d scenes: 0 messages of core, synchronization and GPU-assisted validation; each of these finds " \
-           "the fault that is planted for it" % (len(chosen), len(scenes))
+    return "%d of %d scenes: 0 messages from core, synchronization and GPU-assisted validation; each of the three " \
+           "reports the fault that is planted for it" % (len(chosen), len(scenes))

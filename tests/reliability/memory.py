@@ -42,9 +42,9 @@ def hold_clean(command, environment, log):
 
 
 def memory(bakes, count):
-    """Under Valgrind: a small character and a bar are inspected and baked on the CPU, at each level that Valgrind
-    knows, and the bakes verified and exported in every format. No access that is not right, no branch by what was never
-    set, nothing lost."""
+    """Valgrind runs `inspect` and `bake` of a small character and of a bar on the CPU, at each CPU level that it knows,
+    then `verify` and an export in every format. It may find no invalid access, no branch on an unset value and no
+    leak."""
     hold(shutil.which("valgrind"), "valgrind is not installed (Debian: valgrind)")
     root = bakes[0].empty_folder()
     log = os.path.join(root, "log")
@@ -80,5 +80,6 @@ def memory(bakes, count):
         shutil.rmtree(folder)
         shutil.rmtree(exported)
     shutil.rmtree(root)
-    return "%d runs, at the levels %s: 0 errors, 0 bytes definitely lost; an invalid read, a branch by an unset byte " \
-           "and a leak that are planted are found" % (runs, ", ".join(sorted({level for _, level in jobs[:count]})))
+    return "%d runs, at the levels %s: 0 errors, 0 bytes definitely lost; a planted invalid read, a planted branch " \
+           "on an unset byte and a planted leak are found" % (
+               runs, ", ".join(sorted({level for _, level in jobs[:count]})))

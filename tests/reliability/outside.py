@@ -108,9 +108,9 @@ def hold_controls(bake):
 
 
 def outside(bakes, count):
-    """What the system is asked for, by strace: bakes of a bar, of characters made in code and of one of a file, an
-    export, a batch and a bake on Mesa's software device. Sockets, files that are changed, read or looked for, programs
-    that are started."""
+    """strace shows what the program asks of the system: sockets, files that it changes, reads or looks up, and programs
+    that it starts. It watches bakes of a bar, of generated characters and of a character from a file, an export, a
+    batch, and a bake on Mesa's software Vulkan device."""
     hold_controls(bakes[0])
     drivers = glob.glob("/usr/share/vulkan/icd.d/lvp_icd*.json")
 
@@ -177,6 +177,6 @@ def outside(bakes, count):
         for folder in (root, temporary, home, root + ".strace"):
             shutil.rmtree(folder)
     said = "on the CPU and on lavapipe" if drivers else "on the CPU; there was no lavapipe to look at"
-    return "%d traces: no socket, nothing changed but the output, the cache and what is temporary, nothing read or " \
-           "looked for but these, the input, libraries and what the system says of the processor, no program but the " \
-           "mesher and, for a batch, its bakes; %s" % (traces, said)
+    return "%d traces: no socket; nothing changed but the output, the cache and temporary files; nothing else read " \
+           "or looked up but the input, libraries and the system's description of the processor; no program started " \
+           "but the mesher and, by a batch, its bakes; %s" % (traces, said)

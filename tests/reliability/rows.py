@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+import typing
 
 from bakes import BAD_INPUT, DONE, INTERRUPTED, PROGRAM, a_kept_body, control_of_files, hold, must_be_found
 from company import clashes, drivers, load
@@ -37,7 +38,8 @@ def in_turns(bakes, count):
 
 
 def resumed(bakes, count):
-    """Gone on with from a random frame: of another end, with more formats, on other threads and another level."""
+    """A bake is resumed from a random frame, with another end, more formats, another number of threads and another CPU
+    level."""
     control_of_files(bakes)
     bake = bakes[0]
     devices = subprocess.run([PROGRAM, "devices"], capture_output=True, text=True, check=True).stdout
@@ -60,7 +62,7 @@ def resumed(bakes, count):
              "%s: another stiffness was not refused: %s" % (folder, refused.stderr))
         bake.resume(folder, "--device", random.choice(levels), "--threads", str(1 + k % 3))
         shutil.rmtree(folder)
-    return "%d of %d have the bytes of a bake in one go; another stiffness is refused by its name" % (count, count)
+    return "%d of %d have the bytes of an uninterrupted bake; a changed stiffness is refused by name" % (count, count)
 
 
 def processes_in(folder):
@@ -79,7 +81,8 @@ def processes_in(folder):
 
 
 def batches_stopped(bakes, count):
-    """SIGTERM, SIGINT and SIGKILL to a batch of four bakes, two at once; none of its children may stay."""
+    """SIGTERM, SIGINT or SIGKILL ends a batch of four bakes, of which two run at a time. None of its child processes
+    may survive it."""
     root = bakes[0].root
     jobs = os.path.join(root, "jobs.toml")
     with open(jobs, "w") as file:
@@ -130,7 +133,7 @@ def batches_stopped(bakes, count):
         hold(done.returncode == DONE, "%s: --resume ended with %d: %s" % (folder, done.returncode, done.stderr))
         hold(files_of(folder) == expected, folder + ": other bytes")
         shutil.rmtree(folder)
-    return "%d batches; no child stayed, and each went on to the same bytes" % count
+    return "%d batches; no child survived, and each batch was resumed to the same bytes" % count
 
 
 def damages(content, count):
@@ -181,9 +184,9 @@ def damage(path, count, check):
 
 
 def damaged(bakes, count):
-    """A bit of a file of our own is turned (each of the first 128 bytes, then any), or the file ends earlier (at each
-    4 KiB): `fascicle verify` finds it in a bake's files, `batch status` in that of a batch, and a bake never believes
-    what is kept of its body, but builds it anew."""
+    """One bit of one of our own files is flipped (in each of the first 128 bytes, then at random), or the file is cut
+    off at a multiple of 4 KiB. `fascicle verify` must detect it in the files of a bake, and `fascicle batch status` in
+    those of a batch. A bake must never use a damaged cache entry: it builds the body anew."""
     bake, kept = bakes[0], a_kept_body()
     kept.prepare(bake.root)
     folder = bake.empty_folder()
@@ -235,27 +238,34 @@ def damaged(bakes, count):
         if name.endswith(".entry"):
             what = damage(os.path.join(kept.cache, name), max(1, count // 40), rebuilt)
             found["kept entries"] = found.get("kept entries", 0) + what
-    return "%d of %d damages found: %s" % (sum(found.values()), sum(found.values()),
+    return "%d of %d damages detected: %s" % (sum(found.values()), sum(found.values()),
                                            ", ".join("%s %d" % pair for pair in found.items()))
 
 
-# Name, what is done, and how often: for the table, and in CI.
+class Row(typing.NamedTuple):
+    name: str
+    title: str
+    function: typing.Callable
+    often: int  # for the page
+    seldom: int  # in CI
+
+
 ROWS = (
-    ("killed", killed, 1000, 4),
-    ("stopped", stopped, 400, 4),
-    ("durable", durable, 18, 9),
-    ("resumed", resumed, 200, 2),
-    ("batches", batches_stopped, 60, 3),
-    ("disk", disk_fails, 200, 7),
-    ("damaged", damaged, 12000, 40),
-    ("outside", outside, 14, 4),
-    ("surfaces", surfaces, 5000, 8),
-    ("values", parameters, 10000, 10),
-    ("names", names, 270, 2),
-    ("clashes", clashes, 60, 3),
-    ("drivers", drivers, 20, 5),
-    ("device", device_faults, 200, 8),
-    ("load", load, 10000, 100),
-    ("layers", layers, 100, 1),
-    ("memory", memory, 100, 1),
+    Row("killed", "SIGKILL at random moments", killed, 1000, 4),
+    Row("stopped", "SIGTERM and SIGINT at random moments", stopped, 400, 4),
+    Row("durable", "Order of writes, syncs and renames", durable, 18, 9),
+    Row("resumed", "Resuming from random frames with other settings", resumed, 200, 2),
+    Row("batches", "Signals to a whole batch", batches_stopped, 60, 3),
+    Row("disk", "Full disks and I/O errors", disk_fails, 200, 7),
+    Row("damaged", "Flipped bits and truncated files", damaged, 12000, 40),
+    Row("outside", "Sockets, files and programs outside the bake", outside, 14, 4),
+    Row("surfaces", "Hostile surfaces", surfaces, 5000, 8),
+    Row("values", "Hostile scene values", parameters, 10000, 10),
+    Row("names", "Hostile names", names, 270, 2),
+    Row("clashes", "Bakes that share a folder or a cache", clashes, 60, 3),
+    Row("drivers", "Missing and broken Vulkan drivers and layers", drivers, 20, 5),
+    Row("device", "Vulkan calls that fail", device_faults, 200, 8),
+    Row("load", "Very long, many and large bakes", load, 10000, 100),
+    Row("layers", "The Khronos validation layer", layers, 100, 1),
+    Row("memory", "Valgrind", memory, 100, 1),
 )

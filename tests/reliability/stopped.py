@@ -217,9 +217,9 @@ class Batch:
 
 
 def stopped(bakes, count):
-    """SIGTERM and SIGINT at random moments of a bake, one in four twice; the bake stands still (SIGSTOP) while its
-    written frames are counted and the signal is sent, so that no frame falls in between. A second signal while a frame
-    of seconds is waited for ends it within 2 s. One bake of a batch gets a signal alone: the others go on."""
+    """SIGTERM or SIGINT arrives at a random moment of a bake; one bake in four gets two. SIGSTOP holds the bake while
+    its frames are counted and the signal is sent, so that no frame slips in between. A second signal ends a bake of
+    very slow frames within 2 s. One bake of a batch gets a signal alone, and the others carry on."""
     control_of_files(bakes)
     control_of_going_on(bakes)
     control_of_signals(bakes[0])
@@ -243,8 +243,9 @@ def stopped(bakes, count):
     batch = Batch(bakes[0])
     children = max(1, count // 20)
     alone = sum(batch.child_signalled(signals[k % 2]) for k in range(children))
-    return "%d signals at work (%s), %d of them twice; %d ended with 75; checkpoints at most %d frames after the " \
-           "last one written; a second signal ended %d slow bakes, in %.1f s at most; %d of %d bakes of a batch " \
-           "stopped alone, and the others went on; each went on to the same bytes, %d from a checkpoint" % (
+    return "%d signals hit a bake at work (%s), %d of them twice; %d bakes exited with 75; checkpoints were at most " \
+           "%d frames after the last frame written; a second signal ended %d slow bakes, in %.1f s at most; %d of %d " \
+           "bakes of a batch stopped alone while the others carried on; each was resumed to the same bytes, %d from " \
+           "a checkpoint" % (
                sum(phases.values()), ", ".join("%s %d" % pair for pair in phases.items()), twice,
                sum(ended.values()), max(ahead, default=0), len(seconds), max(seconds), alone, children, went_on)

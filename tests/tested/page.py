@@ -10,33 +10,32 @@ FILE = os.path.join(ROOT, "docs", "tests.md")
 
 PAGE = """# What the tests are worth
 
-A test that passes says little until one knows what it would have found. Three commands ask: whether the suite runs
-clean under sanitizers, which lines it runs, and whether it finds faults that somebody plants. Each writes its part of
-this page.
+A passing test says little until one knows what it would have caught. Three commands measure that: whether the suite is
+clean under sanitizers, which lines it runs, and whether it notices planted faults. Each updates its part of this page.
 
 ## Sanitizers
 
-`./do sanitize` builds the presets `asan` (addresses, leaks, undefined behaviour) and `tsan` (threads), with all asserts
-and the standard library's checks, and runs the suite, but for `exactness` and `reliability`: the one looks at what is
-given away, the other preloads a library, which goes around a sanitizer's calls. Reports are counted from the
-sanitizers' own files, of every process that a test starts, so that none is lost in a test that expects a failure;
-undefined behaviour ends the process by SIGABRT, which no test expects. First a planted flaw of each kind must be
-reported, and the programs that were built must have the sanitizer in them.
+`./do sanitize` builds the presets `asan` (addresses, leaks, undefined behaviour) and `tsan` (threads), with all
+assertions and the checks of the standard library, and runs the suite. It leaves out `exactness`, which examines the
+release build, and `reliability`, which preloads a library that would bypass the sanitizers. Reports are counted from
+the sanitizers' own log files, for every process that a test starts, so a test that expects a failure cannot hide one.
+Undefined behaviour ends a process with SIGABRT, which no test expects. First, a planted flaw of each kind must be
+reported, and the programs must have been built with the sanitizer.
 
 %(sanitizers)s
 ## Coverage
 
-`./do coverage` builds the preset `coverage`, runs the suite, and counts lines and branches of the rooms by gcov and
-gcovr. Branches that only an exception takes do not count, and neither do the mesher and the converter, whose sandbox
-lets them write no counts. First a program of which a part never runs must be counted so.
+`./do coverage` builds the preset `coverage`, runs the suite, and counts lines and branches with gcov and gcovr.
+Branches that only an exception takes are left out. So are the mesher and the converter, whose sandbox does not let them
+write counts. First, a program with an unused function must be counted as such.
 
 %(coverage)s
 ## Planted faults
 
-`./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the resuming of
-bakes: a comparison turned, a sign, a bound, a statement left out. Lines with a text in them and lines that throw stay
-as they are. It builds, and runs the room's tests until one fails. Before that the tests must pass over the sources as
-they are.
+`./do mutants` makes one small change at a time to the kernels, the solver, the build, the cache and the code that
+resumes bakes: it swaps a comparison, a sign or a bound, or leaves out a statement. Lines that contain text and lines
+that throw are left alone. It builds, and runs the tests of that room until one fails. Before that, the tests must pass
+on the unchanged sources.
 
 %(mutants)s"""
 
@@ -62,7 +61,7 @@ def coverage_text(figures):
             for room, lines, run, branches, taken in figures["rooms"]]
     whole = [sum(row[k] for row in figures["rooms"]) for k in range(1, 5)]
     rows.append(("all", whole[0], share(whole[1], whole[0]), share(whole[3], whole[2])))
-    ran = "%(tests)d tests ran, %(skipped)d of them were skipped and %(failures)d failed: %(which)s." % figures["ran"]
+    ran = "%(tests)d tests ran, %(skipped)d were skipped and %(failures)d failed (%(which)s)." % figures["ran"]
     return table(("room", "lines", "run", "branches taken"), rows) + "\n" + ran + " " + figures["about"]
 
 
@@ -74,7 +73,7 @@ def mutants_text(figures):
     text = table(("room", "planted", "found", "share"), [*rows, ("all", planted, found, share(found, planted))])
     living = [row for one in rooms.values() for row in one["living"]]
     if living:
-        text += "\nThose that live:\n\n" + table(("where", "as it is", "as it was made", "why it lives"), living)
+        text += "\nThese faults went unnoticed:\n\n" + table(("where", "line", "changed to", "why no test notices"), living)
     return text + "\n" + figures["about"]
 
 

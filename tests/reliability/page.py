@@ -1,0 +1,104 @@
+"""docs/reliability.md: what each row does, and what its last run found. docs/reliability.json keeps the findings."""
+
+import json
+import os
+import platform
+import textwrap
+
+import rows
+
+DOCS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs")
+PAGE_FILE = os.path.join(DOCS, "reliability.md")
+FOUND_FILE = os.path.join(DOCS, "reliability.json")
+
+PAGE = """# Reliability
+
+Bakes run overnight, on farms, on files from strangers. `./do reliability` disturbs bakes in every way that we could
+think of, and checks that nothing is lost and nothing crashes. It writes this page.
+
+Most rows disturb three small bakes: a bar with one file per frame, a character in all formats with a cached body, and
+a character whose body is built and settled in each run. Every file that has its final name afterwards is compared, byte
+by byte, with that of an undisturbed bake. Then `--resume` completes the bake, from its checkpoint where there is one,
+and all files are compared again.
+
+Each row first proves that its checks can fail. It runs them against a careless program: one that writes half a file,
+names a file before its bytes are written, starts over where it should resume, ignores a signal, hides a disk error,
+leaves out a sync, abandons a child process, opens a socket, gives an error message that does not help, is silent for
+ten seconds, slows down, or leaks. The checks must report it. A row is listed here only if everything it checks held.
+
+CI runs a short form of every row. Readers of files are also fuzzed: see [Fuzzing](fuzzing.md).
+
+| row | disturbance | date | commit |
+| --- | --- | --- | --- |
+%(table)s
+%(sections)s
+## What is not covered
+
+- Valgrind 3.19 knows no AVX-512, so `memory` has no result for that CPU level.
+- The mesher is a separate program, and `memory` does not run it under Valgrind. `surfaces` does bound its memory.
+- The validation layer does not see every missing barrier. A test leaves out each barrier of a solver in turn
+  (`tests/gpu/barriers_test.cpp`).
+
+## How to run it
+
+`./do reliability` takes hours. `./do reliability ROW...` runs single rows, and `--write` puts their results on this
+page. `--share 0.1` runs a tenth. `FASCICLE_SEED` repeats the random choices of a run; its moments still depend on how
+fast the machine is.
+
+These results are from %(machine)s.
+"""
+
+
+def found_before():
+    if not os.path.exists(FOUND_FILE):
+        return {}
+    with open(FOUND_FILE) as file:
+        return json.load(file)
+
+
+def duration(seconds):
+    return "%.0f s" % seconds if seconds < 120 else "%.0f min" % (seconds / 60)
+
+
+def paragraph(text):
+    return "\n".join(textwrap.wrap(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)) + "\n"
+
+
+def section(row, one):
+    what = paragraph(row.function.__doc__)
+    result = paragraph("**Result:** %s (%s, seed %d)." % (one["figure"], duration(one["seconds"]), one["seed"]))
+    return "## %s\n\n%s\n%s" % (row.name, what, result)
+
+
+def text_of(found):
+    ran = [(row, found[row.name]) for row in rows.ROWS if row.name in found]
+    lines = "".join("| [`%s`](#%s) | %s | %s | %s |\n" % (
+        row.name, row.name, row.title, one["date"], one["commit"]) for row, one in ran)
+    machines = sorted({one["machine"] for _, one in ran})
+    return PAGE % {"table": lines, "sections": "\n".join(section(*pair) for pair in ran),
+                   "machine": "; ".join(machines)}
+
+
+def replace(path, text):
+    with open(path + ".new", "w") as file:
+        file.write(text)
+    os.replace(path + ".new", path)
+
+
+def machine():
+    return "%s, %d cores" % (platform.machine(), os.cpu_count())
+
+
+def write(found_now):
+    """Rows that did not run keep what they found before."""
+    found = found_before()
+    found.update(found_now)
+    found = {row.name: found[row.name] for row in rows.ROWS if row.name in found}
+    replace(FOUND_FILE, json.dumps(found, indent=1, ensure_ascii=False) + "\n")
+    replace(PAGE_FILE, text_of(found))
+
+
+def is_written():
+    """Whether the page is what this code writes of the findings."""
+    with open(PAGE_FILE) as file:
+        return file.read() == text_of(found_before())
