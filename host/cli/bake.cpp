@@ -157,7 +157,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
 
 // "auto" where there is a GPU that it may take: each bake tests it, and goes on with the CPU where it must.
 std::string device_list(const std::string& device) {
-  const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
+  const std::vector<gpu::DeviceInfo> devices = devices_for(device);
   return device == "auto" && candidates({}, devices).empty() ? "cpu" : with_all_devices(device, devices);
 }
 

@@ -77,7 +77,7 @@ OneBake bake_of(const scene::Job& job) {
 ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
   scene::Jobs jobs = scene::read_jobs(arguments.jobs);
   ManyBakes many = arguments.many;
-  many.devices = with_all_devices(many.devices, gpu::list_devices());
+  many.devices = with_all_devices(many.devices, devices_for(many.devices));
   (void)parse_device_list(many.devices);  // refuses "auto"
   many.output = arguments.output.empty() ? jobs.output : fs::path(arguments.output);
   many.is_part = !arguments.chosen.empty();

@@ -134,8 +134,7 @@ class Batch {
     };
     const auto on_cpu = static_cast<unsigned>(std::count_if(labels.begin(), labels.end(), is_cpu));
     const unsigned cores = std::max(1U, std::thread::hardware_concurrency() / std::max(1U, on_cpu));
-    const std::vector<gpu::DeviceInfo> gpus =
-        on_cpu == labels.size() ? std::vector<gpu::DeviceInfo>() : gpu::list_devices();
+    const std::vector<gpu::DeviceInfo> gpus = devices_for(asked_.devices);
     std::vector<std::pair<Device, std::size_t>> devices;
     std::size_t most = 0;
     for (const std::string& label : labels) {
@@ -163,7 +162,7 @@ class Batch {
 
   // A device that is not there would fail one job after the other, faster than the others bake them.
   void check_devices() const {
-    const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
+    const std::vector<gpu::DeviceInfo> devices = devices_for(asked_.devices);
     const std::vector<std::string> labels = split_device_list(asked_.devices);
     for (const std::string& label : labels) {
       const DeviceRequest request = parse_device(label);

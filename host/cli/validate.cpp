@@ -232,7 +232,7 @@ ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& 
 
 ExitCode validate_scene(const ValidateArguments& arguments, Log& log) {
   std::vector<DeviceRequest> requests =
-      parse_device_list(with_all_devices(arguments.devices, gpu::list_devices()));
+      parse_device_list(with_all_devices(arguments.devices, devices_for(arguments.devices)));
   for (DeviceRequest& request : requests) request.keeps_pipelines = !arguments.scene.no_cache;
   if (requests.size() < 2 && !arguments.oracle && !arguments.converged)
     throw UsageError("--devices " + arguments.devices +

@@ -81,6 +81,13 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text) {
   return requests;
 }
 
+std::vector<gpu::DeviceInfo> devices_for(const std::string& list) {
+  const std::vector<std::string> entries = split_device_list(list);
+  const auto is_cpu = [](const std::string& entry) { return entry == "cpu" || entry.starts_with("cpu:"); };
+  return std::all_of(entries.begin(), entries.end(), is_cpu) ? std::vector<gpu::DeviceInfo>()
+                                                             : gpu::list_devices();
+}
+
 std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices) {
   std::string text;
   const auto add = [&text](const std::string& entry) { text += (text.empty() ? "" : ",") + entry; };
@@ -99,7 +106,7 @@ std::string with_all_devices(const std::string& list, std::span<const gpu::Devic
 std::vector<DeviceRequest> parse_device_order(const std::string& text) {
   std::vector<DeviceRequest> requests;
   const bool asks_for_all = text.find("all") != std::string::npos;
-  const std::string list = asks_for_all ? with_all_devices(text, gpu::list_devices()) : text;
+  const std::string list = asks_for_all ? with_all_devices(text, devices_for(text)) : text;
   for (const std::string& entry : split_device_list(list)) requests.push_back(parse_device(entry));
   if (requests.back().kind == DeviceRequest::Kind::automatic)
     requests.push_back({.kind = DeviceRequest::Kind::cpu});

@@ -38,6 +38,9 @@ std::vector<DeviceRequest> parse_device_list(const std::string& text);
 // The devices of a bake: the first, and those that go on in turn where one fails: "cpu", "vulkan:0,cpu".
 // "auto" has the CPU behind it, and "all" is every real GPU and the CPU. Throws UsageError.
 std::vector<DeviceRequest> parse_device_order(const std::string& text);
+// The Vulkan devices that the list may mean. A list of CPUs alone means none, and Vulkan is not loaded for
+// it.
+std::vector<gpu::DeviceInfo> devices_for(const std::string& list);
 // The list with "all" in it as "vulkan:0,vulkan:1,cpu".
 std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices);
 
