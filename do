@@ -1,47 +1,47 @@
 #!/bin/sh
-# The one entry point: installs what is missing, configures, builds, runs. Everything here is also a plain CMake preset.
+# The single entry point: installs what is missing, configures, builds and runs. Each step is also a plain CMake preset.
 #   ./do bake [ARGS...]   build the program and run `fascicle bake ARGS...`
 #   ./do test [CTEST...]  build everything and run the tests
-#   ./do build [PRESET]   build a preset (release)
+#   ./do build [PRESET]   build a preset (default: release)
 #   ./do paper [ASSETS]   bake the paper's scenes, measure, draw docs/figures/*, write docs/paper.md (minutes)
 #   ./do characters [ASSETS]   bake characters, draw their worst frames beside skinning into docs/characters (minutes)
-#   ./do accuracy [ASSETS]   measure what each quality costs and how near it comes: docs/design/accuracy.md (minutes)
+#   ./do accuracy [ASSETS]   measure the cost and the error of each quality, write docs/design/accuracy.md (minutes)
 #   ./do blender          draw docs/figures/blender.png, Blender's window with the add-on, without a display
-#   ./do bench [ARGS...]  build the program and the others it is timed beside, and run `fascicle bench ARGS...`
+#   ./do bench [ARGS...]  build the program and those it is compared with, run `fascicle bench ARGS...`
 #   ./do kernels [ARGS...]   the same for the kernels alone: `fascicle-bench-kernels ARGS...`
-#   ./do peers [ARGS...]  contact beside Bullet's: build and run `fascicle-bench-contact ARGS...` (minutes)
-#   ./do plot RESULTS.json PLOT.svg   draw what `./do bench --json` wrote; --threads N, --integrator NAME
-#   ./do report-picture   draw docs/figures/report.png, the page of a bake as Chromium shows it
-#   ./do scene-reference  write docs/scene.md, every key of the scene file
-#   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fails where rooms form a ring
-#   ./do touches [stage|format] NAME [COMMIT]   count where a model array or a scene key is named, or a stage or a
-#                         format, outside tests
-#   ./do package [DIR]    build the Debian packages, lists of what is in them and SHA256SUMS, and check them
-#   ./do reproducible [TARGET...]   build this commit twice, in two folders, and compare all that is given away byte by
-#                         byte (an hour on two cores); or these targets' files alone; `--packages`: pack twice what
-#                         `./do package` has built (a minute)
+#   ./do peers [ARGS...]  compare contact with Bullet: build and run `fascicle-bench-contact ARGS...` (minutes)
+#   ./do plot RESULTS.json PLOT.svg   plot the results of `./do bench --json`; --threads N, --integrator NAME
+#   ./do report-picture   draw docs/figures/report.png, a bake's report as Chromium shows it
+#   ./do scene-reference  write docs/scene.md, the reference of every scene key
+#   ./do rooms            draw docs/figures/rooms.svg, which room includes which; fail if rooms form a cycle
+#   ./do touches [stage|format] NAME [COMMIT]   count the files outside tests that name a model array, a scene key, a
+#                         stage or a format
+#   ./do package [DIR]    build the Debian packages, their SPDX lists of contents and SHA256SUMS, and check them
+#   ./do reproducible [TARGET...]   build this commit twice, in two folders, and compare every published file byte by
+#                         byte (an hour on two cores), or only the files of these targets; `--packages`: only pack the
+#                         result of `./do package` twice (a minute)
 #   ./do portable         build for any distribution, source by source, and bake in a root that holds only libc
-#   ./do try-packages     install them into an empty Debian and bake there (root, network, minutes)
-#   ./do lint [N]         clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
-#   ./do web              check the browser's pages (types, tests) and bundle them anew into web/bundle
-#   ./do studio-bars SCENE [--minutes M]   how the studio keeps up: starts, frames, changes, memory while it loops
+#   ./do try-packages     install the packages into an empty Debian and bake there (root, network, minutes)
+#   ./do lint [N]         run clang-format and clang-tidy over the sources (clang-tidy over the N last changed)
+#   ./do web              check the browser pages (types, tests) and rebuild web/bundle
+#   ./do studio-bars SCENE [--minutes M]   measure the studio: start times, frame rates, latency of changes, memory
 #   ./do view-figure      bake the bear and draw its page, docs/figures/view.png
 #   ./do studio-figure    open the bear in the studio and draw its page, docs/figures/studio.png, and studio-beside.png
-#   ./do site             the pages as a web site in build/site (mkdocs)
-#   ./do farm [JOBS]      a batch of 60 clips on a Slurm of one node, disturbed, beside the same unbroken; write
-#                         docs/farm-slurm.txt (root, minutes)
-#   ./do reliability [ROW...]   kill, stop, fill up and damage bakes, a thousand times, bake what strangers might send,
-#                         and bake under Vulkan's validation layer and Valgrind; write docs/reliability.md (hours)
-#   ./do mutants [ROOM...] [--count N] [--write]   plant small faults, one at a time: do the tests find them? --write
-#                         writes what lives into docs/tests.md (hours)
-#   ./do sanitize [PRESET] [--write] [CTEST...]   run the suite under the sanitizers of asan, or tsan, and count
-#                         reports; --write writes them into docs/tests.md (an hour)
-#   ./do coverage [--write] [--missed] [CTEST...]   run the suite and count which lines of the rooms it runs; --write
-#                         writes them into docs/tests.md, --missed lists files (an hour)
-#   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   give the readers of files whatever clang's
-#                         fuzzer thinks of, a minute each; --write writes docs/fuzzing.md
-#   ./do soak [SHARE]     all long runs that CI has a short form of, or a share of their counts: exactness, reliability,
-#                         fuzzing, sanitizers, coverage, planted faults; they write their pages (days; 0.01: hours)
+#   ./do site             build the pages as a web site in build/site (mkdocs)
+#   ./do farm [JOBS]      run a batch of 60 clips on a one-node Slurm with disturbances, compare it with an undisturbed
+#                         run, write docs/farm-slurm.txt (root, minutes)
+#   ./do reliability [ROW...]   kill, stop and damage bakes and fill their disks a thousand times, bake untrusted files,
+#                         bake under Vulkan's validation layer and Valgrind; write docs/reliability.md (hours)
+#   ./do mutants [ROOM...] [--count N] [--write]   mutation testing: plant small faults one at a time and check that the
+#                         tests find them; --write records the faults that survive in docs/tests.md (hours)
+#   ./do sanitize [PRESET] [--write] [CTEST...]   run the tests under the sanitizers of asan or tsan and count reports;
+#                         --write records them in docs/tests.md (an hour)
+#   ./do coverage [--write] [--missed] [CTEST...]   run the tests and count the lines of the rooms that they cover;
+#                         --write records them in docs/tests.md, --missed lists files (an hour)
+#   ./do fuzz [TARGET...] [--runs N] [--seconds N] [--jobs N] [--write]   fuzz the file readers with libFuzzer, a minute
+#                         each; --write writes docs/fuzzing.md
+#   ./do soak [SHARE]     do all the long runs of which CI has a short form, or a share of them: exactness, reliability,
+#                         fuzzing, sanitizers, coverage, mutants; update their pages (days; with 0.01: hours)
 set -eu
 cd "$(dirname "$0")"
 
