@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Measures what each quality costs and how far its skin is from that of many more substeps, for two rods and a clip of
-each character, and writes docs/design/accuracy.md and the numbers in it, docs/design/accuracy.json.
+"""Measures the cost of each quality and the distance of its skin from a run with many more substeps, for two rods and a
+clip of each character. Writes docs/design/accuracy.md and its numbers, docs/design/accuracy.json.
 
     python3 docs/accuracy.py PROGRAM ASSETS [--only WORD] [--docs FOLDER]
 
-ASSETS is a folder with the characters, which are not part of the project; those that are missing keep what was written
-of them. --only measures only those whose file or scene has the word in its name. Only Python's standard library is used.
+ASSETS is a folder with the characters, which are not part of the project. Missing characters keep their earlier rows.
+--only measures only those whose file or scene has the word in its name. Only Python's standard library is used.
 """
 import json
 import os
@@ -22,10 +22,11 @@ ROD_FRAMES = 120
 
 HEAD = """# What a quality costs, and how near it comes
 
-Written by `./do accuracy`, from what `fascicle validate SCENE --converged` measures: the same motion stepped in each
-quality and, beside them, with twice the substeps and iterations of the finest. Error is the root mean square of the
-skin's distance from that, over all frames of the clip; the worst is that of one vertex in one frame. The reference
-errs too, by about a third of what is measured of `final`. Time is the solver's for the clip, beside that of `normal`.
+Written by `./do accuracy` from the measurements of `fascicle validate SCENE --converged`: it steps the same motion in
+each quality and in a reference with twice the substeps and iterations of the finest quality. Error is the root mean
+square distance of the skin from the reference, over all frames of the clip; worst is the largest distance of one vertex
+in one frame. The reference has an error too, about a third of the one measured for `final`. Time is the solver's time
+for the clip, relative to `normal`.
 """
 FOOT = "[integrators.md](integrators.md#substeps-and-iterations) says how substeps and iterations are chosen.\n"
 
@@ -64,7 +65,7 @@ def text_of(rows):
 
 
 def jobs(assets):
-    """Scene or file, its name, its clip, and how it is run; a file that is missing has no way."""
+    """Scene or file, its name, its clip, and how it is run: None for a missing file."""
     for rod in RODS:
         yield rod, rod, "", {"arguments": ["--frames", str(ROD_FRAMES)]}
     for name, file, ends, _, _ in character_sheets.CHARACTERS:
@@ -88,7 +89,7 @@ def make(program, assets, docs, only):
     for scene, name, clip, way in jobs(assets):
         if way is None or only.lower() not in scene.lower():
             if way is None and only.lower() in scene.lower():
-                print(f"accuracy: {assets} has no {scene}: what was written of it stays", file=sys.stderr)
+                print(f"accuracy: {assets} has no {scene}: its earlier rows stay", file=sys.stderr)
             rows += [row for row in kept if row["scene"] == scene]
             continue
         rows.append(measured(program, scene, name, clip, way))
