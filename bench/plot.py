@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Draws what `fascicle bench --json` wrote: nanoseconds a vertex and substep over the number of vertices, a curve a device.
+"""Plots the results of `fascicle bench --json`: nanoseconds per vertex and substep over vertices, one curve per device.
 
     python3 bench/plot.py RESULTS.json PLOT.svg [--threads N] [--integrator NAME] [--mesh NAME]
 
-One thread, the explicit integrator and the regular mesh without the options; an implicit time is that of one iteration. Only Python's
-standard library is used.
+Defaults are one thread, the explicit integrator and the regular mesh; an implicit time is that of one iteration. Only
+Python's standard library is used.
 """
 import argparse
 import json

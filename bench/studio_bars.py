@@ -1,8 +1,8 @@
-"""How a studio keeps up: studio_bars.py PROGRAM SCENE [--minutes M] [-- OPTIONS OF THE STUDIO...]
+"""Measures how the studio keeps up: studio_bars.py PROGRAM SCENE [--minutes M] [-- OPTIONS OF THE STUDIO...]
 
-Starts `fascicle studio SCENE` twice, the second time with everything kept; plays the clip; then changes a key again and
-again, and measures from the command to the first frame that says it was computed with the change. First it holds that
-such a frame comes, and that its hash is another one. Prints Markdown."""
+Starts `fascicle studio SCENE` twice, the second time with everything cached, plays the clip, then changes a key
+repeatedly. Measures from each command to the first frame computed with the change. First it checks that such a frame
+arrives and has a different hash. Prints Markdown."""
 
 import argparse
 import base64
@@ -160,7 +160,7 @@ def main():
                 sys.exit("studio_bars: a change of the softness is in no frame")
             frames, rate = frames_a_second(page, 20.0)
             rows.append(("frames a second at the page, at the clip's pace", "%.0f" % frames))
-            rows.append(("frames a second that the solver does", "%.0f" % rate))
+            rows.append(("frames a second of the solver", "%.0f" % rate))
             for what, key, values in (
                     ("softness", "flesh.softness", (1.2, 1.5, 1.1, 1.3, 1.25)),
                     ("exaggeration", "flesh.exaggerate", (1.2, 1.5, 1.1, 1.3, 1.25)),
