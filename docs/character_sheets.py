@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Bakes characters in their liveliest clips, draws the worst frames of each beside skinning into docs/characters, and
-writes the page that shows them, docs/characters/README.md, and the numbers in it, docs/characters/characters.json.
+writes the page that shows them, docs/characters/README.md, and its numbers, docs/characters/characters.json.
 
     python3 docs/character_sheets.py PROGRAM ASSETS [--only WORD] [--docs FOLDER]
 
-ASSETS is a folder with the characters, which are not part of the project; those that are missing keep what was written
-of them. --only bakes only those whose file has the word in its name. Only Python's standard library is used.
+ASSETS is a folder with the characters, which are not part of the project. Missing characters keep their earlier rows.
+--only bakes only those whose file has the word in its name. Only Python's standard library is used.
 """
 import json
 import os
@@ -18,7 +18,7 @@ import bakes
 import figures
 
 WIDE, TALL = ("288x240", "240x200", "192x160"), ("216x288", "180x240", "144x192")
-# Name, file, ends of the clips' names, sizes of a picture to try, and how it is seen.
+# Name, file, ends of the clips' names, picture sizes to try, and camera options.
 CHARACTERS = (
     ("Bull", "animals_pack_Bull.glb", ("Gallop_Jump", "Attack_Headbutt"), WIDE, ("--turn", "25")),
     ("Frog", "easy_enemies_Frog.glb", ("Attack", "Jump"), WIDE, ()),
@@ -35,19 +35,19 @@ MOST_BYTES = 250_000  # of a picture
 
 HEAD = """# Characters beside their skinning
 
-Written by `./do characters`, as is every picture here: each character of a folder of assets is baked with nothing
-but its file and a clip, and the six frames that look worst are drawn beside skinning alone, the worst first, no two
-of them neighbours. Look is the score of [metrics.csv](../guide.md#how-it-looks): 1 is the limit, above it something
-is seen that should not be. Lag is the largest root mean square of a layer's distance to skinning. Inverted are the
-most tetrahedra inside out in a frame, and the most that skinning alone turns.
+`./do characters` writes this page and its pictures. It bakes each character of a folder of assets with nothing but its
+file and a clip. Then it draws the six frames that look worst beside skinning alone, the worst first, no two of them
+adjacent. Look is the score in [metrics.csv](../guide.md#how-it-looks): 1 is the limit, above which visible faults
+appear. Lag is the largest RMS distance of a layer from skinning. Inverted is the largest number of tetrahedra inside
+out in a frame, for flesh and for skinning alone.
 """
 FOOT = """## Whose they are
 
 [CesiumMan](https://github.com/KhronosGroup/glTF-Sample-Assets/tree/main/Models/CesiumMan) is (c) 2017 Cesium, under
-[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/); the pictures show it changed: moved by this program and
-lit anew. All others are CC0: Bull, Frog, Trex, Fox and Formal by Quaternius, RobotExpressive by Tomas Laulhe with
-changes by Don McCurdy, the men built from MakeHuman's base mesh. Clips of the men and of Formal were made for
-trials.
+[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/); the pictures show it with changes: moved and relit by this
+program. All others are CC0: Bull, Frog, Trex, Fox and Formal by Quaternius, RobotExpressive by Tomas Laulhe with
+changes by Don McCurdy, and the men, which are built from MakeHuman's base mesh. The clips of the men and of Formal were
+made for testing.
 """
 
 
@@ -60,7 +60,7 @@ def clips_of(path):
 
 
 def clip_index(clips, end):
-    """The number of the clip with the shortest name that ends so: files put a prefix before the names."""
+    """The number of the clip with the shortest name that ends in `end`: files put a prefix before the names."""
     fitting = [k for k, name in enumerate(clips) if name.lower().endswith(end.lower())]
     if not fitting:
         raise LookupError(f"has no clip that ends in {end}; it has {', '.join(clips) or 'none'}")
@@ -73,7 +73,7 @@ def picture_name(name, clip):
 
 
 def message_of(error, assets):
-    """What the program said last, without where the assets lie on this machine."""
+    """The program's last error message, without the path of the assets."""
     lines = [line for line in error.stderr.decode(errors="replace").splitlines() if "error:" in line]
     said = lines[-1].split("error:", 1)[1].strip() if lines else f"ended with status {error.returncode}"
     for folder in (os.path.abspath(assets), assets):
@@ -82,7 +82,7 @@ def message_of(error, assets):
 
 
 def measured(bake):
-    """The numbers of a row; those that a bake has not are null."""
+    """The numbers of a row; null where the bake has none."""
     most = lambda name: max(bake.column(name)) if name in bake.metrics[0] else None
     lags = [most(name) for name in bake.metrics[0] if name.startswith("lag_")]
     over = sum(value > 1 for value in bake.column("look")) if "look" in bake.metrics[0] else None
@@ -91,7 +91,7 @@ def measured(bake):
 
 
 def draw(program, bake, path, sizes, options):
-    """The worst six frames, as large as the bound on a picture's bytes lets them be."""
+    """Draws the worst six frames, at the largest size within the limit on a picture's bytes."""
     for size in sizes:
         program.run("render", bake.folder, "-o", path, "--compare", "--worst", "6", "--follow", "--size", size,
                     "--overwrite", "-q", *options)
@@ -162,7 +162,7 @@ def make(program, assets, docs, only):
         file = character[1]
         if only.lower() not in file.lower() or not os.path.isfile(os.path.join(assets, file)):
             if only.lower() in file.lower():
-                print(f"characters: {assets} has no {file}: what was written of it stays", file=sys.stderr)
+                print(f"characters: {assets} has no {file}: its earlier rows stay", file=sys.stderr)
             rows += [row for row in kept if row["file"] == file]
             continue
         for end in character[2]:

@@ -1,5 +1,5 @@
-"""Figures of characters that are not part of the project: a folder of assets holds them, and what they give is kept where
-the folder is missing."""
+"""Figures of characters that are not part of the project. A folder of assets holds them; without it, earlier results are
+kept."""
 import math
 import os
 
@@ -11,13 +11,13 @@ EXAMPLES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "examples")
 
 
 def missing(folder):
-    """Why the folder does not do, or nothing."""
+    """Returns why the folder is unusable, or an empty string."""
     names = [name for name in (MAN, HEAVY_MAN, BUNNY) if not os.path.isfile(os.path.join(folder, name))]
     return f"{folder} lacks {', '.join(names)}" if names else ""
 
 
 def biceps_curl(program, assets, folder):
-    """A man's curl by the five lines of the example; below, the same without the muscle; and the volume of both."""
+    """A man's curl with the five-line muscle of the example; below, the same without the muscle; and the volume of both."""
     scene = os.path.join(EXAMPLES, "curling-man.toml")
     options = [f"--set=character.file={os.path.abspath(os.path.join(assets, MAN))}", "--clip", "biceps_curl"]
     curl = program.bake(scene, "biceps-curl", options)
@@ -32,7 +32,7 @@ def biceps_curl(program, assets, folder):
             {"man, biceps_curl": curl.timing()})
 
 
-# Frames of the clip: straight, and two on the way; how he is seen; and where his left arm is in that.
+# Frames of the clip (straight, and two on the way), the camera, and the left arm's rectangle in the picture.
 MAN_CURL = (0, 40, 60)
 MAN_VIEW = ("--view", "front", "--turn", "60", "--size", "1400x1400")
 MAN_ARM = (740, 270, 1040, 560)

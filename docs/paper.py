@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Bakes the paper's scenes, draws docs/figures, measures, and writes docs/paper.md and the numbers in it, docs/paper.json.
+"""Bakes the paper's scenes, draws docs/figures, measures, and writes docs/paper.md and its numbers, docs/paper.json.
 
-    python3 docs/paper.py PROGRAM [ASSETS]      all of it; without the folder ASSETS, what needs it stays as it is
-    python3 docs/paper.py --check [PROGRAM]     whether the page is what its numbers give and its pictures are there;
-                                                with a program, whether figures 2, 3, 6 and 7 still measure the same
+    python3 docs/paper.py PROGRAM [ASSETS]      do all of it; without the folder ASSETS, parts that need it stay as they are
+    python3 docs/paper.py --check [PROGRAM]     check that the page follows from its numbers and its pictures exist;
+                                                with a program, check that figures 2, 3, 6 and 7 still measure the same
 
 Only Python's standard library is used. --docs FOLDER works in another folder than this file's.
 """
@@ -20,12 +20,12 @@ import page
 
 FIGURES = {"2": figures.figure_2, "3": figures.figure_3, "6": figures.figure_6, "7": figures.figure_7, "8": figures.figure_8,
            "9": figures.figure_9, "crouch": figures.crouch, "10": figures.figure_10, "lag": lambda program, folder=None: figures.lag(program, "jump", folder)}
-# Those that take seconds.
+# Figures that take seconds.
 CHEAP = ("2", "3", "6", "7")
 
 
 def rounded(value):
-    """Six digits: more than the page shows, fewer than a sum's last bits."""
+    """Rounds to six digits: more than the page shows, fewer than the noise in a sum's last bits."""
     if isinstance(value, dict):
         return {key: rounded(v) for key, v in value.items()}
     if isinstance(value, (list, tuple)):
@@ -46,7 +46,7 @@ def write(docs, record):
 def make(program, assets, docs):
     with tempfile.TemporaryDirectory(dir=docs) as pictures:
         record = measure(program, assets, docs, pictures)
-        # All of it or nothing: pictures of this run beside numbers of another would belong to no program.
+        # All or nothing: pictures of this run beside numbers of another would match no program.
         os.makedirs(os.path.join(docs, "figures"), exist_ok=True)
         for name in sorted(os.listdir(pictures)):
             os.replace(os.path.join(pictures, name), os.path.join(docs, "figures", name))
@@ -54,7 +54,7 @@ def make(program, assets, docs):
 
 
 def measure(program, assets, docs, pictures):
-    """What paper.json holds; draws into the folder `pictures`."""
+    """Returns the contents of paper.json; draws into the folder `pictures`."""
     why = characters.missing(assets) if assets else "no folder of assets was given"
     kept = read(docs) if os.path.exists(os.path.join(docs, "paper.json")) else {}
     record = {"numbers": {}, "timings": {}, "assets": kept.get("assets"), "assets timings": kept.get("assets timings", {})}
@@ -70,7 +70,7 @@ def measure(program, assets, docs, pictures):
 
 
 def check(program, docs):
-    """What is wrong, a line each."""
+    """Returns the faults, one line each."""
     record, wrong = read(docs), []
     with open(os.path.join(docs, "paper.md"), encoding="utf-8") as file:
         text = file.read()
