@@ -1,4 +1,4 @@
-/* What the shared library shows. */
+/* The symbols that the shared library exports. */
 #ifndef FASCICLE_EXPORT_H
 #define FASCICLE_EXPORT_H
 

@@ -1,6 +1,5 @@
-// The C API in C++20: handles that free themselves, spans, and fascicle::error in place of status codes.
-// Nothing is compiled here but calls of fascicle.h, which says for each function what it takes, in which
-// units, and which thread may call it.
+// The C API in C++20: handles that free themselves, spans, and fascicle::error in place of status codes. This
+// header only wraps calls of fascicle.h, which documents the arguments, units and threads of each function.
 //
 //   fascicle::scene scene("man.glb");
 //   fascicle::bake_result bake = fascicle::bake(scene, {.folder = "out", .formats = {"glb", "pc2"}});
@@ -24,7 +23,7 @@
 
 namespace fascicle {
 
-// what() says what, where and what to do.
+// what() says what failed, where, and what to do.
 class error : public std::runtime_error {
  public:
   error(fascicle_status status, const std::string& message) : std::runtime_error(message), status_(status) {}
@@ -39,7 +38,7 @@ inline void check(fascicle_status status) {
 }
 
 using log_function = std::function<void(fascicle_severity severity, const std::string& message)>;
-// Returns whether to go on. May throw: the call is then cancelled, and throws the same.
+// Returns whether to continue. May throw: the call is then cancelled and throws the same exception.
 using progress_function = std::function<bool(fascicle_phase phase, std::uint64_t done, std::uint64_t total)>;
 
 namespace detail {
@@ -52,7 +51,7 @@ struct deleter {
   }
 };
 
-// Carries a call's C++ callbacks through C, and what they throw.
+// Passes a call's C++ callbacks through C, together with their exceptions.
 struct callbacks {
   const log_function& log;
   const progress_function& progress;
@@ -110,7 +109,7 @@ class scene {
       return fascicle_scene_load(name.c_str(), c, made);
     });
   }
-  // Of a scene file's text; its file names are relative to `folder`.
+  // From a scene file's text; its file names are relative to `folder`.
   static scene parse(const std::string& text, const std::string& folder = "",
                      const scene_options& options = {}) {
     scene parsed;
@@ -265,7 +264,7 @@ class model {
     handle_.reset(made);
     callbacks.check(status);
   }
-  // Of arrays of your own, which are copied.
+  // From your own arrays, which are copied.
   explicit model(std::span<const fascicle_array> arrays) {
     fascicle_model* made = nullptr;
     check(fascicle_model_create(arrays.data(), arrays.size(), &made));
@@ -277,7 +276,7 @@ class model {
   std::uint32_t surface_vertex_count() const { return fascicle_model_surface_vertex_count(get()); }
   std::uint32_t joint_count() const { return fascicle_model_joint_count(get()); }
   std::uint32_t substeps() const { return fascicle_model_substeps(get()); }
-  // Data belongs to the model.
+  // The data belongs to the model.
   std::vector<fascicle_array> arrays() const {
     std::vector<fascicle_array> all;
     for (fascicle_array array; fascicle_model_array_at(get(), all.size(), &array) == FASCICLE_OK;)
@@ -297,13 +296,13 @@ class model {
 
 struct solver_options {
   std::optional<std::string> rotation =
-      {};  // "qcp", "mueller2016"; absent: as the scene says, here and below
-  std::optional<std::uint32_t> iterations = {};  // of an implicit substep
+      {};  // "qcp", "mueller2016"; absent, here and below: as the scene says
+  std::optional<std::uint32_t> iterations = {};  // per implicit substep
 };
 
 class solver {
  public:
-  // On the device that "auto" finds.
+  // On the device that "auto" selects.
   explicit solver(const model& model, const solver_options& options = {}) { make(model, nullptr, options); }
   solver(const model& model, const device& device, const solver_options& options = {}) {
     make(model, device.get(), options);
@@ -316,11 +315,11 @@ class solver {
   }
   void step_clip() { check(fascicle_solver_step_clip(get())); }
 
-  // 16 numbers a joint, row by row; see fascicle_pose.
+  // 16 numbers per joint, row by row; see fascicle_pose.
   void start_pose(std::span<const double> joints) {
     check(fascicle_solver_start_pose(get(), joints.data(), joints.size()));
   }
-  // One pose, or one for each substep. Throws std::invalid_argument where the numbers are of no whole poses.
+  // One pose, or one for each substep. Throws std::invalid_argument unless the numbers form whole poses.
   void step_pose(std::span<const double> joints, double time = std::nan(""), bool jumps = false) {
     fascicle_pose pose = fascicle_pose_default();
     const std::size_t one = 16 * std::size_t{joint_count_};
@@ -340,13 +339,13 @@ class solver {
   }
   void step_drive(const fascicle_drive& drive) { check(fascicle_solver_step_drive(get(), &drive)); }
 
-  // Its arrays belong to the solver and stand until it is next started, stepped or loaded.
+  // The arrays belong to the solver and are valid until it is next started, stepped or loaded.
   fascicle_frame frame() const {
     fascicle_frame frame;
     check(fascicle_solver_frame(get(), &frame));
     return frame;
   }
-  // Metres in the world, 3 a vertex.
+  // Metres in the world, 3 per vertex.
   void positions(std::span<float> metres) const {
     check(fascicle_solver_positions(get(), metres.data(), metres.size()));
   }
@@ -386,7 +385,7 @@ class solver {
   void make(const model& model, const fascicle_device* device, const solver_options& options) {
     fascicle_solver_options c = fascicle_solver_options_default();
     c.rotation = detail::text(options.rotation);
-    // 0 is C's word for "as the scene says", and no number of iterations.
+    // In C, 0 means "as the scene says" and is not a number of iterations.
     if (options.iterations == 0u)
       throw error(FASCICLE_BAD_ARGUMENT, "solver_options.iterations is 0; it must be from 1 to 1000");
     c.iterations = options.iterations.value_or(0);

@@ -1,6 +1,6 @@
-/* The version of these headers; fascicle_version() tells the library's. Before 1.0 a new minor version may
- * change what is here, and the SONAME, libfascicle.so.0, does not tell: compile against the minor version
- * that you run with. A new patch version only adds and mends. */
+/* The version of these headers; fascicle_version() returns that of the library. Before 1.0 a new minor
+ * version may change the interface without changing the SONAME, libfascicle.so.0: compile against the minor
+ * version that you run with. A new patch version only adds and fixes. */
 #ifndef FASCICLE_VERSION_H
 #define FASCICLE_VERSION_H
 
