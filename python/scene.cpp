@@ -100,7 +100,7 @@ void add_scene(py::module_& module) {
                   "clip"_a = none, "fps"_a = none, "start"_a = none, "end"_a = none, "softness"_a = none,
                   "exaggerate"_a = none, "converter"_a = none, parse_text)
       .def_property_readonly("name", &fascicle::scene::name, "The scene's name, as in the manifest.")
-      .def_property_readonly("fps", &fascicle::scene::fps, "Frames a second.")
+      .def_property_readonly("fps", &fascicle::scene::fps, "Frames per second.")
       .def_property_readonly("frame_count", &fascicle::scene::frame_count, "Frames after frame 0.")
       .def_property_readonly("joint_names", &joint_names,
                              "The character's joints, parents before their children; [] without a skeleton.")

@@ -10,16 +10,14 @@ namespace {
 const auto& general_rows() {
   using namespace rows;
   static const std::tuple all{
-      loose_key(
-          {.name = "description", .type = KeyType::text, .doc = "One line that says what the scene shows."}),
+      loose_key({.name = "description", .type = KeyType::text, .doc = "One-line description of the scene."}),
       key(&Scene::gravity, {.name = "gravity", .doc = "Gravity, m/s^2.", .range = between(-1e4, 1e4)}),
-      key(&Scene::fps, {.name = "fps", .doc = "Frames a second.", .range = between(1e-3, 1e5)}),
-      key(&Scene::start,
-          {.name = "start", .doc = "Time of the clip where frame 0 stands, s.", .range = between(-1e5, 1e5)}),
+      key(&Scene::fps, {.name = "fps", .doc = "Frames per second.", .range = between(1e-3, 1e5)}),
+      key(&Scene::start, {.name = "start", .doc = "Clip time of frame 0, s.", .range = between(-1e5, 1e5)}),
       key(&Scene::end,
           {.name = "end",
-           .doc = "Time of the last frame, s; where absent, the clip's end, or 2 s after the start without a "
-                  "clip.",
+           .doc = "Clip time of the last frame, s. Default: the clip's end, or 2 s after the start without a "
+                  "clip; one frame after the start if nothing moves.",
            .range = between(-1e5, 1e5)},
           {.depends = true})};
   return all;
@@ -32,12 +30,12 @@ const auto& bar_rows() {
       key(&Bar::vertices,
           {.name = "vertices", .doc = "Vertices along x, y and z.", .range = between(2, 4096)}),
       key(&Bar::count,
-          {.name = "count", .doc = "How many of them lie one above the other.", .range = between(1, 1000)}),
-      key(&Bar::gap, {.name = "gap", .doc = "Between one and the next, m.", .range = between(0.0, 1e4)}),
+          {.name = "count", .doc = "Number of bars, stacked along Y.", .range = between(1, 1000)}),
+      key(&Bar::gap, {.name = "gap", .doc = "Gap between stacked bars, m.", .range = between(0.0, 1e4)}),
       key(&Bar::jitter, {.name = "jitter",
-                         .doc = "Inner vertices are moved at random by up to this many spacings.",
+                         .doc = "Largest random offset of inner vertices, in vertex spacings.",
                          .range = between(0.0, 0.3)}),
-      key(&Bar::seed, {.name = "seed", .doc = "Which random moves.", .range = {.minimum = 0.0}})};
+      key(&Bar::seed, {.name = "seed", .doc = "Seed of the random offsets.", .range = {.minimum = 0.0}})};
   static_assert(base::has_row_for_each_member<Bar, decltype(all)>, "a member of Bar has no row here");
   return all;
 }
@@ -45,16 +43,15 @@ const auto& bar_rows() {
 const auto& mesh_rows() {
   using namespace rows;
   static const std::tuple all{
-      loose_key(
-          {.name = "file", .type = KeyType::text, .doc = "The file, relative to the scene file's folder."}),
+      loose_key({.name = "file", .type = KeyType::text, .doc = "Path, relative to the scene file's folder."}),
       loose_key({.name = "made",
                  .type = KeyType::text,
-                 .doc = "A surface made in code: a bunny that sits.",
+                 .doc = "A built-in surface: a sitting bunny.",
                  .allowed = made::made_surface_names()}),
       key(&Scene::scale, {.name = "scale", .doc = "Metres per unit of the file.", .range = positive(1e6)}),
       key(&Scene::resolution,
           {.name = "resolution",
-           .doc = "Surfaces: wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
+           .doc = "Surfaces: target edge length of the tetrahedra, m. Default: as for body.resolution.",
            .range = positive(1e4)})};
   return all;
 }
@@ -62,24 +59,22 @@ const auto& mesh_rows() {
 const auto& character_rows() {
   using namespace rows;
   static const std::tuple all{
-      loose_key(
-          {.name = "file", .type = KeyType::text, .doc = "The file, relative to the scene file's folder."}),
+      loose_key({.name = "file", .type = KeyType::text, .doc = "Path, relative to the scene file's folder."}),
       loose_key({.name = "made",
                  .type = KeyType::text,
-                 .doc = "A character made in code: a bear that jumps, an arm that curls, straight or bent by "
+                 .doc = "A built-in character: a bear that jumps, or an arm that curls, straight or bent by "
                         "46 degrees in its bind pose.",
                  .allowed = made::made_character_names()}),
       key(&Scene::paint,
           {.name = "paint",
-           .doc =
-               "A file with what is painted on it, relative to the scene file's folder: it goes before what "
-               "the character's own file has painted there; empty: none."},
+           .doc = "Paint file, relative to the scene file's folder. It takes precedence over paint in the "
+                  "character's own file. Empty: none."},
           {.shown = Shown::where_set}),
       key(&Scene::clip,
-          {.name = "clip", .doc = "The animation, by name or by number from 0; empty: the first."}),
+          {.name = "clip", .doc = "Animation clip, by name or by number from 0; empty: the first."}),
       key(&Scene::resolution,
           {.name = "resolution",
-           .doc = "Wanted edge length of the tetrahedra, m; where absent, the surface's mean edge.",
+           .doc = "Target edge length of the tetrahedra, m. Default: as for body.resolution.",
            .range = positive(1e4)})};
   return all;
 }
@@ -90,52 +85,48 @@ const auto& placed_character_rows() {
       member("name", &CharacterSettings::name),
       key(&CharacterSettings::file,
           {.name = "file",
-           .doc =
-               "The file, relative to the scene file's folder. With `rigid` also a still thing: a glTF file "
-               "without skeleton and clip, or a closed mesh in metres, Y up (.off, .obj, .ply, .stl)."},
+           .doc = "Path, relative to the scene file's folder. With `rigid` also a static prop: a glTF file "
+                  "without skeleton and clip, or a closed mesh in metres, Y up (.off, .obj, .ply, .stl)."},
           {.depends = true}),
       key(&CharacterSettings::made,
-          {.name = "made", .doc = "A character made in code.", .allowed = made::made_character_names()},
+          {.name = "made", .doc = "A built-in character.", .allowed = made::made_character_names()},
           {.depends = true}),
       key(&CharacterSettings::paint,
           {.name = "paint",
-           .doc =
-               "A file with what is painted on it, relative to the scene file's folder: it goes before what "
-               "its own file has painted there; empty: none."},
+           .doc = "Paint file, relative to the scene file's folder. It takes precedence over paint in the "
+                  "character's own file. Empty: none."},
           {.shown = Shown::where_set}),
       key(&CharacterSettings::clip,
-          {.name = "clip", .doc = "Its animation, by name or by number from 0; empty: the first."}),
+          {.name = "clip", .doc = "Animation clip, by name or by number from 0; empty: the first."}),
       key(&CharacterSettings::joint,
           {.name = "joint",
-           .doc = "It goes with this joint of another character, \"man/hand\", as a sword with a hand. Then "
-                  "`at` and `turn` say how it is held in that one's bind pose: seen from the joint's place, "
-                  "along the axes of that one's file."}),
+           .doc = "Joint of another character to which it is attached, such as \"man/hand\" for a sword. "
+                  "`at` and `turn` then place it in that character's bind pose, relative to the joint and "
+                  "along the axes of that character's file."}),
       key(&CharacterSettings::at,
           {.name = "at",
-           .doc = "Where the origin of its file stands, m; with `joint` how far from the joint.",
+           .doc = "Position of its file's origin, m; with `joint`, relative to the joint.",
            .range = coordinate}),
       key(&CharacterSettings::turn,
           {.name = "turn",
-           .doc = "How it is turned there: an axis times degrees, [0, 180, 0] is half a turn about Y.",
+           .doc = "Rotation, as an axis times degrees: [0, 180, 0] is half a turn about Y.",
            .range = between(-1e5, 1e5)}),
-      key(&CharacterSettings::start,
-          {.name = "start",
-           .doc = "When its clip begins, s of the scene's time; before that its first pose stands. Below 0 "
-                  "it has begun before.",
-           .range = between(-1e5, 1e5)}),
-      key(&CharacterSettings::rigid,
-          {.name = "rigid",
-           .doc = "All of its flesh follows its skeleton. It pushes the flesh of others and is not pushed: a "
-                  "prop, a helper."}),
+      key(&CharacterSettings::start, {.name = "start",
+                                      .doc = "Scene time at which its clip starts, s; it holds its first "
+                                             "pose until then. Negative: the clip starts before time 0.",
+                                      .range = between(-1e5, 1e5)}),
+      key(&CharacterSettings::rigid, {.name = "rigid",
+                                      .doc = "Makes it a prop: all of its flesh follows its skeleton; it "
+                                             "pushes the flesh of other characters and is not pushed."}),
       key(&CharacterSettings::thickness,
           {.name = "thickness",
-           .doc = "With `rigid`: how far from it flesh stays, m. Its cage stands so far outside of its skin.",
+           .doc = "With `rigid`: distance that flesh keeps from it, m; its cage is offset from its skin by "
+                  "this.",
            .range = between(0.0, 1e3)},
           {.depends = true}),
       key(&CharacterSettings::resolution,
           {.name = "resolution",
-           .doc = "Wanted edge length of its tetrahedra, m; where absent, body.resolution, or its surface's "
-                  "mean edge.",
+           .doc = "Target edge length of its tetrahedra, m. Default: body.resolution.",
            .range = positive(1e4)})};
   static_assert(base::has_row_for_each_member<CharacterSettings, decltype(all)>,
                 "a member of CharacterSettings has no row here");
@@ -147,8 +138,8 @@ const auto& body_rows() {
   static const std::tuple all{
       key(&BodySettings::cage,
           {.name = "cage",
-           .doc = "auto: a cage around skins that cannot be filled as they are, or of a character that is "
-                  "dense or uneven; off: never; wrap: always."}),
+           .doc = "When to wrap a cage around the skin. auto: if it cannot be filled as it is, or if a "
+                  "character's is too dense or uneven; off: never; wrap: always."}),
       key(&BodySettings::cage_detail,
           {.name = "cage_detail",
            .doc = "A cage closes gaps and holes narrower than the body's diagonal divided by this.",
@@ -156,9 +147,8 @@ const auto& body_rows() {
       loose_key(
           {.name = "resolution",
            .type = KeyType::text,
-           .doc = "How fine: a number of vertices (\"20000\") or an edge length with its unit (\"20 mm\", "
-                  "\"2 cm\", \"0.02 m\"). Where absent, 20000 vertices for a cage, else the surface's mean "
-                  "edge."}),
+           .doc = "Number of vertices (\"20000\") or edge length with its unit (\"20 mm\", \"2 cm\", "
+                  "\"0.02 m\"). Default: 20000 vertices for a cage, else the surface's mean edge length."}),
       member("vertices", &BodySettings::vertices), member("thickness", &BodySettings::thickness)};
   static_assert(base::has_row_for_each_member<BodySettings, decltype(all)>,
                 "a member of BodySettings has no row here");
@@ -169,7 +159,7 @@ const auto& body_rows() {
 
 const Table& general_table() {
   static const Table table =
-      with_keys({.name = "scene", .doc = "What holds for the whole scene."}, general_rows());
+      with_keys({.name = "scene", .doc = "Settings for the whole scene."}, general_rows());
   return table;
 }
 void read_general_keys(const toml::table& table, Scene& scene) {
@@ -178,7 +168,7 @@ void read_general_keys(const toml::table& table, Scene& scene) {
 
 const Table& bar_table() {
   static const Table table = with_keys(
-      {.name = "bar", .doc = "A box of tetrahedra, six to a cell, from the origin to its size."}, bar_rows());
+      {.name = "bar", .doc = "A box from the origin to `size`, in cells of six tetrahedra."}, bar_rows());
   return table;
 }
 void read_keys(const toml::table& table, Bar& bar) {
@@ -190,9 +180,8 @@ Json json_of(const Bar& bar) {
 
 const Table& mesh_table() {
   static const Table table = with_keys({.name = "mesh",
-                                        .doc = "A mesh file: tetrahedra (.mesh .node .ele .msh .vtu) or a "
-                                               "closed surface (.off .obj .ply .stl); or "
-                                               "one of fascicle's own.",
+                                        .doc = "A file of tetrahedra (.mesh .node .ele .msh .vtu) or of a "
+                                               "closed surface (.off .obj .ply .stl), or a built-in surface.",
                                         .choices = {{"file", "made"}}},
                                        mesh_rows());
   return table;
@@ -202,11 +191,12 @@ void read_mesh_keys(const toml::table& table, Scene& scene) {
 }
 
 const Table& character_table() {
-  static const Table table = with_keys({.name = "character",
-                                        .doc = "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), an "
-                                               ".fbx or .dae, or one of fascicle's own.",
-                                        .choices = {{"file", "made"}}},
-                                       character_rows());
+  static const Table table = with_keys(
+      {.name = "character",
+       .doc =
+           "A rigged character: a glTF 2.0 file (.glb .gltf .vrm), an .fbx or .dae file, or a built-in one.",
+       .choices = {{"file", "made"}}},
+      character_rows());
   return table;
 }
 void read_character_keys(const toml::table& table, Scene& scene) {
@@ -214,13 +204,13 @@ void read_character_keys(const toml::table& table, Scene& scene) {
 }
 
 const Table& placed_character_table() {
-  static const Table table = with_keys(
-      {.name = "characters",
-       .doc = "One of several characters in a scene. Names of its joints, objects and materials begin "
-              "with NAME/. Where it stands in its own file is what `where`, drawn fibres and bones, and "
-              "solids that go with one of its joints speak of.",
-       .choices = {{"file", "made"}}},
-      placed_character_rows());
+  static const Table table =
+      with_keys({.name = "characters",
+                 .doc = "One of several characters in a scene. The names of its joints, objects and "
+                        "materials begin with NAME/. Coordinates in `where`, in drawn fibres and bones, and "
+                        "in colliders on its joints refer to the bind pose in its own file.",
+                 .choices = {{"file", "made"}}},
+                placed_character_rows());
   return table;
 }
 void read_keys(const toml::table& table, CharacterSettings& character) {

@@ -10,58 +10,52 @@ const auto& collider_rows() {
   using namespace rows;
   static const std::tuple all{
       member("name", &Collider::name),
-      key(&Collider::shape,
-          {.name = "shape",
-           .doc =
-               "plane: flesh stays on the side of `normal`, as above a floor; sphere; capsule: all that is "
-               "nearer to the line `from` `to` than `radius`; box.",
-           .required = true}),
+      key(&Collider::shape, {.name = "shape",
+                             .doc = "plane: flesh stays on the side of `normal`, as above a floor; sphere; "
+                                    "capsule: all points within `radius` of the segment `from` to `to`; box.",
+                             .required = true}),
       key(&Collider::center, {.name = "center",
-                              .doc = "Middle of a sphere or a box, or any point of a plane, m.",
+                              .doc = "Centre of a sphere or a box, or any point on a plane, m.",
                               .range = coordinate}),
-      key(&Collider::normal, {.name = "normal",
-                              .doc = "Plane: a direction to the side where the flesh is.",
-                              .range = coordinate}),
+      key(&Collider::normal,
+          {.name = "normal", .doc = "Plane: direction to the side where the flesh is.", .range = coordinate}),
       key(&Collider::from,
-          {.name = "from", .doc = "Capsule, needed there: where its axis begins, m.", .range = coordinate},
+          {.name = "from", .doc = "Capsule (required): start of its axis, m.", .range = coordinate},
           {.depends = true}),
       key(&Collider::to,
-          {.name = "to", .doc = "Capsule, needed there: where its axis ends, m.", .range = coordinate},
+          {.name = "to", .doc = "Capsule (required): end of its axis, m.", .range = coordinate},
           {.depends = true}),
       key(&Collider::size,
-          {.name = "size", .doc = "Box, needed there: its three edges, m.", .range = positive(farthest)},
+          {.name = "size", .doc = "Box (required): lengths of its edges, m.", .range = positive(farthest)},
           {.depends = true}),
       key(&Collider::rotation,
           {.name = "rotation",
-           .doc = "Box: how it is turned about its middle: an axis times degrees, [0, 30, 0] is 30 degrees "
-                  "about Y.",
+           .doc =
+               "Box: rotation about its centre, as an axis times degrees: [0, 30, 0] is 30 degrees about Y.",
            .range = between(-1e5, 1e5)}),
       key(&Collider::radius,
           {.name = "radius",
-           .doc = "Sphere and capsule, needed there; box: of its edges, which else are sharp, m.",
+           .doc =
+               "Sphere and capsule (required): radius, m; box: radius of its rounded edges, sharp if absent.",
            .range = positive(farthest)},
           {.depends = true}),
       key(&Collider::thickness, {.name = "thickness",
-                                 .doc = "How far from the solid flesh stays, m.",
+                                 .doc = "Distance that flesh keeps from the solid, m.",
                                  .range = between(0.0, farthest)}),
       key(&Collider::friction,
-          {.name = "friction", .doc = "Coulomb's coefficient.", .range = between(0.0, 100.0)}),
-      key(&Collider::joint,
-          {.name = "joint",
-           .doc =
-               "The solid goes with this joint, and stands as said in the bind pose. Flesh that lies in it "
-               "there, or within a tenth of its size of it, is not held by it."}),
-      key(&Collider::times,
-          {.name = "times",
-           .doc =
-               "Keys of the solid's own motion: their times of the clip, s, ascending. Between two keys it "
-               "moves evenly; before the first and after the last it stands.",
-           .range = between(-1e5, 1e5)}),
-      key(&Collider::offsets, {.name = "offsets",
-                               .doc = "At each key, how far it has moved, m: [[x, y, z], ...].",
-                               .range = coordinate}),
+          {.name = "friction", .doc = "Coulomb friction coefficient.", .range = between(0.0, 100.0)}),
+      key(&Collider::joint, {.name = "joint",
+                             .doc = "Joint to which the solid is attached; its placement is then given in "
+                                    "the bind pose. Flesh inside it in that pose, or nearer than a tenth of "
+                                    "its largest half-extent, does not collide with it."}),
+      key(&Collider::times, {.name = "times",
+                             .doc = "Key times of the solid's own motion, s of the clip, ascending. Linear "
+                                    "between keys; at rest before the first and after the last.",
+                             .range = between(-1e5, 1e5)}),
+      key(&Collider::offsets,
+          {.name = "offsets", .doc = "Displacement at each key, m: [[x, y, z], ...].", .range = coordinate}),
       key(&Collider::turns, {.name = "turns",
-                             .doc = "At each key, how it has turned about its middle: an axis times degrees.",
+                             .doc = "Rotation about its centre at each key, as an axis times degrees.",
                              .range = between(-1e5, 1e5)})};
   static_assert(base::has_row_for_each_member<Collider, decltype(all)>,
                 "a member of Collider has no row here");
@@ -72,7 +66,7 @@ const auto& collider_rows() {
 
 const Table& collider_table() {
   static const Table table =
-      with_keys({.name = "collider", .doc = "A solid that flesh does not enter: a floor, a chair, a prop."},
+      with_keys({.name = "collider", .doc = "A solid that flesh cannot enter: a floor, a chair, a prop."},
                 collider_rows());
   return table;
 }

@@ -22,28 +22,28 @@ const auto& skeleton_rows() {
   using namespace rows;
   static const std::tuple all{
       key(&SkeletonSettings::bones, {.name = "bones", .doc = "Joints that are bones."}),
-      key(&SkeletonSettings::not_bones, {.name = "not_bones", .doc = "Joints that are no bones."}),
+      key(&SkeletonSettings::not_bones, {.name = "not_bones", .doc = "Joints that are not bones."}),
       key(&SkeletonSettings::kinematic,
-          {.name = "kinematic", .doc = "Joints whose flesh follows the skeleton, with all below them."}),
-      key(&SkeletonSettings::simulated,
-          {.name = "simulated",
-           .doc = "Joints whose flesh is simulated, with all below them; counts before kinematic."}),
+          {.name = "kinematic",
+           .doc = "Joints whose flesh follows the skeleton, including all joints below them."}),
+      key(&SkeletonSettings::simulated, {.name = "simulated",
+                                         .doc = "Joints whose flesh is simulated, including all joints below "
+                                                "them; takes precedence over kinematic."}),
       key(&SkeletonSettings::rigid,
           {.name = "rigid",
-           .doc = "Joints (with all below them), objects or materials whose skin follows its joints alone, "
-                  "beside the parts that the weights say so of; and so does the flesh below that skin."}),
-      key(&SkeletonSettings::only,
-          {.name = "only",
-           .doc = "Joints whose flesh is simulated, with all below them; that of all others follows the "
-                  "skeleton."}),
+           .doc = "Joints (including all below them), objects or materials whose skin, and the flesh below "
+                  "it, follows its joints alone, in addition to the rigid parts found from the weights."}),
+      key(&SkeletonSettings::only, {.name = "only",
+                                    .doc = "Joints whose flesh is simulated, including all joints below "
+                                           "them; all other flesh follows the skeleton."}),
       key(&SkeletonSettings::least_share,
           {.name = "least_share",
-           .doc = "Share of the skin's area that a bone and the joints below it must move.",
+           .doc = "Smallest share of the skin's area that a bone and the joints below it must move.",
            .range = between(0.0, 1.0)}),
       key(&SkeletonSettings::connect,
           {.name = "connect",
-           .doc = "Bone layers that are measured from the bones are completed along them until they "
-                  "hold together."})};
+           .doc =
+               "Extend bone layers that are measured from the bones along them until they are connected."})};
   static_assert(base::has_row_for_each_member<SkeletonSettings, decltype(all)>,
                 "a member of SkeletonSettings has no row here");
   return all;
@@ -54,10 +54,11 @@ const auto& fibre_curve_rows() {
   static const std::tuple all{
       member("name", &FibreCurve::name),
       key(&FibreCurve::points,
-          {.name = "points", .doc = "Corners of the line, m.", .range = coordinate, .required = true}),
-      key(&FibreCurve::radius, {.name = "radius",
-                                .doc = "How far around the line it holds, m; where absent, the mean edge.",
-                                .range = positive(farthest)})};
+          {.name = "points", .doc = "Points of the polyline, m.", .range = coordinate, .required = true}),
+      key(&FibreCurve::radius,
+          {.name = "radius",
+           .doc = "Distance from the line within which it acts, m. Default: the mean edge length.",
+           .range = positive(farthest)})};
   static_assert(base::has_row_for_each_member<FibreCurve, decltype(all)>,
                 "a member of FibreCurve has no row here");
   return all;
@@ -67,56 +68,55 @@ const auto& muscle_rows() {
   using namespace rows;
   static const std::tuple all{
       member("name", &Muscle::name),
-      key(&Muscle::joint, {.name = "joint", .doc = "The joint whose bending makes it bulge."},
+      key(&Muscle::joint, {.name = "joint", .doc = "Joint whose bending makes the muscle bulge."},
           {.depends = true}),
       key(&Muscle::parent,
           {.name = "parent",
-           .doc = "The joint where the upper bone begins; where absent, the next joint above `joint`."},
+           .doc = "Joint where the upper bone begins. Default: the next joint above `joint`."},
           {.depends = true}),
       key(&Muscle::child,
           {.name = "child",
-           .doc = "The joint where the lower bone ends; where absent, the next one below `joint` that moves "
-                  "the most skin."},
+           .doc = "Joint where the lower bone ends. Default: of the next joints below `joint`, the one that "
+                  "moves the most skin."},
           {.depends = true}),
       key(&Muscle::bone,
-          {.name = "bone",
-           .doc = "The joint whose bone carries the muscle; where absent, that of the upper bone."},
+          {.name = "bone", .doc = "Joint whose bone carries the muscle. Default: that of the upper bone."},
           {.depends = true}),
       key(&Muscle::layer,
-          {.name = "layer", .doc = "Only flesh of this layer; where absent, of any that is not kinematic."},
+          {.name = "layer",
+           .doc = "Layer that the muscle is limited to. Default: all layers that are not kinematic."},
           {.depends = true}),
-      where_key(&Muscle::where, false, "Only what lies here; where absent, all along the bone."),
+      where_key(&Muscle::where, false,
+                "Region that the muscle is limited to. Default: the whole length of the bone."),
       key(&Muscle::gain,
-          {.name = "gain", .doc = "How much it bulges, equation (17).", .range = between(-10.0, 10.0)}),
+          {.name = "gain", .doc = "Strength of the bulge, equation (17).", .range = between(-10.0, 10.0)}),
       key(&Muscle::axis,
           {.name = "axis",
-           .doc = "Where it bulges: flexion: on the side to which the joint folds, and thins on the other; "
-                  "plane-normal: along the normal of the plane of the two bones."}),
+           .doc = "Direction of the bulge. flexion: outwards on the side to which the joint folds, inwards "
+                  "on the other; plane-normal: along the normal of the plane of the two bones."}),
       key(&Muscle::activation,
           {.name = "activation",
-           .doc =
-               "Of the joint's angle, less its value in the bind pose: cosine: (1 - cos)/2, which rises all "
-               "the way; sine: as printed, which turns back beyond 90 degrees."}),
+           .doc = "Activation by joint angle, less its value in the bind pose. cosine: (1 - cos)/2, which "
+                  "rises up to 180 degrees; sine: as in the paper, which falls beyond 90 degrees."}),
       key(&Muscle::curve,
           {.name = "curve",
-           .doc = "Activation over the joint's angle in place of `activation`: [[degrees, value], ...].",
+           .doc = "Activation by joint angle, in place of `activation`: [[degrees, value], ...].",
            .range = between(-1e3, 1e3)}),
       key(&Muscle::contraction,
           {.name = "contraction",
-           .doc = "Activation over the clip's time, whatever the joint does: [[seconds, value], ...].",
+           .doc = "Activation by clip time, independent of the joint: [[seconds, value], ...].",
            .range = between(-1e5, 1e5)}),
       key(&Muscle::contraction_channel,
           {.name = "contraction_channel",
-           .doc = "Activation from the clip: a joint, translation or scale, and an axis, as "
-                  "flex.translation.x; its value at rest counts as 0."}),
+           .doc = "Activation from a channel of the clip: joint, translation or scale, and axis, such as "
+                  "flex.translation.x; its rest value counts as 0."}),
       key(&Muscle::twist, {.name = "twist",
-                           .doc = "Share of the bone's twist by which the fibres wind around it.",
+                           .doc = "Share of the bone's twist that winds the fibres around it.",
                            .range = between(-1.0, 1.0)}),
       key(&Muscle::twist_joint,
           {.name = "twist_joint",
-           .doc =
-               "The joint whose turn about the bone, relative to its parent, is the twist; where absent, the "
-               "one where the bone ends."},
+           .doc = "Joint whose rotation about the bone, relative to its parent, is the twist. Default: the "
+                  "joint where the bone ends."},
           {.depends = true})};
   static_assert(base::has_row_for_each_member<Muscle, decltype(all)>, "a member of Muscle has no row here");
   return all;
@@ -124,7 +124,7 @@ const auto& muscle_rows() {
 
 const auto& pin_rows() {
   using namespace rows;
-  static const std::tuple all{member("name", &Pin::name), where_key(&Pin::where, true, "Which vertices.")};
+  static const std::tuple all{member("name", &Pin::name), where_key(&Pin::where, true, "Pinned vertices.")};
   static_assert(base::has_row_for_each_member<Pin, decltype(all)>, "a member of Pin has no row here");
   return all;
 }
@@ -132,7 +132,7 @@ const auto& pin_rows() {
 const auto& probe_rows() {
   using namespace rows;
   static const std::tuple all{member("name", &ProbeSet::name),
-                              where_key(&ProbeSet::where, true, "Which vertices.")};
+                              where_key(&ProbeSet::where, true, "Vertices of the probe.")};
   static_assert(base::has_row_for_each_member<ProbeSet, decltype(all)>,
                 "a member of ProbeSet has no row here");
   return all;
@@ -144,16 +144,18 @@ const auto& force_rows() {
       member("name", &Force::name),
       key(&Force::kind,
           {.name = "kind",
-           .doc = "wind: a pressure on the whole surface; point: a force spread over vertices by mass.",
+           .doc = "wind: a pressure on the whole surface; point: a force distributed over vertices by mass.",
            .required = true}),
       key(&Force::vector, {.name = "vector",
-                           .doc = "Direction and size: Pa for wind, N for point.",
+                           .doc = "Direction and magnitude: Pa for wind, N for point.",
                            .range = between(-1e9, 1e9),
                            .required = true}),
-      where_key(&Force::where, false, "point only, and needed there: which vertices."),
+      where_key(&Force::where, false,
+                "Vertices that a point force acts on; required for point, not allowed for wind."),
       key(&Force::start,
-          {.name = "start", .doc = "Acts from this time on, s.", .range = between(-1e5, 1e30)}),
-      key(&Force::end, {.name = "end", .doc = "Acts before this time, s.", .range = between(-1e5, 1e30)})};
+          {.name = "start", .doc = "Time from which the force acts, s.", .range = between(-1e5, 1e30)}),
+      key(&Force::end,
+          {.name = "end", .doc = "Time before which the force acts, s.", .range = between(-1e5, 1e30)})};
   static_assert(base::has_row_for_each_member<Force, decltype(all)>, "a member of Force has no row here");
   return all;
 }
@@ -161,10 +163,10 @@ const auto& force_rows() {
 }  // namespace
 
 const Table& bone_table() {
-  static const Table table =
-      with_keys({.name = "bone",
-                 .doc = "A bone of a mesh without a skeleton: a segment that layers can be measured from."},
-                bone_rows());
+  static const Table table = with_keys(
+      {.name = "bone",
+       .doc = "A bone drawn as a segment that layers can be measured from, as in a mesh without a skeleton."},
+      bone_rows());
   return table;
 }
 void read_keys(const toml::table& table, BoneSegment& bone) {
@@ -178,7 +180,7 @@ const Table& skeleton_table() {
   static const Table table = with_keys(
       {.name = "skeleton",
        .doc =
-           "Which joints are bones, and which flesh follows them. Where nothing is said, the skin decides."},
+           "Which joints are bones, and which flesh follows them. By default, both are found from the skin."},
       skeleton_rows());
   return table;
 }
@@ -190,10 +192,9 @@ Json json_of(const SkeletonSettings& skeleton) {
 }
 
 const Table& fibre_curve_table() {
-  static const Table table =
-      with_keys({.name = "fibre_curve",
-                 .doc = "Fibres drawn as a line from origin to insertion: the fibre field follows it."},
-                fibre_curve_rows());
+  static const Table table = with_keys(
+      {.name = "fibre_curve", .doc = "A polyline from origin to insertion that the fibre field follows."},
+      fibre_curve_rows());
   return table;
 }
 void read_keys(const toml::table& table, FibreCurve& fibre_curve) {
@@ -204,11 +205,10 @@ Json json_of(const FibreCurve& fibre_curve) {
 }
 
 const Table& muscle_table() {
-  static const Table table = with_keys(
-      {.name = "muscle",
-       .doc =
-           "A muscle on a bone: it bulges as a joint bends, or as a curve tells it: equations (15) to (17)."},
-      muscle_rows());
+  static const Table table = with_keys({.name = "muscle",
+                                        .doc = "A muscle on a bone that bulges as a joint bends, or by an "
+                                               "animated contraction: equations (15) to (17)."},
+                                       muscle_rows());
   return table;
 }
 void read_keys(const toml::table& table, Muscle& muscle) {
@@ -219,8 +219,9 @@ Json json_of(const Muscle& muscle) {
 }
 
 const Table& pin_table() {
-  static const Table table =
-      with_keys({.name = "pin", .doc = "Vertices that are held where they are."}, pin_rows());
+  static const Table table = with_keys(
+      {.name = "pin", .doc = "Vertices that are held fixed; on a character, they follow the skeleton."},
+      pin_rows());
   return table;
 }
 Json json_of(const Pin& pin) {
@@ -237,7 +238,8 @@ Json json_of(const ProbeSet& probe) {
 }
 
 const Table& force_table() {
-  static const Table table = with_keys({.name = "force", .doc = "A force beside gravity."}, force_rows());
+  static const Table table =
+      with_keys({.name = "force", .doc = "A force in addition to gravity."}, force_rows());
   return table;
 }
 void read_keys(const toml::table& table, Force& force) {

@@ -12,9 +12,9 @@ const auto& box_rows() {
   using namespace rows;
   static const std::tuple all{
       key(&Box::minimum,
-          {.name = "minimum", .doc = "Lowest corner, m.", .range = coordinate, .required = true}),
+          {.name = "minimum", .doc = "Minimum corner, m.", .range = coordinate, .required = true}),
       key(&Box::maximum,
-          {.name = "maximum", .doc = "Highest corner, m.", .range = coordinate, .required = true})};
+          {.name = "maximum", .doc = "Maximum corner, m.", .range = coordinate, .required = true})};
   static_assert(base::has_row_for_each_member<Box, decltype(all)>, "a member of Box has no row here");
   return all;
 }
@@ -22,7 +22,7 @@ const auto& box_rows() {
 const auto& sphere_rows() {
   using namespace rows;
   static const std::tuple all{
-      key(&Sphere::center, {.name = "center", .doc = "Middle, m.", .range = coordinate, .required = true}),
+      key(&Sphere::center, {.name = "center", .doc = "Centre, m.", .range = coordinate, .required = true}),
       key(&Sphere::radius,
           {.name = "radius", .doc = "Radius, m.", .range = positive(farthest), .required = true})};
   static_assert(base::has_row_for_each_member<Sphere, decltype(all)>, "a member of Sphere has no row here");
@@ -34,7 +34,8 @@ const auto& capsule_rows() {
   static const std::tuple all{
       key(&Capsule::from,
           {.name = "from", .doc = "One end of the segment, m.", .range = coordinate, .required = true}),
-      key(&Capsule::to, {.name = "to", .doc = "Its other end, m.", .range = coordinate, .required = true}),
+      key(&Capsule::to,
+          {.name = "to", .doc = "Other end of the segment, m.", .range = coordinate, .required = true}),
       key(&Capsule::radius,
           {.name = "radius", .doc = "Radius, m.", .range = positive(farthest), .required = true})};
   static_assert(base::has_row_for_each_member<Capsule, decltype(all)>, "a member of Capsule has no row here");
@@ -44,13 +45,12 @@ const auto& capsule_rows() {
 const auto& half_space_rows() {
   using namespace rows;
   static const std::tuple all{
-      key(&HalfSpace::axis, {.name = "axis", .doc = "Axis the plane stands across."}),
-      loose_key({.name = "value", .doc = "Where the plane cuts the axis, m.", .range = coordinate}),
-      loose_key(
-          {.name = "fraction",
-           .doc =
-               "Where the plane cuts the axis, as a fraction of the mesh's bounding box from its low side.",
-           .range = between(0.0, 1.0)}),
+      key(&HalfSpace::axis, {.name = "axis", .doc = "Axis perpendicular to the plane."}),
+      loose_key({.name = "value", .doc = "Position of the plane on the axis, m.", .range = coordinate}),
+      loose_key({.name = "fraction",
+                 .doc = "Position of the plane on the axis, as a fraction of the body's bounding box from "
+                        "its low side.",
+                 .range = between(0.0, 1.0)}),
       member("below", &HalfSpace::below, Shown::never),
       member("is_fraction", &HalfSpace::is_fraction, Shown::never),
       member("value", &HalfSpace::value, Shown::never)};
@@ -70,7 +70,7 @@ const auto& bone_distance_rows() {
                                    .required = true}),
       key(&BoneDistance::per_bone,
           {.name = "per_bone",
-           .doc = "Other maxima, by the name of the joint whose bone is the nearest.",
+           .doc = "Maxima for the points nearest to individual bones, by joint name.",
            .range = between(0.0, farthest)})};
   static_assert(base::has_row_for_each_member<BoneDistance, decltype(all)>,
                 "a member of BoneDistance has no row here");
@@ -84,7 +84,7 @@ const auto& depth_rows() {
       key(&Depth::maximum,
           {.name = "maximum", .doc = "Largest depth.", .range = between(0.0, 1.0), .required = true}),
       key(&Depth::per_bone, {.name = "per_bone",
-                             .doc = "Other maxima, by the name of the joint whose bone is the nearest.",
+                             .doc = "Maxima for the points nearest to individual bones, by joint name.",
                              .range = between(0.0, farthest)})};
   static_assert(base::has_row_for_each_member<Depth, decltype(all)>, "a member of Depth has no row here");
   return all;
@@ -99,9 +99,10 @@ const auto& volume_share_rows() {
                                   .doc = "Share at the outer side.",
                                   .range = between(0.0, 1.0),
                                   .required = true}),
-      key(&VolumeShare::by_distance, {.name = "by",
-                                      .doc = "What nearer means: relative depth, or distance from the bone.",
-                                      .allowed = {"depth", "distance"}})};
+      key(&VolumeShare::by_distance,
+          {.name = "by",
+           .doc = "Measure of nearness: relative depth, or distance from the bone.",
+           .allowed = {"depth", "distance"}})};
   static_assert(base::has_row_for_each_member<VolumeShare, decltype(all)>,
                 "a member of VolumeShare has no row here");
   return all;
@@ -111,12 +112,12 @@ const auto& joint_set_rows() {
   using namespace rows;
   static const std::tuple all{
       key(&JointSet::names, {.name = "names",
-                             .doc = "The joints, with all below them unless below = false.",
+                             .doc = "Joints, including all below them unless below = false.",
                              .required = true}),
       key(&JointSet::share, {.name = "share",
-                             .doc = "Least share of their weights that a point follows.",
+                             .doc = "Smallest share of a point's skin weights that these joints must hold.",
                              .range = positive(1.0)}),
-      key(&JointSet::below, {.name = "below", .doc = "Whether the joints below those named count too."})};
+      key(&JointSet::below, {.name = "below", .doc = "Whether the joints below those named are included."})};
   static_assert(base::has_row_for_each_member<JointSet, decltype(all)>,
                 "a member of JointSet has no row here");
   return all;
@@ -125,7 +126,7 @@ const auto& joint_set_rows() {
 const auto& part_set_rows() {
   using namespace rows;
   static const std::tuple all{
-      key(&PartSet::names, {.name = "names", .doc = "As the file has them.", .required = true}),
+      key(&PartSet::names, {.name = "names", .doc = "Names as in the character's file.", .required = true}),
       member("by_object", &PartSet::by_object, Shown::never)};
   static_assert(base::has_row_for_each_member<PartSet, decltype(all)>, "a member of PartSet has no row here");
   return all;
@@ -134,10 +135,9 @@ const auto& part_set_rows() {
 const auto& painted_rows() {
   using namespace rows;
   static const std::tuple all{
-      key(&Painted::attribute,
-          {.name = "attribute",
-           .doc = "The glTF attribute: _NAME, or COLOR_n with a channel, such as COLOR_0.r.",
-           .required = true}),
+      key(&Painted::attribute, {.name = "attribute",
+                                .doc = "glTF attribute: _NAME, or COLOR_n with a channel, such as COLOR_0.r.",
+                                .required = true}),
       key(&Painted::minimum,
           {.name = "minimum", .doc = "Smallest value.", .range = coordinate, .required = true}),
       key(&Painted::maximum,
@@ -153,7 +153,8 @@ const Table& box_table() {
 }
 
 const Table& sphere_table() {
-  static const Table table = with_keys({.name = "sphere", .doc = "A ball, surface included."}, sphere_rows());
+  static const Table table =
+      with_keys({.name = "sphere", .doc = "A sphere, surface included."}, sphere_rows());
   return table;
 }
 
@@ -164,17 +165,18 @@ const Table& capsule_table() {
 }
 
 const Table& half_space_table() {
-  static const Table table = with_keys({.name = "half_space",
-                                        .doc = "One side of a plane across an axis, the plane included.",
-                                        .choices = {{"value", "fraction"}}},
-                                       half_space_rows());
+  static const Table table =
+      with_keys({.name = "half_space",
+                 .doc = "One side of a plane perpendicular to an axis, the plane included.",
+                 .choices = {{"value", "fraction"}}},
+                half_space_rows());
   return table;
 }
 
 const Table& bone_distance_table() {
   static const Table table = with_keys(
       {.name = "bone_distance",
-       .doc = "Points by their distance to the nearest bone: [bones.NAME], or the character's own."},
+       .doc = "Points by their distance from the nearest bone: [bones.NAME], or the character's own."},
       bone_distance_rows());
   return table;
 }
@@ -187,11 +189,11 @@ const Table& depth_table() {
 }
 
 const Table& volume_share_table() {
-  static const Table table = with_keys(
-      {.name = "volume_share",
-       .doc = "Points by the share of the body's volume that lies nearer to the bones. Flesh that follows "
-              "the skeleton by its joints (heads, hands, feet) is not counted."},
-      volume_share_rows());
+  static const Table table =
+      with_keys({.name = "volume_share",
+                 .doc = "Points by the share of the body's volume that lies nearer to the bones. Flesh that "
+                        "follows the skeleton (heads, hands, feet) is not counted."},
+                volume_share_rows());
   return table;
 }
 
@@ -203,16 +205,15 @@ const Table& joint_set_table() {
 
 const Table& part_set_table() {
   static const Table table = with_keys(
-      {.name = "part_set", .doc = "Points by what the nearest skin belongs to in the character's file."},
-      part_set_rows());
+      {.name = "part_set", .doc = "Points by the material or object of the nearest skin."}, part_set_rows());
   return table;
 }
 
 const Table& painted_table() {
-  static const Table table = with_keys(
-      {.name = "painted",
-       .doc = "Points by a value painted on a character's vertices. Paint counts before all other shapes."},
-      painted_rows());
+  static const Table table = with_keys({.name = "painted",
+                                        .doc = "Points by a value painted on a character's vertices. In "
+                                               "layers, paint takes precedence over all other shapes."},
+                                       painted_rows());
   return table;
 }
 
@@ -221,25 +222,25 @@ const Table& painted_table() {
 const Table& shape_table() {
   static const Table table{
       .name = "shape",
-      .doc = "A part of space; of several in an array, any.",
+      .doc = "A region of space; an array is the union of its shapes.",
       .keys =
           {{.name = "box", .type = KeyType::table, .doc = "Inside a box.", .table = &box_table()},
-           {.name = "sphere", .type = KeyType::table, .doc = "Inside a ball.", .table = &sphere_table()},
-           {.name = "capsule", .type = KeyType::table, .doc = "Near a segment.", .table = &capsule_table()},
+           {.name = "sphere", .type = KeyType::table, .doc = "Inside a sphere.", .table = &sphere_table()},
+           {.name = "capsule", .type = KeyType::table, .doc = "Inside a capsule.", .table = &capsule_table()},
            {.name = "below", .type = KeyType::table, .doc = "Below a plane.", .table = &half_space_table()},
            {.name = "above", .type = KeyType::table, .doc = "Above a plane.", .table = &half_space_table()},
            {.name = "bone_distance",
             .type = KeyType::table,
-            .doc = "Near a bone.",
+            .doc = "By distance from the nearest bone.",
             .table = &bone_distance_table()},
-           {.name = "depth", .type = KeyType::table, .doc = "Deep or shallow.", .table = &depth_table()},
+           {.name = "depth", .type = KeyType::table, .doc = "By relative depth.", .table = &depth_table()},
            {.name = "volume_share",
             .type = KeyType::table,
-            .doc = "A share of the volume.",
+            .doc = "By share of the volume.",
             .table = &volume_share_table()},
            {.name = "joints",
             .type = KeyType::table,
-            .doc = "What joints move.",
+            .doc = "By the joints that move it.",
             .table = &joint_set_table()},
            {.name = "material",
             .type = KeyType::table,
@@ -251,7 +252,7 @@ const Table& shape_table() {
             .table = &part_set_table()},
            {.name = "painted",
             .type = KeyType::table,
-            .doc = "Where it is painted.",
+            .doc = "By a painted value.",
             .table = &painted_table()},
            {.name = "everywhere", .type = KeyType::boolean, .doc = "All of space: everywhere = true."}},
       .choices = {{"box", "sphere", "capsule", "below", "above", "bone_distance", "depth", "volume_share",
