@@ -273,10 +273,9 @@ void add_bake(CLI::App& app, Command& command) {
       *subcommand, arguments->scene,
       std::string("Scene file, mesh, character or built-in name; default: ") + scene::default_scene, false);
   subcommand
-      ->add_option(
-          "--clips", arguments->clips,
-          "Bake several of the character's clips, or all, several at once, each into a folder of DIR "
-          "that is called after it")
+      ->add_option("--clips", arguments->clips,
+                   "Bake several clips of the character, or all, in parallel; each goes into a folder of DIR "
+                   "that is named after it")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->take_all()
@@ -288,8 +287,8 @@ void add_bake(CLI::App& app, Command& command) {
   for (const std::string& name : bake::format_names()) formats += (formats.empty() ? "" : ",") + name;
   subcommand
       ->add_option("--format", arguments->output.formats,
-                   "What to write beside frame cache, manifest and metrics: any of " + formats +
-                       ", or none; without it none, and the default scene writes pc2,vtu")
+                   "Formats to write beside the frame cache, manifest and metrics: any of " + formats +
+                       ", or none; default: none, but pc2,vtu for the default scene")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->take_all()
@@ -297,31 +296,30 @@ void add_bake(CLI::App& app, Command& command) {
       ->option_text("LIST");
   subcommand
       ->add_option("--keep-frames", arguments->output.keep_frames,
-                   "false: frames.fascicle goes once the formats are whole; nothing can be exported or drawn "
-                   "later")
+                   "false: delete frames.fascicle once all formats are written; the bake can then not be "
+                   "exported or drawn later")
       ->option_text("true|false");
   subcommand
-      ->add_option(
-          "--device", arguments->device,
-          "auto, all, cpu, cpu:LEVEL, vulkan or vulkan:N; auto takes a real GPU, else the CPU. Of several, "
-          "separated by commas, the next goes on where one fails; with --clips they share the bakes")
+      ->add_option("--device", arguments->device,
+                   "auto, all, cpu, cpu:LEVEL, vulkan or vulkan:N; auto is a real GPU if there is one, else "
+                   "the CPU. In a list, separated by commas, the next device takes over when one fails; with "
+                   "--clips they share the bakes")
       ->option_text("LIST");
-  subcommand
-      ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
+  subcommand->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0: one per core")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
-  auto* overwrite = subcommand->add_flag("--overwrite", arguments->output.overwrite,
-                                         "Replace the bake that is in the folder");
+  auto* overwrite =
+      subcommand->add_flag("--overwrite", arguments->output.overwrite, "Replace the bake in the folder");
   auto* resume =
-      subcommand->add_flag("--resume", arguments->output.resume, "Go on with the bake that is in the folder");
+      subcommand->add_flag("--resume", arguments->output.resume, "Continue the bake in the folder");
   overwrite->excludes(resume);
   subcommand->add_flag(
       "--dry-run", arguments->dry_run,
-      "Print sizes, memory and an estimate of the time, with --clips each bake's command; write nothing");
+      "Print sizes, memory and estimated time, or with --clips the command of each bake; write nothing");
   subcommand
       ->add_option("--first-frame", arguments->output.first_number,
-                   "Number of the first frame in what other programs read, as 1001; without it the first "
-                   "that is written is 0. Handles before it have the numbers below")
+                   "Number of the first frame in files for other programs, such as 1001; default: the first "
+                   "frame written is 0. Handles before it are numbered downwards")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
   add_glb_options(*subcommand, arguments->output.glb);

@@ -168,30 +168,31 @@ ExitCode emit_jobs(const BatchArguments& arguments, Log& log) {
 }
 
 void add_farm_options(CLI::App& subcommand, BatchArguments& arguments) {
-  auto* emit = subcommand
-                   .add_option("--emit", arguments.emit,
-                               "Bake nothing; write what a farm runs: an array script of Slurm, or a job "
-                               "template of Open Job Description")
-                   ->check(CLI::IsMember({"slurm", "openjd"}).description(""))
-                   ->option_text("slurm|openjd");
+  auto* emit =
+      subcommand
+          .add_option(
+              "--emit", arguments.emit,
+              "Bake nothing; write a Slurm array script or an Open Job Description job template for a farm")
+          ->check(CLI::IsMember({"slurm", "openjd"}).description(""))
+          ->option_text("slurm|openjd");
   subcommand
       .add_option("-o,--output", arguments.output,
-                  "With --emit the folder (slurm) or file (openjd: .json, .yaml) to write; without it the "
-                  "folder of the bakes, in place of the list's")
+                  "With --emit: the folder (slurm) or file (openjd: .json, .yaml) to write. Otherwise: the "
+                  "folder of the bakes, in place of the one in JOBS")
       ->option_text("PATH");
   subcommand
       .add_option(
           "--group", arguments.group,
-          "With --emit, jobs of one model in a task, at most; without it as many as take about two minutes")
+          "With --emit: jobs of the same model per task, at most; default: as many as take about two minutes")
       ->check(CLI::Range(1U, 10000U).description(""))
       ->needs(emit)
       ->option_text("N");
   subcommand
       .add_option("--slurm", arguments.slurm_options,
-                  "More options for sbatch, which win over ours, as in \"--partition=x --account=y\"")
+                  "Further options for sbatch, which override ours, as in \"--partition=x --account=y\"")
       ->needs(emit)
       ->option_text("OPTIONS");
-  subcommand.add_flag("--submit", arguments.submit, "Hand the script over to Slurm")->needs(emit);
+  subcommand.add_flag("--submit", arguments.submit, "Submit the script to Slurm")->needs(emit);
 }
 
 }  // namespace
@@ -209,33 +210,30 @@ void add_batch(CLI::App& app, Command& command) {
       ->option_text(" ");
   subcommand
       ->add_option("--device", arguments->many.devices,
-                   "Devices to share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; all: "
-                   "every real GPU "
-                   "and the CPU; default: cpu. A job whose device fails goes to another")
+                   "Devices that share the jobs, separated by commas: cpu, cpu:LEVEL, vulkan, vulkan:N; all: "
+                   "every real GPU and the CPU; default: cpu. A job whose device fails moves to another")
       ->option_text("LIST");
   subcommand
       ->add_option(
           "--threads", arguments->many.threads,
-          "Threads of each CPU bake; 0 shares the cores among those at once. With --emit the cores of "
-          "a task; 0: 4")
+          "Threads of each CPU bake; 0: parallel bakes share the cores. With --emit: cores of a task; 0: 4")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
-  auto* overwrite =
-      subcommand->add_flag("--overwrite", arguments->many.overwrite, "Replace bakes that are there");
-  auto* resume = subcommand->add_flag("--resume", arguments->many.resume, "Go on with what is not done yet");
+  auto* overwrite = subcommand->add_flag("--overwrite", arguments->many.overwrite, "Replace existing bakes");
+  auto* resume =
+      subcommand->add_flag("--resume", arguments->many.resume, "Continue with the jobs that are not done");
   overwrite->excludes(resume);
   subcommand->add_flag("--dry-run", arguments->many.dry_run, "Print each job's command; write nothing");
   subcommand
-      ->add_option(
-          "--job", arguments->chosen,
-          "Bake some of the jobs, beside other processes that bake others: names, numbers from 1 on, "
-          "ranges as 3-7, separated by commas. batch.json is left to batch status --merge")
+      ->add_option("--job", arguments->chosen,
+                   "Bake only some of the jobs, while other processes bake the rest: names, numbers from 1, "
+                   "or ranges such as 3-7, separated by commas. batch status --merge then writes batch.json")
       ->option_text("LIST");
   add_log_options(*subcommand, command.log);
   add_many_bakes_options(*subcommand, arguments->many.at_once)
       ->description(
-          "Bakes at once on each device; 0 takes one for each core on the CPU, where memory allows, and "
-          "shares the cores among them. With --emit slurm tasks at once; 0: as many as Slurm likes");
+          "Parallel bakes on each device; 0: on the CPU one per core, as far as memory allows; they share "
+          "the cores. With --emit slurm: parallel tasks; 0: as many as Slurm allows");
   add_farm_options(*subcommand, *arguments);
   overwrite->excludes("--emit");
   subcommand->get_option("--job")->excludes("--emit");

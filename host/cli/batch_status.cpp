@@ -211,19 +211,19 @@ ExitCode say_status(const StatusArguments& arguments, Log& log) {
 }  // namespace
 
 CLI::App* add_batch_status(CLI::App& batch, Command& command) {
-  auto* subcommand = batch.add_subcommand("status", "Show what became of each job");
+  auto* subcommand = batch.add_subcommand("status", "Show the state of each job");
   const auto arguments = std::make_shared<StatusArguments>();
   subcommand
       ->add_option("BATCH", arguments->batch,
-                   "The batch's folder of bakes, the folder that --emit wrote, or the list of jobs")
+                   "The output folder of the batch, the folder that --emit wrote, or the list of jobs")
       ->required()
       ->option_text(" ");
   subcommand
-      ->add_option("-o,--output", arguments->output, "Folder of the bakes, where it is not the list's own")
+      ->add_option("-o,--output", arguments->output, "Folder of the bakes, if it is not the one in the list")
       ->option_text("DIR");
   subcommand->add_flag(
       "--merge", arguments->merge,
-      "Write batch.json into the folder of the bakes, and report.txt into the one of --emit");
+      "Write batch.json into the folder of the bakes, and report.txt into the folder that --emit wrote");
   add_log_options(*subcommand, command.log);
   subcommand->callback(
       [arguments, &command] { command.run = [arguments](Log& log) { return say_status(*arguments, log); }; });

@@ -296,25 +296,25 @@ ExitCode run_bench(BenchArguments arguments, Log& log) {
 }  // namespace
 
 void add_bench(CLI::App& app, Command& command) {
-  auto* subcommand = app.add_subcommand(
-      "bench", "Time substeps of a bar, beside other programs; bits are compared before time is taken");
+  auto* subcommand = app.add_subcommand("bench",
+                                        "Time the substeps of a bar, beside other programs; results are "
+                                        "compared bit by bit before they are timed");
   const auto arguments = std::make_shared<BenchArguments>();
   subcommand->add_flag("--quick", arguments->quick, "19,000 vertices and few rounds: under a minute");
   subcommand
       ->add_option("--vertices", arguments->vertices,
-                   "About how many vertices, several separated by commas; default: 5000,19000,105000,1000000")
+                   "Approximate numbers of vertices, separated by commas; default: 5000,19000,105000,1000000")
       ->delimiter(',')
       ->check(CLI::Range(12U, 20000000U).description(""))
       ->option_text("LIST");
   subcommand
-      ->add_option(
-          "--devices", arguments->devices,
-          "What to time: cpu, cpu:LEVEL (its vector instructions), vulkan, vulkan:N, separated by commas; "
-          "default: cpu")
+      ->add_option("--devices", arguments->devices,
+                   "Devices to time: cpu, cpu:LEVEL (a level of vector instructions), vulkan, vulkan:N, "
+                   "separated by commas; default: cpu")
       ->option_text("LIST");
   subcommand
       ->add_option("--threads", arguments->threads,
-                   "Threads of the CPU solver, several separated by commas; default: 1 and one for each core")
+                   "Threads of the CPU solver, separated by commas; default: 1 and one per core")
       ->delimiter(',')
       ->check(CLI::Range(1U, 1024U).description(""))
       ->option_text("LIST");
@@ -325,20 +325,19 @@ void add_bench(CLI::App& app, Command& command) {
       ->option_text("NAME");
   subcommand
       ->add_option("--meshes", arguments->meshes,
-                   "regular, filled (what the mesher makes of the same bar's surface) or both, separated by "
-                   "commas; default: regular")
+                   "regular, filled (meshed from the surface of the same bar) or both, separated by commas; "
+                   "default: regular")
       ->delimiter(',')
       ->check(CLI::IsMember({name_of(BenchMesh::regular), name_of(BenchMesh::filled)}).description(""))
       ->option_text("LIST");
-  subcommand->add_option("--rounds", arguments->rounds, "Samples of each, taken in turn; default: 7")
+  subcommand->add_option("--rounds", arguments->rounds, "Samples per measurement, taken in turn; default: 7")
       ->check(CLI::Range(1U, 1000U).description(""))
       ->option_text("N");
-  subcommand->add_flag(
-      "--peers,!--no-peers", arguments->peers,
-      "Time Bullet on the same bar where fascicle-bench-bullet is there, or not; default: on");
+  subcommand->add_flag("--peers,!--no-peers", arguments->peers,
+                       "Time Bullet on the same bar if fascicle-bench-bullet is installed; default: on");
   subcommand->add_option("--json", arguments->json, "Write the results as JSON")->option_text("FILE");
   subcommand->add_option("--csv", arguments->csv, "Write the results as CSV")->option_text("FILE");
-  subcommand->add_option("--against", arguments->against, "Say what became slower since a --json FILE")
+  subcommand->add_option("--against", arguments->against, "Report what is slower than in a --json FILE")
       ->option_text("FILE");
   add_log_options(*subcommand, command.log);
   subcommand->callback(

@@ -18,16 +18,16 @@ std::string nearest_scene_hint(const std::string& name) {
 
 void add_log_options(CLI::App& subcommand, LogOptions& log) {
   auto* quiet = subcommand.add_flag_callback(
-      "-q,--quiet", [&log] { log.verbosity = Verbosity::quiet; }, "Say nothing on stderr but errors");
+      "-q,--quiet", [&log] { log.verbosity = Verbosity::quiet; }, "Print only errors on stderr");
   auto* verbose = subcommand.add_flag_callback(
-      "-v,--verbose", [&log] { log.verbosity = Verbosity::verbose; }, "Say more on stderr");
+      "-v,--verbose", [&log] { log.verbosity = Verbosity::verbose; }, "Print more on stderr");
   quiet->excludes(verbose);
   const std::map<std::string, LogFormat> formats{
       {"text", LogFormat::text}, {"json", LogFormat::json}, {"openjd", LogFormat::openjd}};
   subcommand
       .add_option("--log-format", log.format,
-                  "stderr as text, as JSON, one object a line, or with the lines that a farm of Open Job "
-                  "Description reads")
+                  "Format of stderr: text; json, one object per line; openjd, with the lines that an Open "
+                  "Job Description farm reads")
       ->transform(CLI::CheckedTransformer(formats).description(""))
       ->option_text("text|json|openjd");
 }
@@ -38,16 +38,15 @@ void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb) {
   stride->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000}).description(""))->option_text("N");
   subcommand
       .add_option("--glb-error", glb.error,
-                  "glb: as few morph targets as keep a viewer within M metres of every baked frame; 0.002 is "
-                  "a good start")
+                  "glb: use as few morph targets as keep every displayed frame within M metres of the bake; "
+                  "0.002 is a good start")
       ->check(CLI::NonNegativeNumber.description(""))
       ->excludes(stride)
       ->option_text("M");
   subcommand
-      .add_option(
-          "--glb-tolerance", glb.tolerance,
-          "glb: leave vertices to skinning that stand within M metres of it; a millionth of the body's "
-          "diagonal without it")
+      .add_option("--glb-tolerance", glb.tolerance,
+                  "glb: leave vertices within M metres of skinning to skinning; default: a millionth of the "
+                  "body's diagonal")
       ->check(CLI::NonNegativeNumber.description(""))
       ->option_text("M");
   subcommand
@@ -59,9 +58,9 @@ void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb) {
 }
 
 void add_usd_options(CLI::App& subcommand, bool& skel) {
-  subcommand.add_flag("--usd-skel", skel,
-                      "usda: beside the baked points the character by skinning alone, as UsdSkel, with the "
-                      "purpose guide");
+  subcommand.add_flag(
+      "--usd-skel", skel,
+      "usda: add the skinned character as UsdSkel, with the purpose guide, beside the baked points");
 }
 
 void log_report(const formats::SinkReport& report, Log& log) {
@@ -85,18 +84,18 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
           },
           ""))
       ->option_text("KEY=VALUE");
-  subcommand.add_option("--fps", overrides.fps, "Frames a second");
+  subcommand.add_option("--fps", overrides.fps, "Frames per second");
   subcommand.add_option("--start", overrides.start, "Time of frame 0, s");
   subcommand.add_option("--end", overrides.end, "Time of the last frame, s");
   subcommand.add_option("--clip", overrides.clip,
                         "The character's clip, by name, by the last part of its name, or by number");
   subcommand
       .add_option("--softness", overrides.softness,
-                  "How many times as soft all flesh is: 2 halves its stiffness, 0.5 doubles it")
+                  "Softness of all flesh: 2 halves its stiffness, 0.5 doubles it")
       ->option_text("X");
   subcommand
       .add_option("--exaggerate", overrides.exaggerate,
-                  "How many times as far flesh trails and jiggles; at 0 only gravity and forces move it")
+                  "How far flesh trails and jiggles: 2 is twice as far; at 0 only gravity and forces move it")
       ->option_text("X");
   subcommand
       .add_option("--only", overrides.only,
@@ -105,40 +104,37 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       ->take_all()
       ->option_text("JOINT");
   subcommand.add_flag("--no-cache", arguments.no_cache,
-                      "Do not use or fill the cache of filled bodies, models, states before the first frame "
-                      "and compiled shaders "
-                      "($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
+                      "Do not read or write the cache of meshed bodies, models, states before the first "
+                      "frame and compiled shaders ($FASCICLE_CACHE_DIR, else ~/.cache/fascicle)");
   subcommand
-      .add_option(
-          "--rest", overrides.rest,
-          "What the rest shape is: hung by gravity already (sculpted), or shaped without (weightless)")
+      .add_option("--rest", overrides.rest,
+                  "Whether gravity already shaped the rest shape (sculpted) or not (weightless)")
       ->option_text("sculpted|weightless");
   subcommand
       .add_option("--interpolation", overrides.interpolation,
-                  "What dense linear keys are: samples of a smooth motion (smooth), or corners between "
-                  "straight lines (as-authored)")
+                  "How to read dense linear keys: as samples of a smooth motion (smooth), or as straight "
+                  "lines between keys (as-authored)")
       ->option_text("smooth|as-authored");
   subcommand
       .add_option(
           "--preroll", overrides.preroll,
-          "Frames, or seconds as in 0.5s, in which the bind pose goes over into the first pose before "
-          "frame 0")
+          "Frames, or seconds as in 0.5s, to blend from the bind pose to the first pose before frame 0")
       ->option_text("N|Ns");
-  subcommand.add_option(
-      "--settle", overrides.settle,
-      "Seconds, at most, in which the flesh comes to rest in the first pose before frame 0");
-  subcommand.add_option("--loop", overrides.loop, "How often the clip is played")->option_text("N");
+  subcommand.add_option("--settle", overrides.settle,
+                        "Seconds, at most, to let the flesh settle in the first pose before frame 0");
+  subcommand.add_option("--loop", overrides.loop, "How many times to play the clip")->option_text("N");
   subcommand.add_flag("--seamless", overrides.seamless,
-                      "Play the clip before frame 0 until it ends as it began, then write one cycle");
-  subcommand.add_option("--hold", overrides.hold, "Seconds in which the clip's last pose is held");
+                      "Repeat the clip before frame 0 until a cycle ends as it began, then write one cycle");
+  subcommand.add_option("--hold", overrides.hold, "Seconds to hold the clip's last pose");
   subcommand
       .add_option("--handles", overrides.handles,
-                  "Frames more before the start and after the end, simulated and written; their numbers lie "
-                  "around --first-frame and the last")
+                  "Extra frames to simulate and write before the start and after the end; they are numbered "
+                  "below --first-frame and beyond the last frame")
       ->option_text("N");
   subcommand
       .add_option("--cage", overrides.cage,
-                  "Surfaces and characters: fill the skin itself or a cage around it (auto, off, wrap)")
+                  "Surfaces and characters: fill the skin itself (off), a cage around it (wrap), or a cage "
+                  "where the skin needs one (auto)")
       ->option_text("MODE");
   subcommand
       .add_option("--cage-detail", overrides.cage_detail,
@@ -146,17 +142,18 @@ void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const st
       ->option_text("N");
   subcommand
       .add_option("--rigid", overrides.rigid,
-                  "Characters: skin that follows its joints alone, by the name of a joint, an object or a "
-                  "material; may be repeated")
+                  "Characters: skin that only follows its joints, by the name of a joint, object or "
+                  "material; repeatable")
       ->option_text("NAME");
   subcommand
       .add_option("--quality", overrides.quality,
-                  "Implicit flesh: how small the time step's errors shall be (draft, normal, final); chooses "
-                  "substeps and iterations")
+                  "Implicit integrator: accuracy of the time step (draft, normal, final); sets substeps and "
+                  "iterations")
       ->option_text("NAME");
   subcommand
       .add_option("--resolution", overrides.resolution,
-                  "How fine: a number of vertices (20000), or an edge length with its unit (20mm)")
+                  "Resolution of the tetrahedra: a number of vertices (20000), or an edge length with its "
+                  "unit (20mm)")
       ->option_text("SIZE");
 }
 

@@ -68,12 +68,12 @@ ExitCode export_bake(const ExportArguments& arguments, Log& log) {
 }  // namespace
 
 void add_export(CLI::App& app, Command& command) {
-  auto* subcommand = app.add_subcommand("export", "Write a finished bake in further formats");
+  auto* subcommand = app.add_subcommand("export", "Write a finished bake in other formats");
   const auto arguments = std::make_shared<ExportArguments>();
   subcommand->add_option("DIR", arguments->bake, "Folder of a finished bake")->required()->option_text(" ");
   std::string formats;
   for (const std::string& name : bake::export_format_names()) formats += (formats.empty() ? "" : ",") + name;
-  subcommand->add_option("--to", arguments->formats, "What to write: any of " + formats)
+  subcommand->add_option("--to", arguments->formats, "Formats to write: any of " + formats)
       ->required()
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -82,11 +82,11 @@ void add_export(CLI::App& app, Command& command) {
       ->option_text("LIST");
   subcommand->add_option("-o,--output", arguments->folder, "Folder to write; default: the bake's own")
       ->option_text("DIR");
-  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace files of the same names");
+  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace existing files");
   subcommand
-      ->add_option("--first-frame", arguments->first_number,
-                   "Number of the first frame after the handles in what other programs read; the bake's "
-                   "own without it")
+      ->add_option(
+          "--first-frame", arguments->first_number,
+          "Number of the first frame after the handles in the exported files; default: the bake's own")
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1000000}).description(""))
       ->option_text("N");
   add_glb_options(*subcommand, arguments->glb);

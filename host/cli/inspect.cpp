@@ -465,7 +465,7 @@ ExitCode inspect(const InspectArguments& arguments, Log& log) {
 }  // namespace
 
 void add_inspect(CLI::App& app, Command& command) {
-  auto* subcommand = app.add_subcommand("inspect", "Print what is in a scene or mesh");
+  auto* subcommand = app.add_subcommand("inspect", "Print the contents of a scene, mesh or character");
   const auto arguments = std::make_shared<InspectArguments>();
   add_scene_options(*subcommand, arguments->scene, "Scene file, mesh, character or built-in name", true);
   subcommand

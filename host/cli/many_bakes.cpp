@@ -479,10 +479,9 @@ ExitCode bake_many(ManyBakes asked, Log& log) {
 
 CLI::Option* add_many_bakes_options(CLI::App& subcommand, unsigned& at_once) {
   return subcommand
-      .add_option(
-          "--at-once", at_once,
-          "Bakes at once on each device; 0 takes one for each core on the CPU, where memory allows, and "
-          "shares the cores among them")
+      .add_option("--at-once", at_once,
+                  "Parallel bakes on each device; 0: on the CPU one per core, as far as memory allows; they "
+                  "share the cores")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
 }

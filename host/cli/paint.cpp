@@ -62,18 +62,18 @@ ExitCode write_painted(const PaintArguments& arguments, Log& log) try {
 
 void add_paint(CLI::App& app, Command& command) {
   auto* subcommand =
-      app.add_subcommand("paint", "Write a character with what a paint file has on it as glTF attributes");
+      app.add_subcommand("paint", "Write a character with the contents of a paint file as glTF attributes");
   const auto arguments = std::make_shared<PaintArguments>();
   subcommand->add_option("CHARACTER", arguments->character, "The character that was painted")
       ->required()
       ->option_text(" ");
-  subcommand->add_option("PAINT", arguments->paint, "The paint file, as character.paint names one")
+  subcommand->add_option("PAINT", arguments->paint, "The paint file, as in character.paint")
       ->required()
       ->option_text(" ");
   subcommand->add_option("-o,--output", arguments->output, "The file to write, NAME.glb")
       ->required()
       ->option_text("FILE");
-  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace a file that is there");
+  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace an existing file");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
     command.run = [arguments](Log& log) { return write_painted(*arguments, log); };

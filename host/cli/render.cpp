@@ -274,7 +274,7 @@ ExitCode render_frames(const RenderArguments& arguments, Log& log) {
 
 void add_render(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand(
-      "render", "Draw a bake, or a scene's rest pose, as PNG; on the CPU, without display or GPU");
+      "render", "Draw a bake, or a scene's rest pose, as PNG; needs no display and no GPU");
   const auto arguments = std::make_shared<RenderArguments>();
   // Not add_scene_options: --clip is a plane here.
   subcommand
@@ -284,10 +284,10 @@ void add_render(CLI::App& app, Command& command) {
       ->option_text(" ");
   subcommand
       ->add_option("-o,--output", arguments->output,
-                   "NAME.png for one picture, else a folder for one a frame")
+                   "NAME.png for one picture, otherwise a folder for one picture per frame")
       ->required()
       ->option_text("PATH");
-  subcommand->add_option("--frame", arguments->frame, "The frame of one picture; default: the last")
+  subcommand->add_option("--frame", arguments->frame, "Draw only this frame; default: the last")
       ->option_text("N");
   const std::map<std::string, render::Mode> modes{{"shaded", render::Mode::shaded},
                                                   {"layers", render::Mode::layers},
@@ -295,56 +295,56 @@ void add_render(CLI::App& app, Command& command) {
                                                   {"lag", render::Mode::lag},
                                                   {"contact", render::Mode::contact}};
   subcommand
-      ->add_option(
-          "--mode", arguments->mode,
-          "shaded; layers: a colour each; fibres: lines, red along x, green y, blue z; lag: distance to "
-          "the skinned pose; contact: where flesh lies in other flesh, by depth, seen through the body")
+      ->add_option("--mode", arguments->mode,
+                   "shaded; layers, each in its colour; fibres: lines, red along x, green y, blue z; lag: "
+                   "distance to the skinned pose; contact: depth of overlapping flesh, seen through the body")
       ->transform(CLI::CheckedTransformer(modes).description(""))
       ->option_text("MODE");
   subcommand->add_flag("--tets", arguments->tetrahedra, "Draw the tetrahedra instead of the render mesh");
   subcommand
       ->add_option("--clip", arguments->clip,
-                   "Take away the tetrahedra on the camera's side of a plane of the rest pose, as in x=0.1 "
+                   "Remove the tetrahedra on the camera's side of a plane in the rest pose, as in x=0.1 "
                    "(metres) or x=50%; implies --tets")
       ->option_text("PLANE");
   subcommand
       ->add_option("--lag-scale", arguments->lag_scale,
-                   "Lag, or depth with --mode contact, that takes the last colour, mm")
+                   "Lag, or depth with --mode contact, at the end of the colour scale, mm")
       ->check(CLI::PositiveNumber.description(""))
       ->option_text("MM");
   subcommand->add_option("--view", arguments->view, "three-quarter, front, side or back")
       ->check(CLI::IsMember({"three-quarter", "front", "side", "back"}).description(""))
       ->option_text("VIEW");
-  subcommand->add_option("--turn", arguments->turn, "Turn the camera around the body, degrees")
+  subcommand->add_option("--turn", arguments->turn, "Angle of the camera around the body, degrees")
       ->option_text("DEGREES");
-  subcommand->add_option("--tilt", arguments->tilt, "Height of the camera, degrees; -80 to 80")
+  subcommand->add_option("--tilt", arguments->tilt, "Elevation of the camera, degrees; -80 to 80")
       ->check(CLI::Range(-80.0, 80.0).description(""))
       ->option_text("DEGREES");
   subcommand->add_option("--zoom", arguments->zoom, "2 shows the middle half of the picture")
       ->check(CLI::Range(0.1, 100.0).description(""))
       ->option_text("FACTOR");
-  subcommand->add_flag("--follow", arguments->follow, "The camera goes along with the body");
-  subcommand->add_option("--size", arguments->size, "Pixels; default: as the motion needs")
+  subcommand->add_flag("--follow", arguments->follow, "The camera follows the body");
+  subcommand->add_option("--size", arguments->size, "Size in pixels; default: fits the motion")
       ->option_text("WxH");
   subcommand
       ->add_option("--sheet", arguments->sheet,
-                   "One picture of evenly spaced frames with their numbers; --size is that of each")
+                   "One picture of evenly spaced frames with their numbers; --size is the size of each frame")
       ->option_text("COLUMNSxROWS");
   subcommand->add_flag(
       "--compare", arguments->compare,
-      "Skinning alone on the left, the flesh on the right; without --frame or --sheet the six "
-      "worst frames");
+      "Skinning on the left, flesh on the right; without --frame or --sheet, the six worst frames");
   subcommand
       ->add_option("--worst", arguments->worst,
-                   "One picture of the N frames that look worst by metrics.csv, the worst first")
+                   "One picture of the N worst frames by the look in metrics.csv, worst first")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{100}).description(""))
       ->option_text("N");
   subcommand->add_flag("--plain", arguments->plain,
-                       "shaded: skin in place of the file's own colours and textures");
-  subcommand->add_option("--threads", arguments->threads, "0 takes one for each core; no pixel depends on it")
+                       "shaded: plain skin instead of the file's own colours and textures");
+  subcommand
+      ->add_option("--threads", arguments->threads,
+                   "Threads; 0: one per core; the pixels do not depend on it")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
-  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace pictures that are there");
+  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace existing pictures");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
     command.watches_interrupts = true;

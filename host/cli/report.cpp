@@ -191,15 +191,18 @@ ExitCode write_report(const ReportArguments& arguments, Log& log) {
 
 void add_report(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand(
-      "report", "Write one page on a bake: pictures, curves, warnings, parameters, provenance");
+      "report", "Write a report on a bake as one page: pictures, curves, warnings, parameters, provenance");
   const auto arguments = std::make_shared<ReportArguments>();
   subcommand->add_option("DIR", arguments->bake, "Folder of a bake")->required()->option_text(" ");
   subcommand
-      ->add_option("-o,--output", arguments->output, "The page, as in report.html; it needs no other file")
+      ->add_option("-o,--output", arguments->output,
+                   "The page to write, such as report.html; it needs no other file")
       ->required()
       ->option_text("FILE");
-  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace a page that is there");
-  subcommand->add_option("--threads", arguments->threads, "0 takes one for each core; no byte depends on it")
+  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace an existing page");
+  subcommand
+      ->add_option("--threads", arguments->threads,
+                   "Threads; 0: one per core; the page does not depend on it")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
   add_log_options(*subcommand, command.log);

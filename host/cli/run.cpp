@@ -100,12 +100,12 @@ int run(int argc, const char* const* argv) {
       "Bakes how muscle and fat move on rigged, animated characters, with the same bits on CPU and GPU."};
   app.name("fascicle");
   app.set_version_flag("--version", std::string("fascicle ") + base::fascicle_version,
-                       "Print the version and end");
+                       "Print the version and exit");
   app.require_subcommand(1);
   app.footer(
       "Exit status: 0 done, 2 bad usage, 3 bad input, 4 no such device, 5 positions are no longer finite "
       "numbers,\n"
-      "6 validation found a difference, 7 a device failed and 75 interrupted (go on with --resume), 1 "
+      "6 validation found a difference, 7 a device failed and 75 interrupted (continue with --resume), 1 "
       "anything "
       "else.");
   add_bake(app, command);

@@ -110,7 +110,7 @@ ExitCode scenes(const SceneArguments& arguments) {
 void add_scenes(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand(
       "scenes",
-      "List the built-in scenes, or print the scene of one, of a mesh or of a character as a file to edit");
+      "List the built-in scenes, or print the scene of a built-in name, mesh or character as a file to edit");
   const auto arguments = std::make_shared<SceneArguments>();
   add_scene_options(*subcommand, *arguments, "Built-in name, mesh, character or scene file", false);
   add_log_options(*subcommand, command.log);

@@ -10,7 +10,7 @@ void add_schema(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand("schema", "Print the JSON Schema of the scene file");
   add_log_options(*subcommand, command.log);
   auto markdown = std::make_shared<bool>(false);
-  subcommand->add_flag("--markdown", *markdown, "Print every key as Markdown instead, to be read");
+  subcommand->add_flag("--markdown", *markdown, "Print every key as Markdown instead");
   subcommand->callback([&command, markdown] {
     command.run = [markdown](Log&) {
       const std::string text = *markdown ? scene::scene_reference() : scene::scene_schema();

@@ -158,7 +158,7 @@ ExitCode run_studio(const StudioArguments& arguments, Log& log) {
 
 void add_studio(CLI::App& app, Command& command) {
   auto* subcommand =
-      app.add_subcommand("studio", "See flesh move in the browser, change it while it does, save and bake");
+      app.add_subcommand("studio", "Preview and tune flesh in the browser while it moves; save and bake");
   const auto arguments = std::make_shared<StudioArguments>();
   add_scene_options(
       *subcommand, arguments->scene,
@@ -167,26 +167,25 @@ void add_studio(CLI::App& app, Command& command) {
       false);
   subcommand
       ->add_option("-o,--output", arguments->folder,
-                   "Folder of the session: what is changed, saved and baked; default: out/NAME-studio")
+                   "Folder of the session, for changes, saved scenes and bakes; default: out/NAME-studio")
       ->option_text("DIR");
   subcommand
       ->add_option(
           "--beside", arguments->beside,
-          "Folder of a bake that stands beside what is played, in one time line; several can be given, "
-          "and the page chooses")
+          "Folder of a bake to play beside the scene, in sync; repeatable, and the page chooses among them")
       ->option_text("DIR")
       ->allow_extra_args(false)
       ->take_all();
-  subcommand->add_option("--port", arguments->port, "Port on loopback; 0, and without it, one that is free")
+  subcommand->add_option("--port", arguments->port, "Port on the loopback interface; default: any free port")
       ->check(CLI::Range(0, 65535).description(""))
       ->option_text("N");
-  subcommand->add_flag("--headless", arguments->headless, "Print the address and open no browser");
+  subcommand->add_flag("--headless", arguments->headless, "Print the address and do not open a browser");
   subcommand
-      ->add_option("--device", arguments->device,
-                   "auto, cpu, cpu:LEVEL, vulkan or vulkan:N; auto takes a real GPU, else the CPU")
+      ->add_option(
+          "--device", arguments->device,
+          "auto, cpu, cpu:LEVEL, vulkan or vulkan:N; auto is a real GPU if there is one, else the CPU")
       ->option_text("NAME");
-  subcommand
-      ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
+  subcommand->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0: one per core")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
   add_log_options(*subcommand, command.log);

@@ -271,27 +271,24 @@ void add_validate(CLI::App& app, Command& command) {
   add_scene_options(*subcommand, arguments->scene, "Scene file, mesh, character or built-in name", true);
   subcommand
       ->add_option("--devices", arguments->devices,
-                   "What to compare with the first: cpu, cpu:LEVEL (its vector instructions), vulkan, "
-                   "vulkan:N, all, separated "
-                   "by commas; default: cpu,vulkan")
+                   "Devices to compare with the first one: cpu, cpu:LEVEL (a level of vector instructions), "
+                   "vulkan, vulkan:N, all, separated by commas; default: cpu,vulkan")
       ->option_text("LIST");
-  subcommand->add_option("--frames", arguments->frames, "Frames to run; default: all of the scene's")
+  subcommand->add_option("--frames", arguments->frames, "Frames to run; default: the whole scene")
       ->check(CLI::Range(std::uint64_t{1}, ~std::uint64_t{0}).description(""))
       ->option_text("N");
-  subcommand
-      ->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0 takes one for each core")
+  subcommand->add_option("--threads", arguments->threads, "Threads of the CPU solver; 0: one per core")
       ->check(CLI::Range(0U, 1024U).description(""))
       ->option_text("N");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
   subcommand
-      ->add_option("--html", arguments->html,
-                   "Write what was found as a page, too; it replaces one that is there")
+      ->add_option("--html", arguments->html, "Write the findings as a page too; replaces an existing one")
       ->option_text("FILE");
   subcommand->add_flag("--oracle,!--no-oracle", arguments->oracle,
-                       "Measure the distance to the oracle, or not; default: on");
+                       "Measure the distance to the oracle; default: on");
   subcommand->add_flag(
       "--converged", arguments->converged,
-      "Instead of devices compare qualities: how far the skin is from that of many more substeps");
+      "Compare qualities instead of devices: the distance of the skin from a bake with many more substeps");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {
     command.run = [arguments](Log& log) { return validate_scene(*arguments, log); };

@@ -63,7 +63,7 @@ ExitCode verify(const VerifyArguments& arguments, Log& log) {
 }  // namespace
 
 void add_verify(CLI::App& app, Command& command) {
-  auto* subcommand = app.add_subcommand("verify", "Read a bake's folder and hold it against its checksums");
+  auto* subcommand = app.add_subcommand("verify", "Check the files of a bake against their checksums");
   const auto arguments = std::make_shared<VerifyArguments>();
   subcommand->add_option("DIR", arguments->bake, "Folder of a bake")->required()->option_text(" ");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");

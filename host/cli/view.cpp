@@ -87,11 +87,11 @@ void add_view(CLI::App& app, Command& command) {
       ->option_text("FILE");
   subcommand
       ->add_option("--error", arguments->error,
-                   "Quantise so that no vertex moves by more than MM millimetres; a 20,000th of the body's "
-                   "longest side without it")
+                   "Quantise so that no vertex moves by more than MM millimetres; default: a 20,000th of the "
+                   "body's longest side")
       ->check(CLI::PositiveNumber.description(""))
       ->option_text("MM");
-  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace a page that is there");
+  subcommand->add_flag("--overwrite", arguments->overwrite, "Replace an existing page");
   subcommand->add_flag("--json", arguments->json, "Print one JSON object");
   add_log_options(*subcommand, command.log);
   subcommand->callback([arguments, &command] {

@@ -59,9 +59,9 @@ damages them by fixed rules, and extends them to 1 MiB, where a reader may take 
 | target | what it reads | files | time | files per second | peak memory | slowest file | flaws |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 %s
-Each line is the last run of its target, on %s, with %s. `./do fuzz --write` updates this page; `./do fuzz TARGET...
---runs 10000000` runs targets for longer. What once broke a reader is kept in `tests/fuzz/kept`, and `test_fuzz` reads
-it in every build.
+Each line is the last run of its target, on %s, with %s. `./do fuzz --write` updates this page;
+`./do fuzz TARGET... --runs 10000000` runs targets for longer. What once broke a reader is kept in `tests/fuzz/kept`,
+and `test_fuzz` reads it in every build.
 """
 
 
