@@ -1,4 +1,4 @@
-// Boxes whose sides are compared all at once.
+// Axis-aligned boxes compared on all axes at once.
 #pragma once
 
 #include <bit>
@@ -7,7 +7,7 @@
 
 namespace fascicle::model {
 
-// Four floats, of which the last is 0 in what follows; and what a comparison of two gives.
+// Four floats, the last of which is 0 for points and boxes, and the result of comparing two of them.
 using Quad = float __attribute__((vector_size(16)));
 using QuadFlags = std::int32_t __attribute__((vector_size(16)));
 using QuadHalves = std::int64_t __attribute__((vector_size(16)));
@@ -25,7 +25,7 @@ inline constexpr float box_infinity = std::numeric_limits<float>::infinity();
 inline constexpr Box empty_box{{box_infinity, box_infinity, box_infinity, box_infinity},
                                {-box_infinity, -box_infinity, -box_infinity, -box_infinity}};
 
-// What is no number grows no box.
+// NaN does not grow a box.
 inline void grow(Box& box, Quad low, Quad high) {
   box.low = low < box.low ? low : box.low;
   box.high = high > box.high ? high : box.high;

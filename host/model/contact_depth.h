@@ -1,9 +1,9 @@
-// How deep flesh lies for the points of contact: Model::contact_depth.
+// How deep the points of contact lie in flesh: Model::contact_depth.
 //
-// First come n numbers: of each vertex the distance at rest to the boundary of what may be met. Then, for
-// each group of Model::contact_group up to the last that is there, n more: the distance to the boundary of
-// what may be met without that group. So what passes through flesh that it ignores, and comes into flesh that
-// it does not, is at first not deep.
+// The first n numbers give each vertex's distance at rest to the boundary of all flesh that points may meet.
+// Then come n more for each group of Model::contact_group up to the highest one used: the distance to the
+// boundary of the flesh without that group. So a point that passes through flesh it ignores into flesh it
+// does not ignore starts with a small depth.
 #pragma once
 
 #include <bit>
@@ -14,19 +14,19 @@
 
 namespace fascicle::model {
 
-// Groups that have depths of their own.
+// Number of groups that have their own depths.
 inline std::size_t contact_group_count(const Model& model) {
   std::uint32_t groups = 0;
   for (const std::uint32_t of : model.contact_group) groups |= of;
   return static_cast<std::size_t>(std::bit_width(groups));
 }
 
-// How many numbers contact_depth has.
+// Size of contact_depth.
 inline std::size_t contact_depth_count(const Model& model) {
   return model.vertex_count * (1 + contact_group_count(model));
 }
 
-// The depth of vertex i for point p: the least of those of the groups that it ignores.
+// The depth of vertex i for point p: the smallest over the groups that p ignores.
 inline float contact_depth_of(const Model& model, std::uint32_t p, std::uint32_t i) {
   float depth = model.contact_depth[i];
   if (!model.has_ignored_contact()) return depth;

@@ -1,5 +1,5 @@
-// Which vertices are near a point of contact across a gap: Model::contact_near. Vertices that are near each
-// other have near numbers, so runs of them take a fifth of what they take one by one.
+// Vertices that are near a point of contact across a gap: Model::contact_near. Vertices near each other have
+// similar numbers, so runs take a fifth of the memory of single numbers.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline bool is_across_a_gap(const Model& model, const shader::ContactPoint& poin
   return run != runs.end() && run->first <= vertex;
 }
 
-// Ascending vertices as runs, at the end of `runs`.
+// Appends ascending vertices to `runs` as runs.
 inline void append_runs(std::span<const std::uint32_t> vertices, std::vector<shader::VertexRun>& runs) {
   const std::size_t before = runs.size();
   for (const std::uint32_t i : vertices) {

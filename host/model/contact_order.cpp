@@ -8,7 +8,7 @@ namespace fascicle::model {
 
 namespace {
 
-// The bits of a number below 2^10 at every third place.
+// Spreads the bits of a number below 2^10 to every third place.
 std::uint32_t spread_bits(std::uint32_t number) {
   std::uint32_t bits = 0;
   for (unsigned b = 0; b < 10; ++b) bits |= (number >> b & 1U) << (3 * b);

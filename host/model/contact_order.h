@@ -1,4 +1,4 @@
-// An order of the points of contact in which those that follow each other lie near each other at rest.
+// An order of the points of contact that keeps points close to each other at rest close in sequence.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace fascicle::model {
 
-// The points of Model::contact along Morton's curve through the rest shape.
+// The points of Model::contact in Morton order over the rest shape.
 std::vector<std::uint32_t> contact_points_along_curve(const Model& model);
 
 }  // namespace fascicle::model

@@ -8,18 +8,18 @@ namespace fascicle::model {
 
 namespace {
 
-// The length H by which y and a are made.
+// The effective step H used for y and a.
 double step_of(double h, bool with_history) {
   return with_history ? 2.0 * h / 3.0 : h;
 }
 
-// Neither factor of a vertex may bring denormal numbers into a product that no snap sees.
+// Neither factor of a vertex may bring denormal numbers into a product that is not snapped to zero.
 float at_least_least(double x) {
   const float factor = static_cast<float>(x);
   return factor < least_factor ? least_factor : factor;
 }
 
-// The x > 1 at which Chebyshev's polynomial of that degree is `reduction`, by bisection: rho = 1/x.
+// The x > 1 at which the Chebyshev polynomial of this degree reaches `reduction`, by bisection: rho = 1/x.
 double beyond_band(std::uint32_t degree) {
   constexpr double reduction = 20.0;
   const auto chebyshev = [&](double x) {
@@ -41,7 +41,7 @@ double beyond_band(std::uint32_t degree) {
 
 }  // namespace
 
-// To about -G/2 of itself (host/build/volume.h).
+// A mode overshoots to about -G/2 of its error (host/build/volume.h).
 double volume_overshoot(const Model& model) {
   float gain = 0.0f;
   for (const float g : model.volume_gain) gain = std::max(gain, g);
@@ -111,7 +111,7 @@ double resolved_stiffness(std::uint32_t iterations) {
   return std::sqrt(2.0 / (x - 1.0));
 }
 
-// By what relaxations() does, on one mode that shrinks by a = S/(1 + S) in a pass.
+// Runs the recurrence of relaxations() on one mode that shrinks by a = S/(1 + S) per pass.
 double residual_share(std::uint32_t iterations, double stiffness, double overshoot) {
   const double a = stiffness / (1.0 + stiffness);
   double before = 1.0, now = 1.0;

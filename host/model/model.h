@@ -3,9 +3,9 @@
 // Units. Lengths are in working units: `unit` metres, a power of two near the body's size. Rest positions are
 // relative to `rest_origin`; positions of a frame are relative to that frame's origin (Drive::origin).
 //
-// Numbering. Vertices are numbered in the locality order chosen at build; `source_vertex` leads back to the
-// tetrahedral mesh. All sums over one-rings run in ascending vertex number, so this numbering is part of the
-// result's bits.
+// Numbering. Vertices are numbered in the locality order chosen at build; `source_vertex` maps back to the
+// tetrahedral mesh. All sums over one-rings run in ascending vertex number, so results depend on this
+// numbering bit by bit.
 //
 // Regions. Region r is vertex r and its one-ring; there is one for each vertex. The one-ring lists leave the
 // vertex itself out: its part of each sum is constant or zero.
@@ -28,7 +28,7 @@ struct Layer {
   double damping = 0.0;  // 1/s
   double density = 0.0;  // kg/m^3
   bool kinematic = false;
-  double frequency = 0.0;  // Hz: its lowest mode, everything else held still; 0 where nobody asked for it
+  double frequency = 0.0;  // Hz: its lowest mode with everything else held still; 0 if not requested
 };
 
 // A named vertex set whose mean position is reported for each frame.
@@ -42,21 +42,21 @@ using base::name_of;
 using base::Rotation;
 using base::WeightForm;
 
-// The least alpha and pull but 0. Smaller factors are 0 at build: they would bring denormal numbers, which
-// devices treat differently, into products that no snap sees.
+// The smallest alpha and pull other than 0. Smaller factors are set to 0 at build: they would bring denormal
+// numbers, which devices treat differently, into products that are not snapped to zero.
 inline constexpr float least_factor = 0x1p-40f;
 // Model::carried of flesh that feels four times the skeleton's acceleration.
 inline constexpr float least_carried = -3.0f;
-// x, or 0 where it is smaller than that in size.
+// x, or 0 if its magnitude is below least_factor.
 inline float as_factor(double x) {
   const auto factor = static_cast<float>(x);
   return std::abs(factor) < least_factor ? 0.0f : factor;
 }
 
-// A bit each in Model::spared.
+// Model::spared has one bit for each.
 inline constexpr std::uint32_t most_colliders = 32;
 
-// Parts of at most `size` that `count` items make.
+// Number of parts of at most `size` that `count` items make.
 inline std::uint32_t parts_of(std::uint32_t count, std::uint32_t size) {
   return count / size + (count % size != 0 ? 1 : 0);
 }
@@ -73,7 +73,7 @@ struct Model {                                 // each member has a row in model
   std::vector<double> mass;                  // n: m_i, kg
   std::vector<float> alpha;  // n: stiffness, the paper's in [0,1], stable below 4; 0 or at least
                              // least_factor, 0 for kinematic vertices
-  // Of a model for the implicit integrator, else empty. The explicit one reads alpha, this one reads these.
+  // Only in models for the implicit integrator, else empty; that integrator reads these instead of alpha.
   std::vector<double> youngs_modulus;  // n: E_r of region r, Pa
   std::vector<double> stiffness;       // n: K_i / m_i, 1/s^2, with K_i = sum_{r: i in N_r} k_r m_i
   std::vector<float> beta;             // n: fibre weight of region i; 0 where there is no fibre
@@ -87,60 +87,61 @@ struct Model {                                 // each member has a row in model
 
   // Weights (12)(13)(14), written w_ir = pull_i f_ir. f_ir is region r's share in vertex i, sum over r of
   // f_ir = 1 (the share of i in its own region is what remains), a multiple of 2^-16; pull_i is alpha_i m_i
-  // (m_i if kinematic) when momentum_scaled, else sum_r w_ir. Of an implicit model w_ir carries k_r as well
-  // and pull_i is K_i. All pulls carry one common factor, the power of
-  // two that brings the mean over regions of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is
-  // exact).
+  // (m_i if kinematic) when momentum_scaled, else sum_r w_ir. In an implicit model w_ir includes k_r as well
+  // and pull_i is K_i. All pulls carry one common factor, the power of two that brings the mean over regions
+  // of |A_r|_F at rest nearest to 1 (within sqrt 2; a power of two is exact).
   std::vector<float> pull;         // n: 0 or at least least_factor
-  std::vector<float> share_taken;  // e: entry (r, i) holds f_ir: what region r takes of vertex i
+  std::vector<float> share_taken;  // e: entry (r, i) holds f_ir: what region r takes from vertex i
   std::vector<float> share_given;  // e: entry (i, r) holds f_ir: what vertex i gives to region r
   std::vector<float> region_rest;  // 4n: c0_r - q0_r, then 1/W_r (0 where W_r = 0: the region is skipped)
 
-  // Muscles (15)-(17), CSR; empty without. What a region takes of its muscles adds up. Every number is 0 or
-  // at least least_factor in size.
+  // Muscles (15)-(17), CSR; empty without muscles. The effects of several muscles on a region add up. The
+  // magnitude of every number is 0 or at least least_factor.
   std::uint32_t muscle_count = 0;
   std::vector<std::uint32_t> muscle_offset;         // n + 1 or 0
-  std::vector<shader::RegionMuscle> region_muscle;  // of each region by ascending muscle
+  std::vector<shader::RegionMuscle> region_muscle;  // for each region by ascending muscle
   std::vector<shader::RegionFrame> region_frame;    // n or 0; unit vectors, or 0 where there is no direction
 
-  // The volume term (shaders/kernel/volume.inc): empty, or one entry a region.
-  std::vector<float> volume_gain;    // n or 0: G, at least 0; no solver reads it
+  // The volume term (shaders/kernel/volume.inc): empty, or one entry per region.
+  std::vector<float> volume_gain;    // n or 0: G, at least 0; not read by solvers
   std::vector<float> region_volume;  // 3n or 0: b = det(A0_r)^(-1/3), then |A0^-1|^2 and
                                      // G |A0^-1|^2 / trace(A0^-1) with A0 = b A0_r; 0 1 0 where G is 0
 
-  // Ties between layers that slide and the flesh below, by ascending sliding vertex; empty without. Of each
-  // vertex the ties that act on it (CSR, ascending) with the share of a substep that they bear times w_i /
-  // w_s (shaders/kernel/tie.inc), at least least_factor; kinematic vertices have none.
+  // Ties between sliding layers and the flesh below, by ascending sliding vertex; empty without ties. For
+  // each vertex, the ties that act on it (CSR, ascending) and a coefficient for each, at least least_factor:
+  // the share of a substep that they bear times w_i / w_s (shaders/kernel/tie.inc). Kinematic vertices have
+  // none.
   std::vector<shader::Tie> tie;
   std::vector<std::uint32_t> tie_offset;  // n + 1 or 0
   std::vector<std::uint32_t> tie_index;
   std::vector<float> tie_coefficient;
 
-  // Tetrahedra that are not crushed (shaders/kernel/limit.inc), of an implicit model; empty without. Of each
-  // vertex, kinematic ones too, those that it is a corner of: 4 x number + corner, CSR, ascending. w_i is the
-  // mean mass of the free vertices over m_i, at least least_factor, and 0 of kinematic ones.
+  // Tetrahedra protected from being crushed (shaders/kernel/limit.inc), only in implicit models; empty
+  // without. For each vertex, kinematic ones too, the tetrahedra that it is a corner of: 4 x number + corner,
+  // CSR, ascending. The mobility w_i is the mean mass of the free vertices over m_i, at least least_factor,
+  // and 0 for kinematic ones.
   std::vector<shader::Limit> limit;
   std::vector<std::uint32_t> limit_offset;  // n + 1 or 0
   std::vector<std::uint32_t> limit_entry;
   std::vector<float> mobility;  // n with limits or contact, else 0
 
-  // Self-contact (shaders/kernel/contact.inc); empty without. Points of the surface, by ascending vertex, may
-  // come to lie in the tetrahedra, whose order decides where a point lies in several of them.
+  // Self-contact (shaders/kernel/contact.inc); empty without. Surface points, by ascending vertex, may come
+  // to lie in the tetrahedra. If a point lies in several of them, their order decides which one counts.
   std::vector<shader::ContactPoint> contact;
-  std::vector<shader::VertexRun> contact_near;     // ascending and apart for each point (contact_near.h)
-  std::vector<std::uint32_t> contact_tetrahedron;  // 4 a tetrahedron: corners
-  std::vector<float> contact_depth;                // n or 0: how deep below the surface a vertex is at rest
-  std::vector<std::uint32_t> contact_number;       // n or 0: a vertex's point, or shader::no_contact
-  // Of each vertex those tetrahedra that it is a corner of: 4 x number + corner, CSR, ascending.
+  std::vector<shader::VertexRun> contact_near;     // ascending and disjoint for each point (contact_near.h)
+  std::vector<std::uint32_t> contact_tetrahedron;  // 4 per tetrahedron: corners
+  std::vector<float> contact_depth;                // see contact_depth.h; empty without contact
+  std::vector<std::uint32_t> contact_number;       // n or 0: the vertex's point, or shader::no_contact
+  // For each vertex, the contact tetrahedra that it is a corner of: 4 x number + corner, CSR, ascending.
   std::vector<std::uint32_t> contact_offset;  // n + 1 or 0
   std::vector<std::uint32_t> contact_entry;
-  // 8 a box around shader::contact_leaf tetrahedra at rest, then around shader::contact_branch such boxes:
-  // least x y z and 0, most x y z and 0.
+  // 8 per box, around shader::contact_leaf tetrahedra at rest, then around shader::contact_branch such boxes:
+  // minimum x y z and 0, maximum x y z and 0.
   std::vector<float> contact_rest_box;
-  // Flesh that the scene keeps from meeting; both empty where there is none. A tetrahedron is of some groups
-  // of flesh, a bit each; a point does not meet tetrahedra of the groups that it ignores.
-  std::vector<std::uint32_t> contact_ignored;  // a point each, or 0
-  std::vector<std::uint32_t> contact_group;    // a tetrahedron of contact_tetrahedron each, or 0
+  // Pairs of flesh that the scene exempts from contact; both empty without. A tetrahedron may belong to
+  // several groups, one bit each; a point does not meet tetrahedra of the groups that it ignores.
+  std::vector<std::uint32_t> contact_ignored;  // one per point, or 0
+  std::vector<std::uint32_t> contact_group;    // one per tetrahedron of contact_tetrahedron, or 0
 
   // Skinning, CSR; empty without a skeleton.
   std::uint32_t joint_count = 0;
@@ -148,25 +149,25 @@ struct Model {                                 // each member has a row in model
   std::vector<std::uint32_t> skin_joint;
   std::vector<float> skin_weight;  // sums to 1 for each vertex
 
-  // The share of the skeleton's acceleration that a vertex does not feel, 0 or at least least_factor in size,
-  // least_carried to 1: 1 less its layer's inertia scale. Empty where every vertex feels all of it, and
-  // without a skeleton. An implicit model with a skeleton always has it: the solvers keep the skinned
-  // velocities of the last substep where it is.
+  // The share of the skeleton's acceleration that a vertex does not feel: 1 minus its layer's inertia scale,
+  // from least_carried to 1, 0 or at least least_factor in magnitude. Empty if every vertex feels all of it,
+  // and without a skeleton. An implicit model with a skeleton always has it: with it, solvers keep the
+  // skinned velocities of the last substep.
   std::vector<float> carried;  // n or 0
 
-  // Forces beside gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in
+  // Forces besides gravity, CSR; empty without. Acceleration of i += coefficient x Drive force, which is in
   // newtons for a point force and in N/m^2 for wind, both divided by the working unit.
   std::uint32_t force_count = 0;
   std::vector<std::uint32_t> force_offset;  // n + 1 or 0
   std::vector<std::uint32_t> force_index;
-  std::vector<float> force_coefficient;  // 1/kg; for wind m^2/kg, the vertex's rest area over its mass
+  std::vector<float> force_coefficient;  // 1/kg; for wind m^2/kg, the vertex's rest area divided by its mass
 
-  // Solids that flesh does not enter (shaders/kernel/collide.inc); a drive says where they are. Of each
-  // vertex the solids that do not hold it, a bit each: flesh is not pushed by what lies in it at rest.
+  // Solids that flesh does not enter (shaders/kernel/collide.inc); the drive says where they are. For each
+  // vertex, one bit per solid that does not push it: a solid does not push flesh that it lies in at rest.
   std::uint32_t collider_count = 0;   // at most most_colliders
   std::vector<std::uint32_t> spared;  // n with colliders, else empty
 
-  // The render mesh, in its own vertex order: each vertex rides on four vertices of the model.
+  // The render mesh, in its own vertex order: each vertex is embedded in four vertices of the model.
   std::vector<std::uint32_t> surface_vertex;    // 4m
   std::vector<float> surface_weight;            // 4m, barycentric
   std::vector<std::uint32_t> surface_triangle;  // 3k, numbers of render vertices
@@ -189,7 +190,7 @@ struct Model {                                 // each member has a row in model
   }
   bool has_contact() const { return !contact.empty(); }
   bool has_ignored_contact() const { return !contact_ignored.empty(); }
-  // Whether the scene keeps point p of `contact` from meeting tetrahedron t of contact_tetrahedron.
+  // Whether the scene exempts point p of `contact` from meeting tetrahedron t of contact_tetrahedron.
   bool is_ignored_contact(std::uint32_t p, std::uint32_t t) const {
     return has_ignored_contact() && (contact_ignored[p] & contact_group[t]) != 0;
   }
@@ -203,16 +204,16 @@ struct Model {                                 // each member has a row in model
 };
 
 // Checks every size, index, range and symmetry that the comments above promise. Throws std::invalid_argument
-// with the first array and index that breaks a promise. Solvers may rely on it.
+// naming the first array and index that break a promise. Solvers may rely on it.
 void check_model(const Model& model);
 
-// m, the longest side of the rest shape's box along the axes; 0 without vertices.
+// The longest side of the rest shape's axis-aligned bounding box, m; 0 without vertices.
 double extent(const Model& model);
-// The same of each of several characters. Joints from first_joint[k] up to the next one move the vertices of
-// number k; ascending. With one or none of them the whole body's.
+// The same for each of several characters. Joints from first_joint[k] up to the next entry move the vertices
+// of character k; ascending. With fewer than two characters, the whole body's.
 std::vector<double> extents(const Model& model, std::span<const std::uint32_t> first_joint);
 
-// Bytes of the arrays a solver keeps for this model and its state.
+// Bytes of the arrays that a solver keeps for this model and its state.
 std::uint64_t solver_bytes(const Model& model);
 
 }  // namespace fascicle::model

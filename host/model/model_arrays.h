@@ -1,6 +1,6 @@
 // The table of a Model's members, one row each, in the order of model.h. Checking (model_check.cpp), hashing
-// and the file (host/bake), byte counts, the GPU's buffers (gpu/model_buffers.cpp) and the arrays that stages
-// in lanes see (cpu_reference/solver/lane_stages.h) follow from it. How to add an array:
+// and the file (host/bake), byte counts, the GPU's buffers (gpu/model_buffers.cpp) and the arrays that
+// vectorised stages see (cpu_reference/solver/lane_stages.h) follow from it. How to add an array:
 // docs/architecture.md, "Adding a model array, adding a scene key".
 //
 // A member of Model without a row here does not compile.
@@ -20,10 +20,10 @@
 
 namespace fascicle::model {
 
-// A number that the model knows of itself.
+// A count derived from the model.
 using Count = std::size_t (*)(const Model& model);
 
-// How many entries an array has: each x count(model) + more. Without a count: any multiple of `each`.
+// Number of entries in an array: each x count(model) + more. Without a count: any multiple of `each`.
 struct Items {
   Count count = nullptr;
   std::size_t each = 1;
@@ -37,10 +37,10 @@ enum class Promise {
   factor,    // 0, or at least least_factor; at most high
   positive,  // finite and above 0
   index,     // below each x count(model)
-  offsets,   // of CSR: begins with 0, does not fall, ends with each x count(model)
+  offsets,   // CSR offsets: begin with 0, do not fall, end with each x count(model)
 };
 
-// What every entry of an array is. check_model adds what concerns several arrays.
+// What holds for every entry of an array. check_model adds checks across several arrays.
 struct Values {
   Promise promise = Promise::none;
   float low = 0.0f, high = 0.0f;
@@ -48,8 +48,8 @@ struct Values {
   std::size_t each = 1;
 };
 
-enum class Needed { by_solvers, by_host };  // metrics, export and reports are the host's
-// In the model's file and hash. An array that most models lack leaves no trace where it is empty.
+enum class Needed { by_solvers, by_host };  // only the host needs metrics, export and reports
+// In the model's file and hash. where_there: an array that most models lack leaves no trace if it is empty.
 enum class Stored { always, where_there };
 
 inline constexpr std::uint32_t no_buffer = std::numeric_limits<std::uint32_t>::max();
@@ -57,14 +57,14 @@ inline constexpr std::uint32_t no_buffer = std::numeric_limits<std::uint32_t>::m
 // The storage buffer (shaders/buffers.h) that holds the array on a GPU.
 struct Buffer {
   std::uint32_t number = no_buffer;  // no_buffer: none, or gpu/model_buffers.cpp packs it with others
-  bool as_vec4 = false;              // of three numbers an item, which take the room of four there
+  bool as_vec4 = false;              // three numbers per item, padded to four there
 };
 
-// How an array is; the defaults are those of most.
+// Properties of an array; the defaults suit most.
 struct ArrayTraits {
   Items items = {};
-  bool (*is_there)(const Model& model) = nullptr;  // where false, the array is empty; null: always true
-  bool may_lack = false;                           // it may be empty even where it could be there
+  bool (*is_there)(const Model& model) = nullptr;  // if false, the array is empty; null: always true
+  bool may_lack = false;                           // may be empty even if is_there
   Values values = {};
   Needed needed = Needed::by_solvers;
   Stored stored = Stored::always;
@@ -82,7 +82,7 @@ struct ValueRow {
   const char* name;
   T Model::*member;
 };
-// A list of structs with a table of their own.
+// A list of structs with their own table.
 template <class T, class Table>
 struct ListRow {
   const char* name;
@@ -420,8 +420,8 @@ inline constexpr bool is_array_row = false;
 template <class T>
 inline constexpr bool is_array_row<ArrayRow<T>> = true;
 
-// Calls use(row, values) for each array of the model, in the table's order: all but single values and lists
-// of structs.
+// Calls use(row, values) for each array of the model, in the table's order, but not for single values and
+// lists of structs.
 template <class Use>
 void for_each_array(const Model& model, const Use& use) {
   base::for_each_row(model_arrays, [&](const auto& row) {
@@ -430,9 +430,8 @@ void for_each_array(const Model& model, const Use& use) {
 }
 
 // Calls visit for each member, in the table's order: visit(name, member), or visit.optional(name, array) for
-// arrays that are stored where they are there. Of a list of structs visit.count(name, list) sees the length
-// first (and may change it, where the model is being read), then visit(name, member) each member of each
-// element.
+// arrays stored only if not empty. For a list of structs, visit.count(name, list) first sees the length (and
+// may change it when the model is being read), then visit(name, member) sees each member of each element.
 template <class ModelType, class Visitor>
 void visit_fields(ModelType& model, Visitor& visit) {
   base::for_each_row(model_arrays, [&](const auto& row) {

@@ -1,4 +1,4 @@
-// check_model and solver_bytes: what follows from the table of arrays, then what concerns several of them.
+// check_model and solver_bytes: checks that follow from the table of arrays, then checks across arrays.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -46,7 +46,7 @@ void check_numbers(const char* array, const Values& promised, const std::vector<
       broken(array, i,
              "is " + std::to_string(x) + ", must lie in [" + std::to_string(low) + ", " +
                  std::to_string(high) + "]");
-    // What no snap sees must not be small enough to make a product denormal.
+    // Values that are not snapped to zero must not be so small that a product is denormal.
     if (promised.promise == Promise::factor && x != 0 && x < Number{least_factor})
       broken(array, i, "is below 2^-40 and not 0");
   }
@@ -79,7 +79,7 @@ void check_values(const Model& m, const ArrayRow<T>& row, const std::vector<T>& 
   }
 }
 
-// Numbers are promised of arrays of numbers, indices and offsets of arrays of indices.
+// Number promises need arrays of numbers; index and offset promises need arrays of indices.
 template <class T>
 constexpr bool can_promise(const ArrayRow<T>& row) {
   const Promise promise = row.traits.values.promise;
@@ -229,7 +229,7 @@ void check_contact_points(const Model& m) {
   if (points != m.contact.size()) broken("contact_number", 0, "names a point twice");
 }
 
-// What a box leaves out the plain search may leave out, and no other search would.
+// The plain search may skip what lies outside a box; no other search would, so results would differ.
 void check_contact_boxes(const Model& m) {
   const auto must_hold = [&](std::size_t box, const float* low, const float* high) {
     for (std::size_t a = 0; a < 3; ++a)
@@ -329,8 +329,8 @@ std::uint64_t solver_bytes(const Model& m) {
                                         (m.carried.empty() ? 0 : 3) + (m.has_ties() ? 3 : 0) +
                                         (m.is_implicit() ? 3 + 3 + 3 + 3 + 8 : 0);
   const std::uint64_t of_limits = m.has_limits() ? m.limit.size() + n : 0;
-  // Of a point: what it has found, the next of its chain, weights, push and normal, impulse; of a vertex:
-  // crowd and acceleration; boxes; of a tetrahedron: its chain.
+  // Per point: tetrahedron found, next in chain, weights, push and normal, impulse. Per vertex: crowd and
+  // acceleration. Boxes. Per tetrahedron: start of its chain.
   const std::uint64_t of_contact =
       m.has_contact() ? m.contact.size() * (1 + 1 + 4 + 3 + 3 + 3) + n * (1 + 3) +
                             (std::uint64_t{m.contact_leaf_count()} + m.contact_branch_count()) * 6 +

@@ -40,7 +40,7 @@ const std::uint32_t* corners(const Model& model, std::uint32_t t) {
   return model.contact_tetrahedron.data() + 4 * std::size_t{t};
 }
 
-// A third of each triangle of the surface, at rest, for each of its corners.
+// Each surface triangle's rest area, a third to each of its corners.
 std::vector<double> areas(const Model& model) {
   std::vector<Triangle> sides;
   sides.reserve(model.tetrahedron.size());
@@ -85,7 +85,7 @@ struct Point {
   std::uint32_t number;  // of Model::contact
 };
 
-// Many points, looked at in fours.
+// Many points, tested four at a time.
 class Points {
  public:
   void add(const Point& point) {
@@ -94,7 +94,7 @@ class Points {
     for (int a = 0; a < 3; ++a) fours_.back().along[static_cast<std::size_t>(a)][k] = point.at[a];
     numbers_.push_back(point.number);
   }
-  // Calls use(point) for those from `first` on, a multiple of 4, to `end` that the box holds.
+  // Calls use(point) for the points in [first, end) inside the box; `first` is a multiple of 4.
   template <class Use>
   void for_each_in(const Box& box, std::size_t first, std::size_t end, const Use& use) const {
     for (std::size_t four = first / 4; 4 * four < end; ++four)
@@ -114,7 +114,7 @@ class Points {
   static constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
   static constexpr Quad nowhere = {no_number, no_number, no_number, no_number};
 
-  // A bit for each that the box holds.
+  // One bit for each point inside the box.
   static std::uint32_t held(const Box& box, const Four& four) {
     QuadFlags flags = {1, 2, 4, 8};
     for (int a = 0; a < 3; ++a) {
@@ -130,8 +130,8 @@ class Points {
   std::vector<std::uint32_t> numbers_;
 };
 
-// A tetrahedron as depths are asked in it: the edges from its first corner, the gradients of the volumes that
-// a point makes with its faces, and six times its volume.
+// A tetrahedron prepared for depth queries: its first corner, the gradients of the volumes that a point makes
+// with its faces, and six times its volume.
 struct Solid {
   Vector a, by_b, by_c, by_d;
   double whole;
@@ -145,11 +145,11 @@ Solid solid_of(const std::uint32_t* corner, std::span<const float> positions) {
   return {a, by_b, outer(ad, ab), outer(ab, ac), inner(ab, by_b)};
 }
 
-// Where x lies in it, as weights of the corners; false: not in it.
+// Barycentric weights of x in the tetrahedron; false if x is outside.
 bool lies_in(const Solid& solid, const Vector& x, std::array<double, 4>& weight) {
   if (!(solid.whole > 0.0)) return false;
   const Vector ax = minus(x, solid.a);
-  // Most points lie beside the tetrahedron: the first face that they lie behind ends the look.
+  // Most points lie outside: return at the first face that x is behind.
   weight[1] = inner(ax, solid.by_b) / solid.whole;
   if (!(weight[1] >= 0.0)) return false;
   weight[2] = inner(ax, solid.by_c) / solid.whole;
@@ -159,16 +159,17 @@ bool lies_in(const Solid& solid, const Vector& x, std::array<double, 4>& weight)
   return weight[3] >= 0.0 && weight[0] >= 0.0;
 }
 
-// What lies no deeper than at rest, but for rounding of floats; working units, which are about a body's size.
+// A depth within this of the rest depth counts as rounding error; working units, which are about a body's
+// size.
 constexpr double least_deeper = 0x1p-20;
 
 constexpr std::uint32_t block_size = 16;             // points
 constexpr std::uint32_t leaf_size = 32;              // tetrahedra
-constexpr std::uint32_t group_size = leaf_size / 4;  // of a leaf's
-constexpr std::uint32_t fan = 4;                     // boxes that have one around them
+constexpr std::uint32_t group_size = leaf_size / 4;  // a quarter of a leaf's
+constexpr std::uint32_t fan = 4;                     // boxes per parent box
 
-// One shape: who lies in whom. Boxes of tetrahedra are a tree, and each box is asked about the blocks of
-// points that overlap the one around it.
+// Finds which points lie in which tetrahedra, for one shape. The boxes of tetrahedra form a tree; each box is
+// tested only against the blocks of points that overlap its parent.
 class OverlapSearch {
  public:
   OverlapSearch(const Model& model, const OverlapTables& tables, std::span<const float> positions);
@@ -188,14 +189,14 @@ class OverlapSearch {
   const Model& model_;
   const OverlapTables& tables_;
   std::span<const float> positions_;
-  std::vector<Place> places_;              // of the vertices
-  Points points_;                          // in the order of the tables; what is not finite lies nowhere
-  std::vector<Box> blocks_;                // around each block_size of these
-  std::vector<PointOverlap> found_;        // a point each; in no tetrahedron where nothing is found
-  std::vector<std::vector<Box>> boxes_;    // of the part in hand: around leaves, around these, ...
-  std::size_t asked_points_ = 0;           // the first ones
-  std::vector<std::uint32_t> near_;        // blocks that overlap the boxes in hand, the outermost first
-  std::vector<Point> in_leaf_, in_group_;  // points
+  std::vector<Place> places_;            // one per vertex
+  Points points_;                        // in the order of the tables; non-finite points are nowhere
+  std::vector<Box> blocks_;              // one per block_size points
+  std::vector<PointOverlap> found_;      // one per point; no_contact as tetrahedron if nothing was found
+  std::vector<std::vector<Box>> boxes_;  // for the current part: around leaves, then around those, ...
+  std::size_t asked_points_ = 0;         // the first so many points are searched for
+  std::vector<std::uint32_t> near_;      // blocks that overlap the current boxes, the outermost box's first
+  std::vector<Point> in_leaf_, in_group_;
 };
 
 OverlapSearch::OverlapSearch(const Model& model, const OverlapTables& tables,
@@ -205,7 +206,7 @@ OverlapSearch::OverlapSearch(const Model& model, const OverlapTables& tables,
   for (std::size_t i = 0; i < model.vertex_count; ++i) places_.push_back({quad_of(positions, i)});
   for (std::size_t k = 0; k < tables.order.size(); ++k) {
     const Quad at = places_[model.contact[tables.order[k]].vertex].at;
-    const Quad x = at + (at - at);  // what is not finite is no number
+    const Quad x = at + (at - at);  // non-finite becomes NaN
     if (k % block_size == 0) blocks_.push_back(empty_box);
     grow(blocks_.back(), x, x);
     points_.add({x, tables.order[k]});
@@ -214,8 +215,8 @@ OverlapSearch::OverlapSearch(const Model& model, const OverlapTables& tables,
   for (std::uint32_t p = 0; p < model.contact.size(); ++p) found_.push_back({p, shader::no_contact, 0.0});
 }
 
-// What follows the skeleton is not asked about what does: often it is most of a hand, and all of what is only
-// carried.
+// Skips pairs where both point and tetrahedron follow the skeleton: often most of a hand, and everything that
+// is only carried along.
 std::vector<PointOverlap> OverlapSearch::find() {
   find_in(tables_.free, static_cast<std::uint32_t>(tables_.order.size()));
   find_in(tables_.held, tables_.free_points);
@@ -246,7 +247,7 @@ void OverlapSearch::find_in(const OverlapTables::Part& part, std::uint32_t point
   find_in_box(part, boxes_.size() - 1, 0, 0, near_.size());
 }
 
-// `first` and `end`: of near_, the blocks near the box around this one.
+// [first, end) in near_ are the blocks near the parent box.
 void OverlapSearch::find_in_box(const OverlapTables::Part& part, std::size_t level, std::uint32_t number,
                                 std::size_t first, std::size_t end) {
   const Box& box = boxes_[level][number];
@@ -291,7 +292,7 @@ void OverlapSearch::find_in_group(std::span<const std::uint32_t> tetrahedra) {
   for (std::size_t k = 0; k < tetrahedra.size(); ++k) find_in_tetrahedron(tetrahedra[k], boxes[k]);
 }
 
-// Of several tetrahedra that hold a point, the first counts.
+// If several tetrahedra hold a point, the first one counts.
 void OverlapSearch::find_in_tetrahedron(std::uint32_t t, const Box& box) {
   const std::uint32_t* corner = corners(model_, t);
   bool is_made = false;
@@ -300,7 +301,7 @@ void OverlapSearch::find_in_tetrahedron(std::uint32_t t, const Box& box) {
     if (!holds(box, point.at)) continue;
     const std::uint32_t p = point.number;
     PointOverlap& found = found_[p];
-    // Its own tetrahedra hold it, and it does not meet them.
+    // A point lies in its vertex's own tetrahedra, but does not meet them.
     const std::uint32_t vertex = model_.contact[p].vertex;
     if (found.tetrahedron < t || std::find(corner, corner + 4, vertex) != corner + 4) continue;
     if (!is_made) solid = solid_of(corner, positions_);
@@ -313,7 +314,8 @@ void OverlapSearch::find_in_tetrahedron(std::uint32_t t, const Box& box) {
   }
 }
 
-// Whether a point may meet the place with these weights in tetrahedron t, one of which can move by itself.
+// Whether a point may meet the location with these weights in tetrahedron t; at least one of the two can move
+// freely.
 bool OverlapSearch::may_meet(std::uint32_t p, std::uint32_t t, const std::array<double, 4>& weight) const {
   if (model_.is_ignored_contact(p, t)) return false;
   const shader::ContactPoint& point = model_.contact[p];

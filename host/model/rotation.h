@@ -12,11 +12,10 @@ Matrix3 multiply(const Matrix3& a, const Matrix3& b);
 Matrix3 transposed(const Matrix3& m);
 std::array<double, 3> multiply(const Matrix3& m, const std::array<double, 3>& v);
 
-// The rotation nearest to m; the identity for a map that mirrors or flattens, where there is none to start
-// from.
+// The rotation nearest to m; the identity if m mirrors or flattens, because the iteration then has no start.
 Matrix3 nearest_rotation(Matrix3 m);
 
-// Of a rotation matrix; of q and -q either.
+// Quaternion of a rotation matrix; it may be q or -q.
 Quaternion quaternion_of(const Matrix3& r);
 
 // The unit quaternion of the product a b.

@@ -1,6 +1,6 @@
-// What there is in a substep: stages, the kernels that they are made of, and the fields that these read and
-// write. Each is an enumeration and its table, one row a value in the same order; what solvers know of a
-// stage follows from its rows. substep_plan.h says in which order they run.
+// What makes up a substep: stages, the kernels that implement them, and the fields that kernels read and
+// write. Each is an enumeration with a table, one row per value in the same order; solvers derive what they
+// need to know about a stage from its rows. substep_plan.h defines the order in which they run.
 #pragma once
 
 #include <algorithm>
@@ -17,18 +17,18 @@
 namespace fascicle::model {
 
 // The stages of a substep, in order; embed runs once, after a frame's last substep. The same word names the
-// shader (region.comp), the kernel (kernel/region.inc), and the test. Only a model with a skeleton has skin,
-// only one with ties has tie, only one with limits has limit, only one with colliders has collide, which an
-// explicit substep ends with, only one with contact has contact: contacts are looked for before predict. An
-// implicit substep goes through region, goal, relax and contact once an iteration; an explicit one has no
-// relax. In both, flesh that is in contact answers once more after integrate.
+// shader (region.comp), the kernel (kernel/region.inc), and the test. Some stages run only in models that
+// need them: skin with a skeleton, tie with ties, limit with limits, collide with colliders (last in an
+// explicit substep), contact with contact; contacts are found before predict. An implicit substep runs
+// region, goal, relax and contact once per iteration; an explicit one has no relax. In both, flesh in contact
+// responds once more after integrate.
 enum class Stage { skin, tie, predict, region, goal, relax, limit, collide, integrate, contact, embed };
 
-// Kernels in the order of an implicit substep, but for those from contact_hold to contact. The same word
-// names the shader. lack, crowd and limit are the stage limit, obstruct and collide the stage collide, and
-// those with contact in their names are the stage contact: contact_press and contact of an explicit substep,
-// contact_hold and contact_yield of an iteration, contact_settle and contact_rest of what comes after them.
-// update and iterate are fused from others, with the same bits.
+// Kernels in the order of an implicit substep, except contact_hold to contact. The same word names the
+// shader. lack, crowd and limit belong to stage limit, obstruct and collide to stage collide, and those with
+// contact in their names to stage contact: contact_press and contact run in an explicit substep, contact_hold
+// and contact_yield in an implicit iteration, contact_settle and contact_rest after the iterations. update
+// and iterate are fused from other kernels, with the same bits.
 enum class Kernel : std::uint8_t {
   rebase,
   skin,
@@ -59,8 +59,8 @@ enum class Kernel : std::uint8_t {
   embed,
 };
 
-// What changes from substep to substep. Each is a buffer of shaders/buffers.h and an array, or a part of one,
-// of cpu_reference/solver/fields.h. There, an explicit substep keeps the velocities that predict makes in
+// State that changes from substep to substep. Each field is a buffer of shaders/buffers.h and an array, or a
+// part of one, of cpu_reference/solver/fields.h. There, an explicit substep keeps predict's velocities in
 // `predicted`.
 enum class Field : std::uint8_t {
   position,
@@ -90,7 +90,6 @@ enum class Field : std::uint8_t {
   contact_impulse,
 };
 
-// A set of fields.
 struct FieldSet {
   std::uint32_t bits = 0;
   constexpr FieldSet() = default;
@@ -112,7 +111,7 @@ struct FieldSet {
   }
 };
 
-// What a kernel runs over: an invocation, or a turn of a loop, an item.
+// What a kernel runs over: one invocation, or one turn of a loop, per item.
 enum class KernelItems : std::uint8_t {
   vertices,
   limits,
@@ -123,16 +122,16 @@ enum class KernelItems : std::uint8_t {
   contact_tetrahedra
 };
 
-// What a field is, whoever holds it.
+// Properties of a field in every implementation.
 struct FieldTraits {
   Field field;
   const char* name;
   std::uint32_t buffer;  // of shaders/buffers.h
-  std::uint32_t bytes;   // an item of that buffer
-  // An item as a probe is shown it; 0: none is. The GPU's items may hold more.
+  std::uint32_t bytes;   // per item of that buffer
+  // Floats per item as shown to a probe; 0: never shown. The GPU's items may hold more.
   std::uint32_t floats;
   KernelItems items;
-  bool (Model::*is_kept)() const = nullptr;  // the models that the GPU keeps it for; null: all with items
+  bool (Model::*is_kept)() const = nullptr;  // the models for which the GPU keeps it; null: all
 };
 inline constexpr FieldTraits field_rows[] = {
     {Field::position, "position", shader::buffer_position, 16, 3, KernelItems::vertices},
@@ -181,20 +180,20 @@ constexpr std::string_view name_of(Field field) {
   return row_of(field).name;
 }
 
-// What a kernel may touch, in any model. An invocation writes only its own item's numbers, so the items of
-// one kernel may run in any order: no field that it reads of other items is one that it writes.
+// What a kernel may access, in any model. An invocation writes only its own item's values, so the items of
+// one kernel may run in any order: a kernel never reads from other items a field that it writes.
 //
-// By an atomic exchange an item may put its number in another's place and take what stood there. Which items
-// met in which order is left open: who reads on takes them by their numbers.
+// With an atomic exchange, an item may put its number in another item's slot and take the previous value. The
+// order of these exchanges is not defined: readers process what they find in order of number.
 struct KernelAccess {
   Kernel kernel;
-  std::string_view name;  // and of the shader
+  std::string_view name;  // the shader has the same name
   KernelItems items;
   FieldSet own;   // read at its own item
-  FieldSet ring;  // read at the item and in its one-ring
+  FieldSet ring;  // read at its own item and in its one-ring
   FieldSet any;   // read anywhere
   FieldSet writes;
-  FieldSet exchanged = {};  // of those, the ones exchanged at other items
+  FieldSet exchanged = {};  // those of `writes` exchanged at other items
 
   constexpr FieldSet reads() const { return own | ring | any | exchanged; }
 };
@@ -205,7 +204,7 @@ inline constexpr FieldSet history{Field::position_before, Field::velocity_before
 
 inline constexpr FieldSet predict_reads =
     forces_on_vertex | skin_motion | history | FieldSet{Field::position, Field::velocity};
-// The implicit integrator's way of integrate also takes what relax left.
+// The implicit integrate also reads what relax wrote.
 inline constexpr FieldSet integrate_reads =
     skin_motion.without({Field::skinned_velocity}) |
     FieldSet{Field::position, Field::velocity, Field::goal, Field::predicted};
@@ -387,7 +386,7 @@ constexpr std::string_view name_of(Kernel kernel) {
   return access_of(kernel).name;
 }
 
-// The fields that a probe is shown side by side when a stage is done.
+// The fields shown to a probe side by side when a stage is done.
 struct ShownFields {
   constexpr ShownFields(std::initializer_list<Field> of) : count(of.size()) {
     std::copy(of.begin(), of.end(), fields.begin());
@@ -405,9 +404,9 @@ struct StageRow {
   ShownFields shown;
 };
 inline constexpr StageRow stage_rows[] = {
-    {Stage::skin, "skin", {Field::skinned, Field::gravity}},  // gravity: the bones' change of it
+    {Stage::skin, "skin", {Field::skinned, Field::gravity}},  // gravity: its change by the bones
     {Stage::tie, "tie", {Field::tied}},
-    {Stage::predict, "predict", {Field::predicted}},  // explicit: velocity with the external forces in
+    {Stage::predict, "predict", {Field::predicted}},  // explicit: velocity including external forces
     {Stage::region, "region", {Field::transform, Field::rotation}},
     {Stage::goal, "goal", {Field::goal}},
     {Stage::relax, "relax", {Field::position}},
@@ -434,20 +433,20 @@ constexpr const ShownFields& shown_by(Stage stage) {
   return row_of(stage).shown;
 }
 
-// What the output of a stage has one item of.
+// The items of a stage's output.
 constexpr KernelItems items_of(Stage stage) {
   return row_of(*shown_by(stage).begin()).items;
 }
 
-// Floats an item of the stage's output holds: those of its fields. A transform is the linear map row by row
-// (9), then the translation (3); a rotation is w x y z.
+// Floats per item of the stage's output, over all its fields. A transform is the linear map row by row (9),
+// then the translation (3); a rotation is w x y z.
 constexpr std::uint32_t stage_width(Stage stage) {
   std::uint32_t width = 0;
   for (const Field field : shown_by(stage)) width += row_of(field).floats;
   return width;
 }
 
-// What the tables promise.
+// Guarantees of the tables.
 namespace rows {
 
 template <class Row, std::size_t count, class Value>
@@ -467,7 +466,7 @@ constexpr bool fields_have_rows() {
 }
 static_assert(fields_have_rows() && field_count <= 32, "a kernel touches a field that has no row");
 
-// Items side by side are of one kind and have floats.
+// Fields shown side by side have the same kind of items, and floats.
 constexpr bool outputs_are_whole() {
   for (const StageRow& row : stage_rows)
     for (const Field field : row.shown)

@@ -11,7 +11,7 @@ namespace {
 
 using Vector3 = std::array<double, 3>;
 
-// What the solvers' stages guarantee of their outputs holds for states too: nothing below 2^-40 but zero.
+// Like the outputs of the solvers' stages, states hold no magnitude below 2^-40 except zero.
 float rounded(double x) {
   const float f = static_cast<float>(x);
   return std::abs(f) < 0x1p-40f ? 0.0f : f;
@@ -35,7 +35,6 @@ struct Blend {
   }
 };
 
-// The blended map of vertex i.
 Blend blend_of(const Model& model, std::span<const shader::Bone> pose, std::size_t i) {
   Blend blend;
   for (std::uint32_t k = model.skin_offset[i]; k < model.skin_offset[i + 1]; ++k) {

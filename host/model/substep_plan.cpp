@@ -69,7 +69,7 @@ SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool 
       integrate{Kernel::integrate, Stage::integrate};
 
   if (!model.is_implicit()) {
-    // Ties reach anywhere. What follows them is a block of its own, which can be swept.
+    // Ties reach anywhere, so they get their own block. What follows can be swept.
     if (model.has_ties() && !begin.empty()) plan.push_back({.steps = std::exchange(begin, {})});
     if (for_probe)
       append(begin, {predict, region, goal, integrate});
@@ -124,11 +124,11 @@ std::optional<SweptSteps> swept_steps(const Block& block) {
     if (access.items != KernelItems::vertices || !access.any.empty()) return std::nullopt;
   }
   const KernelAccess &of_region = access_of(region), &of_move = access_of(move);
-  // Each takes of its neighbours what the other leaves them, and nothing else.
+  // Each reads from its neighbours only what the other writes.
   if (of_region.ring.empty() || of_move.ring.empty()) return std::nullopt;
   if (!of_region.ring.without(of_move.writes).empty() || !of_move.ring.without(of_region.writes).empty())
     return std::nullopt;
-  // What comes before both is run with `move`, after the region's map of the same pass.
+  // `skin` runs together with `move`, after the region's map of the same pass.
   if (skin) {
     const KernelAccess& of_skin = access_of(*skin);
     if (!of_skin.ring.empty() || must_wait(of_region, of_skin.reads(), of_skin.writes)) return std::nullopt;

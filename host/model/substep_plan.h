@@ -1,7 +1,7 @@
 // The schedule of a substep: which kernels of stages.h run, in which order and how often, and when a probe is
-// shown a stage. It stands here alone: CpuSolver, VulkanSolver, Oracle and the measurements of stages carry
-// out what substep_plan lists. Barriers between dispatches and which substeps may be swept together follow
-// from the kernels' accesses. Tests hold those against the compiled shaders and the CPU's kernels.
+// shown a stage. It is defined only here: CpuSolver, VulkanSolver, Oracle and the stage timings execute what
+// substep_plan lists. Barriers between dispatches, and which substeps may be swept together, follow from the
+// kernels' accesses. Tests check those against the compiled shaders and the CPU's kernels.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@ namespace fascicle::model {
 
 std::uint32_t item_count(const Model& model, KernelItems items);
 
-// Whether a kernel that follows others must wait for them: it touches what they wrote, or writes what they
-// read. `read` and `written` are of those since the last wait. skinned and skinned_before change places every
+// Whether a kernel must wait for those before it: it accesses what they wrote, or writes what they read.
+// `read` and `written` are the fields accessed since the last wait. skinned and skinned_before swap every
 // substep and count as one.
 bool must_wait(const KernelAccess& next, FieldSet read, FieldSet written);
 
-// A kernel, and what a probe is shown when it is done.
+// A kernel, and the stage shown to a probe when it is done.
 struct Step {
   Kernel kernel;
   std::optional<Stage> shown = std::nullopt;
@@ -33,21 +33,21 @@ struct Block {
   Repeat repeat = Repeat::once;
   std::uint32_t times = 1;
   std::vector<Step> steps;
-  std::optional<Stage> shown = std::nullopt;  // to a probe, when the last repetition is done
+  std::optional<Stage> shown = std::nullopt;  // to a probe, after the last repetition
 };
 using SubstepPlan = std::vector<Block>;
 
-// What a substep of the model runs. For a probe every stage runs by itself; else stages are fused where
-// memory is saved by it.
+// The schedule of a substep of the model. For a probe every stage runs by itself; otherwise stages are fused
+// where that saves memory traffic.
 SubstepPlan substep_plan(const Model& model, const SolverOptions& options, bool for_probe);
 
 // The kernels of a plan, each once, in order.
 std::vector<Kernel> kernels_of(const SubstepPlan& plan);
 
 // The steps of a block that temporal blocking may carry through several repetitions in one sweep over the
-// body (cpu_reference/solver/sweeps.h): a region's map follows the positions of its one-ring, a vertex the
-// maps of its one-ring, and `skin`, if any, is the vertex's own affair. None where a step reaches further or
-// where the block has other steps.
+// body (cpu_reference/solver/sweeps.h): a region's map depends on the positions of its one-ring, a vertex on
+// the maps of its one-ring, and `skin`, if any, only on the vertex itself. None if a step reaches further or
+// the block has other steps.
 struct SweptSteps {
   std::optional<Kernel> skin;
   Kernel region, move;

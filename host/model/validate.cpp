@@ -12,7 +12,7 @@ namespace fascicle::model {
 
 namespace {
 
-// Keeps one frame's stage outputs, in the order they were shown.
+// Keeps one frame's stage outputs, in the order shown.
 class Recorder : public Probe {
  public:
   struct Shown {
@@ -79,7 +79,7 @@ std::optional<Difference> first_difference(Solver& a, Solver& b, const DriveSour
     const Frame frame_a = a.collect(), frame_b = b.collect();
     const std::size_t count = std::max(stages_a.shown().size(), stages_b.shown().size());
     for (std::size_t s = 0; s < count; ++s) {
-      // A stage one of them never showed is a difference in its first value.
+      // A stage that only one of them showed counts as a difference in its first value.
       static const Recorder::Shown nothing{};
       const auto& shown_a = s < stages_a.shown().size() ? stages_a.shown()[s] : nothing;
       const auto& shown_b = s < stages_b.shown().size() ? stages_b.shown()[s] : nothing;
@@ -120,7 +120,7 @@ Distance distance_to(const Model& model, Solver& solver, Solver& reference, cons
         squared += d * d;
       }
       sum += squared;
-      // Written so that a NaN counts as the largest distance there is.
+      // Negated so that a NaN counts as the largest distance.
       if (const double d = std::sqrt(squared) * model.unit; !(d <= distance.largest)) {
         distance.largest = std::isnan(d) ? std::numeric_limits<double>::infinity() : d;
         distance.frame = k;

@@ -1,4 +1,4 @@
-// Validation: two solvers, the same drives, every stage of every step compared by bits.
+// Validation: two solvers get the same drives; every stage of every step is compared bit by bit.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ struct Difference {
   std::uint32_t item = 0;       // vertex, region or render vertex
   std::uint32_t component = 0;  // below stage_width
   float a = 0.0f, b = 0.0f;
-  std::uint64_t ulp = 0;  // distance in representable floats; NaN against a number: the largest
+  std::uint64_t ulp = 0;  // distance in representable floats; the maximum for NaN against a number
 };
 
-// Produces frame k's drive, k = 1, 2, ...; the drive's spans stay valid until the next call.
+// Returns the drive of frame k, k = 1, 2, ...; its spans stay valid until the next call.
 using DriveSource = std::function<Drive(std::uint64_t frame)>;
 
 // Steps both solvers together for `frames` frames with a probe and returns the first difference of stage
@@ -27,15 +27,15 @@ std::optional<Difference> first_difference(Solver& a, Solver& b, const DriveSour
                                            std::uint64_t frames,
                                            const std::function<void(std::uint64_t)>& on_frame = {});
 
-// XXH3-64 of a frame's positions, their bits in model order.
+// XXH3-64 of the bits of a frame's positions, in model order.
 std::uint64_t position_hash(const Frame& frame);
 
 struct Distance {
   double largest = 0.0, rms = 0.0;  // metres, over all vertices and frames
-  std::uint64_t frame = 0;          // of the largest
+  std::uint64_t frame = 0;          // where `largest` occurs
   std::uint32_t vertex = 0;
 };
-// Steps a float solver beside a reference and measures the distance of positions.
+// Runs a float solver alongside a reference and measures the distance of positions.
 Distance distance_to(const Model& model, Solver& solver, Solver& reference, const DriveSource& drives,
                      std::uint64_t frames);
 
