@@ -1,12 +1,12 @@
-// The frame loop. A resumed bake takes the same path as a new one: only the place where each file goes on
-// differs.
+// The frame loop. A resumed bake takes the same path as a new one; only the position at which each file
+// continues differs.
 //
 // What makes a bake survive being killed at any moment:
 //   1. the manifest is the first file and lists the others, so that they can be told from foreign ones;
-//   2. manifest and checkpoint are replaced whole, after everything they count on was synced, the checkpoint
-//      last;
-//   3. a resumed bake cuts every stream back to the checkpoint's frame, and steps the frames after it again,
-//      with the same bits.
+//   2. manifest and checkpoint are replaced atomically, after everything they refer to was synced, the
+//      checkpoint last;
+//   3. a resumed bake truncates every stream to the checkpoint's frame and simulates later frames again, with
+//      the same bits.
 #include "host/bake/bake.h"
 
 #include <functional>
@@ -95,7 +95,7 @@ BakeResult Run::go() {
   if (!interrupted_) take_look();
   progress_.frames_kept = interrupted_ || options_.keep_frames;
   save_manifest(interrupted_ ? Status::interrupted : Status::complete, moment());
-  // The manifest no longer points at them.
+  // The manifest no longer lists them.
   if (!progress_.frames_kept) remove_files(options_.folder, {cache_name});
   return summary();
 }
@@ -120,9 +120,9 @@ BakeResult Run::summary() const {
   return result;
 }
 
-// Frames are stepped while those before are written. Where a checkpoint is due no further frame may be in
-// flight while the solver's state is taken. What is due then is done after that frame's writing, beside the
-// solver.
+// Frames are simulated while earlier ones are written. If a checkpoint is due, no further frame may be in
+// flight while the solver's state is saved. The checkpoint itself is written after its frame, while the
+// solver continues.
 void Run::step_frames(std::uint64_t first) {
   if (first > frames_) return;
   const auto submit = [&](std::uint64_t frame) {
@@ -175,7 +175,7 @@ void Run::step_frames(std::uint64_t first) {
     submit(first);
     for (std::uint64_t k = first; k <= frames_ && !interrupted_; ++k) step(k);
   } catch (...) {
-    writer.finish();  // what was simulated before is kept; its own failure is the one that counts
+    writer.finish();  // keeps earlier frames; if this throws, that failure is the one to report
     throw;
   }
 }
@@ -186,7 +186,7 @@ void Run::note_clamped(const model::Drive& drive, std::uint64_t frame) {
   if (regions > clamped_.regions) clamped_ = {regions, frame};
 }
 
-// All frames before are written.
+// All earlier frames have been written.
 void Run::refuse_not_finite(const model::Frame& frame) {
   progress_.message = not_finite_text(scene_, model_, frame);
   save_manifest(Status::not_finite, moment());
@@ -208,15 +208,15 @@ void Run::checkpoint(const model::State& state, const Moment& moment) {
   const Clock::time_point start = Clock::now();
   base::for_each_in_parallel(sinks_.size(), sinks_.size(),
                              [this](std::size_t k, std::size_t) { sinks_[k]->sync(); });
-  // The manifest first: it may know more than the checkpoint, whose frames are then stepped again.
+  // The manifest first: if it counts more frames than the checkpoint, they are simulated again.
   const bool is_worse = moment.clamped.regions > progress_.clamped.regions;
   if (is_worse || manifest_due()) save_manifest(Status::running, moment);
   write_checkpoint(path_of(checkpoint_name), {identity_, state, skinned_});
   seconds_to_sync_ = seconds_since(start);
 }
 
-// It has a line for each frame: written whole at every checkpoint, a long bake's would take longer and
-// longer.
+// The manifest has a line per frame: written at every checkpoint, it would slow down long bakes more and
+// more.
 bool Run::manifest_due() const {
   constexpr std::size_t share = 64;
   const std::size_t frames = progress_.position_hashes.size();
@@ -229,7 +229,7 @@ void Run::take_look() {
   progress_.look = look_summary(
       options_.folder, model_, std::get_if<rig::Character>(&scene_.geometry), scene_.fps,
       [&](std::uint64_t k) {
-        // Skinned on the host, where the last bits may differ from the solver's: the words are the same.
+        // Skinned on the host, where the last bits may differ from the solver's, but not the text.
         model::Frame frame = cache.read(k);
         frame.skinned = k == 0 ? drives_.initial_state().skinned : [&] {
           const model::Drive drive = drives_.drive(k);
@@ -255,7 +255,7 @@ void Run::note_failure(const std::string& reason) const {
   try {
     set_status(options_.folder, Status::failed, reason);
   } catch (const std::exception&) {
-    // What went wrong first is what the caller has to hear.
+    // The first failure is the one to report.
   }
 }
 
@@ -265,7 +265,7 @@ BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Sol
   try {
     return run.go();
   } catch (const NotFinite&) {
-    throw;  // the manifest says so already
+    throw;  // the manifest already says so
   } catch (const std::bad_alloc&) {
     run.note_failure("out of memory");
     throw;

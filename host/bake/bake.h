@@ -1,4 +1,4 @@
-// The frame loop. Give it a scene, its model and a solver; it writes a folder and can be resumed.
+// The frame loop: bakes a scene with its model and a solver into a folder; can be resumed.
 #pragma once
 
 #include <atomic>
@@ -23,12 +23,12 @@ namespace fascicle::bake {
 
 using base::BakeError;
 
-// The -o folder holds a bake and neither overwrite nor resume was given, or another process writes there: bad
-// usage.
+// The -o folder holds a bake and neither overwrite nor resume was given, or another process writes there: a
+// usage error.
 struct FolderInUse : BakeError {
   using BakeError::BakeError;
 };
-// What was asked for cannot be meant: bad usage.
+// The options contradict each other: a usage error.
 struct ContradictingOptions : BakeError {
   using BakeError::BakeError;
 };
@@ -46,55 +46,55 @@ struct DeviceDescription {
   unsigned threads = 0;
 };
 
-// Where a character's skin is open, and what its body made of that.
+// An opening in a character's skin, and how its body was made there.
 struct OpenEndEntry {
-  std::string joint;   // that moves most of it; empty: none
+  std::string joint;   // the one that moves most of it; empty: none
   std::string became;  // in words
   double width = 0.0;  // m
   std::uint32_t edges = 0;
-  std::uint32_t vertex = 0;  // one of them, of the welded skin
+  std::uint32_t vertex = 0;  // one of its vertices, in the welded skin
 };
 
-// What is to be written and where to, from whoever asks for it to the formats.
+// What to write and where, as passed from the caller to the formats.
 struct BakeOutput {
   std::filesystem::path folder;
   std::vector<std::string> formats;  // of format_names(), or no_format alone (options.h)
-  // Without them nothing is exported or drawn later. While a bake is not complete it has them.
+  // Without them nothing can be exported or drawn later. A bake always has them until it is complete.
   bool keep_frames = true;
   formats::GlbOptions glb = {};
-  // Of the range's first frame, in what other programs read; without it what is written begins at 0. Our own
-  // files count from 0.
+  // Number of the range's first frame in files for other programs; without it frame 0 has number 0. Our own
+  // files always count from 0.
   std::optional<std::uint64_t> first_number = {};
-  bool usd_skel = false;   // usda: skinning alone beside the points
-  bool overwrite = false;  // removes only what a bake made in the folder
-  bool resume = false;     // goes on from the last checkpoint; starts afresh where there is none
+  bool usd_skel = false;   // usda: also the motion by skinning alone
+  bool overwrite = false;  // removes only files that a bake made in the folder
+  bool resume = false;     // continues from the last checkpoint; starts afresh if there is none
 };
 
 struct BakeOptions : BakeOutput {
-  std::optional<std::uint32_t> substeps = {};    // of a frame; absent: as the scene states
-  std::optional<std::uint32_t> iterations = {};  // of a substep; absent: as the scene states, else 20
-  // A checkpoint after so many frames, at least 1, or so often that no more than this time's work is lost,
-  // whichever comes first; a frame that takes longer has its own.
+  std::optional<std::uint32_t> substeps = {};    // per frame; absent: from the scene
+  std::optional<std::uint32_t> iterations = {};  // per substep; absent: from the scene, else 20
+  // A checkpoint is written after this many frames (at least 1), or often enough that at most this time's
+  // work is lost, whichever comes first; a frame that takes longer gets its own.
   std::uint64_t checkpoint_frames = std::numeric_limits<std::uint64_t>::max();
   double checkpoint_seconds = 0.5;
   DeviceDescription device;
-  std::vector<std::string> warnings;               // of the build, for the manifest
-  std::vector<OpenEndEntry> open_ends;             // of the skin, for the manifest
+  std::vector<std::string> warnings;               // from the build, for the manifest
+  std::vector<OpenEndEntry> open_ends;             // in the skin, for the manifest
   std::optional<ExpectedLook> expected_look;       // for the manifest
   std::optional<TriedLook> tried_look;             // for the manifest
-  const LookBody* look_body = nullptr;             // look_body_of, where somebody has made it
+  const LookBody* look_body = nullptr;             // look_body_of, if the caller has it
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
-  // Called when a frame is simulated; it and the one before it may still be in the writing.
+  // Called when a frame has been simulated; it and the one before it may not be written yet.
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame;
-  // Called before each frame that is stepped before frame 0.
+  // Called before each frame that is simulated before frame 0.
   std::function<void()> on_lead_in;
-  // A store of states at frame 0, by a key of hex digits: a scene that was baked before need not step again
-  // what comes before frame 0. The bits are the same. Without these functions nothing is kept.
+  // A store of states at frame 0, by a key of hex digits: a scene that was baked before need not simulate the
+  // lead-in again. The bits are the same. Without these functions nothing is stored.
   std::function<std::optional<std::string>(const std::string& key)> find_start;
   std::function<void(const std::string& key, std::string_view bytes)> keep_start;
 };
 
-// Regions whose stretch of equation (17) was limited to [0.25, 4]: the largest number in one frame, and that
+// Regions whose stretch of equation (17) was limited to [0.25, 4]: the largest count in one frame, and that
 // frame.
 struct ClampedMuscles {
   std::uint64_t regions = 0, frame = 0;
@@ -104,30 +104,30 @@ struct BakeResult {
   std::uint64_t frames_done = 0;  // of frame_count(scene)
   bool interrupted = false;
   std::vector<std::filesystem::path> files;
-  std::vector<std::string> missing_images;  // of the character's: white pixels stand for them
+  std::vector<std::string> missing_images;  // in the character; drawn as white pixels
   std::string last_position_hash;
   drive::LeadInSummary lead_in;
   std::optional<double>
-      loop_jump;  // m: of a seamless loop, the furthest that a vertex ends from its beginning
+      loop_jump;  // m: in a seamless loop, the largest distance between a vertex's end and its start
   ClampedMuscles clamped;
-  std::optional<LookSummary> look;  // of a finished bake of a character
+  std::optional<LookSummary> look;  // for a finished bake of a character
   formats::SinkReport report;       // of all formats
   double seconds_solver = 0.0, seconds_writing = 0.0, seconds_total = 0.0;
 };
 
-// The number of frame 0 where the range's first frame has this one. Throws BakeError where handles would get
-// numbers below 0.
+// The number of frame 0 if the range's first frame has number `first_of_range`. Throws BakeError if handles
+// would get numbers below 0.
 std::uint64_t first_written(std::uint64_t first_of_range, std::uint64_t handles);
 
 // The number of frame 0. Throws BakeError as first_written does.
 std::uint64_t number_of_first(const scene::Scene& scene, const BakeOutput& output);
 
-// Of a frame: those of the options, or those that the scene states.
+// Per frame and per substep: from the options, else from the scene.
 std::uint32_t substeps_of(const scene::Scene& scene, const BakeOptions& options);
 std::uint32_t iterations_of(const scene::Scene& scene, const BakeOptions& options);
 
 // Runs the bake. Throws BakeError, NotFinite, std::system_error (disk) and what the solver throws. If it ends
-// early, the frame cache keeps every whole frame, a checkpoint is there to resume from, and the manifest says
+// early, the frame cache keeps every whole frame, there is a checkpoint to resume from, and the manifest says
 // why the bake ended and in which frame.
 BakeResult bake(const scene::Scene& scene, const model::Model& model, model::Solver& solver,
                 const BakeOptions& options);

@@ -32,7 +32,7 @@ class CacheSink final : public formats::FrameSink {
       return;
     }
     const FrameCacheReader reader(path);
-    // A bake may be gone on with to another end.
+    // A bake may be resumed with another end.
     CacheHeader before = reader.header();
     before.frames = header_.frames;
     if (before != header_)
@@ -50,7 +50,7 @@ class CacheSink final : public formats::FrameSink {
     try {
       file_->write(encode_cache_record(header_, frame));
     } catch (const std::system_error&) {
-      // A full disk: leave whole frames. Should this fail too, readers drop the piece by its length.
+      // Disk full: drop the partial record. If this fails too, readers ignore it because of its length.
       try {
         file_->truncate(end);
       } catch (const std::system_error&) {

@@ -28,14 +28,14 @@ namespace {
 constexpr std::string_view checkpoint_magic = "FASCCKPT";
 constexpr std::uint32_t checkpoint_version = 4;
 
-// The file in pieces: arrays stay where they are, as a bake writes many checkpoints and each has megabytes.
+// The file in pieces, without copying the arrays: a bake writes many checkpoints of megabytes each.
 class Pieces {
  public:
   explicit Pieces(const CheckpointView& checkpoint);
   std::span<const std::string_view> all() const { return pieces_; }
 
  private:
-  // What lies between the arrays.
+  // Appends bytes between the arrays.
   template <class T>
   void add(const T& value) {
     base::append_bytes(between_, value);
@@ -47,7 +47,7 @@ class Pieces {
   void cut();
 
   struct Array {
-    std::size_t at;  // after so many bytes of what lies between
+    std::size_t at;  // offset into those bytes
     std::span<const float> values;
   };
   std::string between_;
@@ -78,7 +78,7 @@ Pieces::Pieces(const CheckpointView& checkpoint) {
   cut();
 }
 
-// Into the pieces that there are now; all of them, as what lies between may have moved.
+// Rebuilds all pieces, because between_ may have been reallocated.
 void Pieces::cut() {
   pieces_.clear();
   const std::string_view between = between_;
@@ -91,7 +91,7 @@ void Pieces::cut() {
   pieces_.push_back(between.substr(begin));
 }
 
-// Takes values off the front of a file's bytes; every length is checked against what is left.
+// Takes values off the front of a file's bytes; checks every length against what is left.
 class Parser {
  public:
   Parser(std::string_view bytes, const fs::path& path) : bytes_(bytes), path_(&path) {}
@@ -202,7 +202,7 @@ void check_checkpoint(const Checkpoint& checkpoint, const model::Model& model, s
   }
   if (!has_look(model)) return;
   const std::size_t floats = std::size_t{3} * model.vertex_count;
-  // Of frame 0 there is no frame before.
+  // Frame 0 has no frame before it.
   for (std::size_t k = state.frame == 0 ? 1 : 0; k < checkpoint.skinned.size(); ++k)
     if (checkpoint.skinned[k].size() != floats) throw damaged("its skinned positions are of another body");
 }
@@ -220,9 +220,9 @@ bool is_checkpoint(const fs::path& path) {
 }
 
 std::uint64_t checkpoint_bytes(const model::Model& model) {
-  // Positions, velocities, rotations, the skinned positions that only a skeleton has, now and of two frames,
-  // what an implicit run keeps of the substep before, and the skinned velocities where some vertex is
-  // carried; the rest is the identity.
+  // Positions, velocities, rotations; with a skeleton the skinned positions, now and in two frames; for an
+  // implicit run the state before the last substep; skinned velocities if some vertex is carried. The rest is
+  // the identity.
   const std::uint64_t floats = (model.has_skeleton() ? 19u : 10u) + (model.is_implicit() ? 6u : 0u);
   return (floats * model.vertex_count + 3 * model.carried.size()) * sizeof(float) + 1024;
 }

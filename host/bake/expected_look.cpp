@@ -19,9 +19,9 @@ using scene::Vector3d;
 
 namespace {
 
-constexpr std::size_t slices = 16;  // of a column's depth
+constexpr std::size_t slices = 16;  // per column
 
-// The edge of a tetrahedral mesh, m: the mean around each vertex.
+// Mean edge length around each vertex of the tetrahedral mesh, m.
 std::vector<double> mean_edges(const model::Model& model) {
   std::vector<double> edges(model.vertex_count, 0.0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -33,8 +33,8 @@ std::vector<double> mean_edges(const model::Model& model) {
   return edges;
 }
 
-// The way through the flesh from each vertex to the next that follows the skeleton, m; infinite where there
-// is none.
+// Length of the path through the flesh from each vertex to the nearest one that follows the skeleton, m;
+// infinite if there is none.
 std::vector<double> depths(const model::Model& model) {
   std::vector<double> depth(model.vertex_count, INFINITY);
   using Reached = std::pair<double, std::uint32_t>;
@@ -55,8 +55,8 @@ std::vector<double> depths(const model::Model& model) {
   return depth;
 }
 
-// Pa. Flesh that takes alpha of the way to its goal in a substep h is as stiff as alpha rho e^2 / (3 h^2):
-// the K_i / m_i of regions of modulus E is 3 E / (rho e^2) where edges e are even (build/stiffness.h).
+// Pa. Flesh that moves alpha of the way to its goal in a substep h has modulus alpha rho e^2 / (3 h^2),
+// because K_i / m_i for regions of modulus E is 3 E / (rho e^2) if edges e are uniform (build/stiffness.h).
 std::vector<double> shear_moduli(const model::Model& model, double h) {
   std::vector<double> moduli(model.vertex_count, 0.0);
   const std::vector<double> edges = model.is_implicit() ? std::vector<double>{} : mean_edges(model);
@@ -70,25 +70,25 @@ std::vector<double> shear_moduli(const model::Model& model, double h) {
   return moduli;
 }
 
-// The flesh of a joint as an oscillator: its skin moves by compliance times what throws it.
+// The flesh of a joint as an oscillator: at rest its skin is displaced by compliance times the acceleration.
 struct Swing {
   std::uint32_t joint = 0, layer = 0;
-  double compliance = 0.0;  // s^2, at the middle depth of its skin
+  double compliance = 0.0;  // s^2, at its representative skin vertex
   double damping = 0.0;     // 1/s
   double felt = 1.0;        // share of the skeleton's acceleration
-  double per_metre = 0.0;   // the score that a metre of it makes
+  double per_metre = 0.0;   // score per metre of displacement
 };
 
 struct Flesh {
-  std::vector<std::uint32_t> vertices;  // free ones
+  std::vector<std::uint32_t> vertices;  // free only
   std::vector<std::size_t> skin;        // render vertices
 };
 
-// How much a joint's flesh yields, by the depth from what follows the skeleton.
+// Compliance of a joint's flesh by depth above the vertices that follow the skeleton.
 struct Column {
-  double slice = 0.0;                             // m, how thick
-  std::array<double, slices> yield{};             // rho / G of each, s^2/m^2
-  std::array<std::vector<double>, slices> share;  // of it, by layer
+  double slice = 0.0;                             // thickness, m
+  std::array<double, slices> yield{};             // rho / G per slice, s^2/m^2
+  std::array<std::vector<double>, slices> share;  // of yield, by layer
 };
 
 Column column_of(const model::Model& model, const std::vector<std::uint32_t>& vertices,
@@ -105,8 +105,8 @@ Column column_of(const model::Model& model, const std::vector<std::uint32_t>& ve
     column.share[k][model.layer_of(i)] += one;
     count[k] += 1.0;
   }
-  // A slice without vertices is as the one within; those below the first free vertex, an edge away from what
-  // follows the skeleton, are as that vertex's.
+  // A slice without vertices copies the one below it. Slices below the first free vertex, which is one edge
+  // away from those that follow the skeleton, copy that vertex's slice.
   const auto first = static_cast<std::size_t>(
       std::find_if(count.begin(), count.end(), [](double n) { return n > 0.0; }) - count.begin());
   for (std::size_t k = first; k < slices; ++k) {
@@ -125,7 +125,7 @@ Column column_of(const model::Model& model, const std::vector<std::uint32_t>& ve
   return column;
 }
 
-// visit(slice, weight): compliance at that depth is the sum of weight x yield.
+// visit(slice, weight): compliance at `depth` is the sum of weight x yield.
 template <class Visit>
 void for_each_slice(const Column& column, double depth, Visit visit) {
   for (std::size_t k = 0; k < slices; ++k) {
@@ -180,7 +180,7 @@ std::vector<Swing> swings_of(const model::Model& model, const LookBody& body, do
     }
     swing.damping /= mass;
     swing.felt = felt / mass;
-    // The vertex at which so large a share of the skin swings further, in thicknesses, stands for the rest.
+    // Represent the skin by the vertex whose swing, in thicknesses, this share of the skin exceeds.
     std::vector<std::pair<double, std::size_t>> ratios;
     for (std::size_t k = 0; k < skin.size(); ++k)
       ratios.emplace_back(compliance_at(column, skin_depth[k]) / body.thickness[skin[k]], k);
@@ -198,7 +198,8 @@ std::vector<Swing> swings_of(const model::Model& model, const LookBody& body, do
   return swings;
 }
 
-// z'' = throw - damping z' - z / compliance by the mean acceleration of each step, which is stable at any.
+// z'' = thrown - damping z' - z / compliance, with the mean acceleration of each step (stable at any step
+// length).
 struct Oscillator {
   Vector3d place = Vector3d::Zero(), speed = Vector3d::Zero(), acceleration = Vector3d::Zero();
 
@@ -246,7 +247,8 @@ std::optional<ExpectedLook> expected_look(const scene::Scene& scene, const model
     looks.push_back(swing_through(k, 1.0));
     if (looks.back().score > worst.score) worst = looks.back();
   }
-  // Stiffer flesh may swing further where it comes nearer to the clip's rhythm, so this goes up step by step.
+  // Stiffer flesh may swing further if that brings it closer to resonance with the clip, so the factor rises
+  // in small steps.
   constexpr double step = 1.25, most = 1e4;
   const auto is_over = [&](double stiffer) {
     for (std::size_t k = 0; k < swings.size(); ++k)
@@ -295,10 +297,10 @@ TriedLook try_look(const scene::Scene& scene, const model::Model& model, const L
     if (goes_on && !goes_on(tried)) break;
     solver.submit(drives.drive(k), {.positions = true, .skinned = true});
     const model::Frame seen = solver.collect();
-    // What diverges is the bake's to tell.
+    // Divergence is reported by the bake itself.
     if (!std::all_of(seen.positions.begin(), seen.positions.end(), [](float x) { return std::isfinite(x); }))
       break;
-    // Flesh that begins on the skeleton has to find its place first.
+    // Flesh that starts on the skeleton has to settle first.
     if (tried.first > 0 && k <= tried.first + settling) {
       look.remember(seen);
       continue;

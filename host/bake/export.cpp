@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The formats asked for, each once, in the order of all_formats().
+// The requested formats, each once, in the order of all_formats().
 std::vector<const formats::Format*> chosen(const std::vector<std::string>& names) {
   std::vector<const formats::Format*> formats;
   std::vector<std::string> left = names;
@@ -143,10 +143,10 @@ ExportResult Export::go() {
           stage.path() / formats::blender_script_name,
           formats::blender_script({.fps = header.fps, .frames = header.frames, .first_number = first}));
     }
-    // The manifest names the files before they are there: a stop on the way leaves none that nobody owns.
+    // The manifest names the files before they exist, so that an interruption leaves no unlisted files.
     if (own_) add_to_manifest(folder_, names());
     stage.move_up(names());
-    // A bake's list has its textures already.
+    // The bake's manifest already lists its textures.
     if (own_) stage.move_up({std::string(formats::textures_folder) + '/'});
     for (const std::string& name : names())
       if (fs::exists(folder_ / name)) result.files.push_back(folder_ / name);

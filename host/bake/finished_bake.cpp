@@ -72,7 +72,7 @@ void read_kept(const fs::path& folder, const std::function<void()>& read) {
   try {
     read();
   } catch (const base::InputError& error) {
-    // What is there may be whole, and not to be read by this user or at this moment.
+    // The file may be intact but not readable by this user or at this moment.
     if (!fs::exists(character) && std::string_view(error.what()).starts_with(character.string()))
       throw damaged(error.what());
     throw;

@@ -1,5 +1,5 @@
-// The folder of a bake that is whole, read for what is made of its frames. Nothing in it is trusted: the
-// model and the frames are held against their hashes, the character against the model.
+// The folder of a complete bake, opened for reading its frames. Nothing in it is trusted: model and frames
+// are checked against their hashes, and the character against the model.
 #pragma once
 
 #include <cstdint>
@@ -15,17 +15,17 @@ namespace fascicle::bake {
 
 class FinishedBake {
  public:
-  // Throws BakeError where there is no bake, an unfinished one or one that keeps no frames, and as
-  // read_kept does; call both within it.
+  // Throws BakeError if there is no bake, or an unfinished one, or one without frames. Also throws as
+  // read_kept does: call the constructor and frame() inside read_kept.
   explicit FinishedBake(const std::filesystem::path& folder);
 
   const ManifestSummary& manifest() const { return manifest_; }
   const CacheHeader& header() const { return cache_.header(); }
   const model::Model& model() const { return model_; }
-  // character.glb; empty for bodies that are no characters.
+  // character.glb; empty for bodies that are not characters.
   const std::filesystem::path& character() const { return character_; }
   std::uint64_t frame_count() const { return cache_.header().frames + 1; }
-  // With positions, and with the surface where blend shapes put it. Throws BakeError where it is damaged.
+  // With positions, and the surface with its blend shapes. Throws BakeError if it is damaged.
   model::Frame frame(std::uint64_t k) const;
 
  private:
@@ -36,8 +36,8 @@ class FinishedBake {
   const formats::ShapedSurface shapes_;
 };
 
-// Calls `read`, which reads no other scene, glTF or JSON than what the bake in `folder` kept: what those
-// readers throw becomes a BakeError that says so.
+// Calls `read`, which must read no scene, glTF or JSON except what the bake kept in `folder`: exceptions of
+// those readers become BakeErrors that say so.
 void read_kept(const std::filesystem::path& folder, const std::function<void()>& read);
 
 }  // namespace fascicle::bake

@@ -1,4 +1,4 @@
-// Frames whose positions are no longer finite numbers.
+// Frames with positions that are not finite.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace fascicle::bake {
 
 bool all_finite(const model::Frame& frame);
 
-// Of a frame that is not: which one, the first vertex, and what may help.
+// For such a frame: its number, the first vertex, and a possible remedy.
 std::string not_finite_text(const scene::Scene& scene, const model::Model& model, const model::Frame& frame);
 
 }  // namespace fascicle::bake

@@ -25,17 +25,17 @@ using base::rename_over;
 
 namespace {
 
-// A file under its own name and under those it has while it is written.
+// A file's final name and its temporary names.
 std::vector<fs::path> forms_of(const fs::path& path) {
   return {path, fs::path(path.string() + base::part_suffix),
           fs::path(path.string() + base::temporary_suffix)};
 }
 
-// All there is of one entry of the manifest's list.
+// All existing files of one entry of the manifest's list.
 std::vector<fs::path> existing(const fs::path& folder, const std::string& entry) {
   std::vector<fs::path> found;
   const auto add = [&](const fs::path& name) {
-    // What a link leads to is not this folder's.
+    // Do not follow links out of this folder.
     if (name.has_parent_path() && fs::is_symlink(folder / name.parent_path())) return;
     for (const fs::path& form : forms_of(folder / name))
       if (fs::symlink_status(form).type() != fs::file_type::not_found) found.push_back(form);
@@ -69,10 +69,10 @@ void remove_file(const fs::path& path) {
 }
 
 constexpr const char* stage_name = "export.part";
-// In a stage, so that nobody's own folder of that name is taken for one.
+// In a stage, so that no other folder of that name is mistaken for one.
 constexpr const char* stage_mark = ".fascicle-export";
 
-// What is not an export's stays, and the folder with it.
+// Keeps files that are not an export's, and then the folder too.
 void remove_stage(const fs::path& folder) {
   const fs::path stage = folder / stage_name;
   if (!fs::is_directory(fs::symlink_status(stage)) || !fs::exists(stage / stage_mark)) return;
@@ -88,7 +88,7 @@ FolderLock::FolderLock(const fs::path& folder)
     : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (descriptor_.get() < 0)
     throw std::system_error(errno, std::generic_category(), "cannot open " + folder.string());
-  // File systems without locks answer something else; there the folder is used unlocked.
+  // File systems without locks fail with another error; the folder is then used unlocked.
   if (::flock(descriptor_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     throw FolderInUse(folder.string() +
                       ": another fascicle is writing there; wait for it or choose another -o");
@@ -113,10 +113,10 @@ bool holds_bake(const fs::path& folder) {
 void clear_bake(const fs::path& folder) {
   const std::vector<std::string> known = all_file_names();
   std::vector<std::string> made = files_listed(folder);
-  // Without a manifest only what shows by itself that it is ours.
+  // Without a manifest, remove only files recognisable as ours.
   if (is_frame_cache(folder / cache_name)) made.push_back(cache_name);
   if (is_checkpoint(folder / checkpoint_name)) made.push_back(checkpoint_name);
-  // The manifest goes last: while it stands, a clearing that was cut short can be done again.
+  // The manifest goes last: as long as it exists, an interrupted removal can be repeated.
   std::stable_partition(made.begin(), made.end(),
                         [](const std::string& entry) { return entry != manifest_name; });
   std::erase_if(made, [&](const std::string& entry) {
@@ -137,7 +137,7 @@ void remove_files(const fs::path& folder, const std::vector<std::string>& files)
 
 ExportStage::ExportStage(const fs::path& folder) : folder_(folder), path_(folder / stage_name) {
   remove_stage(folder_);
-  // An empty one is of an export that was killed as it began.
+  // An empty one was left by an export that was killed as it began.
   const bool is_empty = fs::is_directory(fs::symlink_status(path_)) && fs::is_empty(path_);
   if (!is_empty && fs::exists(fs::symlink_status(path_)))
     throw BakeError(path_.string() + ": is there, and holds what no export made; move it away");
@@ -149,7 +149,7 @@ ExportStage::~ExportStage() {
   try {
     remove_stage(folder_);
   } catch (const std::exception&) {
-    // The next export there removes it.
+    // The next export to this folder removes it.
   }
 }
 
@@ -162,11 +162,11 @@ void ExportStage::move_up(const std::vector<std::string>& files) {
       if (fs::is_symlink(inner)) fs::remove(inner);
       base::make_own_folder(inner);
     }
-    // A collection comes after the frames that it names.
+    // A collection comes after the frames that it lists.
     std::reverse(made.begin(), made.end());
     for (const fs::path& from : made) base::rename_over(from, folder_ / from.lexically_relative(path_));
     if (!is_folder || made.empty()) continue;
-    // Textures are shared by formats that this export may not have.
+    // Other formats share textures, which this export may not have.
     if (entry != std::string(formats::textures_folder) + '/')
       for (const fs::path& path : existing(folder_, entry))
         if (std::find(made.begin(), made.end(), path_ / path.lexically_relative(folder_)) == made.end())
@@ -177,7 +177,7 @@ void ExportStage::move_up(const std::vector<std::string>& files) {
 }
 
 void refuse_foreign(const fs::path& folder, const std::vector<std::string>& files) {
-  // What a bake leaves that is stopped while it writes its first file.
+  // Left behind by a bake that is stopped while writing its first file.
   const fs::path first_temporary = folder / (std::string(manifest_name) + base::temporary_suffix);
   const std::vector<std::string> listed = files_listed(folder);
   const auto is_listed = [&](const std::string& entry) {

@@ -9,7 +9,7 @@ FrameWriter::FrameWriter(std::function<void(model::Frame&)> write) : write_(std:
   try {
     thread_ = std::thread([this] { work(); });
   } catch (const std::system_error&) {
-    // A limit on processes: then nothing overlaps.
+    // Process limit reached: frames are then written without overlap.
   }
 }
 

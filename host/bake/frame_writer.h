@@ -1,4 +1,4 @@
-// Frames written on a thread of their own, in order, while the next ones are simulated.
+// Writes frames in order on a separate thread while the next ones are simulated.
 #pragma once
 
 #include <condition_variable>
@@ -15,18 +15,18 @@ namespace fascicle::bake {
 
 class FrameWriter {
  public:
-  // `write` is called on the writer's thread, one frame at a time, which it may change; where the system
-  // refuses to make a thread, by put().
+  // `write` is called on the writer's thread, one frame at a time, and may change the frame. If the system
+  // refuses to create a thread, put() calls it.
   explicit FrameWriter(std::function<void(model::Frame&)> write);
-  // Frames whose writing has not begun are dropped.
+  // Drops frames whose writing has not begun.
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
-  // Waits while another frame waits. `then`, where it is given, is called once this frame is written and
-  // before the next is. Throws what an earlier frame's writing threw; nothing is written after that.
+  // Blocks while another frame is waiting. `then`, if given, is called after this frame is written and before
+  // the next. Rethrows what an earlier frame's writing threw; nothing is written after that.
   void put(model::Frame frame, std::function<void()> then = {});
-  // Waits until all frames are written. Throws as put does.
+  // Blocks until all frames are written. Throws as put does.
   void finish();
 
  private:
@@ -45,7 +45,7 @@ class FrameWriter {
   std::deque<Job> waiting_;  // at most one
   bool is_writing_ = false, stops_ = false;
   std::exception_ptr failure_;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last, because it uses the others
 };
 
 }  // namespace fascicle::bake

@@ -34,7 +34,7 @@ class Hash {
   template <class T>
   requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void add(T value) { XXH3_64bits_update(state_.get(), &value, sizeof value); }
-  // The length goes in too: else an element could move from one array to the next unseen.
+  // Includes the length: else an element could move from one array to the next unnoticed.
   template <class T>
   void add_array(std::span<const T> values) {
     add(std::uint64_t{values.size()});
@@ -64,7 +64,7 @@ struct FieldHash {
   }
   template <class T>
   void optional(const char* name, const std::vector<T>& list) {
-    // The name goes in too: else one such array would hash like another.
+    // Includes the name: else another such array could give the same hash.
     if (!list.empty()) hash.add(std::string(name));
     if (!list.empty()) hash.add(list);
   }
@@ -77,12 +77,12 @@ struct FieldHash {
 
 constexpr const char* end_name = "end";
 constexpr const char* model_name = "model";
-// Of what the scene's text says; other names are of what comes of it.
+// For keys in the scene's text; other names are for values derived from it.
 constexpr const char* key_prefix = "the key ";
 constexpr const char* formats_name = "--format";
-// Of a checkpoint alone: formats whose files are not there, or not whole.
+// Only in checkpoints: formats whose files are missing or incomplete.
 constexpr const char* anew_name = "begun anew";
-// They decide how files are written that a bake writes anew from its frames.
+// These affect only how files are written, and a bake can rewrite those from its frames.
 constexpr std::array<std::string_view, 5> options_of_files{"--glb-stride", "--glb-error", "--glb-compress",
                                                            "--glb-tolerance", "--usd-skel"};
 
@@ -125,7 +125,7 @@ Identity identity_of(const scene::Scene& scene, std::uint64_t hash, const BakeOp
                     {"motion", scene::dump(json_of(scene.motion))},
                     {"forces", scene::dump(json_of(scene.forces))},
                     {"colliders", scene::dump(json_of(scene.colliders))}};
-  // Files of several folders may have one name.
+  // Files in different folders may have the same name.
   std::map<std::string, std::uint32_t> named;
   for (const auto& [file, file_hash] : scene.input_hashes) {
     const std::string name = std::filesystem::path(file).filename().string();
@@ -172,7 +172,7 @@ std::vector<Difference> differences(const Identity& before, const Identity& now)
 
 namespace {
 
-// What follows from a key that differs: scene.fps says all that fps does.
+// Whether a difference follows from that of a key: if scene.fps differs, fps need not be reported.
 bool follows(const std::string& name, const std::vector<Difference>& differences) {
   return std::any_of(differences.begin(), differences.end(), [&](const Difference& one) {
     if (!one.name.starts_with(key_prefix)) return false;
@@ -218,7 +218,7 @@ bool has(const std::vector<std::string>& names, const std::string& name) {
 bool leaves_frames(const Difference& difference, const scene::Scene& scene, std::uint64_t frames_done) {
   if (difference.name == formats_name) {
     const std::vector<std::string> was = listed(difference.was), is = listed(difference.is);
-    // What is left out would stay in the folder, of a bake that no longer lists it.
+    // Files of a dropped format would stay in the folder, and the bake would no longer list them.
     return std::includes(is.begin(), is.end(), was.begin(), was.end()) &&
            std::all_of(is.begin(), is.end(), [&](const std::string& name) {
              return has(was, name) || formats::format_named(name).from_cache;
@@ -226,7 +226,7 @@ bool leaves_frames(const Difference& difference, const scene::Scene& scene, std:
   }
   if (difference.name == end_name) {
     const scene::Motion& motion = scene.motion;
-    // Muscles find their hinges in all of the motion.
+    // Muscles find their hinges from the whole motion.
     return frames_done <= scene::frame_count(scene) && scene.muscles.empty() && motion.hold == 0.0 &&
            motion.handles == 0 && motion.loop == 1 && !motion.seamless;
   }
@@ -240,7 +240,7 @@ std::vector<std::string> formats_begun_anew(const Identity& before, const Identi
   std::vector<std::string> anew = listed_in(now, formats_name);
   std::erase_if(anew, [&](const std::string& name) {
     const formats::Format& format = formats::format_named(name);
-    // Files of single frames stay what they are whatever the end is.
+    // Files with one frame each do not depend on the end.
     const bool stays = has(was, name) && !has(unfinished, name) && format.file.ends_with('/');
     return stays || !format.from_cache;
   });
@@ -248,7 +248,7 @@ std::vector<std::string> formats_begun_anew(const Identity& before, const Identi
 }
 
 Identity while_begun_anew(Identity identity, const std::vector<std::string>& formats) {
-  // Also where there is none: other files than those of formats may have to be written again.
+  // Even if there is none: files other than those of formats may have to be rewritten.
   identity.emplace_back(anew_name, in_one_line(formats));
   return identity;
 }

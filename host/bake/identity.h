@@ -12,32 +12,32 @@
 
 namespace fascicle::bake {
 
-// XXH3-64 of everything in the model: two models with one hash give the same bake for the same drives.
+// XXH3-64 of everything in the model: two models with the same hash give the same bake for the same drives.
 std::uint64_t model_hash(const model::Model& model);
 
-// Named values that decide every byte of the result files, in a fixed order. The device is not among them
-// where it is exact: there any exact device goes on with the same bits.
+// Named values that determine every byte of the result files, in a fixed order. An exact device is not named:
+// any other exact device continues with the same bits.
 using Identity = std::vector<std::pair<std::string, std::string>>;
 Identity identity_of(const scene::Scene& scene, std::uint64_t model_hash, const BakeOptions& options);
 
 struct Difference {
-  std::string name, was, is;  // empty: nothing; "absent" where it has no such name
+  std::string name, was, is;  // empty: nothing; "absent" if the name is missing there
 };
-// By name.
+// Sorted by name.
 std::vector<Difference> differences(const Identity& before, const Identity& now);
 // "fps was 60 and is 30; ..."
 std::string text_of(const std::vector<Difference>& differences);
 
-// Whether the frames that are done are those of the bake now asked for, so that it can go on with them: more
-// formats of those that the frames hold all of, files written another way, a later end, or an earlier one
-// that does not come before `frames_done`. Not the end of a motion that is held there or repeats, or that
-// bends muscles: there it decides what comes before.
+// Whether the finished frames are also those of the requested bake, so that it can be resumed: with more
+// formats, if they can be written from frames alone, with files written in another way, with a later end, or
+// with an earlier one that is not before `frames_done`. Not with another end if the motion is held there or
+// repeats, or bends muscles: the end then affects earlier frames.
 bool leaves_frames(const Difference& difference, const scene::Scene& scene, std::uint64_t frames_done);
 
-// Where the identities differ in such a way: the formats whose files must be written from frame 0 on.
+// If the identities differ in such a way: the formats whose files must be rewritten from frame 0.
 std::vector<std::string> formats_begun_anew(const Identity& before, const Identity& now);
-// What a checkpoint says until these files are as far as the frames: a difference that goes with the next
-// one.
+// The identity in a checkpoint until these files have caught up with the frames: a difference that the next
+// checkpoint removes.
 Identity while_begun_anew(Identity identity, const std::vector<std::string>& formats);
 
 }  // namespace fascicle::bake

@@ -12,7 +12,7 @@ namespace fascicle::bake {
 
 namespace {
 
-// The summary in front of the checkpoint. Numbers that are not there are not finite.
+// The summary before the checkpoint. Absent numbers are NaN.
 struct Head {
   std::uint64_t preroll_frames, settle_frames, cycles;
   double settled_speed, jump;
@@ -23,7 +23,7 @@ std::optional<double> present(double value) {
   return value == value ? std::optional<double>(value) : std::nullopt;
 }
 
-// Nor what only the formats obey: none of them decides a bit of the motion.
+// Also without options that only formats use: none of them affects a bit of the motion.
 Identity without_formats(Identity identity) {
   std::erase_if(identity, [](const auto& entry) { return entry.first.starts_with("--"); });
   return identity;

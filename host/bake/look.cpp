@@ -17,7 +17,7 @@ Point edge_of(const std::vector<float>& positions, std::uint32_t from, std::uint
   return difference(point_at(positions, to), point_at(positions, from));
 }
 
-// Products of a triangle's two edges from its first corner: all that its shape is.
+// Dot products of a triangle's two edges from its first corner: they determine its shape.
 struct Shape {
   double uu = 0.0, uv = 0.0, vv = 0.0;
   double determinant() const { return uu * vv - uv * uv; }
@@ -28,13 +28,14 @@ Shape shape_of(const std::vector<float>& positions, const std::uint32_t* corners
   return {dot(u, u), dot(u, v), dot(v, v)};
 }
 
-// How long the longest and the shortest unit of the triangle `from` are in `to`; nothing of a flat one.
+// The largest and smallest stretch of the triangle `from` when it becomes `to`; empty if `from` is
+// degenerate.
 struct Stretch {
   double longest = 1.0, shortest = 1.0;
 };
 std::optional<Stretch> stretch_between(const Shape& from, const Shape& to) {
   const double area = from.determinant();
-  // A millionth of the squared height is rounding of floats.
+  // A height below 1e-4 of the longer edge counts as rounding error of floats.
   const double longest = std::max(from.uu, from.vv);
   if (!(area > 1e-8 * longest * longest)) return std::nullopt;
   const double half = 0.5 * ((from.uu * to.vv - 2.0 * from.uv * to.uv) + from.vv * to.uu) / area;
@@ -44,7 +45,7 @@ std::optional<Stretch> stretch_between(const Shape& from, const Shape& to) {
   return Stretch{std::sqrt(most), most > 0.0 ? std::sqrt(product / most) : 0.0};
 }
 
-// The value that a share of all lies above, and what has it. The list is reordered.
+// The value that `share` of all values exceed, with its item. Reorders the list.
 std::pair<double, std::uint32_t> high(std::vector<std::pair<double, std::uint32_t>>& values, double share) {
   if (values.empty()) return {0.0, 0};
   const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
@@ -60,19 +61,19 @@ bool is_inverted(const std::vector<float>& positions, const std::uint32_t* corne
                        edge_of(positions, corners[0], corners[3])) > 0.0);
 }
 
-// Whether all vertices that carry this render vertex follow the skeleton.
+// Whether all vertices that this render vertex is embedded in follow the skeleton.
 bool follows(const model::Model& model, std::uint32_t s) {
   for (std::size_t k = 4 * std::size_t{s}; k < 4 * std::size_t{s} + 4; ++k)
     if (model.surface_weight[k] != 0.0f && !model.is_kinematic(model.surface_vertex[k])) return false;
   return true;
 }
 
-// The limits: what looks right stays below them, what does not is above (tests/bake/look_test.cpp).
+// The limits: what looks right is below, what does not is above (tests/bake/look_test.cpp).
 constexpr double stretch_limit = 2.7;
-constexpr double crossing_share = 0.022, crossing_least = 24.0;  // of all triangles, and at least so many
+constexpr double crossing_share = 0.022, crossing_least = 24.0;  // of all triangles, and at least this many
 constexpr double rigid_limit = 0.1;
-constexpr double jump_limit = 0.6, jump_limit_fps = 60.0;  // at that rate and above
-// Where skinning turns none, this share of all tetrahedra may be inside out: slivers, that nobody sees.
+constexpr double jump_limit = 0.6, jump_limit_fps = 60.0;  // at this rate and above
+// This share of all tetrahedra may be inside out besides: slivers that nobody sees.
 constexpr double inverted_ratio = 1.2, inverted_share = 0.0005;
 
 }  // namespace
@@ -123,7 +124,7 @@ Look::Look(const model::Model& model, const LookBody& body, double fps)
     const double longest = std::max({shape.uu, shape.vv, shape.uu - 2.0 * shape.uv + shape.vv});
     const double height = std::sqrt(std::max(shape.determinant(), 0.0) / std::max(longest, 1e-300));
     const double edge = (body.edge[corners[0]] + body.edge[corners[1]] + body.edge[corners[2]]) / 3.0;
-    // Half an edge is the height of half a square.
+    // Half an edge: the height of half a square over its diagonal.
     follows_.push_back(std::all_of(corners, corners + 3, [&](std::uint32_t s) { return follows(model, s); }));
     trust_.push_back(edge > 0.0 ? std::min(1.0, height / (0.5 * edge)) : 0.0);
   }
@@ -195,7 +196,7 @@ LookScore Look::crossing(const std::vector<float>& flesh, const std::vector<floa
   const auto joints = [this](const std::pair<std::uint32_t, std::uint32_t>& triangles) {
     return std::minmax({joint_of_triangle(triangles.first), joint_of_triangle(triangles.second)});
   };
-  // Of the skinned shape only these joints' triangles are asked for.
+  // In the skinned shape, test only triangles of these joints.
   std::vector<std::uint8_t> has_crossed(body_.joint_names.size(), 0), asked(trust_.size());
   for (const auto& [a, b] : found) has_crossed[joint_of_triangle(a)] = has_crossed[joint_of_triangle(b)] = 1;
   for (std::size_t t = 0; t < asked.size(); ++t) asked[t] = has_crossed[joint_of_triangle(t)];

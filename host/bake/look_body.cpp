@@ -15,14 +15,14 @@ namespace fascicle::bake {
 
 namespace {
 
-// What counts as all of a vertex's weight.
+// A weight above this counts as a vertex's whole weight.
 constexpr double whole_weight = 0.98;
 
 std::vector<std::uint32_t> places_of(const std::vector<float>& rest) {
   std::map<std::array<float, 3>, std::uint32_t> numbers;
   std::vector<std::uint32_t> places;
   for (std::size_t i = 0; i < rest.size(); i += 3) {
-    // -0 and 0 are one place.
+    // -0 and 0 are the same place.
     const std::array<float, 3> at{rest[i] + 0.0f, rest[i + 1] + 0.0f, rest[i + 2] + 0.0f};
     places.push_back(numbers.try_emplace(at, static_cast<std::uint32_t>(numbers.size())).first->second);
   }
@@ -47,7 +47,7 @@ std::vector<double> mean_edges(const LookBody& body) {
   return edges;
 }
 
-// Two edges, in the mean, of the tetrahedron that each render vertex rides on.
+// Twice the mean edge of the tetrahedron that each render vertex is embedded in.
 std::vector<double> least_thickness(const model::Model& model) {
   std::vector<double> least(model.surface_count(), 0.0);
   for (std::size_t s = 0; s < least.size(); ++s) {
@@ -82,7 +82,7 @@ std::vector<double> thicknesses(const model::Model& model, const LookBody& body)
   return thickness;
 }
 
-// By the weights of the tetrahedra that the render vertices ride on.
+// By the weights of the tetrahedra that the render vertices are embedded in.
 std::vector<std::uint32_t> main_joints(const model::Model& model) {
   std::vector<std::uint32_t> joints(model.surface_count(), 0);
   std::vector<double> weight(model.joint_count, 0.0);
@@ -98,7 +98,7 @@ std::vector<std::uint32_t> main_joints(const model::Model& model) {
   return joints;
 }
 
-// The joint that has all of a vertex's weight; none: -1.
+// The joint that has a vertex's whole weight; -1 if there is none.
 std::int64_t only_joint(const rig::Character& character, std::size_t vertex) {
   std::int64_t found = -1;
   double most = 0.0;
@@ -113,7 +113,7 @@ std::int64_t only_joint(const rig::Character& character, std::size_t vertex) {
   return most >= whole_weight ? found : -1;
 }
 
-// Sets of numbers that are joined step by step.
+// Disjoint sets (union-find).
 class Unions {
  public:
   explicit Unions(std::size_t count) : parent_(count) {
@@ -139,7 +139,7 @@ std::vector<LookBody::RigidPart> rigid_parts(const LookBody& body, const rig::Ch
     for (std::size_t v = 0; v < one.vertex_count && one.first_vertex + v < part.size(); ++v)
       part[one.first_vertex + v] = p;
   }
-  // A place counts once for each object and material.
+  // Vertices at one place are merged within each object and material.
   std::map<std::pair<std::size_t, std::uint32_t>, std::size_t> numbers;
   std::vector<std::size_t> spot(part.size());
   for (std::size_t v = 0; v < spot.size(); ++v)

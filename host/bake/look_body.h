@@ -1,5 +1,5 @@
-// What the look of a bake is measured by and does not change from frame to frame: of the render mesh at rest
-// its edges, how thick the body is below it, whose skin it is, and its rigid parts.
+// The part of a look's measurement that does not change from frame to frame: for the render mesh at rest, its
+// edges, the body's thickness below it, the joint of each vertex, and the rigid parts.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,15 @@ namespace fascicle::bake {
 struct LookBody {
   std::vector<float> rest;              // render vertices, working units
   std::vector<std::uint32_t> triangle;  // the model's
-  std::vector<std::uint32_t> place;     // of a render vertex: those of equal place at rest share a number
-  // Of a render vertex, working units: its skin's mean edge, and the body's thickness: how far it is through
-  // the body to skin again, straight inward, at least two edges of the tetrahedra it rides on. Where no skin
-  // follows (the mesh is open there), the median of all others.
+  std::vector<std::uint32_t> place;     // per render vertex: those at the same place at rest share a number
+  // Per render vertex, working units: the skin's mean edge, and the body's thickness: the distance straight
+  // inward to skin again, at least two edges of the tetrahedron it is embedded in. If there is no skin (the
+  // mesh is open there), the median of all others.
   std::vector<double> edge, thickness;
-  std::vector<std::uint32_t> joint;  // of a render vertex: the one with the largest skin weight
+  std::vector<std::uint32_t> joint;  // per render vertex: the one with the largest skin weight
   std::vector<std::string> joint_names;
-  // Parts that the rig moves rigidly: connected triangles of one object and material with nothing else
-  // joined to them, all of whose weight is one joint's. Empty without a character's weights.
+  // Parts that the rig moves rigidly: connected triangles of one object and material, not joined to anything
+  // else, whose whole weight belongs to one joint. Empty without a character's weights.
   struct RigidPart {
     std::uint32_t joint = 0;
     std::vector<std::uint32_t> triangles;
@@ -32,7 +32,7 @@ struct LookBody {
   std::vector<RigidPart> rigid;
 };
 
-// `character`: whose render mesh the model carries; null where there is none.
+// `character`: the one whose render mesh the model carries, or null.
 LookBody look_body(const model::Model& model, const rig::Character* character);
 
 }  // namespace fascicle::bake

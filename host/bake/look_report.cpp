@@ -16,8 +16,7 @@ namespace fascicle::bake {
 
 namespace {
 
-// The cells of a line of RFC 4180; no cell of ours holds a line end but a joint's name with one in it, and
-// then the lines are joined.
+// Reads the cells of one RFC 4180 row. A quoted cell, such as a joint's name, may span lines.
 std::optional<std::vector<std::string>> next_row(std::istream& in) {
   std::vector<std::string> cells(1);
   bool quoted = false, any = false;

@@ -1,4 +1,4 @@
-// Summary of a finished bake's look: the worst frame, and a warning for each cause that is over its limit.
+// Summary of a finished bake's look: the worst frame, and a warning for each cause over its limit.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +18,20 @@ namespace fascicle::bake {
 struct LookSummary {
   double worst = 0.0;  // the largest score of any frame; 1 is the limit
   std::uint64_t frame = 0;
-  std::string joint;                  // where; empty where nothing is ever seen
-  std::string cause;                  // a LookMeasure's name; empty as above
+  std::string joint;                  // where; empty if no frame scores above 0
+  std::string cause;                  // a LookMeasure's name; empty likewise
   std::uint64_t frames_over = 0;      // with a score above 1
-  std::vector<std::string> warnings;  // worst first, one a cause
+  std::vector<std::string> warnings;  // worst first, one per cause
 };
 
-// Of a bake whose metrics.csv is whole. `frame_at` gives a frame with positions and skinned; it is asked for
-// the worst frame of each cause that is over its limit and the two before. Nothing where there is no look to
-// take.
+// For a bake whose metrics.csv is complete. `frame_at` returns a frame with positions and skinned; it is
+// called for the worst frame of each cause over its limit and the two frames before. Empty if there is no
+// look to measure.
 std::optional<LookSummary> look_summary(const std::filesystem::path& folder, const model::Model& model,
                                         const rig::Character* rig, double fps,
                                         const std::function<model::Frame(std::uint64_t)>& frame_at);
 
-// One line for the log: what was seen, where, over which limit, and what helps.
+// One line for the log: what was seen, where, over which limit, and a remedy.
 std::string look_warning(LookMeasure measure, const LookScore& score, const std::string& joint,
                          std::uint64_t frame, std::uint64_t frames_over);
 

@@ -66,7 +66,7 @@ std::string text_in(const fs::path& folder) {
   return base::read_input_if_there(folder / manifest_name, base::most_json_bytes).value_or("");
 }
 
-// Null if it is none of ours, or a damaged one.
+// Null if it is not one of ours, or damaged.
 Json manifest_of_text(const std::string& text) {
   Json manifest = Json::parse(base::shallow_json(text), nullptr, false);
   return manifest.is_object() && manifest.value("kind", Json()) == kind && !is_damaged(manifest) ? manifest
@@ -149,7 +149,7 @@ Json json_of(const std::optional<TriedLook>& tried, const scene::Scene& scene) {
           {"frames_over", tried->frames_over}};
 }
 
-// What json_of wrote; what is not there, or of another type, stays as it is.
+// Reads what json_of wrote; entries that are missing or of the wrong type keep their defaults.
 drive::LeadInSummary lead_in_of(const Json& json) {
   drive::LeadInSummary led;
   if (!json.is_object()) return led;
@@ -189,7 +189,7 @@ std::vector<std::string> file_names(const model::Model& model, const std::vector
   if (model.surface_count() > 0) {
     names.push_back(formats::rest_name);
     names.push_back(formats::blender_script_name);
-    // Where the file has materials.
+    // Written only if the file has materials.
     if (model.has_skeleton()) {
       names.push_back(formats::rest_materials_name);
       names.push_back(std::string(formats::textures_folder) + '/');
@@ -376,8 +376,8 @@ void write_status(const fs::path& folder, Json& manifest, Status status, const s
   try {
     base::write_whole(path, sealed_text(manifest, 2) + '\n');
   } catch (const std::system_error&) {
-    // Without its indentation the new text is the shorter one. Spaces after it keep every byte of the old
-    // one from standing there, should the system stop before the end.
+    // The text without indentation is shorter. Padding it with spaces overwrites all old bytes, without a
+    // later step that a crash could prevent.
     std::string text = sealed_text(manifest);
     base::File file(path, base::FileMode::modify);
     const std::uint64_t room = file.size();

@@ -24,7 +24,7 @@ double squared_length(const Point& a) {
   return dot(a, a);
 }
 
-// Of the tetrahedron whose corners begin at entry `t`, cubic working units; below 0 if it is inside out.
+// For the tetrahedron whose corners begin at entry `t`, cubic working units; negative if it is inside out.
 double six_volumes(const model::Model& model, const std::vector<float>& positions, std::size_t t) {
   const Point corner = point_at(positions, model.tetrahedron[t]);
   const auto edge = [&](std::size_t k) {
@@ -33,7 +33,7 @@ double six_volumes(const model::Model& model, const std::vector<float>& position
   return determinant(edge(1), edge(2), edge(3));
 }
 
-// Of each tetrahedron.
+// For each tetrahedron.
 void six_volumes(const model::Model& model, const std::vector<float>& positions, std::vector<double>& to) {
   to.resize(model.tetrahedron.size() / 4);
   for (std::size_t t = 0; t < to.size(); ++t) to[t] = six_volumes(model, positions, 4 * t);
@@ -50,7 +50,7 @@ double volume(const model::Model& model, const std::vector<double>& six) {
   return sum / 6.0 * cubic_metres(model);
 }
 
-// m^3, a layer: of each tetrahedron the quarters that belong to the layer's vertices.
+// m^3 per layer: a quarter of each tetrahedron for each of its vertices in the layer.
 std::vector<double> layer_volumes(const model::Model& model, const std::vector<double>& six) {
   std::vector<double> sum(model.layers.size(), 0.0);
   for (std::size_t t = 0; t < six.size(); ++t)
@@ -73,7 +73,7 @@ std::uint64_t inverted(const std::vector<double>& six) {
       std::count_if(six.begin(), six.end(), [](double one) { return !(one > 0.0); }));
 }
 
-// m, a layer: the root mean square distance of its free vertices to their skinned places.
+// m per layer: root mean square distance of its free vertices from their skinned positions.
 std::vector<double> lags(const model::Model& model, const model::Frame& frame) {
   std::vector<double> sum(model.layers.size(), 0.0), count(model.layers.size(), 0.0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -114,7 +114,7 @@ Point mean_position(const model::Model& model, const model::Frame& frame, const 
   return mean;
 }
 
-// RFC 4180: a name with a comma, a quote or a line end stands in quotes.
+// RFC 4180: a name with a comma, a quote or a line break is quoted.
 std::string csv_text(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -151,7 +151,7 @@ class MetricsSink final : public formats::FrameSink {
   void write(const model::Frame& frame) override {
     const bool has_skin = info_.model->has_skeleton();
     Line motion, volumes, overlap, overlap_skinned, look;
-    // Pieces that take about as long as each other: beside a GPU the measuring is what a bake waits for.
+    // Pieces that take about equally long: with a GPU, a bake waits for these measurements.
     std::vector<std::function<void()>> pieces{[&] { add_motion(frame, motion, volumes); }};
     if (look_) pieces.emplace_back([&] { add_look(frame, look); });
     if (overlap_) pieces.emplace_back([&] { add_overlap(frame.positions, overlap); });
@@ -240,11 +240,11 @@ class MetricsSink final : public formats::FrameSink {
 
   double rest_volume_ = 0.0;                // m^3
   std::vector<double> rest_layer_volumes_;  // m^3
-  std::vector<double> six_volumes_;         // of the frame in hand
-  std::optional<LookBody> own_look_body_;   // where nobody else has made one
+  std::vector<double> six_volumes_;         // of the current frame
+  std::optional<LookBody> own_look_body_;   // if the caller has none
   const LookBody* look_body_ = nullptr;
-  std::optional<Look> look_;                    // with a skeleton and a render mesh only
-  std::optional<model::OverlapMeter> overlap_;  // of a model with contact
+  std::optional<Look> look_;                    // only with a skeleton and a render mesh
+  std::optional<model::OverlapMeter> overlap_;  // only for a model with contact
   std::optional<base::PartFile> file_;
 };
 
@@ -289,7 +289,7 @@ std::vector<PeakLag> peak_lags(const std::filesystem::path& folder, const model:
 }
 
 std::uint64_t metrics_bytes(const model::Model& model, std::uint64_t frames) {
-  // A number takes up to 24 characters and a comma, mostly about 19.
+  // A number takes up to 24 characters and a comma, usually about 19.
   return (frames + 1) *
          (std::uint64_t{7} + (has_look(model) ? 2 + look_measures : 0) + (model.has_contact() ? 6 : 0) +
           2 * model.layers.size() + (model.has_skeleton() ? 1 + model.layers.size() : 0) +

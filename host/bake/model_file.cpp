@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::string_view model_magic = "FASCMODL";
 
-// Lists and strings as they lie in memory; a single value is a list of one.
+// Lists and strings as in memory; a single value is a list of one.
 template <class T>
 struct Elements {
   static std::span<const char> bytes(const T& value) {
@@ -72,7 +72,7 @@ class Writer {
   std::string& out_;
 };
 
-constexpr std::size_t head_bytes = 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);  // beside the name
+constexpr std::size_t head_bytes = 2 * sizeof(std::uint32_t) + sizeof(std::uint64_t);  // besides the name
 
 class Sizer {
  public:
@@ -94,7 +94,7 @@ class Sizer {
   std::uint64_t bytes_ = 0;
 };
 
-// What a file that is not one of ours, or not whole, is told by.
+// Says that a file is not one of ours, or not complete.
 struct Mismatch : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -115,7 +115,7 @@ class Reader {
   template <class T>
   void count(std::string_view name, std::vector<T>& list) {
     const std::uint64_t count = head(name, 0);
-    // Each has at least a head of its own.
+    // Each element takes at least one byte.
     if (count > rest_.size()) throw Mismatch("it ends too soon");
     list.resize(count);
   }

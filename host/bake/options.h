@@ -1,4 +1,4 @@
-// What may be asked of a bake, before anything is built or written.
+// Options of a bake, checked before anything is built or written.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace fascicle::bake {
 
-// In place of formats: none, said on purpose.
+// Instead of formats: explicitly none.
 inline constexpr const char* no_format = "none";
 
-// Names accepted where formats are: format_names() and no_format.
+// Names accepted as formats: format_names() and no_format.
 std::vector<std::string> accepted_formats();
 
-// The formats to write, without no_format. Throws ContradictingOptions where no_format has others beside it,
-// or where neither frames nor a format would be left and nobody said that this is meant.
+// The formats to write, without no_format. Throws ContradictingOptions if no_format comes with others, or if
+// neither frames nor a format would be left and no_format was not given.
 std::vector<std::string> formats_to_write(const BakeOutput& output);
 
-// The options with each format once, in the order of format_names(), and what these need beside them. Throws
+// The options with each format once, in the order of format_names(), including companion formats. Throws
 // BakeError.
 BakeOptions checked(BakeOptions options, const model::Model& model);
 

@@ -43,7 +43,7 @@ std::uint64_t output_bytes(const scene::Scene& scene, const model::Model& model,
     if (format.name.empty() || std::find(written.begin(), written.end(), format.name) != written.end())
       bytes +=
           format.bytes(model, format.name == "glb" ? formats::glb_target_count(samples - 1, glb) : samples);
-  // The manifest's line for each frame and its text; rest.obj with about 36 and 20 characters a vertex and a
+  // The manifest: a line per frame, and the scene's text. rest.obj: about 36 characters per vertex and 20 per
   // triangle.
   bytes += samples * 25 + 4000 + scene.text.size();
   if (model.surface_count() > 0)

@@ -1,4 +1,4 @@
-// Points and vectors of what is measured, in double.
+// Points and vectors for measurements, in double.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@ namespace fascicle::bake {
 
 using Point = std::array<double, 3>;
 
-// Of an array of 3 values a vertex.
+// From an array of 3 values per vertex.
 inline Point point_at(const std::vector<float>& values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
@@ -31,7 +31,7 @@ inline double length(const Point& a) {
   return std::sqrt(dot(a, a));
 }
 
-// Of columns or rows; six times the volume of a tetrahedron with these edges.
+// Of three columns or rows; six times the volume of a tetrahedron with these edges.
 inline double determinant(const Point& a, const Point& b, const Point& c) {
   return dot(a, cross_product(b, c));
 }

@@ -85,7 +85,7 @@ base::File opened(const std::filesystem::path& path) {
   return {path, base::FileMode::read};
 }
 
-// Numbers that no bake has written, whatever the checksum says.
+// Rejects numbers that no bake writes, whatever the checksum says.
 bool is_sound(const CacheHeader& header) {
   const auto is_finite = [](double value) { return std::isfinite(value); };
   return header.vertex_count > 0 && std::isfinite(header.unit) && header.unit > 0.0 &&
@@ -116,7 +116,7 @@ FrameCacheReader::FrameCacheReader(const std::filesystem::path& path) : file_(op
                     ": the header has a frame rate, a start or a size that no bake has; bake again");
   record_bytes_ = cache_record_bytes(header_.vertex_count);
   frame_count_ = (file_.size() - cache_header_bytes) / record_bytes_;
-  // After a power cut the end may be of the right length and never have reached the disk.
+  // After a power cut the end may have the right length without ever having reached the disk.
   std::string record;
   while (frame_count_ > 0 && !read_record(frame_count_ - 1, record)) --frame_count_;
 }

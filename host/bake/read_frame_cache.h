@@ -43,7 +43,7 @@ struct CacheHeader {
   double unit = 1.0;
   double fps = 60.0;
   double start = 0.0;
-  std::uint64_t frames = 0;  // the last frame's number; a finished cache holds frames + 1 records
+  std::uint64_t frames = 0;  // number of the last frame; a finished cache holds frames + 1 records
   std::uint64_t model_hash = 0;
   std::array<double, 3> rest_origin{0, 0, 0};
   bool operator==(const CacheHeader&) const = default;
@@ -55,15 +55,15 @@ std::string encode_cache_record(const CacheHeader& header, const model::Frame& f
 
 class FrameCacheReader {
  public:
-  // Throws BakeError if the file is not there or is not a frame cache of a version known here,
-  // std::system_error if it cannot be read.
+  // Throws BakeError if the file does not exist or is not a frame cache of a known version, std::system_error
+  // if it cannot be read.
   explicit FrameCacheReader(const std::filesystem::path& path);
 
   const CacheHeader& header() const { return header_; }
-  // Whole frames from frame 0 on.
+  // Number of whole frames, from frame 0.
   std::uint64_t frame_count() const { return frame_count_; }
-  // Frame k < frame_count(), with positions, all of them finite, and without velocities and surface. Throws
-  // BakeError if it is damaged.
+  // Frame k < frame_count(), with finite positions, without velocities and surface. Throws BakeError if it is
+  // damaged.
   model::Frame read(std::uint64_t k) const;
 
  private:
@@ -75,7 +75,7 @@ class FrameCacheReader {
   std::uint64_t frame_count_ = 0;
 };
 
-// Whether a file begins as a frame cache does. False if it cannot be read.
+// Whether the file begins like a frame cache. False if it cannot be read.
 bool is_frame_cache(const std::filesystem::path& path);
 
 }  // namespace fascicle::bake

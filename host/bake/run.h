@@ -1,5 +1,5 @@
-// A bake at work: what bake() goes through, from the folder (run_begin.cpp) through the frames to the
-// manifest (bake.cpp).
+// A bake in progress: the steps of bake(), from the folder (run_begin.cpp) through the frames to the manifest
+// (bake.cpp).
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace fascicle::bake {
 
-// What the manifest says of the loop at one frame, while the loop is ahead of it.
+// What the manifest says about the loop at one frame, while the loop is already ahead of it.
 struct Moment {
   ClampedMuscles clamped;
   double seconds_solver = 0.0;
@@ -35,7 +35,7 @@ class Run {
       const BakeOptions& options);
 
   BakeResult go();
-  // Leaves the reason in the manifest, if it is this run's.
+  // Writes the reason to the manifest, if it is this run's.
   void note_failure(const std::string& reason) const;
 
  private:
@@ -45,7 +45,7 @@ class Run {
   void begin_other_files(const Checkpoint& from);
   BakeResult summary() const;
   model::State lead_to_start();
-  // False where it was interrupted; what is there then goes on as before.
+  // False if interrupted; the folder can then be resumed as before.
   bool begin_sinks(std::uint64_t first);
   std::vector<model::Frame> frames_before(std::uint64_t first) const;
   void step_frames(std::uint64_t first);
@@ -74,7 +74,7 @@ class Run {
   std::optional<formats::ShapedSurface> shapes_;
   std::vector<std::unique_ptr<formats::FrameSink>> sinks_;
   model::Read needs_;
-  std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty where nobody looks
+  std::array<std::vector<float>, 2> skinned_;  // of the last two frames written; empty if no look is measured
   Progress progress_;
   ClampedMuscles clamped_;
   Timings before_;  // of earlier runs
@@ -82,10 +82,10 @@ class Run {
   std::atomic<double> seconds_to_sync_ = 0.0;  // of the last checkpoint
   std::size_t frames_in_manifest_ = 0;
   bool interrupted_ = false;
-  // Of a bake that is gone on with: whether its files change, and which formats are begun anew.
+  // For a resumed bake: whether its files change, and which formats are rewritten from frame 0.
   bool files_change_ = false;
   std::vector<std::string> anew_;
-  bool has_begun_ = false;  // from here on the manifest in the folder is this run's
+  bool has_begun_ = false;  // from then on the manifest in the folder is this run's
   formats::SinkReport report_;
   std::vector<std::string> missing_images_;
   const Clock::time_point start_ = Clock::now();

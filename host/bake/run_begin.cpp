@@ -1,4 +1,4 @@
-// How a bake begins: whose the folder is, what of an earlier one it goes on with, the state of frame 0, and
+// How a bake begins: ownership of the folder, what to resume from an earlier bake, the state of frame 0, and
 // the files.
 #include <algorithm>
 #include <utility>
@@ -46,7 +46,7 @@ void Run::open_folder() {
         ": holds a bake; --resume goes on with it, --overwrite starts again, or choose another -o");
 }
 
-// Nothing if the bake starts at frame 0.
+// Empty if the bake starts at frame 0.
 std::optional<Checkpoint> Run::checkpoint_to_resume() {
   if (!options_.resume || !holds_bake(options_.folder)) return std::nullopt;
   std::optional<Checkpoint> found = read_checkpoint(path_of(checkpoint_name));
@@ -73,8 +73,8 @@ std::optional<Checkpoint> Run::checkpoint_to_resume() {
   return found;
 }
 
-// The frames go on, and files of formats are written anew from them. Whatever stops that: the manifest lists
-// the new files, and the checkpoint says which are to be written again.
+// Resumes the frames and rewrites the files of formats from them. If that is interrupted, the manifest lists
+// the new files, and the checkpoint says which ones to rewrite.
 void Run::begin_other_files(const Checkpoint& from) {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   std::vector<std::string> names = file_names(model_, options_.formats);
@@ -82,7 +82,7 @@ void Run::begin_other_files(const Checkpoint& from) {
     return name == checkpoint_name || (manifest && std::find(manifest->files.begin(), manifest->files.end(),
                                                              name) != manifest->files.end());
   });
-  // What can refuse comes before the first write.
+  // All checks that may refuse come before the first write.
   refuse_foreign(options_.folder, names);
   const FrameCacheReader cache(path_of(cache_name));
   for (std::uint64_t k = 0; k <= from.state.frame; ++k)
@@ -92,7 +92,7 @@ void Run::begin_other_files(const Checkpoint& from) {
   save_manifest(Status::running, moment());
 }
 
-// A bake that has come to its end and kept no frames cannot be gone on with, and need not.
+// A bake that is complete and kept no frames cannot be resumed, and need not be.
 std::optional<BakeResult> Run::done_without_frames() {
   const std::optional<ManifestSummary> manifest = read_manifest(options_.folder);
   if (!manifest || manifest->frames_kept) return std::nullopt;
@@ -126,7 +126,7 @@ model::State Run::lead_to_start() {
   return std::move(led.state);
 }
 
-// Up to two frames before this one, with positions and skinned, where a look is taken.
+// Up to two frames before `first`, with positions and skinned, if a look is measured.
 std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
   std::vector<model::Frame> frames;
   if (first == 0 || !has_look(model_)) return frames;
@@ -140,7 +140,7 @@ std::vector<model::Frame> Run::frames_before(std::uint64_t first) const {
 
 bool Run::begin_sinks(std::uint64_t first) {
   const Stopwatch time(seconds_writing_);
-  // Only a bake that is asked for with another end has frames that were counted otherwise.
+  // Only a bake resumed with another end may have another number of frames.
   if (first > 0 && !files_change_ && FrameCacheReader(path_of(cache_name)).header().frames != frames_)
     throw BakeError(path_of(cache_name).string() + ": belongs to another bake; start again with --overwrite");
   const std::vector<model::Frame> before = frames_before(first);
@@ -171,7 +171,7 @@ bool Run::begin_sinks(std::uint64_t first) {
                                .objects = surface,
                                .first_number = number_of_first(scene_, options_),
                                .usd_skel = options_.usd_skel};
-  needs_ = {.positions = true};  // for the hash, whatever the sinks want
+  needs_ = {.positions = true};  // for the hash, whatever the sinks need
   const auto starts_anew = [this](const formats::Format& format, const formats::FrameSink& sink) {
     return !sink.resumes() || std::find(anew_.begin(), anew_.end(), format.name) != anew_.end();
   };
@@ -199,10 +199,10 @@ bool Run::begin_sinks(std::uint64_t first) {
   }
   if (first == 0) return true;
   progress_.position_hashes.clear();
-  // The cache is the witness of the frames that are kept: reading them also checks them.
+  // The cache is the authority on kept frames; reading them also checks them.
   const FrameCacheReader cache(path_of(cache_name));
   for (std::uint64_t k = 0; k < first; ++k) {
-    // Frames may be many, and files written anew take their time.
+    // There may be many frames, and rewriting files takes time.
     if (was_stopped() && !from_the_start.empty()) return false;
     model::Frame frame = cache.read(k);
     progress_.position_hashes.push_back(model::position_hash(frame));

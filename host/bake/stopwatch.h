@@ -1,4 +1,4 @@
-// Seconds that parts of a bake take.
+// Seconds spent in parts of a bake.
 #pragma once
 
 #include <chrono>

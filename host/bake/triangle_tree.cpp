@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint32_t leaf_triangles = 4;
 
-// Whether the edge from p to q goes through the inside of the triangle a b c. `p_side` and `q_side` are their
-// heights over its plane.
+// Whether the edge from p to q passes through the interior of the triangle a b c. `p_side` and `q_side` are
+// their heights above its plane.
 bool pierces(const Point& p, const Point& q, double p_side, double q_side, const Point& a, const Point& b,
              const Point& c) {
   if (!((p_side > 0.0 && q_side < 0.0) || (p_side < 0.0 && q_side > 0.0))) return false;
@@ -26,7 +26,7 @@ bool pierces(const Point& p, const Point& q, double p_side, double q_side, const
   return (ab > 0.0 && bc > 0.0 && ca > 0.0) || (ab < 0.0 && bc < 0.0 && ca < 0.0);
 }
 
-// Heights of the corners of one triangle over the plane of another.
+// Heights of the corners of one triangle above the plane of another.
 Point heights(const std::array<Point, 3>& of, const std::array<Point, 3>& over) {
   const Point normal = cross_product(difference(over[1], over[0]), difference(over[2], over[0]));
   return {dot(normal, difference(of[0], over[0])), dot(normal, difference(of[1], over[0])),
@@ -70,7 +70,7 @@ TriangleTree::TriangleTree(std::span<const std::uint32_t> triangles, std::span<c
   fit(positions);
 }
 
-// Halves along the longest side of the centres' box. Returns the node's number.
+// Splits at the median along the longest side of the centres' box. Returns the node's number.
 std::uint32_t TriangleTree::build(std::uint32_t first, std::uint32_t last,
                                   const std::vector<float>& centres) {
   const auto number = static_cast<std::uint32_t>(nodes_.size());
@@ -110,7 +110,7 @@ void TriangleTree::fit(std::span<const float> positions) {
       grow(boxes_[i], corner, corner);
     }
   }
-  // Children stand after their parents.
+  // Children come after their parents.
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     node.box = model::empty_box;
@@ -143,7 +143,7 @@ bool TriangleTree::cross(std::uint32_t a, std::uint32_t b) const {
                          {corner(t, 0), corner(t, 1), corner(t, 2)});
 }
 
-// Which nodes hold a triangle with that flag.
+// Which nodes contain a triangle with that flag.
 std::vector<std::uint8_t> TriangleTree::nodes_with(std::span<const std::uint8_t> flags,
                                                    std::uint8_t flag) const {
   std::vector<std::uint8_t> has(nodes_.size(), 0);
@@ -183,7 +183,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings(
     if (a != b && !overlap(x.box, y.box)) continue;
     if (x.second == 0 && y.second == 0) {
       for (std::uint32_t i = x.first_triangle; i < x.last_triangle; ++i) {
-        // Few triangles of a leaf reach into the other.
+        // Few triangles of a leaf reach into the other leaf.
         if (is_out(i) || !overlap(boxes_[i], y.box)) continue;
         for (std::uint32_t j = a == b ? i + 1 : y.first_triangle; j < y.last_triangle; ++j)
           if (overlap(boxes_[i], boxes_[j]) && !is_out(j) && !(is_known(i) && is_known(j)) && cross(i, j))
@@ -191,7 +191,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> TriangleTree::crossings(
       }
       continue;
     }
-    // The one with more triangles is opened.
+    // Descend into the node with more triangles.
     const bool opens_x = y.second == 0 || (x.second != 0 && x.last_triangle - x.first_triangle >=
                                                                 y.last_triangle - y.first_triangle);
     open.emplace_back(opens_x ? a + 1 : a, opens_x ? b : b + 1);

@@ -1,5 +1,5 @@
-// A box tree over triangles whose corners move: built once, fitted anew to each frame. It finds triangles
-// that cross and what a ray hits first.
+// A bounding volume hierarchy over triangles whose corners move: built once, refitted to each frame. It finds
+// triangles that cross, and the first hit of a ray.
 #pragma once
 
 #include <array>
@@ -15,23 +15,21 @@ namespace fascicle::bake {
 
 class TriangleTree {
  public:
-  // Corners: 3 a triangle. Positions: 3 values a corner's number. Place: of each number; triangles that share
-  // a place are neighbours; places are read once. The other arrays stay the caller's and must outlive the
-  // tree.
+  // `triangles`: 3 vertex numbers each. `positions`: 3 values per vertex. `places`: one per vertex; triangles
+  // that share a place are neighbours. `places` is read only here; the other arrays must outlive the tree.
   TriangleTree(std::span<const std::uint32_t> triangles, std::span<const std::uint32_t> places,
                std::span<const float> positions);
 
-  // The positions as they are now; the order of the triangles in the tree stays.
+  // Refits to new positions; the order of the triangles in the tree stays.
   void fit(std::span<const float> positions);
 
-  // Pairs of triangles that cross and are no neighbours, the lower number first, in no order that matters.
-  // Triangles that only touch do not cross. Each has a flag, or all are empty. `asked`: only pairs of which
-  // both are; `known`: no pairs of which both are.
+  // Pairs of triangles that cross and are not neighbours, the lower number first, in unspecified order.
+  // Triangles that only touch do not cross. Flags are one per triangle, or empty. `asked`: only pairs with
+  // both flagged; `known`: no pairs with both flagged.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> crossings(
       std::span<const std::uint8_t> asked = {}, std::span<const std::uint8_t> known = {}) const;
 
-  // The distance, in lengths of `direction`, to the first triangle without this place; nothing where none is
-  // hit.
+  // The distance, in lengths of `direction`, to the first triangle without this place; empty if none is hit.
   std::optional<double> hit(const std::array<double, 3>& from, const std::array<double, 3>& direction,
                             std::uint32_t without_place) const;
 
@@ -43,7 +41,7 @@ class TriangleTree {
   };
 
   std::uint32_t build(std::uint32_t first, std::uint32_t last, const std::vector<float>& centres);
-  // Of triangles by their rank in the tree's order.
+  // For triangles by their rank in the tree's order.
   bool neighbours(std::uint32_t a, std::uint32_t b) const;
   bool cross(std::uint32_t a, std::uint32_t b) const;
   std::vector<std::uint8_t> nodes_with(std::span<const std::uint8_t> flags, std::uint8_t flag) const;
@@ -52,8 +50,8 @@ class TriangleTree {
   std::span<const std::uint32_t> triangles_;
   std::span<const float> positions_;
   std::vector<std::uint32_t> order_;                         // triangles, leaf by leaf
-  std::vector<model::Box> boxes_;                            // of triangles, in that order
-  std::vector<std::array<std::uint32_t, 3>> corner_places_;  // the same
+  std::vector<model::Box> boxes_;                            // per triangle, in that order
+  std::vector<std::array<std::uint32_t, 3>> corner_places_;  // likewise
   std::vector<Node> nodes_;
 };
 

@@ -62,7 +62,7 @@ class Verification {
   }
 
   void check_absent(const std::string& name) {
-    // A complete bake needs none to go on from; a surface may have neither materials nor images.
+    // A complete bake needs no checkpoint; a surface may have neither materials nor images.
     const bool may_lack = !is_complete_ || name == checkpoint_name || name == formats::rest_materials_name ||
                           name == std::string(formats::textures_folder) + '/';
     if (!may_lack) result_.files.push_back({name, "is not there", false});
@@ -73,7 +73,7 @@ class Verification {
     try {
       result_.files.push_back({name, look(), true});
     } catch (const std::exception& error) {
-      // Errors of files begin with the path, which the row has already.
+      // File errors begin with the path, which the row already has.
       std::string text = error.what();
       const std::string path = path_of(name).string() + ": ";
       if (text.starts_with(path)) text.erase(0, path.size());
@@ -101,7 +101,7 @@ class Verification {
     const auto add = [&](const std::string& what) { wrong += (wrong.empty() ? "" : "; ") + what; };
     if (!damaged.empty()) add("damaged: " + frames_text(damaged));
     if (!other.empty()) add("not what the manifest says: " + frames_text(other));
-    // Of a bake that goes on, what the manifest counts was on the disk before it did.
+    // In an unfinished bake, frames reach the disk before the manifest counts them.
     const std::uint64_t there = is_complete_ ? wanted : manifest_.position_hashes.size();
     if (!result_.interrupted && count < there)
       add("missing or damaged at the end: " + frames_text(numbers(count, there)));
@@ -114,7 +114,7 @@ class Verification {
   }
 
   std::string model_finding() const {
-    // The frames name the model that they are of.
+    // The frame cache has the hash of its model.
     std::optional<std::uint64_t> hash;
     if (is_there(cache_name)) hash = FrameCacheReader(path_of(cache_name)).header().model_hash;
     const model::Model model = read_model_file(path_of(model_file_name), hash);

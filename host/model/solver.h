@@ -35,11 +35,10 @@ inline constexpr shader::Bone bone_at_rest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0
 // from the motion that ends to the one that begins, see carried(). Poses have joint_count bones and are one
 // substep apart.
 struct Cut {
-  std::uint32_t substep = 0;              // in the frame
-  std::array<double, 3> origin{0, 0, 0};  // metres: origin of the new motion
-  std::span<const shader::Bone> before,
-      at;                                   // the old motion, a substep before the cut and at it
-  std::span<const shader::Bone> to, after;  // the new motion, at the cut and a substep after it
+  std::uint32_t substep = 0;                 // in the frame
+  std::array<double, 3> origin{0, 0, 0};     // metres: origin of the new motion
+  std::span<const shader::Bone> before, at;  // the old motion, a substep before the cut and at it
+  std::span<const shader::Bone> to, after;   // the new motion, at the cut and a substep after it
 };
 
 // What moves the body through one frame. Every span holds substeps x count items, and need not live longer
