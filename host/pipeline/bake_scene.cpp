@@ -19,7 +19,7 @@
 namespace fascicle::pipeline {
 namespace {
 
-// What is to be said of the clip before anything is built; empty: nothing.
+// A warning about the clip before anything is built, or empty.
 std::string warning_of_clip(const scene::Scene& scene) {
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
   if (character == nullptr || !character->clips.empty()) return "";
@@ -30,13 +30,13 @@ std::string warning_of_clip(const scene::Scene& scene) {
          "; export it with an animation, or give --end for a longer bake";
 }
 
-// Where the skeleton throws flesh harder than it is made to feel; empty: nowhere.
+// A warning if the skeleton accelerates flesh beyond the limit on what it feels, or empty.
 std::string warning_of_throws(const scene::Scene& scene, const model::Model& model,
                               drive::DriveSource& drives) {
   constexpr std::size_t most_named = 4;
   std::uint32_t soft = 0;
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) soft += model.is_kinematic(i) ? 0u : 1u;
-  if (soft == 0) return "";  // a robot, which feels nothing
+  if (soft == 0) return "";  // a robot: no flesh to feel it
   const std::vector<drive::DriveSource::Thrown> thrown = drives.thrown();
   if (thrown.empty()) return "";
   const auto& skeleton = std::get<rig::Character>(scene.geometry).skeleton;
@@ -51,7 +51,7 @@ std::string warning_of_throws(const scene::Scene& scene, const model::Model& mod
   return text + "; look for keys that leap there";
 }
 
-// Beside the filled bodies, under what these programs make of it.
+// Caches starts next to the filled bodies, under keys that include the hash of the build programs.
 void keep_starts(const build::BuildOptions& paths, bake::BakeOptions& options) {
   const std::optional<std::string> programs = build::hash_of_programs(paths);
   if (!programs) return;
@@ -93,7 +93,7 @@ void take_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
   }
 }
 
-// Does it on the device that was taken; where that fails, on the next, until there is none.
+// Runs `work` on the current device; if it fails, on the next one, until none is left.
 template <class Work>
 auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& say, const Work& work) {
   for (;;) {
@@ -106,7 +106,7 @@ auto on_a_device(PreparedBake& prepared, const BakeRequest& request, const Say& 
       if (prepared.devices_tried == request.devices.size()) throw DeviceFailed(what + how_to_go_on);
       say_warning(say, what + "; the next device goes on");
       prepared.warnings.push_back(what + "; another device went on");
-      // The solver goes before the device that it is on.
+      // Destroy the solver before its device.
       prepared.simulation.solver.reset();
       try {
         take_device(prepared, request, say);
@@ -124,7 +124,7 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
   PreparedBake& prepared = *made;
   prepared.scene = std::move(given);
   const scene::Scene& scene = prepared.scene;
-  // These are refused before the work of building, not after it.
+  // Check these before building, not after.
   bake::number_of_first(scene, request.output);
   (void)bake::formats_to_write(request.output);
   const auto warn = [&](const std::string& text) {
@@ -158,7 +158,8 @@ std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest
       return bake::try_look(scene, built.model, *prepared.look_body, drives, *prepared.simulation.solver,
                             prepared.expected->frame, goes_on);
     });
-    // The frames decide: the estimate may be out by a half. Where both are over the limit, it knows the cure.
+    // The frames decide, because the estimate may be off by half. If both exceed the limit, the estimate
+    // names the remedy.
     if (prepared.tried->worst.score > 1.0)
       warn(prepared.expected->score > 1.0
                ? bake::expected_look_warning(scene, built.model, *prepared.expected)
@@ -173,7 +174,7 @@ bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, co
   return on_a_device(prepared, request, say, [&] {
     bake::BakeOptions options;
     static_cast<bake::BakeOutput&>(options) = request.output;
-    // What a device that failed has done stays, unless the next would go on to other bits.
+    // Keep the failed device's frames, unless the next device's bits would differ.
     if (prepared.devices_tried > first_device) {
       options.resume = prepared.simulation.device.description().exact == was_exact;
       options.overwrite = !options.resume;

@@ -1,4 +1,4 @@
-// A whole bake, from a scene to its files: what `fascicle bake` and the library's fascicle_bake_run share.
+// A whole bake, from a scene to its files: shared by `fascicle bake` and the library's fascicle_bake_run.
 #pragma once
 
 #include <atomic>
@@ -21,15 +21,15 @@ namespace fascicle::pipeline {
 
 struct BakeRequest {
   bake::BakeOutput output;
-  bool writes_nothing = false;  // prepare_bake leaves the folder alone
-  // The first takes the bake, and where it fails the next goes on from the last checkpoint. Their
-  // cache is build.cache, and without one they keep nothing.
+  bool writes_nothing = false;  // prepare_bake does not check the folder
+  // The first device runs the bake; if it fails, the next continues from the last checkpoint. Devices use the
+  // cache in build.cache; without one they cache nothing.
   std::vector<DeviceRequest> devices = {DeviceRequest{}};
-  unsigned threads = 0;  // of the CPU solver; 0: one for each core
+  unsigned threads = 0;  // for the CPU solver; 0: one per core
   build::BuildOptions build = {};
   const std::atomic<bool>* interrupted = nullptr;  // polled once a frame
   std::function<void(std::uint64_t frame, std::uint64_t frames)> on_frame = {};
-  std::function<void()> on_lead_in = {};  // before each frame that is stepped before frame 0
+  std::function<void()> on_lead_in = {};  // before each frame simulated before frame 0
 };
 
 // What is known before the first frame.
@@ -38,25 +38,25 @@ struct PreparedBake {
   Built built;
   std::optional<bake::LookBody> look_body;
   std::optional<bake::ExpectedLook> expected;
-  std::optional<bake::TriedLook> tried;  // where the estimate comes near the limit or is over it
-  std::vector<std::string> warnings;     // for the manifest; they have been said
+  std::optional<bake::TriedLook> tried;  // if the estimate comes near the limit or exceeds it
+  std::vector<std::string> warnings;     // for the manifest; already shown
   Simulation simulation;
-  std::size_t devices_tried = 0;  // of the request's; the last of them is the simulation's
+  std::size_t devices_tried = 0;  // of the request's; the simulation uses the last of them
 };
 
-// Refuses what would fail only at the end, builds, says what can be expected and takes a device. Throws
-// scene::SceneError, bake::BakeError, NoSuchDevice, DeviceFailed. In one place, because the solver looks at
-// the model.
+// Checks early what would otherwise fail only at the end, builds, reports what to expect and chooses a
+// device. Throws scene::SceneError, bake::BakeError, NoSuchDevice, DeviceFailed. Returned by pointer, because
+// the solver refers to the model inside.
 std::unique_ptr<PreparedBake> prepare_bake(scene::Scene given, const BakeRequest& request, const Say& say);
 
-// Throws what bake::bake throws, and DeviceFailed where no device is left.
+// Throws what bake::bake throws, and DeviceFailed if no device is left.
 bake::BakeResult run_bake(PreparedBake& prepared, const BakeRequest& request, const Say& say);
 
-// What a bake found that its user should know.
+// Reports what the user should know about a finished bake.
 void say_result(const bake::BakeResult& result, const Say& say);
 
-// Throws bake::BakeError where the file of an option could not be made, so that it is told before the work
-// and not after it. Empty: none was asked for. `folders`: those that are missing will be made.
+// Throws bake::BakeError if an option's output file could not be created, so that the user learns it before
+// the work. An empty `file` means none was requested. `folders`: missing folders will be created.
 void refuse_unwritable(const std::string& option, const std::string& file, bool folders = false);
 
 }  // namespace fascicle::pipeline

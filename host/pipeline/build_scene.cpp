@@ -15,10 +15,10 @@ namespace fascicle::pipeline {
 namespace {
 
 constexpr std::size_t warning_vertices_shown = 8;
-// What is built in less is not kept: it would take as long to find.
+// Faster builds are not cached: finding them would take as long.
 constexpr double least_kept_seconds = 0.2;
 
-// The build asks it again and again whether it is cancelled: that is when words are due.
+// The build polls is_cancelled; each poll may be due for a progress message.
 build::BuildOptions with_words(const build::BuildOptions& options, const Say& say) {
   build::BuildOptions result = options;
   result.is_cancelled = [asked = options.is_cancelled, wait = std::make_shared<LongWait>(say)] {
@@ -42,7 +42,7 @@ Built build_scene(const scene::Scene& scene, const build::BuildOptions& options,
     built.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   } else {
     built.model = build::build_model(scene, built.report, with_words(options, say));
-    // Solvers rely on it, and a fault of the build would show in them as a wild read.
+    // Solvers rely on it: a build error would cause wild reads there.
     model::check_model(built.model);
     if (key && built.report.seconds >= least_kept_seconds)
       keep_model(*key, built.model, built.report, options);
@@ -89,7 +89,7 @@ void say_warnings(const build::Report& report, const Say& say) {
 }
 
 std::vector<bake::OpenEndEntry> open_ends_of(const build::Report& report) {
-  // As build::OpenEnd::Fate counts.
+  // Indexed by build::OpenEnd::Fate.
   static constexpr std::array<const char*, 3> fates{"closed", "left open: the outline of a sheet",
                                                     "left open: a hem around several limbs"};
   const build::OpenEnds& ends = report.fill.cage.ends;

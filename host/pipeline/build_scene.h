@@ -1,4 +1,4 @@
-// From a scene to a model that any solver may take.
+// From a scene to a model for any solver.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace fascicle::pipeline {
 
-// The model with what was found on the way.
+// The model with its build report and steps.
 struct Built {
   model::Model model;
   build::Report report;
@@ -26,8 +26,7 @@ struct Built {
 // scene::SceneError.
 Built build_scene(const scene::Scene& scene, const build::BuildOptions& options, const Say& say);
 
-// The same for a scene that is built again and again with other keys; nothing is kept beside what the memory
-// holds.
+// The same for a scene that is rebuilt repeatedly with other keys; nothing is cached outside `memory`.
 Built build_scene_again(const scene::Scene& scene, const build::BuildOptions& options,
                         build::BuildMemory& memory);
 
@@ -35,10 +34,10 @@ model::SolverOptions solver_options(const scene::Scene& scene, const build::Step
 
 // The warning with the first of its vertices.
 std::string warning_text(const build::Warning& warning);
-// The build's warnings, for those whose result does not hold them.
+// Reports the build's warnings, for callers whose result does not contain them.
 void say_warnings(const build::Report& report, const Say& say);
 
-// Where the skin is open, for the manifest.
+// The openings of the skin, for the manifest.
 std::vector<bake::OpenEndEntry> open_ends_of(const build::Report& report);
 
 }  // namespace fascicle::pipeline

@@ -31,7 +31,7 @@ std::string levels_text(const std::vector<Simd>& levels) {
   return text;
 }
 
-// Another version of the solver has other shaders, and would only add to what is kept.
+// Another version of the solver has other shaders, which would only add to the cached ones.
 std::string key_of_pipelines(const gpu::DeviceInfo& info) {
   char digits[16];
   std::snprintf(digits, sizeof digits, "%08x", static_cast<unsigned>(base::solver_version));
@@ -188,7 +188,7 @@ std::string ChosenDevice::pipelines() const {
   try {
     return device_->pipelines();
   } catch (const gpu::DeviceError&) {
-    return {};  // what cannot be kept is compiled again
+    return {};  // if it cannot be cached, it is compiled again
   }
 }
 

@@ -1,4 +1,4 @@
-// --device: what was asked for, what is there, what is taken. The one place that picks a solver.
+// --device: what was requested, what is available, what is chosen. The only place that picks a solver.
 #pragma once
 
 #include <cstdint>
@@ -22,59 +22,59 @@ namespace fascicle::pipeline {
 struct DeviceRequest {
   enum class Kind { automatic, cpu, vulkan };
   Kind kind = Kind::automatic;
-  std::optional<std::uint32_t> index = std::nullopt;          // of vulkan:N
-  cpu_reference::Simd simd = cpu_reference::Simd::automatic;  // of cpu:LEVEL
-  bool keeps_pipelines = true;                                // uses and keeps compiled shaders
-  std::filesystem::path cache = {};                           // where; empty: build::default_cache_folder()
+  std::optional<std::uint32_t> index = std::nullopt;          // for vulkan:N
+  cpu_reference::Simd simd = cpu_reference::Simd::automatic;  // for cpu:LEVEL
+  bool keeps_pipelines = true;       // reads and writes the cache of compiled shaders
+  std::filesystem::path cache = {};  // its folder; empty: build::default_cache_folder()
 };
 
 // "auto", "cpu", "cpu:LEVEL" (the instructions to use, see simd.h), "vulkan", "vulkan:N". Throws UsageError.
 DeviceRequest parse_device(const std::string& text);
-// "cpu,vulkan:1" cut at its commas.
+// Splits "cpu,vulkan:1" at its commas.
 std::vector<std::string> split_device_list(const std::string& text);
-// "cpu,vulkan:1". Throws UsageError, for an empty entry and for "auto" too.
+// For "cpu,vulkan:1". Throws UsageError, also for an empty entry and for "auto".
 std::vector<DeviceRequest> parse_device_list(const std::string& text);
 
-// The devices of a bake: the first, and those that go on in turn where one fails: "cpu", "vulkan:0,cpu".
-// "auto" has the CPU behind it, and "all" is every real GPU and the CPU. Throws UsageError.
+// The devices of a bake: the first, and those that take over in turn if one fails: "cpu", "vulkan:0,cpu".
+// "auto" is followed by the CPU; "all" is every real GPU and the CPU. Throws UsageError.
 std::vector<DeviceRequest> parse_device_order(const std::string& text);
-// The Vulkan devices that the list may mean. A list of CPUs alone means none, and Vulkan is not loaded for
-// it.
+// The Vulkan devices that the list may refer to. For a list of CPUs alone there are none, and Vulkan is not
+// loaded.
 std::vector<gpu::DeviceInfo> devices_for(const std::string& list);
-// The list with "all" in it as "vulkan:0,vulkan:1,cpu".
+// The list with "all" replaced by "vulkan:0,vulkan:1,cpu".
 std::string with_all_devices(const std::string& list, std::span<const gpu::DeviceInfo> devices);
 
-// The devices of a request in the order to try them. automatic: usable real GPUs; vulkan: usable real GPUs,
-// then usable software devices; with an index that one, usable or not.
+// The devices of a request in the order in which to try them. automatic: usable real GPUs; vulkan: usable
+// real GPUs, then usable software devices; with an index, that device, usable or not.
 std::vector<gpu::DeviceInfo> candidates(const DeviceRequest& request,
                                         std::span<const gpu::DeviceInfo> devices);
 
-// What a solver leaves for the next one on the same device.
+// What a solver passes on to the next one on the same device.
 using cpu_reference::SolverMemory;
 
 // A device ready to make solvers. Must outlive them.
 class ChosenDevice {
  public:
-  // Throws NoSuchDevice where the machine lacks the instructions.
+  // Throws NoSuchDevice if the machine lacks the instructions.
   static ChosenDevice cpu(unsigned threads, cpu_reference::Simd simd, std::string why);
-  // Opens it and runs its self-test. Throws gpu::DeviceError.
+  // Opens the device and runs its self-test. Throws gpu::DeviceError.
   static ChosenDevice vulkan(const gpu::DeviceInfo& info, const DeviceRequest& request, std::string why);
 
   // "cpu", "cpu:LEVEL" or "vulkan:N"
   const std::string& label() const { return label_; }
-  // One line for people: label, name, driver, exact or not, why it was taken.
+  // One line for users: label, name, driver, exact or not, why it was chosen.
   std::string text() const;
   const bake::DeviceDescription& description() const { return description_; }
   // First difference that the self-test found; empty if exact.
   const std::string& why_not_exact() const { return why_not_exact_; }
-  // `memory` may be null. Throws NoSuchDevice where the model does not fit the device.
+  // `memory` may be null. Throws NoSuchDevice if the model does not fit the device.
   std::unique_ptr<model::Solver> make_solver(const model::Model& model, const model::SolverOptions& options,
                                              SolverMemory* memory = nullptr) const;
   // The Vulkan device; null: the CPU.
   gpu::Device* gpu() const { return device_.get(); }
 
  private:
-  // What is worth keeping; empty where nothing is kept.
+  // Compiled pipelines worth caching; empty if nothing is cached.
   std::string pipelines() const;
 
   std::string label_, why_, why_not_exact_;
@@ -85,12 +85,12 @@ class ChosenDevice {
   std::filesystem::path cache_;
 };
 
-// Takes a device. automatic: the first real GPU that passes its self-test, else the CPU. Throws NoSuchDevice.
-// `threads` 0: one for each core.
+// Chooses a device. automatic: the first real GPU that passes its self-test, else the CPU. Throws
+// NoSuchDevice. `threads` 0: one per core.
 ChosenDevice choose_device(const DeviceRequest& request, unsigned threads, const Say& say);
 
-// The same and its solver for one model, so that automatic can go on to the CPU where the model does not fit
-// the GPU. Says what was taken.
+// The same with a solver for one model, so that automatic can fall back to the CPU if the model does not fit
+// the GPU. Reports the choice.
 struct Simulation {
   ChosenDevice device;
   std::unique_ptr<model::Solver> solver;

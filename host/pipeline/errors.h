@@ -1,21 +1,21 @@
-// The errors that are neither the scene's nor the disk's: of what was asked for, and of devices.
+// Errors that concern neither the scene nor the disk: bad requests, and devices.
 #pragma once
 
 #include <stdexcept>
 
 namespace fascicle::pipeline {
 
-// A request that cannot be followed. what() says what to do.
+// A request that cannot be carried out. what() says what to do.
 struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A device that was asked for and is not there, or will not do.
+// A requested device that does not exist or is not suitable.
 struct NoSuchDevice : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A device that failed or was lost on the way, and none was left to go on.
+// A device that failed or was lost during the work, with none left to take over.
 struct DeviceFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -16,15 +16,16 @@
 namespace fascicle::pipeline {
 namespace {
 
-// Every parameter but those that only say what moves the model, and when.
+// All parameters except those that only describe the motion and its timing.
 scene::Json parameters_of(const scene::Scene& scene) {
   scene::Json parameters = json_of(scene);
-  // The values are there one by one.
+  // Its values are included one by one.
   parameters.erase("text");
-  // Several characters have one clip that joins theirs, and their bodies are filled by its poses.
+  // Several characters share one clip that combines theirs, and its poses determine how their bodies are
+  // filled.
   if (!scene.characters.empty()) return parameters;
   for (const char* key : {"fps", "start", "end", "frames", "gravity", "motion"}) parameters.erase(key);
-  // Muscles may be told by a channel of the clip.
+  // A channel of the clip may drive muscles.
   if (scene.muscles.empty()) {
     parameters.erase("clip");
     parameters.erase("clip_name");
@@ -32,7 +33,7 @@ scene::Json parameters_of(const scene::Scene& scene) {
   return parameters;
 }
 
-// Arrays of one entry an end.
+// The arrays must have one entry per end.
 bool is_usable(const build::OpenEnds& ends) {
   const std::size_t count = ends.vertex.size();
   return ends.edges.size() == count && ends.joint.size() == count && ends.width.size() == count &&
@@ -42,7 +43,7 @@ bool is_usable(const build::OpenEnds& ends) {
 }  // namespace
 
 std::optional<std::string> kept_model_key(const scene::Scene& scene, const build::BuildOptions& options) {
-  // A scene that was not read, but made in memory, has nothing that stands for its geometry.
+  // A scene made in memory, not read, has nothing that identifies its geometry.
   if (options.cache.empty() || scene.input_hashes.empty() || scene::is_converted(scene)) return std::nullopt;
   const std::optional<std::string> programs = build::hash_of_programs(options);
   if (!programs) return std::nullopt;

@@ -1,5 +1,5 @@
-// Models beside the filled bodies in the cache: a character that was built before is there at once, whichever
-// of its clips is baked.
+// Models in the cache next to the filled bodies: a character that was built before is available at once,
+// whichever of its clips is baked.
 #pragma once
 
 #include <optional>
@@ -16,12 +16,12 @@ struct KeptModel {
   build::Report report;
 };
 
-// The name of the scene's model in the cache: changes with everything that the model and its report follow
-// from, the program and the mesher among them. Nothing where models are not kept: without a cache, or of a
+// The key of the scene's model in the cache: changes with everything that determines the model and its
+// report, including the program and the mesher. Empty if models are not cached: without a cache, or for a
 // file that another program converted.
 std::optional<std::string> kept_model_key(const scene::Scene& scene, const build::BuildOptions& options);
 
-// Nothing where there is none, or none that this program can rely on.
+// Empty if there is none, or none that this program can use.
 std::optional<KeptModel> find_kept_model(const std::string& key, const build::BuildOptions& options);
 
 void keep_model(const std::string& key, const model::Model& model, const build::Report& report,

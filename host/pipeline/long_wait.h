@@ -1,4 +1,4 @@
-// Words for a wait of which nothing else is shown.
+// Progress messages for work that shows nothing else.
 #pragma once
 
 #include <chrono>
@@ -8,12 +8,12 @@
 
 namespace fascicle::pipeline {
 
-// Says what is still being done: first after `first`, then each time when as long again has gone by.
+// Reports what is still running: first after `first`, then whenever the elapsed time has doubled.
 class LongWait {
  public:
   explicit LongWait(Say say, std::chrono::duration<double> first = std::chrono::seconds(5));
 
-  // To be called again and again while it lasts; `what` as in "still building the body".
+  // Call repeatedly during the work; `what` as in "still building the body".
   void go_on(const std::string& what);
 
  private:

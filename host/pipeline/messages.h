@@ -1,4 +1,4 @@
-// Where messages go while work is done: a caller's log, whatever it is.
+// Destination of messages during work: the caller's log, of any kind.
 #pragma once
 
 #include <functional>

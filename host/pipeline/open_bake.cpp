@@ -35,8 +35,8 @@ OpenBake::OpenBake(const fs::path& folder)
 const scene::Scene& OpenBake::scene() {
   if (scene_) return *scene_;
   const fs::path source(manifest_.scene_source);
-  // File names in a scene file are relative to it; a bare mesh or character is named from where the bake was
-  // started.
+  // File names in a scene file are relative to it; a bare mesh or character is relative to the folder in
+  // which the bake was started.
   const fs::path near = source.extension() == ".toml" ? source.parent_path() : fs::path();
   std::unique_ptr<const scene::Scene> read;
   try {
@@ -48,7 +48,7 @@ const scene::Scene& OpenBake::scene() {
   }
   build::Report report;
   substeps_ = build::choose_steps(*read, model_, report).substeps;
-  // The scene's own text is in the manifest; what it names may have changed.
+  // The scene's own text is in the manifest, but files that it refers to may have changed.
   const std::map<std::string, std::string> before(manifest_.input_hashes.begin(),
                                                   manifest_.input_hashes.end());
   for (const auto& [file, hash] : read->input_hashes)

@@ -1,4 +1,4 @@
-// A bake's folder, finished or still running, opened for looking at it.
+// A bake's folder, finished or still running, opened for viewing.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace fascicle::pipeline {
 
-// The model and the frames lie in the folder; the scene is read again only where its clip is asked for.
+// The model and the frames are in the folder; the scene is read again only if its clip is needed.
 class OpenBake {
  public:
   // Throws bake::BakeError with what is missing and what to do.
@@ -26,24 +26,24 @@ class OpenBake {
   const bake::ManifestSummary& manifest() const { return manifest_; }
   double fps() const { return cache_.header().fps; }
   double start() const { return cache_.header().start; }
-  // Whole frames from frame 0 on; of a running bake those there were when it was opened.
+  // Number of whole frames, from frame 0; for a running bake, when it was opened.
   std::uint64_t frame_count() const { return cache_.frame_count(); }
   model::Frame frame(std::uint64_t k) const { return cache_.read(k); }
 
-  // The scene as it was baked. Throws bake::BakeError where an input has changed since, scene::SceneError
-  // where one is gone.
+  // The scene as it was baked. Throws bake::BakeError if an input has changed since, scene::SceneError if one
+  // is gone.
   const scene::Scene& scene();
-  // Where skinning alone (without a skeleton: the rest pose) would have the vertices in a frame.
+  // Positions by skinning alone (without a skeleton: the rest pose) in a frame.
   struct Skinned {
-    std::vector<float> positions;  // working units from the origin, 3 a vertex
+    std::vector<float> positions;  // working units from the origin, 3 per vertex
     std::array<double, 3> origin;  // m
   };
   Skinned skinned(std::uint64_t k);
-  // Each joint's map from its own space to the world, metres of the file; nothing without a skeleton.
+  // Each joint's map from its own space to the world, metres of the file; empty without a skeleton.
   std::vector<Eigen::Matrix4d> joints(std::uint64_t k) { return drives().joints(k); }
   // The scene's solids in a frame, metres.
   std::vector<scene::Solid> solids(std::uint64_t k);
-  // Metres between each vertex and that place.
+  // Distance between each vertex and its skinned position, m.
   std::vector<float> lag(const model::Frame& frame);
 
  private:
@@ -54,7 +54,7 @@ class OpenBake {
   bake::FrameCacheReader cache_;
   model::Model model_;
   std::unique_ptr<const scene::Scene> scene_;
-  std::uint32_t substeps_ = 0;  // of a frame; known with the scene
+  std::uint32_t substeps_ = 0;  // per frame; set when the scene is read
   std::optional<drive::DriveSource> drives_;
 };
 

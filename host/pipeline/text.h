@@ -1,4 +1,4 @@
-// Numbers as people read them.
+// Numbers formatted for users.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ std::string bytes_text(std::uint64_t bytes);
 std::string duration_text(double seconds);
 // The float's bits, "0x3f800000"
 std::string bits_text(float value);
-// All digits that tell a float from its neighbours
+// All digits that distinguish a float from its neighbours
 std::string float_text(float value);
 
 // Two aligned columns, each line indented by two spaces. Names from files are shown as base::shown_text does.
