@@ -16,11 +16,11 @@ using scene::Vector3d;
 
 namespace {
 
-// 1/s: how fast flesh that begins inside a solid is lifted out of it, in parts of its depth. Slow enough that
-// a scene that begins so starts without a jolt.
+// 1/s: rate at which flesh that starts inside a solid is lifted out, as a share of its depth. Slow enough
+// that such a scene starts without a jolt.
 constexpr double lifting_rate = 5.0;
 
-// The value between keys, held before the first and after the last.
+// Interpolates between keys; constant before the first and after the last.
 Vector3d between_keys(const std::vector<double>& times, const std::vector<Vector3d>& values, double time) {
   if (values.empty()) return Vector3d::Zero();
   const auto next =

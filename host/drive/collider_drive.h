@@ -1,4 +1,4 @@
-// Where the scene's solids are in each substep, as solvers take them.
+// Where the scene's solids are in each substep, in the form that solvers take.
 #pragma once
 
 #include <cstddef>
@@ -23,17 +23,17 @@ class ColliderDrive {
   // The scene must outlive it. `h`: a substep, s.
   ColliderDrive(const scene::Scene& scene, const model::Model& model, double h);
 
-  // Appends each solid's way through one substep, relative to `origin` (metres of the scene).
+  // Appends each solid's motion through one substep, relative to `origin` (metres of the scene).
   void append(const Moment& before, const Moment& at, const scene::Vector3d& origin,
               std::vector<shader::Collider>& to) const;
 
-  // The solids, metres of the scene, as they are moved at that time.
+  // The solids at that time, metres of the scene.
   std::vector<scene::Solid> solids(const Moment& at) const;
 
  private:
   struct Moved {
     const scene::Collider* collider;
-    scene::Solid solid;  // as the scene has it
+    scene::Solid solid;  // as in the scene
     std::size_t joint;   // of the character, or none
   };
   static constexpr std::size_t none = static_cast<std::size_t>(-1);

@@ -25,7 +25,7 @@ struct DriveSource::Impl {
 
   double h() const { return 1.0 / (static_cast<double>(substeps) * scene.fps); }
   Vector3d rest_origin() const { return {model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]}; }
-  Vector3d origin(std::uint64_t count);  // of the pose at the end of substep `count`
+  Vector3d origin(std::uint64_t count);  // for the pose at the end of substep `count`
   void append_bones(const Pose& pose, const Vector3d& origin, std::vector<shader::Bone>& to) const {
     if (timeline) drive::append_bones(scene, model, pose, origin, to);
   }
@@ -49,16 +49,16 @@ struct DriveSource::Impl {
   const scene::Scene& scene;
   const model::Model& model;
   std::uint64_t substeps;
-  std::optional<Timeline> timeline;         // nothing without a skeleton
-  std::optional<FeltAcceleration> felt;     // the same
-  std::optional<MuscleDrive> muscle_drive;  // nothing without muscles
+  std::optional<Timeline> timeline;         // empty without a skeleton
+  std::optional<FeltAcceleration> felt;     // likewise
+  std::optional<MuscleDrive> muscle_drive;  // empty without muscles
   std::vector<shader::Bone> bones;
   std::vector<shader::Muscle> muscles;
   ColliderDrive collider_drive;
   std::vector<shader::Collider> colliders;
   std::vector<shader::Force> forces;
   std::vector<float> decay;
-  std::vector<std::vector<shader::Bone>> cut_poses;  // four a cut
+  std::vector<std::vector<shader::Bone>> cut_poses;  // four per cut
   std::vector<model::Cut> cuts;
 };
 
@@ -92,7 +92,7 @@ Vector3d DriveSource::Impl::origin(std::uint64_t count) {
   return whole_units(timeline->root(timeline->pose(count)), model.unit);
 }
 
-// A substep's end: the bones, and what the pose at this time of the clip makes of the muscles.
+// Appends a substep's end: the bones, and the muscles for this pose and time of the clip.
 void DriveSource::Impl::append_pose(const Pose& pose, const Vector3d& origin, double time) {
   append_bones(pose, origin, bones);
   if (muscle_drive) muscle_drive->append(pose, time, muscles);
@@ -115,21 +115,21 @@ void DriveSource::Impl::append_forces(double time) {
   }
 }
 
-// The time at the end of substep `count`: the clip's, so that solids repeat with it.
+// The time at the end of substep `count`: clip time, so that solids repeat with the clip.
 double DriveSource::Impl::time_of(std::uint64_t count) const {
   if (timeline) return timeline->clip_time(count);
   return scene.start + static_cast<double>(count) / (static_cast<double>(substeps) * scene.fps);
 }
 
-// The solids' way through substep `count`; where the motion breaks they stand where it goes on.
+// Appends the solids' motion through substep `count`; at a cut they stay at its new pose.
 void DriveSource::Impl::append_colliders(std::uint64_t count, const Vector3d& origin) {
   if (scene.colliders.empty()) return;
   if (!timeline) return collider_drive.append({time_of(count - 1)}, {time_of(count)}, origin, colliders);
   const std::uint64_t from = timeline->is_cut(count) ? count : count - 1;
-  // What the timeline keeps of one pose may go with the next.
+  // Copies: the timeline may drop one pose when it computes another.
   const Pose before = timeline->pose(from), at = timeline->pose(count);
   double time = time_of(from);
-  if (time > time_of(count)) time = scene.start;  // a cycle begins anew
+  if (time > time_of(count)) time = scene.start;  // a new cycle begins
   collider_drive.append({time, &before}, {time_of(count), &at}, origin, colliders);
 }
 
@@ -139,7 +139,7 @@ void DriveSource::Impl::append_standing_colliders(const Pose* before, const Pose
   collider_drive.append({scene.start, before}, {scene.start, at}, origin, colliders);
 }
 
-// Poses added up with weights that sum to 1.
+// A weighted sum of poses; weights sum to 1.
 Pose DriveSource::Impl::mixed(std::initializer_list<std::pair<double, std::uint64_t>> parts) {
   Pose sum;
   for (const auto& [weight, count] : parts) {
@@ -150,18 +150,18 @@ Pose DriveSource::Impl::mixed(std::initializer_list<std::pair<double, std::uint6
   return sum;
 }
 
-// The motion that begins with a cut before the end of substep `count`, followed back to the substep's
-// beginning: with constant acceleration where the clip lets one see it.
+// The motion after a cut in substep `count`, extrapolated back to the beginning of the substep: with constant
+// acceleration, unless another cut follows too soon.
 Pose DriveSource::Impl::followed_back(std::uint64_t count) {
   if (timeline->is_cut(count + 1) || timeline->is_cut(count + 2))
     return mixed({{2.0, count}, {-1.0, count + 1}});
   return mixed({{3.0, count}, {-3.0, count + 1}, {1.0, count + 2}});
 }
 
-// A pose that lies a substep before that at the end of substep count - 1, if the motion came from it with the
-// speed with which it would have gone on: so both motions are taken at the same time, the middle of substep
-// `count`, and a cut in the midst of a steady motion changes nothing. After a cut in the substep before, the
-// motion is the one that began there.
+// The pose one substep before the end of substep count - 1, chosen so that the step between them has the
+// speed which the ending motion would have in the middle of substep `count`. Both motions are thus taken at
+// the same time, and a cut within steady motion changes nothing. If there was a cut in the substep before,
+// the motion is the one that began there.
 Pose DriveSource::Impl::followed_on(std::uint64_t count) {
   if (count == 1) return timeline->pose(0);
   if (timeline->is_cut(count - 1)) return followed_back(count - 1);
@@ -169,7 +169,8 @@ Pose DriveSource::Impl::followed_on(std::uint64_t count) {
   return mixed({{-1.0, count - 1}, {3.0, count - 2}, {-1.0, count - 3}});
 }
 
-// The cut between the ends of substeps count - 1 and count, substep number `substep` of its frame.
+// Appends the cut between the ends of substeps count - 1 and count, which is substep number `substep` of its
+// frame.
 void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                                    const Vector3d& after) {
   const std::size_t first = cut_poses.size();
@@ -181,12 +182,12 @@ void DriveSource::Impl::append_cut(std::uint32_t substep, std::uint64_t count, c
   cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
 }
 
-// Whether the ends of substeps count - 2, count - 1 and count lie in one motion.
+// Whether the ends of substeps count - 2, count - 1 and count belong to one motion.
 bool DriveSource::Impl::accelerates(std::uint64_t count) {
   return count >= 2 && !timeline->is_cut(count) && !timeline->is_cut(count - 1);
 }
 
-// Whether a joint's acceleration into substep `count` is beyond what its flesh is to feel.
+// Whether a joint's acceleration into substep `count` exceeds the limit on what its flesh feels.
 bool DriveSource::Impl::is_bounded(std::uint64_t count) {
   if (!accelerates(count)) return false;
   const Pose &before = timeline->pose(count - 2), &at = timeline->pose(count - 1),
@@ -196,8 +197,8 @@ bool DriveSource::Impl::is_bounded(std::uint64_t count) {
   return false;
 }
 
-// A cut at which the body stays where it is: flesh is given that part of the skeleton's change of velocity
-// into substep `count` which it is not to feel.
+// Appends a cut at which the body stays in place: flesh receives that part of the skeleton's change of
+// velocity into substep `count` which it is not supposed to feel.
 void DriveSource::Impl::append_bound(std::uint32_t substep, std::uint64_t count, const Vector3d& before,
                                      const Vector3d& after) {
   const Pose &old = timeline->pose(count - 2), &at = timeline->pose(count - 1), &to = timeline->pose(count);
@@ -216,21 +217,21 @@ void DriveSource::Impl::append_bound(std::uint32_t substep, std::uint64_t count,
   cuts.push_back({substep, array_of(after), {}, {}, {}, {}});
 }
 
-// The pose after the clip's first substep, by which the start is seen to move; the first one where the motion
-// breaks there.
+// The pose after the clip's first substep, which gives the initial velocity; the first pose if there is a
+// cut.
 std::vector<shader::Bone> DriveSource::Impl::start_after(const Vector3d& origin) {
   std::vector<shader::Bone> after;
   append_bones(timeline->pose(timeline->is_cut(1) ? 0 : 1), origin, after);
   return after;
 }
 
-// A drive of what stands in bones, forces and cuts, towards the origin `end`.
+// Makes a drive from the collected bones, forces and cuts, with the origin `end`.
 model::Drive DriveSource::Impl::drive_to(const Vector3d& end) {
   model::Drive drive;
   drive.substeps = static_cast<std::uint32_t>(substeps);
   drive.h = h();
   drive.origin = array_of(end);
-  // Where the rest shape hangs by gravity already, only the bones' change of it acts.
+  // If the rest shape already sags under gravity, only the bones' change of gravity acts.
   const bool hangs = timeline && scene.motion.rest == scene::Rest::sculpted;
   for (int a = 0; a < 3; ++a)
     drive.gravity[static_cast<std::size_t>(a)] =
@@ -269,7 +270,8 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
   impl.clear();
   const std::uint64_t substeps = impl.substeps, first = (frame - 1) * substeps;
   const Vector3d before = impl.origin(first), end = impl.origin(first + substeps);
-  // Without a cut the frame is seen from its end's origin; the first cut takes the body there.
+  // Without a cut, the frame is relative to the origin at its end; with one, the first cut moves the body
+  // there.
   bool cut_ahead = false;
   for (std::uint64_t s = 1; impl.timeline && s <= substeps; ++s)
     cut_ahead = cut_ahead || impl.timeline->is_cut(first + s) || impl.is_bounded(first + s);
@@ -285,7 +287,7 @@ model::Drive DriveSource::drive(std::uint64_t frame) {
       origin = end;
     }
     if (impl.timeline) impl.append_pose(impl.timeline->pose(count), origin, impl.timeline->clip_time(count));
-    // A force acts through a substep or not at all: whether it does is settled where the substep begins.
+    // A force acts through a whole substep or not at all, depending on the substep's beginning.
     impl.append_forces(impl.scene.start +
                        static_cast<double>(count - 1) / (static_cast<double>(substeps) * impl.scene.fps));
     impl.append_colliders(count, origin);
@@ -407,7 +409,7 @@ model::Drive DriveSource::preroll_drive(std::uint64_t frame) {
   const double last = static_cast<double>(preroll_frames() * impl.substeps);
   const auto pose_at = [&](std::uint64_t s) {
     const double x = static_cast<double>((frame - 1) * impl.substeps + s) / last;
-    // Begins and ends without speed.
+    // Begins and ends at zero speed.
     return impl.timeline ? impl.timeline->preroll_pose(x * x * (3.0 - 2.0 * x)) : Pose();
   };
   Pose before = pose_at(0);

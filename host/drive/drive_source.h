@@ -14,65 +14,66 @@ namespace fascicle::drive {
 
 // The scene and model must outlive it. Frame k covers the time from start + (k-1)/fps to start + k/fps;
 // substep s of it ends at start + (k - 1 + s/substeps)/fps, s = 1..substeps, and the clip is sampled there
-// (timeline.h says how time runs through several cycles). Each frame's origin is the root joint's position at
-// the frame's end rounded to whole working units (constant without a skeleton).
+// (for several cycles, see timeline.h). Each frame's origin is the root joint's position at the frame's end
+// rounded to whole working units (constant without a skeleton).
 //
 // The spans of a drive stay valid until the next call that returns one.
 class DriveSource {
  public:
-  // Without `substeps` as many as the scene states; std::invalid_argument where it leaves them open.
+  // Without `substeps`, the scene's number; throws std::invalid_argument if the scene does not state one.
   DriveSource(const scene::Scene& scene, const model::Model& model);
   DriveSource(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps);
   ~DriveSource();
 
-  // The state before frame 1 if the flesh follows the skeleton from the first pose on: skinned, and moving as
-  // the clip begins to move.
+  // The state before frame 1 if the flesh has followed the skeleton: skinned to the first pose, with the
+  // velocity at which the clip begins.
   model::State initial_state() const;
-  // The state at the end of frame k, k >= 1 and not the last, if the flesh followed the skeleton up to there.
+  // The state at the end of frame k, k >= 1 and not the last, if the flesh has followed the skeleton up to
+  // there.
   model::State state_on_skeleton(std::uint64_t frame) const;
-  std::uint32_t substeps() const;  // of a frame
-  // The drive of frame k >= 1. Frames may be asked for in any order.
+  std::uint32_t substeps() const;  // per frame
+  // The drive of frame k >= 1. Frames may be requested in any order.
   model::Drive drive(std::uint64_t frame);
 
-  // Where the skeleton throws flesh harder than the bound on what it feels (felt_acceleration.h), in one
-  // cycle of the clip: each joint once, with its largest acceleration, the worst first. Goes through all
-  // substeps.
+  // Joints that accelerate flesh beyond the limit on what it feels (felt_acceleration.h) in one cycle of the
+  // clip: each once, with its largest acceleration, the worst first. Runs through all substeps.
   struct Thrown {
     std::size_t joint = 0;
     double acceleration = 0.0;  // m/s^2
     double time = 0.0;          // s of the clip
-    std::uint64_t frame = 0;    // at whose end, or before it, that was
+    std::uint64_t frame = 0;    // in which that occurs
   };
   std::vector<Thrown> thrown();
   double acceleration_limit(std::size_t joint) const;  // m/s^2; 0 without a skeleton
 
-  // What throws the flesh in the middle of each joint's, in one cycle of the clip, m/s^2: gravity as the rest
-  // shape feels it, and the skeleton's acceleration there turned round, within the bound on what flesh feels.
-  // visit(throws) at the end of each substep; both are 0 of joints without free flesh.
+  // The accelerations at the middle of each joint's flesh, in one cycle of the clip, m/s^2: gravity as it
+  // acts on the rest shape, and the negated acceleration of the skeleton there, within the limit on what
+  // flesh feels. Calls visit(throws) at the end of each substep; both are 0 for joints without free flesh.
   struct Throw {
     scene::Vector3d gravity = scene::Vector3d::Zero(), inertia = scene::Vector3d::Zero();
   };
   void for_each_throw(const std::function<void(const std::vector<Throw>& of_joint)>& visit);
 
   // Each joint's map from its own space to the world (metres of the file) at the end of a frame; frame 0 is
-  // the first pose. Nothing without a skeleton.
+  // the first pose. Empty without a skeleton.
   std::vector<Eigen::Matrix4d> joints(std::uint64_t frame);
   // The scene's solids at the end of a frame, metres of the scene.
   std::vector<scene::Solid> solids(std::uint64_t frame);
-  // The clip's time that a frame shows, s; 0 without a skeleton.
+  // The clip time shown in a frame, s; 0 without a skeleton.
   double clip_time(std::uint64_t frame) const;
 
-  // Before frame 0. The preroll begins in preroll_state(), at rest, and lasts preroll_frames(); frame k of it
-  // is k = 1.. of them, which begins and ends at rest. Without a preroll its state is that of the first pose.
+  // Before frame 0. The preroll begins at rest in preroll_state() and lasts preroll_frames() frames, numbered
+  // from 1; its motion begins and ends at zero speed. Without a preroll, its state is that of the first pose.
   std::uint64_t preroll_frames() const;
   model::State preroll_state() const;
   model::Drive preroll_drive(std::uint64_t frame);
-  // A frame that holds the first pose.
+  // The drive of a frame that holds the first pose.
   model::Drive settle_drive();
-  // The state before frame 1, from one that rests in the first pose: set moving as the clip begins to move.
+  // The state before frame 1, from one at rest in the first pose: given the velocity at which the clip
+  // begins.
   model::State started(const model::State& resting) const;
-  // The state before frame 1, from that at the end of the clip's cycle: carried to the first pose where the
-  // clip does not lead there itself. Frame 0 again.
+  // The state before frame 1, from the one at the end of the clip's cycle: carried to the first pose if the
+  // clip does not end there. Its frame is 0 again.
   model::State begun_again(const model::State& cycled) const;
 
  private:

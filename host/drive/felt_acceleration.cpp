@@ -32,7 +32,7 @@ FeltAcceleration::FeltAcceleration(const scene::Scene& scene, const rig::Charact
     : scale_(scene.scale), corners_(character.skeleton.size()) {
   const std::vector<double> extents = model::extents(model, scene::first_joints(scene));
   for (std::size_t j = 0; j < corners_.size(); ++j) {
-    // At the corners of straight lines the acceleration is whatever the step makes it.
+    // With linear interpolation, the acceleration at a key depends on the step length.
     const double by_size = scene.motion.interpolation == scene::KeyInterpolation::smooth
                                ? default_acceleration_limit * extents[scene::character_of_joint(scene, j)]
                                : INFINITY;

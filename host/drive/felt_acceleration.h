@@ -1,11 +1,11 @@
-// How much of the skeleton's acceleration flesh feels, and where that is bounded.
+// How much of the skeleton's acceleration flesh feels, and the limit on it.
 //
-// Keys may leap: a key puts a limb elsewhere within a frame, or a rig flips. Flesh cannot follow, and no
-// artist meant the blow. So flesh feels at most the bound of a joint's acceleration, and the rest carries it
+// Keys may jump: a key moves a limb elsewhere within one frame, or a rig flips. Flesh cannot follow, and no
+// artist intended the impact. So flesh feels a joint's acceleration only up to the limit; the rest carries it
 // along, as a cut does.
 //
-// A joint's acceleration is the largest at the corners of the box around the free vertices that follow it
-// most, by the second difference of its poses: joints whose flesh is all kinematic throw none.
+// A joint's acceleration is the largest at the corners of the bounding box of the free vertices that follow
+// it most, from the second difference of its poses: joints with only kinematic flesh have none.
 #pragma once
 
 #include <cstdint>
@@ -17,30 +17,30 @@
 
 namespace fascicle::drive {
 
-// 1/s^2, times the body's extent: the bound where the scene has none. Clips take the same time whatever the
-// size, so accelerations grow with it. docs/design/crushed-flesh.md has those of some clips.
+// 1/s^2, times the body's extent: the limit if the scene has none. Clips take the same time whatever the
+// size, so accelerations grow with size. docs/design/crushed-flesh.md lists those of some clips.
 inline constexpr double default_acceleration_limit = 200.0;
 
-// The joint that vertex i follows most; the first of several.
+// The joint with the largest weight in vertex i; the first if several are equal.
 std::uint32_t main_joint(const model::Model& model, std::uint32_t i);
 
 class FeltAcceleration {
  public:
   FeltAcceleration(const scene::Scene& scene, const rig::Character& character, const model::Model& model);
 
-  // Of joint j's flesh, m/s^2.
+  // For joint j's flesh, m/s^2.
   double limit(std::size_t j) const { return limit_[j]; }
-  // Of joint j, m/s^2; the poses are h seconds apart. 0 where the joint has no free flesh.
+  // For joint j, m/s^2; poses are h seconds apart. 0 if the joint has no free flesh.
   double of_joint(std::size_t j, const Pose& before, const Pose& at, const Pose& after, double h) const;
-  // In the middle of the joint's free flesh, beyond the bound too.
+  // At the middle of the joint's free flesh, not limited.
   scene::Vector3d in_middle(std::size_t j, const Pose& before, const Pose& at, const Pose& after,
                             double h) const;
   bool has_flesh(std::size_t j) const { return !corners_[j].empty(); }
 
  private:
   double scale_ = 1.0;
-  std::vector<double> limit_;                          // of a joint: by the size of its character
-  std::vector<std::vector<scene::Vector3d>> corners_;  // of a joint, its own space; none: no free flesh
+  std::vector<double> limit_;                          // per joint: from the size of its character
+  std::vector<std::vector<scene::Vector3d>> corners_;  // per joint, in its own space; empty: no free flesh
 };
 
 }  // namespace fascicle::drive

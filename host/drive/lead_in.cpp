@@ -7,7 +7,7 @@ namespace fascicle::drive {
 
 namespace {
 
-// m/s, root mean square over the free vertices; 0 where there are none.
+// m/s, root mean square over the free vertices; 0 if there are none.
 double speed(const model::Model& model, const std::vector<float>& velocities) {
   double sum = 0.0;
   std::uint64_t count = 0;
@@ -22,7 +22,7 @@ double speed(const model::Model& model, const std::vector<float>& velocities) {
   return count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(count)) * model.unit;
 }
 
-// m; of several characters the least.
+// m; for several characters the smallest.
 double smallest_extent(const scene::Scene& scene, const model::Model& model) {
   const std::vector<double> extents = model::extents(model, scene::first_joints(scene));
   return *std::min_element(extents.begin(), extents.end());

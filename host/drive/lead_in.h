@@ -1,5 +1,5 @@
-// What is stepped before frame 0 and not written: the preroll, the settling, and the cycles that a seamless
-// loop needs.
+// What is simulated before frame 0 and not written: preroll, settling, and the cycles that a seamless loop
+// needs.
 #pragma once
 
 #include <functional>
@@ -12,28 +12,28 @@
 
 namespace fascicle::drive {
 
-// What the manifest says of it.
+// As reported in the manifest.
 struct LeadInSummary {
   std::uint64_t preroll_frames = 0;
   std::uint64_t settle_frames = 0;
   std::optional<double> settled_speed;  // m/s, root mean square over the free vertices, after settling
   std::uint64_t cycles = 0;
-  bool was_kept = false;       // taken from an earlier bake, not stepped now
-  std::optional<double> jump;  // m: how far a vertex ended from where it began in the last of them
+  bool was_kept = false;       // taken from an earlier bake, not simulated now
+  std::optional<double> jump;  // m: largest distance between a vertex's end and start in the last cycle
 };
 
 struct LeadIn {
   LeadInSummary summary;
-  model::State state;    // before frame 1; its frame is 0
-  bool stopped = false;  // `stop` asked for it; the state is then unusable
+  model::State state;    // before frame 1; its frame number is 0
+  bool stopped = false;  // `stop` returned true; the state is then unusable
 };
 
-// Steps the solver through all of it. The same bits on every exact device; the solver's own state is that
-// before frame 1 afterwards. `stop` is asked before each frame.
+// Runs the solver through the lead-in. The same bits on every exact device; the solver is left in the state
+// before frame 1. `stop` is called before each frame.
 LeadIn lead_in(const scene::Scene& scene, const model::Model& model, DriveSource& drives,
                model::Solver& solver, const std::function<bool()>& stop = {});
 
-// m, the largest distance of a vertex from where it is in `state`, in the world.
+// m, the largest distance of a vertex from its position in `state`, in the world.
 double largest_distance(const model::Model& model, const std::vector<float>& positions,
                         const std::array<double, 3>& origin, const model::State& state);
 

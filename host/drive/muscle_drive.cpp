@@ -16,8 +16,8 @@ using scene::Vector3d;
 
 namespace {
 
-// Sines of 5 and 10 degrees: below the first a joint's folding has no direction of its own, and tau is that
-// of the clip's hinge; up to the second it goes over.
+// Sines of 5 and 10 degrees: below the first, a joint's bend has no well-defined direction, and tau is that
+// of the clip's hinge; up to the second, tau is blended.
 constexpr double sine_without_side = 0.08715574274765817, sine_with_side = 0.17364817766693036;
 
 double activation_of(const scene::Muscle& muscle, double cosine, double sine) {
@@ -93,7 +93,7 @@ MuscleDrive::Bend MuscleDrive::bend_of(const scene::Muscle& muscle, const scene:
   bend.cosine = std::clamp(u.dot(l), -1.0, 1.0);
   const Vector3d normal(u[1] * l[2] - u[2] * l[1], u[2] * l[0] - u[0] * l[2], u[0] * l[1] - u[1] * l[0]);
   bend.sine = std::sqrt(normal.squaredNorm());
-  // Across the bone that carries the muscle, towards the other one.
+  // Perpendicular to the bone that carries the muscle, towards the other bone.
   const bool is_on_lower = bones.moves[bones.bend->joint] != 0;
   bend.tau = muscle.axis == scene::BulgeAxis::plane_normal ? normal
              : is_on_lower                                 ? Vector3d(u.dot(l) * l - u)
@@ -114,7 +114,7 @@ MuscleDrive::Bend MuscleDrive::bend_in(std::size_t m, const Pose& pose) const {
   return bend_of(scene_.muscles[m], prepared_[m].bones, place(bend.upper), place(bend.joint), end);
 }
 
-// Of a direction in the world, as the muscle's bone had it in the bind pose.
+// A world direction in the bind pose of the muscle's bone.
 Vector3d MuscleDrive::at_rest(std::size_t m, const Pose& pose, const Vector3d& direction) const {
   const std::uint32_t carrier = prepared_[m].bones.carrier;
   const model::Matrix3 turn = rotation_of(pose[carrier] * character_.skeleton[carrier].inverse_bind);
@@ -140,7 +140,7 @@ void MuscleDrive::find_hinges(const rig::Clip* clip) {
   }
 }
 
-// The angle by which the twisted joint has turned about the bone, in (-pi, pi].
+// The angle of the twisted joint about the bone, in (-pi, pi].
 double MuscleDrive::twist_in(std::size_t m, const Pose& pose) const {
   const scene::MuscleBones& bones = prepared_[m].bones;
   const auto turn_of = [&](std::uint32_t joint) {

@@ -23,11 +23,11 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-// Of an affine map; nothing if it flattens.
+// Inverse of an affine map; empty if it is singular.
 std::optional<Matrix4d> inverse_by_cofactors(const Matrix4d& map) {
   const auto minor_of = [&](int r, int c) {
     const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, c1 = (c + 1) % 3, c2 = (c + 2) % 3;
-    return map(r1, c1) * map(r2, c2) - map(r1, c2) * map(r2, c1);  // cyclic: with the cofactor's sign
+    return map(r1, c1) * map(r2, c2) - map(r1, c2) * map(r2, c1);  // cyclic, so it has the cofactor's sign
   };
   const double determinant =
       map(0, 0) * minor_of(0, 0) + map(0, 1) * minor_of(0, 1) + map(0, 2) * minor_of(0, 2);
@@ -39,7 +39,7 @@ std::optional<Matrix4d> inverse_by_cofactors(const Matrix4d& map) {
   return inverse;
 }
 
-// A map as a rotation after a stretch, and a translation.
+// A map decomposed into a rotation after a stretch, and a translation.
 struct Parts {
   Vector4d rotation;  // x y z w
   Matrix3d stretch;
@@ -66,8 +66,7 @@ Matrix4d blend(const Matrix4d& a, const Matrix4d& b, double share) {
   return map;
 }
 
-// Where the joints stand in the bind pose. A node that skins nothing has no place there of its own: it keeps
-// to its parent.
+// The joints' maps in the bind pose. A node that skins nothing has none, so it stays fixed to its parent.
 std::vector<Matrix4d> bind_pose(const rig::Character& character) {
   std::vector<Matrix4d> bind(character.skeleton.size());
   for (std::size_t j = 0; j < bind.size(); ++j) {
@@ -84,7 +83,8 @@ std::vector<Matrix4d> bind_pose(const rig::Character& character) {
 std::vector<Matrix4d> blend_from_bind(const rig::Character& character, std::size_t root,
                                       const std::vector<Matrix4d>& pose, double share) {
   const std::vector<Matrix4d> bind = bind_pose(character);
-  // Both poses are seen from where the root takes the bind pose to: so the body as a whole stands still.
+  // Both poses are relative to the root's motion from the bind pose, so that the body as a whole stands
+  // still.
   const auto back = inverse_by_cofactors(bind[root]);
   const Matrix4d carry = back ? Matrix4d(pose[root] * *back) : Matrix4d(Matrix4d::Identity());
   const Matrix4d away = inverse_by_cofactors(carry).value_or(Matrix4d(Matrix4d::Identity()));

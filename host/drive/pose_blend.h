@@ -11,9 +11,10 @@ namespace fascicle::drive {
 // The linear part of a map, row by row.
 model::Matrix3 rows_of(const Eigen::Matrix4d& map);
 
-// For each joint the map from its own space to the world. At share 0 the bind pose, moved and turned as a
-// whole so that joint `root` stands as in `pose`; at share 1 `pose`; between them each joint is turned,
-// shifted and stretched relative to its parent, so that limbs keep their lengths. No library trigonometry.
+// For each joint the map from its own space to the world. At share 0: the bind pose, moved and turned as a
+// whole so that joint `root` is as in `pose`; at share 1: `pose`. In between, each joint is rotated,
+// translated and stretched relative to its parent, so that limbs keep their lengths. Does not use the
+// library's trigonometry.
 std::vector<Eigen::Matrix4d> blend_from_bind(const rig::Character& character, std::size_t root,
                                              const std::vector<Eigen::Matrix4d>& pose, double share);
 

@@ -19,7 +19,7 @@ Vector3d whole_units(const Vector3d& point, double unit) {
   return (units + Vector3d::Constant(0.5)).array().floor().matrix() * unit;
 }
 
-// A pose is in the file's metres; scale makes it the scene's, unit and origin the solver's. With rest
+// A pose is in the file's metres, times scale in the scene's; unit and origin give the solver's. With rest
 // positions x = (p - rest_origin) / unit a map p -> L p + t becomes x -> L x + (L rest_origin + t - origin) /
 // unit.
 void append_bones(const scene::Scene& scene, const model::Model& model, const Pose& pose,

@@ -1,4 +1,4 @@
-// From a pose to what solvers take: the bones' maps in working units.
+// Converts a pose for solvers: the bones' maps in working units.
 #pragma once
 
 #include <array>
@@ -15,14 +15,14 @@ inline std::array<double, 3> array_of(const scene::Vector3d& v) {
   return {v[0], v[1], v[2]};
 }
 
-// g - R g with R the rotation of a joint's map: what has become of gravity in the joint's frame.
+// g - R g with R the rotation of a joint's map: the change of gravity in the joint's frame.
 scene::Vector3d change_of_gravity(const Eigen::Matrix4d& map, const scene::Vector3d& gravity);
 
-// A point rounded to whole working units, metres. The unit is a power of two: rounding to it is exact, and so
-// are differences of origins.
+// A point rounded to whole working units, metres. The unit is a power of two, so this rounding and
+// differences of origins are exact.
 scene::Vector3d whole_units(const scene::Vector3d& point, double unit);
 
-// Appends one bone a joint of the scene's character, relative to `origin` (metres of the scene).
+// Appends one bone per joint of the scene's character, relative to `origin` (metres of the scene).
 void append_bones(const scene::Scene& scene, const model::Model& model, const Pose& pose,
                   const scene::Vector3d& origin, std::vector<shader::Bone>& to);
 

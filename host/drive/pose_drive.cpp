@@ -85,7 +85,7 @@ model::Drive PoseDrive::drive(std::span<const Pose> poses, double time, bool jum
       append_bones(scene_, model_, pose, end, bones_);
       if (muscles_) muscles_->append(pose, time - left, muscle_values_);
     }
-    // A force acts through a substep or not at all: whether it does is settled where the substep begins.
+    // A force acts through a whole substep or not at all, depending on the substep's beginning.
     const double begins = time - left - h;
     collider_drive_.append({begins, &stood}, {time - left, &pose}, end, colliders_);
     stood = std::move(pose);

@@ -1,4 +1,4 @@
-// Drives of a body whose skeleton somebody else moves: poses in, frame by frame.
+// Drives for a body whose skeleton the caller moves: takes poses frame by frame.
 #pragma once
 
 #include <cstdint>
@@ -15,23 +15,24 @@
 
 namespace fascicle::drive {
 
-// The scene and model must outlive it. What the flesh feels of the skeleton is not bounded here, as it is of
-// a clip (felt_acceleration.h): whoever gives poses answers for how they move.
+// The scene and model must outlive it. Unlike with a clip (felt_acceleration.h), the acceleration that flesh
+// feels is not limited: the caller is responsible for the motion of its poses.
 class PoseDrive {
  public:
   PoseDrive(const scene::Scene& scene, const model::Model& model, std::uint32_t substeps);
 
-  // The state at rest in a pose (empty without a skeleton), from which the next drive goes on.
+  // The state at rest in a pose (empty without a skeleton), from which the next drive continues.
   model::State start(const Pose& pose);
-  // Goes on from here without a state of its own: after a solver's state was loaded, with the pose it stood
-  // in.
+  // Continues from this pose without making a state: for use after loading a solver's state, with the pose at
+  // that time.
   void stand(const Pose& pose) { last_ = pose; }
   const Pose& last() const { return last_; }
 
-  // The drive of one frame of 1/fps to the last of `poses`: one for each substep, or one in all, before which
-  // the joints' maps are mixed linearly. Without a skeleton there are none. `time` is the scene's at the
-  // frame's end, s: forces and contractions are read there. `jumps`: the body is carried along to the first
-  // of the poses, and its flesh feels nothing of that. The spans stay valid until the next call.
+  // The drive of one frame of 1/fps that ends at the last of `poses`: one pose per substep, or a single one,
+  // up to which the joints' maps are interpolated linearly. Without a skeleton there are none. `time` is the
+  // scene time at the frame's end, s; forces and contractions are evaluated there. `jumps`: the body is
+  // carried along to the first pose, and its flesh does not feel it. The spans stay valid until the next
+  // call.
   model::Drive drive(std::span<const Pose> poses, double time, bool jumps);
 
  private:
@@ -39,9 +40,9 @@ class PoseDrive {
 
   const scene::Scene& scene_;
   const model::Model& model_;
-  std::size_t substeps_;                // of a frame
-  std::optional<Timeline> timeline_;    // nothing without a skeleton
-  std::optional<MuscleDrive> muscles_;  // nothing without muscles
+  std::size_t substeps_;                // per frame
+  std::optional<Timeline> timeline_;    // empty without a skeleton
+  std::optional<MuscleDrive> muscles_;  // empty without muscles
   Pose last_;
   std::vector<shader::Bone> bones_, before_, after_;
   std::vector<shader::Muscle> muscle_values_;

@@ -41,7 +41,7 @@ Timeline::Timeline(const scene::Scene& scene, const rig::Character& character,
 double Timeline::clip_time(std::uint64_t count) const {
   const scene::Motion& motion = scene_.motion;
   if (motion.loop == 1 && !motion.seamless) {
-    // One rounding, so that times that are whole frames or tenths of a second come out as written.
+    // Rounded only once, so that times of whole frames or tenths of a second come out as written.
     const double t =
         scene_.start + static_cast<double>(count) / (static_cast<double>(substeps_) * scene_.fps);
     return motion.hold > 0.0 && count > cycle_ ? scene_.end : t;
@@ -64,7 +64,7 @@ const Pose& Timeline::pose(std::uint64_t count) {
 
 Pose Timeline::preroll_pose(double share) {
   if (scene_.characters.empty()) return blend_from_bind(character_, roots_.front().joint, pose(0), share);
-  // Each as it does alone, and then where it stands: in the world's frame its joints would swing about the
+  // Blend each character on its own and then place it: in the world's frame its joints would swing about the
   // origin.
   const Pose all = pose(0);
   Pose blended = all;
@@ -73,7 +73,7 @@ Pose Timeline::preroll_pose(double share) {
     const std::size_t first = one.first_joint + std::size_t{1}, count = one.own.skeleton.size();
     Eigen::Matrix4d place = one.place, back = scene::back_from(one);
     if (one.bearer) {
-      // The joint that bears it stands before it, and has been blended.
+      // The joint that bears it comes earlier and is already blended.
       place = (blended[*one.bearer] * place).eval();
       back = (back * rig::affine_inverse(all[*one.bearer])).eval();
       blended[one.first_joint] = place * one.own.root;
@@ -91,7 +91,7 @@ Vector3d Timeline::place_of(const Root& root, const Pose& pose) const {
 }
 
 Vector3d Timeline::root(const Pose& pose) const {
-  // The first goes with no other's joint.
+  // No other character bears the first.
   Vector3d sum = place_of(roots_.front(), pose);
   std::size_t count = 1;
   for (std::size_t k = 1; k < roots_.size(); ++k) {
@@ -118,7 +118,8 @@ bool Timeline::is_marked(std::uint64_t count) const {
   return std::any_of(cuts.begin(), cuts.end(), [&](double t) { return from < t && t <= to; });
 }
 
-// The root's speed is that of a jump, both over the substep and over its frame: a quick start is none.
+// Whether the root moves at the speed of a jump, over both the substep and its frame: a quick start is not a
+// jump.
 bool Timeline::is_jump(const Root& root, std::uint64_t count) {
   if (root.is_borne || count == 0 || begins_cycle(count)) return false;
   if (!(root_step(root, count - 1, count) > root.cut_distance / static_cast<double>(substeps_))) return false;
@@ -128,8 +129,8 @@ bool Timeline::is_jump(const Root& root, std::uint64_t count) {
 
 bool Timeline::jumps_about(const Root& root, std::uint64_t count) {
   if (is_jump(root, count)) return true;
-  // A jump between two keys of a linear channel takes as long as they lie apart, and a part of it may fall
-  // into the substeps at its ends.
+  // A jump between two keys of a linear channel lasts as long as the interval between them, and may partly
+  // fall into the substeps at its ends.
   const double noticeable = 0.125 * root.cut_distance / static_cast<double>(substeps_);
   return root_step(root, count - 1, count) > noticeable &&
          (is_jump(root, count - 1) || is_jump(root, count + 1));

@@ -1,10 +1,9 @@
-// The skeleton's motion on a bake's time line: which pose stands at the end of which substep, and where the
-// motion breaks.
+// The skeleton's motion on a bake's time line: the pose at the end of each substep, and where there are cuts.
 //
-// Substeps are counted from 0, the first pose, which is frame 0. With one cycle, substep c ends at the time
-// start + c / (substeps fps) of the clip. With several, or seamless, each cycle takes a whole number of
-// frames and the clip is stretched to fill them, by less than half a frame a cycle: frames then repeat
-// exactly. After the last cycle the last pose is held.
+// Substeps are counted from 0, the first pose, which is frame 0. With one cycle, substep c ends at the clip
+// time start + c / (substeps fps). With several, or seamless, each cycle takes a whole number of frames and
+// the clip is stretched to fill them, by less than half a frame per cycle: frames then repeat exactly. After
+// the last cycle the last pose is held.
 #pragma once
 
 #include <cstdint>
@@ -15,40 +14,40 @@
 
 namespace fascicle::drive {
 
-using Pose = std::vector<Eigen::Matrix4d>;  // a joint: from its own space to the world, the file's metres
+using Pose = std::vector<Eigen::Matrix4d>;  // per joint: from its own space to the world, the file's metres
 
 class Timeline {
  public:
-  // `extents`: of each of the scene's characters, or of the one there is, metres. The scene and its character
+  // `extents`: of each of the scene's characters, or of the only one, metres. The scene and its character
   // must outlive it.
   Timeline(const scene::Scene& scene, const rig::Character& character, std::span<const double> extents,
            std::uint64_t substeps);
 
   const Pose& pose(std::uint64_t count);
-  // The pose halfway from the bind pose, standing where the first pose stands and as its root is turned, to
-  // the first pose; `share` from 0 to 1. Each of several characters stands by its own root.
+  // The pose that is `share` (0 to 1) of the way to the first pose from the bind pose, which is placed and
+  // turned like the first pose's root. With several characters, each relative to its own root.
   Pose preroll_pose(double share);
 
   // The clip's time at the end of substep `count`, s.
   double clip_time(std::uint64_t count) const;
 
-  // Where the joint stands that the body goes with, metres of the scene; of several characters the middle of
-  // those that no other bears.
+  // Position of the root joint, metres of the scene; for several characters the mean over those that no other
+  // bears.
   scene::Vector3d root(const Pose& pose) const;
 
-  // Whether the motion breaks between the ends of substeps count - 1 and count, count >= 1: at a marked cut;
-  // where a root goes too far; and where a cycle begins anew, if the clip does not end as it begins.
+  // Whether there is a cut between the ends of substeps count - 1 and count, count >= 1: at a marked cut; if
+  // a root moves too far; or where a new cycle begins, if the clip does not end as it begins.
   bool is_cut(std::uint64_t count);
-  // Whether the clip's last pose is its first, to a thousandth of its body's extent at every joint.
+  // Whether the clip's last pose equals its first, within a thousandth of its body's extent at every joint.
   bool returns() const { return returns_; }
 
  private:
   bool is_marked(std::uint64_t count) const;
   bool begins_cycle(std::uint64_t count) const;
-  // The joint that a character goes with.
+  // A character's root joint.
   struct Root {
     std::size_t joint = 0;
-    double cut_distance = 0.0;  // m: what goes further in a frame has jumped
+    double cut_distance = 0.0;  // m: more than this in a frame is a jump
     bool is_borne = false;      // by a joint of another character: it jumps with that one
   };
   scene::Vector3d place_of(const Root& root, const Pose& pose) const;
@@ -59,14 +58,14 @@ class Timeline {
   const scene::Scene& scene_;
   const rig::Character& character_;
   const rig::Clip* clip_;
-  std::vector<Root> roots_;                 // one a character
-  std::uint64_t substeps_ = 1, cycle_ = 1;  // of a frame, of a cycle
+  std::vector<Root> roots_;                 // one per character
+  std::uint64_t substeps_ = 1, cycle_ = 1;  // per frame, per cycle
   bool returns_ = true;
   struct Kept {
     std::uint64_t count = ~std::uint64_t{0};
     Pose pose;
   };
-  std::vector<Kept> kept_;  // the last poses asked for, by count modulo the size
+  std::vector<Kept> kept_;  // the last poses requested, by count modulo the size
 };
 
 }  // namespace fascicle::drive
