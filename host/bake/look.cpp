@@ -73,7 +73,7 @@ constexpr double stretch_limit = 2.7;
 constexpr double crossing_share = 0.022, crossing_least = 24.0;  // of all triangles, and at least this many
 constexpr double rigid_limit = 0.1;
 constexpr double jump_limit = 0.6, jump_limit_fps = 60.0;  // at this rate and above
-// This share of all tetrahedra may be inside out besides: slivers that nobody sees.
+// This share of all tetrahedra may be inside out in addition: invisible slivers.
 constexpr double inverted_ratio = 1.2, inverted_share = 0.0005;
 
 }  // namespace

@@ -65,7 +65,7 @@ struct Model {                                 // each member has a row in model
   double unit = 1.0;                           // metres per working unit
   std::array<double, 3> rest_origin{0, 0, 0};  // metres
   WeightForm weight_form = WeightForm::symmetric;
-  bool momentum_scaled = true;  // see method "Momentum"; false is the paper as printed
+  bool momentum_scaled = true;  // see docs/design/integrators.md; false: as in the paper
 
   std::uint32_t vertex_count = 0;
   std::vector<std::uint32_t> source_vertex;  // n: number in the tetrahedral mesh the model was built from
