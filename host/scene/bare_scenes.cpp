@@ -13,7 +13,7 @@
 namespace fascicle::scene {
 namespace {
 
-// Whole, so that a bake goes on with --resume however its file is spelled.
+// Absolute, so that --resume works whichever way the path is spelled.
 std::string in_quotes(const std::filesystem::path& path) {
   const std::string whole = std::filesystem::absolute(path).lexically_normal().string();
   for (std::string_view rest = whole; !rest.empty();)
@@ -36,25 +36,25 @@ double largest_extent(const std::vector<Vector3d>& points) {
   return (high - low).maxCoeff();
 }
 
-// m, of the longest side; 1 of nothing.
+// Longest side in metres; 1 if empty.
 double size_of(const std::vector<Vector3d>& points) {
   const double extent = largest_extent(points);
   return extent > 0.0 ? extent : 1.0;
 }
 
-// So many times the pressure under a column as high as the body, and the pace of a pendulum as long: every
-// body then sinks by the same share of its size under its own weight, whatever its size; measured on the
-// bunny, whose top sinks by 4 % of its height, whose ears stand, and whose swing is seen and gone after half
+// Multiples of the pressure under a column as high as the body, and of the rate of a pendulum of that length,
+// so that bodies of any size sag by the same fraction of their size under their own weight. Tuned on the
+// bunny: its top sinks by 4 % of its height, its ears stand, and its swing is visible and dies out after half
 // a second.
 constexpr double pressures_of_mesh = 60.0, paces_of_mesh = 1.6, gravity = 9.81;
 
-// Of a character, whose flesh hangs on its bones everywhere: clips take the same time whatever the size, so
-// that flesh must bear accelerations that grow with it. A wave through its muscles crosses it in so many
-// seconds; then flesh turns no more tetrahedra inside out than skinning does (docs/design,
-// crushed-flesh.md). Fat has the paper's 0.3 of muscle.
+// For a character, whose flesh hangs on bones everywhere. Clips take the same time whatever the size, so
+// accelerations grow with the size. A wave crosses the character's muscle in this many seconds; at that
+// stiffness, flesh inverts no more tetrahedra than skinning does (docs/design, crushed-flesh.md). Fat has 0.3
+// times the stiffness of muscle, as in the paper.
 constexpr double seconds_across = 0.12, fat_of_muscle = 0.3;
 
-// m; the size of a body whose layers a scene file can state (scene_keys_layer.cpp), and then some.
+// m. A scene file can state the layers of bodies within these sizes (scene_keys_layer.cpp), with some margin.
 constexpr double shortest_body = 1e-6, longest_mesh = 1e6, longest_character = 3e3;
 
 void check_size(const std::string& what, double size, double longest, const std::string& advice) {
@@ -64,7 +64,7 @@ void check_size(const std::string& what, double size, double longest, const std:
 }
 
 std::string rounded(double value) {
-  // What a stream writes may be no number in TOML: "213." or "1.e+03".
+  // A stream can write numbers that TOML does not accept, such as "213." or "1.e+03".
   std::ostringstream out;
   out << std::setprecision(3) << value;
   const std::string text = shortest(std::stod(out.str()));
@@ -137,8 +137,7 @@ rig::Character what_layers_go_by(const std::vector<rig::Character>& characters) 
 }
 
 std::string layers_for_character(const rig::Character& character, Stiffness by, const std::string& source) {
-  // The outer third of the way from the bone to the skin is fat, the inner third bone: it must hold the
-  // flesh.
+  // The outer third of the way from bone to skin is fat. The inner third is bone, which must hold the flesh.
   const bool has_layers = is_painted(character, "_LAYER");
   const bool by_alpha = by == Stiffness::alpha;
   const double size = size_of(character.surface.vertices);
@@ -151,8 +150,7 @@ std::string layers_for_character(const rig::Character& character, Stiffness by, 
                      : "youngs_modulus = " + rounded(of_muscle * Layer{}.density * speed * speed) + "\n") +
            "damping = 12.0\n";
   };
-  // 1 is bone, 2 muscle, 3 fat; 0, which is what vertices have before they are painted, leaves it to the
-  // depth.
+  // _LAYER: 1 is bone, 2 muscle, 3 fat. 0, the value of unpainted vertices, leaves the choice to the depth.
   constexpr int bone = 0, muscle = 1, rest = 2;
   const auto where = [&](const std::string& shape, int number) {
     const std::string by_paint = "{ painted = { attribute = \"_LAYER\", minimum = " + std::to_string(number) +
@@ -185,7 +183,7 @@ std::string scene_for_character(const std::filesystem::path& path, const rig::Ch
          "[character]\n"
          "file = " +
          in_quotes(path) + "\n\n" + layers_for_character(character, stiffness, path.string()) +
-         // Explicit flesh that is pressed into a fold trembles (docs/design, contact.md).
+         // Explicit flesh trembles when pressed into a fold (docs/design, contact.md).
          (stiffness == Stiffness::modulus ? "\n[contact]\nself = true\n" : "");
 }
 

@@ -16,8 +16,8 @@ namespace {
 
 struct Bearer {
   std::size_t character = 0;
-  std::uint32_t joint = 0;       // of the character's in the scene: 0 stands above all of its own
-  Eigen::Matrix4d inverse_bind;  // from its own bind pose to the joint's space
+  std::uint32_t joint = 0;       // within that character in the scene; 0 is above all joints of its file
+  Eigen::Matrix4d inverse_bind;  // from that character's own bind pose to the joint's space
 };
 
 std::optional<Bearer> bearer_called(const std::vector<PlacedCharacter>& characters, const std::string& name) {
@@ -36,7 +36,7 @@ std::optional<Bearer> bearer_called(const std::vector<PlacedCharacter>& characte
   fail(joint.source(), join_path(join_path("character", character), "joint"), what);
 }
 
-// The character whose joint each goes with.
+// For each character, the one whose joint carries it.
 std::vector<std::optional<std::size_t>> bearers_of(const toml::table& root,
                                                    const std::vector<PlacedCharacter>& characters) {
   std::vector<std::optional<std::size_t>> bearers(characters.size());

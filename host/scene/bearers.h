@@ -1,4 +1,4 @@
-// Characters that go with a joint of another one, as a sword with a hand: character.NAME.joint.
+// Characters attached to a joint of another one, such as a sword in a hand: character.NAME.joint.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace fascicle::scene {
 
-// Moves characters behind those whose joints they go with, and keeps the file's order otherwise. Throws
-// SceneError for a joint that no other character has, and for characters that go with each other.
+// Reorders the characters so that each comes after the one that carries it; otherwise keeps the file's order.
+// Throws SceneError if no other character has the joint, or if characters carry each other in a cycle.
 void put_bearers_first(const toml::table& root, Scene& scene);
 
-// Where the character stands, and by what: `held` is what its `at` and `turn` say. Those before it are
-// placed.
+// Sets the character's place and bearer. `held` is the transform given by its `at` and `turn`. All characters
+// before it must have been placed.
 void place(const std::vector<PlacedCharacter>& characters, const Eigen::Matrix4d& held,
            PlacedCharacter& character);
 

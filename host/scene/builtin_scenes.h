@@ -1,4 +1,4 @@
-// The scene files of scenes/, as they were when the library was built.
+// The files in scenes/, embedded when the library was built.
 #pragma once
 
 #include <span>

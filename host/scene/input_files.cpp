@@ -24,7 +24,7 @@ namespace {
   throw InputFileError(path.string() + " changed while it was read; start again once it is saved");
 }
 
-// Refuses what is no regular file; never waits for a pipe.
+// Refuses anything but a regular file, and never blocks on a pipe.
 base::File open_file(const std::filesystem::path& path) {
   try {
     return base::File(path, base::FileMode::read);
@@ -57,8 +57,8 @@ void add_hash(const std::filesystem::path& path, Scene& scene) {
   scene.input_hashes.emplace_back(path.string(), hash_of_file(path));
 }
 
-// Reads files, and adds hashes that stand for what was read: of a file that is saved meanwhile they would
-// not.
+// Reads files and adds their hashes. Fails if a file changes meanwhile: its hash might not match what was
+// read.
 template <class Read>
 void read_unchanged(const std::vector<std::filesystem::path>& files, Scene& scene, const Read& read) {
   std::vector<std::string> before;
@@ -70,7 +70,7 @@ void read_unchanged(const std::vector<std::filesystem::path>& files, Scene& scen
   }
 }
 
-// Whether the file was read before: the scene then has its geometry and its hashes.
+// Takes the geometry and hashes from an earlier read, if there was one; returns whether there was.
 bool take_from(const LoadedFiles* files, const std::filesystem::path& path, gltf::Still still, Scene& scene) {
   const Scene* before = files != nullptr ? files->find(path, still) : nullptr;
   if (before == nullptr) return false;
@@ -121,7 +121,7 @@ void load_mesh(const std::filesystem::path& path, Scene& scene, LoadedFiles* fil
   std::vector<std::filesystem::path> files{path};
   if (const std::string extension = base::lower_extension(path);
       extension == ".node" || extension == ".ele") {
-    // The reader takes both, in the given extension's case.
+    // The reader opens both files, with extensions in the case of the given one.
     const bool upper = path.extension() == ".NODE" || path.extension() == ".ELE";
     files.clear();
     for (const char* each : {upper ? ".NODE" : ".node", upper ? ".ELE" : ".ele"})
@@ -150,8 +150,8 @@ void load_character(const std::filesystem::path& path, Scene& scene, gltf::Still
   const auto start = std::filesystem::file_time_type::clock::now();
   read_unchanged({path}, scene,
                  [&] { scene.geometry = gltf::read_gltf(path, &files, scene.converter, still); });
-  // Buffers and images, whose names stand in the file. Of one that was saved since the reading began nobody
-  // knows which of both was read.
+  // Buffers and images that the file references. If one was saved after reading began, it is unclear which
+  // version was read.
   for (std::size_t k = 1; k < files.size(); ++k) {
     if (std::filesystem::last_write_time(files[k]) >= start) fail_as_changed(files[k]);
     add_hash(files[k], scene);

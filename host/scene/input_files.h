@@ -1,4 +1,4 @@
-// The files a scene is made of: opened once each by their readers, and hashed for the manifest.
+// The input files of a scene. Each reader opens its file once, and hashes it for the manifest.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace fascicle::scene {
 
-// A file that cannot be used at all; what() lacks the place in the scene file that named it.
+// A file that cannot be used at all. what() does not include the place in the scene file that named it.
 struct InputFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -23,31 +23,31 @@ struct InputFileError : std::runtime_error {
 // XXH3-64, 16 hex digits.
 std::string hash_of(std::string_view bytes);
 
-// By its name: glTF, and what is converted where there is a converter, here and below that one or, empty, one
-// that is found.
+// Decides by the file name: glTF, or a convertible format if a converter is available. An empty `converter`,
+// here and below, means to look for one.
 bool reads_as_character(const std::filesystem::path& path, const std::filesystem::path& converter = {});
-// What to do with a character in a format that is not read (.blend, ..., without a converter .fbx too); empty
-// for all other files.
+// Advice for a character in a format that is not read (.blend and others; .fbx too without a converter).
+// Empty for all other files.
 std::string conversion_advice(const std::filesystem::path& path, const std::filesystem::path& converter = {});
 
-// base::read_input, which throws InputFileError here.
+// base::read_input, but throws InputFileError.
 std::string read_text_file(const std::filesystem::path& path, std::uintmax_t most_bytes);
 
-// What meshes and characters were read as, for scenes that are read again and again with other keys. A file
-// is read once: one that changes meanwhile stays as it was.
+// Cache of meshes and characters, for scenes that are parsed repeatedly with different keys. A file is read
+// once; later changes to it have no effect.
 class LoadedFiles {
  public:
-  // Null where it was not read yet.
+  // Null if it has not been read yet.
   const Scene* find(const std::filesystem::path& path, gltf::Still still) const;
-  // Of `loaded` the geometry and the input hashes.
+  // Keeps the geometry and the input hashes of `loaded`.
   void keep(const std::filesystem::path& path, gltf::Still still, const Scene& loaded);
 
-  // A character made in code, which is made once.
+  // A character made in code, generated on first use.
   const rig::Character& made(const std::string& name);
 
-  // Of a file of text: what is given for it, else what was read first. Throws InputFileError.
+  // Contents of a text file: what give() set, or else what was read first. Throws InputFileError.
   const std::string& text_of(const std::filesystem::path& path, std::uintmax_t most_bytes);
-  // What stands for a file of text, whether it is there or not; nothing: the file itself.
+  // Replaces a text file's contents, whether the file exists or not. nullopt: back to the file itself.
   void give(const std::filesystem::path& path, std::optional<std::string> text);
 
  private:
@@ -56,16 +56,16 @@ class LoadedFiles {
   std::map<std::filesystem::path, std::string> texts_, given_;
 };
 
-// Set scene.geometry (in the unit of the file) and add to scene.input_hashes; read by scene.converter. Throw
-// InputFileError, or the reader's SceneError, which names the file itself. `files` may be null.
+// Set scene.geometry (in the file's unit) and append to scene.input_hashes, using scene.converter. Throw
+// InputFileError, or the reader's SceneError, which names the file. `files` may be null.
 void load_mesh(const std::filesystem::path& path, Scene& scene, LoadedFiles* files = nullptr);
 void load_character(const std::filesystem::path& path, Scene& scene,
                     gltf::Still still = gltf::Still::left_out, LoadedFiles* files = nullptr);
 
-// The glTF file a scene's character was read from; empty if it was made otherwise.
+// The glTF file that the scene's character was read from; empty if there is none.
 std::filesystem::path character_file(const Scene& scene);
 
-// Whether another program made glTF of something that was read: the input hashes do not say which.
+// Whether an input was converted to glTF by another program. The input hashes do not identify that program.
 bool is_converted(const Scene& scene);
 
 }  // namespace fascicle::scene

@@ -14,10 +14,10 @@
 namespace fascicle::scene {
 namespace {
 
-// More are a slip, and would take weeks.
+// More would take weeks, and are surely a mistake.
 constexpr std::size_t most_jobs = 10'000;
 constexpr std::size_t longest_job_name = 200;
-// Of a folder that may get the name of a job before it and numbers behind it.
+// For a folder, whose name may also get a job's name as prefix and numbers as suffix.
 constexpr std::size_t longest_clip_name = 80;
 
 void check_keys(const toml::table& table, const std::string& path, const std::vector<std::string>& names) {
@@ -60,7 +60,7 @@ const toml::table& table_of(const toml::node& node, const std::string& path) {
   return *node.as_table();
 }
 
-// As `--set` takes it.
+// In the form that `--set` takes.
 std::string value_text(const toml::node& value) {
   if (value.is_floating_point()) return shortest(*value.value<double>());
   if (const toml::array* values = value.as_array()) {
@@ -70,7 +70,7 @@ std::string value_text(const toml::node& value) {
   }
   std::ostringstream out;
   value.visit([&out](const auto& v) { out << toml::toml_formatter{v}; });
-  // A long table goes over several lines.
+  // toml++ breaks a long table into several lines.
   std::string text = out.str();
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
@@ -82,7 +82,7 @@ std::string in_lower_case(std::string text) {
   return text;
 }
 
-// What can stand in a file's name on any system.
+// Keeps the characters that every file system allows in a name.
 std::string file_name(const std::string& text) {
   std::string name;
   for (const char c : text) {
@@ -94,7 +94,7 @@ std::string file_name(const std::string& text) {
   return name;
 }
 
-// Each job once for each value of one more key.
+// One copy of each job for each value of another key.
 std::vector<Job> varied(const std::vector<Job>& jobs, const toml::key& key, const toml::node& node,
                         const std::string& path) {
   const toml::array* values = node.as_array();
@@ -112,7 +112,7 @@ std::vector<Job> varied(const std::vector<Job>& jobs, const toml::key& key, cons
   return all;
 }
 
-// What `clips` asks for. All of a character's clips are known once it is read.
+// The clips that `clips` names. For "all", reads the character.
 std::vector<NamedClip> clips_of(const toml::table& table, const std::string& path, const Job& job) {
   const toml::node* node = table.get("clips");
   if (node == nullptr) return {};
@@ -192,7 +192,7 @@ Jobs read_jobs(const std::filesystem::path& file) {
   of_all.keep_frames = flag_at(root, "", "keep_frames", true);
   const toml::node* list = root.get("job");
   if (list == nullptr) fail(root.source(), "job", "is missing; give at least one [job.NAME]");
-  std::set<std::string> names;  // in lower case: some file systems have one folder for both
+  std::set<std::string> names;  // in lower case, since some file systems ignore case
   for (const auto& [name, node] : in_order(table_of(*list, "job"))) {
     const std::string path = join_path("job", name->str());
     for (Job& job : jobs_of(std::string(name->str()), table_of(*node, path), file.parent_path(), of_all)) {
@@ -225,8 +225,8 @@ std::vector<NamedClip> named_clips(const rig::Character& character, const std::v
   const auto number_of = [&](const rig::Clip* clip) {
     return std::to_string(static_cast<std::size_t>(clip - character.clips.data()));
   };
-  // By name where that finds it again: another clip may have the same one, or a number for a name, and --clip
-  // would take a name in quotes for what stands in them.
+  // The name if it finds this clip again. It does not if another clip has the same name or the name is a
+  // number, and --clip would strip the quotes from a quoted name.
   const auto text_of = [&](const rig::Clip* clip) {
     const std::size_t first = clip->name.find_first_not_of(' ');
     const bool is_quoted =
@@ -247,7 +247,7 @@ std::vector<NamedClip> named_clips(const rig::Character& character, const std::v
   for (const rig::Clip* clip : clips) {
     std::string name = short_name(clip).substr(0, longest_clip_name);
     if (name.empty() || name.front() == '.') name.insert(0, "clip");
-    // The number tells it from the others of its name, and stands for a name that can be no file's.
+    // The number distinguishes clips of the same name, and completes a name that cannot be a file's.
     std::string folder = name;
     if (name != short_name(clip) || count[in_lower_case(name)] > 1) folder += "-" + number_of(clip);
     while (!taken.insert(in_lower_case(folder)).second) folder += "-" + number_of(clip);

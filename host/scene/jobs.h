@@ -1,4 +1,4 @@
-// A list of bakes: what `fascicle batch` reads.
+// A list of bakes, as read by `fascicle batch`.
 #pragma once
 
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace fascicle::scene {
 
-// What became of each job; it lies in `output` among the jobs' folders.
+// The result of each job, written to `output` next to the jobs' folders.
 inline constexpr const char* batch_summary = "batch.json";
 
 // One bake.
 struct Job {
   std::string name;   // a file name
-  std::string scene;  // a file that exists, or a built-in name
+  std::string scene;  // an existing file, or a built-in name
   std::string clip;   // empty: the first
   std::vector<std::string> set;
   std::vector<std::string> formats;
@@ -23,34 +23,33 @@ struct Job {
 };
 
 struct Jobs {
-  std::filesystem::path output;  // each job's folder lies in it
-  std::vector<Job> jobs;         // in the file's order, names unlike each other
+  std::filesystem::path output;  // contains each job's folder
+  std::vector<Job> jobs;         // in the file's order, with unique names
 };
 
 // TOML:
 //
-//   output = "out/walks"             without it out/ and the file's name; relative to the current folder
-//   format = ["pc2"]                 of jobs that say none, and so is
-//   keep_frames = false
+//   output = "out/walks"             relative to the current folder; default: out/ and the file's name
+//   format = ["pc2"]                 for jobs without their own format
+//   keep_frames = false              for jobs without their own value
 //   [job.fat-man]
 //   scene = "fat-man.glb"            relative to the file, or a built-in name
-//   clips = ["walk", "jump"]         a bake for each, "all": of all that there are; without it the first
+//   clips = ["walk", "jump"]         a bake for each; "all": for every clip; default: the first clip
 //   set = ["solver.substeps=16"]
 //   format = ["glb", "abc"]
 //   [job.fat-man.vary]               a bake for each combination of values
 //   "layers.fat.alpha" = [0.1, 0.3]
 //
-// A job's bakes are called after it, its clip and its values where it has several: fat-man-walk-0.1. Throws
+// A bake is named after its job, plus its clip and its values if there are several: fat-man-walk-0.1. Throws
 // SceneError with line and key.
 Jobs read_jobs(const std::filesystem::path& file);
 
-// A clip as --clip takes it, and a file's name for it, unlike those of the others: of "Armature|walk" it is
-// "walk".
+// A clip in the form --clip takes, and a unique file name for it: "Armature|walk" becomes "walk".
 struct NamedClip {
   std::string clip, file_name;
 };
-// These clips of a character, all of them where the list is "all". Throws SceneError for one that is not
-// there or is named twice, and where there is none.
+// The named clips of a character, or all of them if the list is "all". Throws SceneError if a clip does not
+// exist or is named twice, or if the character has none.
 std::vector<NamedClip> named_clips(const rig::Character& character, const std::vector<std::string>& wanted);
 
 }  // namespace fascicle::scene

@@ -50,7 +50,7 @@ std::uint64_t frame_count(const Scene& scene) {
          static_cast<std::uint64_t>(std::llround(scene.motion.hold * scene.fps));
 }
 
-// What --set says of mesh.scale; what is no scale is refused when the scene is read.
+// --set's mesh.scale, or 1 if that is not a valid scale; reading the scene reports it then.
 double scale_in(const SceneOverrides& overrides) {
   const auto text = overridden(overrides, "mesh.scale");
   if (!text) return 1.0;
@@ -75,13 +75,13 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
   try {
     if (path.extension() == ".toml") return load_scene_file(path, overrides);
     if (mesh::is_tet_mesh_file(path) || mesh::is_surface_mesh_file(path)) {
-      // Read twice, as a character is: the substeps follow from the size.
+      // The mesh is read twice, like a character: the default substeps depend on its size.
       const Geometry mesh = mesh::is_tet_mesh_file(path) ? Geometry(mesh::read_tet_mesh(path))
                                                          : Geometry(mesh::read_surface_mesh(path));
       return parse_scene({stem, name, scene_for_mesh(path, mesh, scale_in(overrides)), {}}, overrides);
     }
     if (reads_as_character(path, overrides.converter)) {
-      // Read twice, because the layers' default extents follow from the size; the text must be complete
+      // The character is read twice: the default layers depend on its size, and the text must be complete
       // before it is parsed.
       Scene sized;
       sized.converter = overrides.converter;
@@ -91,7 +91,7 @@ Scene load_scene(const std::string& name, const SceneOverrides& overrides) {
         const std::string paint = overridden(overrides, "character.paint").value_or("");
         if (!paint.empty()) lay_paint_over(paint, nullptr, sized, character);
       } catch (const InputFileError&) {
-        // Is found again, and told with its place, when the scene is read.
+        // Found again, and reported with its location, when the scene is read.
       }
       return parse_scene(
           {stem,

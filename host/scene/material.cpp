@@ -11,9 +11,8 @@ const std::vector<Material>& materials() {
   static const std::vector<Material> all{
       // Samani, Zubovits, Plewes, Phys. Med. Biol. 52 (2007): normal fat of the breast, 3.25 +- 0.91 kPa.
       {"fat", 3250.0, 920.0},
-      // Levinson, Shinagawa, Sato, J. Biomech. 28 (1995): quadriceps in place, along the fibres, at 30 Hz: 7
-      // +- 3 kPa
-      // without a load, 57 +- 37 kPa with 15 kg.
+      // Levinson, Shinagawa, Sato, J. Biomech. 28 (1995): quadriceps in vivo, along the fibres, at 30 Hz: 7
+      // +- 3 kPa unloaded, 57 +- 37 kPa with 15 kg.
       {"relaxed-muscle", 7000.0, 1040.0},
       {"flexed-muscle", 57000.0, 1040.0},
       // Pailler-Mattei, Bec, Zahouani, Med. Eng. Phys. 30 (2008): dermis of the forearm, indented, 35 kPa.

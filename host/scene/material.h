@@ -1,5 +1,5 @@
-// Tissues by name, for the implicit integrator. Moduli scatter by a factor of several between people, places
-// and ways to measure; each value here is one published mean, named beside it.
+// Tissues by name, for the implicit integrator. Published moduli vary severalfold with the person, the site
+// and the method of measurement; each value here is one published mean, cited next to it.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct Material {
   double density;         // kg/m^3
 };
 
-// Null if there is none of that name.
+// Null if there is no such material.
 const Material* find_material(std::string_view name);
 std::vector<std::string> material_names();
 

@@ -10,7 +10,7 @@
 namespace fascicle::scene {
 namespace {
 
-// Joints nearer to each other than this share of the skeleton's extent stand in one place.
+// Joints nearer to each other than this fraction of the skeleton's extent count as coincident.
 constexpr double same_place = 1e-4;
 
 class Finder {
@@ -25,7 +25,7 @@ class Finder {
       high = high ? Vector3d(high->cwiseMax(place_.back())) : place_.back();
     }
     if (low) shortest_ = same_place * (*high - *low).norm();
-    // Skin that follows each joint and those below it.
+    // Skin weight of each joint and all joints below it.
     skin_.assign(joints_.size(), 0.0);
     for (std::size_t v = 0; v < character.joints.size(); ++v)
       for (std::size_t k = 0; k < 8; ++k) skin_[character.joints[v][k]] += character.weights[v][k];
@@ -69,7 +69,7 @@ class Finder {
   std::uint32_t named(const char* key, const std::string& name) const {
     std::vector<std::string> names;
     for (std::uint32_t j = 0; j < joints_.size(); ++j) {
-      // A node that skins nothing has no place in the bind pose. A channel needs none.
+      // A node that skins nothing has no position in the bind pose. A channel does not need one.
       if (joints_[j].name == name && !joints_[j].skins && std::string_view(key) != "contraction_channel")
         refuse(key, "no vertex follows " + quoted(j) +
                         ", so it has no place in the bind pose; name another joint");
@@ -90,7 +90,7 @@ class Finder {
     return joints_[a].skins && joints_[b].skins && (place_[a] - place_[b]).norm() > shortest_;
   }
 
-  // Whether `joint` is `top` or lies below it, and above `bottom`.
+  // Whether `joint` is `top` or below it, and above `bottom`.
   bool is_between(std::uint32_t top, std::uint32_t joint, std::uint32_t bottom) const {
     return joint != bottom && is_at_or_below(joint, top) && is_at_or_below(bottom, joint);
   }
@@ -103,14 +103,14 @@ class Finder {
     return bend.lower_end ? is_between(bend.joint, joint, *bend.lower_end) : joint == bend.joint;
   }
 
-  // The next joint above that stands elsewhere.
+  // The nearest ancestor at a different position.
   std::optional<std::uint32_t> next_above(std::uint32_t joint) const {
     for (std::int32_t j = joints_[joint].parent; j >= 0; j = joints_[static_cast<std::size_t>(j)].parent)
       if (is_elsewhere(static_cast<std::uint32_t>(j), joint)) return static_cast<std::uint32_t>(j);
     return std::nullopt;
   }
 
-  // Of the joints below that stand elsewhere, with none such between, the one that moves the most skin.
+  // Among the nearest descendants at a different position, the one that moves the most skin.
   std::optional<std::uint32_t> next_below(std::uint32_t joint) const {
     std::optional<std::uint32_t> best;
     for (std::uint32_t j = joint + 1; j < joints_.size(); ++j) {
@@ -120,7 +120,7 @@ class Finder {
     return best;
   }
 
-  // A bone that ends no other joint's way ends in twice the distance of the middle of its skin.
+  // A terminal bone ends at twice the distance from its joint to the centre of its skin.
   Vector3d tip_of(std::uint32_t joint) const { return 2.0 * middle_[joint] - place_[joint]; }
 
   BendingJoint bend() const {
@@ -149,7 +149,7 @@ class Finder {
     return bend;
   }
 
-  // The bone from joint `top` to `end`, or to the end of the chain.
+  // Fills in the bone from joint `top` to `end`, or from `top` to the end of the chain.
   void carry(MuscleBones& bones, std::uint32_t top, std::optional<std::uint32_t> end) const {
     bones.from = place_[top];
     bones.to = end ? place_[*end] : place_[top];
@@ -176,7 +176,7 @@ class Finder {
 }  // namespace
 
 Vector3d joint_place(const rig::Joint& joint) {
-  // The place p where the inverse bind matrix leads to the joint's origin: L p + t = 0.
+  // The point p that the inverse bind matrix maps to the joint's origin: L p + t = 0.
   const Eigen::Matrix3d linear = joint.inverse_bind.topLeftCorner<3, 3>();
   return -(linear.inverse() * joint.inverse_bind.topRightCorner<3, 1>());
 }

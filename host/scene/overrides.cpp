@@ -11,7 +11,7 @@
 namespace fascicle::scene {
 namespace {
 
-// One assignment: what the user wrote, and where it is to go.
+// One assignment: what the user wrote, and the key it sets.
 struct Assignment {
   std::string option;  // "--set layers.fat.alpha=0.2"; stands for the file name in messages
   std::vector<std::string> path;
@@ -29,19 +29,19 @@ struct Assignment {
   }
 };
 
-// The value as TOML, or the same characters as text: where TOML fails, and where text is wanted (a clip named
-// 1). Returned inside its document, under the key `value`, because nodes lose their source when they are
-// copied.
+// The value as TOML. It becomes a string of the same characters if it is not valid TOML, or if the key takes
+// text (a clip named 1). Returned inside its document, under the key `value`, because nodes lose their source
+// location when copied.
 toml::table parse_value(const Assignment& assignment, const Key& key) {
   try {
     toml::table document = parse_toml("value = " + assignment.value, assignment.option);
-    // More keys than one: the value held a line break and went on behind it.
+    // More than one key means that the value contained a line break and more TOML after it.
     if (document.size() == 1 && (key.type != KeyType::text || document.get("value")->is_string()))
       return document;
   } catch (const SceneError&) {
   }
   try {
-    // Only TOML's own comments tell whether text is TOML's: UTF-8 without control characters.
+    // A TOML comment accepts exactly the text that a string may hold: UTF-8 without control characters.
     if (parse_toml("# " + assignment.value, assignment.option).empty()) {
       toml::table document = parse_toml("value = ''", assignment.option);
       document.get("value")->as_string()->get() = assignment.value;
@@ -62,12 +62,12 @@ void drop_alternatives(toml::table& table, const Table& keys, std::string_view n
     }
 }
 
-// Follows the assignment's path through the tables and puts the value at its end.
+// Follows the assignment's path through the tables and sets the value at its end.
 void assign(toml::table& root, const Assignment& assignment) {
   toml::table* table = &root;
   const Table* keys = &scene_table();
   const Key* key = nullptr;
-  bool naming = false;  // the table's keys are names that the user chose, of tables like key->table
+  bool naming = false;  // the table's keys are user-chosen names, of tables like key->table
   std::string path;
   for (std::size_t i = 0; i < assignment.path.size(); ++i) {
     const std::string& part = assignment.path[i];
@@ -221,7 +221,7 @@ void apply_overrides(toml::table& root, const SceneOverrides& overrides) {
     text << toml::toml_formatter{names};
     set(option, "skeleton.rigid", text.str());
   }
-  // The quality decides what "auto" means; a scene that states its steps leaves nothing to decide.
+  // The quality only matters for "auto", so a scene that states its steps would ignore it.
   for (const char* key : {"quality", "substeps", "iterations"})
     if (overrides.quality)
       set("--quality " + *overrides.quality, std::string("solver.") + key,

@@ -10,15 +10,15 @@
 
 namespace fascicle::scene {
 
-// Applies --set in order, then the other options. A path leads through tables of the table of
-// keys; a name that users choose (layers.NAME) must be there already, unless the value is the whole table.
-// Setting one key of a choice drops the others. Throws SceneError that names the option.
+// Applies --set in order, then the other options. Paths follow the table of keys. A user-chosen name
+// (layers.NAME) must exist already, unless the value is the whole table. Setting one key of a choice removes
+// the others. Throws SceneError that names the option.
 void apply_overrides(toml::table& root, const SceneOverrides& overrides);
 
-// Whether the scene has [character.NAME], not [character].
+// Whether the scene has [character.NAME] rather than [character].
 bool has_named_characters(const toml::table& root);
 
-// What a --set puts there, without its quotes; nothing if none does. For what has to be known before the
+// The value that --set gives this path, without quotes; nullopt if none does. For values needed before the
 // overrides can be applied.
 std::optional<std::string> overridden(const SceneOverrides& overrides, std::string_view path);
 

@@ -18,7 +18,8 @@ using nlohmann::json;
 
 constexpr int version = 1;
 constexpr const char* version_key = "fascicle_paint";
-// Of a direction's length from 1: what single precision and a few digits of a hand leave.
+// Allowed deviation of a direction's length from 1: rounding to single precision, or to a few hand-typed
+// digits.
 constexpr double length_tolerance = 1e-3;
 
 class Reader {
@@ -162,7 +163,7 @@ rig::Paint parse_paint(std::string_view text, const std::filesystem::path& file,
   return Reader(file, surface).run(text);
 }
 
-// By hand: the library would write a single-precision number with the digits of a double.
+// Written by hand, because the library would write a single-precision number with the digits of a double.
 std::string paint_text(const rig::Paint& paint) {
   std::string text = "{\"" + std::string(version_key) + "\": " + std::to_string(version) +
                      ",\n\"surface\": \"" + paint.surface +

@@ -1,5 +1,4 @@
-// A file with what is painted on a character: JSON, keyed by vertex, and good for the mesh alone that it was
-// painted on.
+// A file with the paint of a character: JSON, indexed by vertex, valid only for the mesh it was painted on.
 //
 //   {"fascicle_paint": 1,
 //    "surface": "...",              rig::surface_hash, 32 hex digits
@@ -22,12 +21,12 @@ namespace fascicle::scene {
 
 inline constexpr std::uint64_t most_paint_bytes = std::uint64_t{64} << 20;
 
-// Everything is checked before anything is given back. Throws InputFileError "FILE: POINTER: what is wrong"
-// with a JSON pointer. `file` is for messages.
+// Checks everything before it returns. Throws InputFileError "FILE: POINTER: what is wrong" with a JSON
+// pointer. `file` is for messages.
 rig::Paint parse_paint(std::string_view text, const std::filesystem::path& file,
                        const mesh::SurfaceMesh& surface);
 
-// Of a paint that parse_paint would take.
+// The text of a paint that parse_paint would accept.
 std::string paint_text(const rig::Paint& paint);
 
 }  // namespace fascicle::scene

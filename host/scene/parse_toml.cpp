@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::size_t most_key_parts = 32;
 constexpr std::size_t deepest_nesting = 32;
-// toml++ looks 127 characters ahead of a date for its time, and does not count these.
+// toml++ looks 127 characters ahead for the time after a date, and does not count underscores.
 constexpr std::size_t most_underscores = 64;
-// toml++ keeps the tables that dotted keys and headers make in lists, and searches them for each further one:
-// with more, its time grows by their square. Ten thousand jobs have 30,000.
+// toml++ keeps the tables made by dotted keys and headers in lists, and searches them for each further one,
+// so its time grows quadratically. Ten thousand jobs have 30,000.
 constexpr std::size_t most_key_dots = 50'000;
 
 class Checked {
@@ -42,9 +42,8 @@ class Checked {
     }
   }
 
-  // Counts a key's parts, open brackets, a word's underscores and all keys' dots, outside of strings and
-  // comments. On text that is TOML this sees what toml++ sees; from where it is none on, toml++ reads no
-  // further.
+  // Counts the parts of a key, open brackets, underscores in a word and the dots of all keys, outside strings
+  // and comments. For valid TOML this matches what toml++ sees; at the first error, toml++ stops reading.
   void check_depth() const {
     std::size_t parts = 1, underscores = 0, key_dots = 0;
     std::string open;  // brackets
@@ -63,7 +62,7 @@ class Checked {
         fail_at(at, "a key of more than " + std::to_string(most_key_parts) + " parts");
       if (c == '_' && ++underscores > most_underscores)
         fail_at(at, "a word of more than " + std::to_string(most_underscores) + " underscores");
-      // The second bracket of [[a]] makes a list that is searched too.
+      // The second bracket of [[a]] creates a list, which toml++ searches too.
       if (in_key && (c == '.' || (c == '[' && !open.empty())) && ++key_dots > most_key_dots)
         fail_at(at, "more than " + std::to_string(most_key_dots) +
                         " dots in keys and lists of tables in all; divide the file");
@@ -79,7 +78,7 @@ class Checked {
     }
   }
 
-  // Behind the string that begins at `at`; of one without an end, where toml++ will miss it.
+  // One past the string that starts at `at`. An unterminated one ends where toml++ will report it.
   std::size_t end_of_string(std::size_t at) const {
     const char quote = text_[at];
     const bool is_long = text_.substr(at, 3) == std::string(3, quote);
@@ -90,7 +89,7 @@ class Checked {
         ++at;
       } else if (text_.substr(at, end.size()) == end) {
         at += end.size();
-        // Up to two quotes may stand before the three that end it.
+        // Up to two quotes may precede the closing three.
         for (int more = 0; is_long && more < 2 && at < text_.size() && text_[at] == quote; ++more) ++at;
         return at;
       }

@@ -1,4 +1,4 @@
-// The one door for TOML that comes from outside: scene files, lists of jobs, values of --set.
+// The only entry point for external TOML: scene files, lists of jobs, values of --set.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace fascicle::scene {
 
-// Of a file of TOML.
+// Maximum size of a TOML file.
 inline constexpr std::uint64_t most_toml_bytes = std::uint64_t{16} << 20;
 
-// `source` is what messages call the text. Throws SceneError with line and column where it is no TOML, and
-// before toml++ sees it where that would be its end: nodes of a tree as deep as a text can make it are freed
-// by recursion, and damaged UTF-8 reaches states it takes for impossible.
+// `source` names the text in messages. Throws SceneError with line and column if the text is not valid TOML.
+// Texts that would crash toml++ are rejected before it sees them: it frees trees recursively, however deep
+// the text makes them, and damaged UTF-8 takes it into states that it assumes impossible.
 toml::table parse_toml(std::string_view text, std::string_view source);
 
-// A text as it stands in TOML, with its quotes.
+// A text as a TOML string, with quotes.
 std::string toml_string(const std::string& text);
 
 }  // namespace fascicle::scene

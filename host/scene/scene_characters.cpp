@@ -23,7 +23,7 @@
 namespace fascicle::scene {
 namespace {
 
-// The rotation of turned_by as a quaternion, x y z w.
+// The rotation of turned_by as a quaternion, in the order x y z w.
 Eigen::Vector4d quaternion_about(const Vector3d& degrees) {
   const double angle = degrees.norm() * (3.14159265358979323846 / 180.0);
   if (!(angle > 0.0)) return {0.0, 0.0, 0.0, 1.0};
@@ -47,8 +47,8 @@ Bounds bounds_of(const rig::Character& character) {
   return bounds;
 }
 
-// The bind poses stand on a square grid on the ground, each a whole body's extent and more from the next: no
-// mesher joins them, and contact sees them as far from each other.
+// Places the bind poses on a square grid on the ground, more than a whole body's extent apart, so that no
+// mesher joins them and contact treats them as distant.
 void place_bind_poses(double contact_distance, std::vector<PlacedCharacter>& characters) {
   constexpr double gap_in_distances = 4.0;
   double largest = 0.0;
@@ -68,7 +68,7 @@ void place_bind_poses(double contact_distance, std::vector<PlacedCharacter>& cha
   }
 }
 
-// A still mesh as a character: one joint carries all of it, and no clip moves that.
+// A still mesh as a character: a single joint carries all of it, and no clip moves the joint.
 rig::Character character_of_mesh(mesh::SurfaceMesh mesh) {
   rig::Character character;
   rig::Joint joint;
@@ -81,8 +81,8 @@ rig::Character character_of_mesh(mesh::SurfaceMesh mesh) {
   return character;
 }
 
-// What the file holds, in `loaded`. What nothing moves is a character where that is `rigid`: it has nothing
-// to move flesh by.
+// Loads the file into `loaded`. Geometry without animation becomes a character only if `rigid`, because it
+// cannot drive flesh.
 void load_file(const std::filesystem::path& file, bool rigid, LoadedFiles* files, Scene& loaded) {
   if (!mesh::is_surface_mesh_file(file))
     return load_character(file, loaded, rigid ? gltf::Still::carried : gltf::Still::left_out, files);
@@ -98,7 +98,7 @@ rig::Character made_character(const std::string& name, LoadedFiles* files) {
   return files != nullptr ? files->made(name) : made::make_character(name);
 }
 
-// What its file or its maker has of a character, with what the scene is to know of that file.
+// The character from its file or generator, without paint; adds the file's hashes to the scene.
 rig::Character load_unpainted(const toml::table& table, const std::string& path,
                               const std::filesystem::path& folder, LoadedFiles* files, Scene& scene) {
   if (table.contains("made")) return made_character(*table["made"].value<std::string>(), files);
@@ -115,7 +115,7 @@ rig::Character load_unpainted(const toml::table& table, const std::string& path,
   return std::move(std::get<rig::Character>(loaded.geometry));
 }
 
-// A character as its table says. What a file paints on it goes into `paint`.
+// Loads a character as its table specifies, and appends what a paint file paints on it to `paint`.
 rig::Character load_one(const toml::table& table, const std::string& path,
                         const std::filesystem::path& folder, LoadedFiles* files, Scene& scene,
                         std::vector<FilePaint>& paint) {
@@ -132,7 +132,8 @@ rig::Character load_one(const toml::table& table, const std::string& path,
   return character;
 }
 
-// Names in [skeleton] say which character's they are. What they name there is asked once its body is made.
+// Names in [skeleton] must start with a character's name. Whether the rest exists is checked after the body
+// is built.
 void check_skeleton_names(const toml::table& root, const Scene& scene) {
   const rig::Character& character = std::get<rig::Character>(scene.geometry);
   std::vector<std::string> known;
@@ -156,7 +157,7 @@ void check_skeleton_names(const toml::table& root, const Scene& scene) {
   }
 }
 
-// Unpainted flesh counts as 0, which is hardly what is meant of a whole character.
+// Unpainted flesh counts as 0, which is hardly ever intended for a whole character.
 void check_paint(const toml::table& root, const Scene& scene, const std::string& channel, bool of_rigid) {
   if (channel.empty()) return;
   const std::string attribute = channel.substr(0, channel.find('.'));
@@ -174,7 +175,7 @@ void check_paint(const toml::table& root, const Scene& scene, const std::string&
            " and which the scene goes by; paint both, or take it out of the scene");
 }
 
-// What a paint file has on one character, and another one lacks, is there as where nobody has painted.
+// If a paint file paints an attribute on one character, adds it to the others with its unpainted value.
 void complete_paint(const std::vector<FilePaint>& paint, Scene& scene) {
   for (const rig::PaintKind& kind : rig::paint_kinds()) {
     const bool is_painted = std::any_of(paint.begin(), paint.end(),
@@ -313,7 +314,7 @@ std::size_t character_of_joint(const Scene& scene, std::size_t joint) {
 std::vector<rig::Character> characters_to_be(const toml::table& root, const std::filesystem::path& folder,
                                              LoadedFiles* files, const SceneOverrides& overrides) {
   std::vector<rig::Character> all;
-  // Whether a still mesh may stand there is asked when the character is read.
+  // Accepts still meshes everywhere; reading the character checks whether one is allowed.
   const auto load = [&](const toml::table& table, const std::string& path) {
     const auto stated = [&](const char* key) { return overridden(overrides, join_path(path, key)); };
     Scene loaded;
@@ -336,7 +337,7 @@ std::vector<rig::Character> characters_to_be(const toml::table& root, const std:
       const std::string file = paint ? *paint : table["paint"].value_or(std::string());
       if (!file.empty()) lay_paint_over(folder / file, files, loaded, all.back());
     } catch (const std::runtime_error&) {
-      // Is found again, and told with its place, when the character is read.
+      // Found again, and reported with its location, when the character is read.
     }
   };
   const toml::table* table = root["character"].as_table();

@@ -235,7 +235,7 @@ void check_named_tables(const toml::node& node, const Key& key, const std::strin
     fail(node.source(), path, "is empty; give at least one [" + path + ".NAME]");
 }
 
-// Keys of one table, or tables by name; not both.
+// Allows either the keys of one table or tables by name, not both.
 void check_table_or_named(const toml::table& table, const Key& key, const std::string& path) {
   if (holds_named_tables(key, table)) {
     Key by_name = key;
@@ -291,7 +291,7 @@ void check_node(const toml::node& node, const Key& key, const std::string& path)
 
 void check_table(const toml::table& table, const Table& keys, const std::string& path) {
   const auto entries = in_order(table);
-  // Unknown names first: a mistyped table's keys would seem to be missing elsewhere.
+  // Check for unknown names first, or a mistyped table's keys would be reported as missing.
   for (const auto& [name, value] : entries) {
     if (find_key(keys, name->str()) == nullptr) {
       fail_unknown(name->source(), path, name->str(), key_names(keys));

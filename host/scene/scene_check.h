@@ -1,4 +1,4 @@
-// A parsed scene file against the table of keys, and where in the text things stand.
+// Checks a parsed scene file against the table of keys, and locates nodes in the text.
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace fascicle::scene {
 
-// Overrides are parsed under the option's text as their file name ("--set a.b=1"), which has no lines.
+// Overrides are parsed with the option's text as their file name ("--set a.b=1"), and have no line number.
 bool is_override(const toml::source_region& source);
 
-// "FILE:LINE", or the option an override came from.
+// "FILE:LINE", or the option that an override came from.
 std::string location(const toml::source_region& source);
 
-// The shortest text that reads back to the same number.
+// The shortest text that parses to the same number.
 std::string shortest(double value);
 
-// "layers" and "fat" to "layers.fat".
+// Joins "layers" and "fat" to "layers.fat".
 std::string join_path(std::string_view path, std::string_view name);
 
-// Quoted keys and values may hold anything; a message is one line: base::shown_text.
+// Quoted keys and values can contain anything, but a message must be one line: base::shown_text.
 std::string one_line(const std::string& text);
 
 // Throws SceneError "FILE:LINE: PATH: MESSAGE".
@@ -31,16 +31,15 @@ std::string one_line(const std::string& text);
 [[noreturn]] void fail_unknown(const toml::source_region& source, std::string_view path,
                                std::string_view name, const std::vector<std::string>& names);
 
-// A table's entries as they stand in the file (the map itself is alphabetical), then those that overrides
-// added.
+// A table's entries in the order of the file (toml++'s map is alphabetical), then those added by overrides.
 using Entry = std::pair<const toml::key*, const toml::node*>;
 std::vector<Entry> in_order(const toml::table& table);
 
-// Whether a table of this key is a table of tables whose names the user chose.
+// Whether a table of this key contains tables whose names the user chose.
 bool holds_named_tables(const Key& key, const toml::table& table);
 
-// Throws SceneError at the first key that the table of keys does not allow. After it every value has its type
-// and range, required keys are there, and of each choice exactly one.
+// Throws SceneError at the first key that violates the table of keys. After it, every value has its type and
+// range, required keys exist, and exactly one key of each choice is set.
 void check_scene(const toml::table& root);
 
 }  // namespace fascicle::scene

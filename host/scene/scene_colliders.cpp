@@ -1,4 +1,4 @@
-// [collider.NAME]: which keys belong to which shape, and what their values must be.
+// [collider.NAME]: which keys belong to which shape, and their allowed values.
 #include <algorithm>
 #include <initializer_list>
 #include <string_view>

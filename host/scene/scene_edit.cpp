@@ -14,7 +14,7 @@ namespace {
 
 // ---- Values
 
-// A name as it stands before an equals sign.
+// A name as it appears before an equals sign.
 std::string name_text(const std::string& name) {
   return is_valid_name(name) ? name : toml_string(name);
 }
@@ -69,7 +69,8 @@ Json json_of_node(const toml::node& node) {
   return nullptr;  // a date, which no key takes
 }
 
-// What the text says: tables in their order, which layers go by, and other keys in any.
+// The text's content for comparison. The order of tables counts, as layers depend on it; that of other keys
+// does not.
 Json without_order(const toml::table& table) {
   Json tables = Json::array();
   nlohmann::json others = nlohmann::json::object();
@@ -106,7 +107,7 @@ void add_table(const toml::table& table, const Table& keys, const std::string& p
   for (const Key& key : keys.keys) {
     if (is_table_key(key)) continue;
     const toml::node* node = table.get(key.name);
-    // A place in space is taken apart where it is one table, so that its numbers can be moved.
+    // A single shape is split into its own table, so that its numbers can be moved.
     if (key.type == KeyType::tables && node != nullptr && node->is_table()) {
       inner.emplace_back(&key, node->as_table());
       continue;
@@ -129,7 +130,7 @@ void add_table(const toml::table& table, const Table& keys, const std::string& p
 
 // ---- Changes in the text
 
-// Offsets into the text of what toml++ counts in lines and columns.
+// Converts the lines and columns of toml++ into offsets in the text.
 class Places {
  public:
   explicit Places(std::string_view text) : text_(text) {
@@ -151,7 +152,7 @@ class Places {
   std::size_t line_begin(std::size_t at) const {
     return *std::prev(std::upper_bound(lines_.begin(), lines_.end(), at));
   }
-  // Behind the line's end.
+  // The offset after the line's end.
   std::size_t line_end(std::size_t at) const {
     const std::size_t end = text_.find('\n', at);
     return end == std::string_view::npos ? text_.size() : end + 1;
@@ -163,12 +164,12 @@ class Places {
 };
 
 struct Found {
-  const toml::table* table = nullptr;  // that holds it, or would
-  const toml::key* name = nullptr;     // null: the table lacks it
+  const toml::table* table = nullptr;  // the table that holds it, or would hold it
+  const toml::key* name = nullptr;     // null: not in the table
   const toml::node* value = nullptr;
 };
 
-// The table that the path leads into, as far as the text has one.
+// Finds the table that contains the path's last key, if the text has such a table.
 Found find(const toml::table& root, std::span<const std::string> path) {
   const toml::table* table = &root;
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
@@ -185,7 +186,7 @@ Found find(const toml::table& root, std::span<const std::string> path) {
   return found;
 }
 
-// One change of the text; nothing where the text is laid out in a way that is not followed here.
+// One change of the text. Returns nullopt for layouts that it cannot edit in place.
 class Splice {
  public:
   Splice(std::string_view text, const toml::table& root, std::vector<std::string> path)
@@ -196,7 +197,7 @@ class Splice {
     return without(*found_.name, *found_.value);
   }
 
-  // `value` as TOML; of an object its keys one a line, where it becomes a table of its own.
+  // `value` as TOML. If an object becomes a table of its own, each of its keys gets a line.
   std::optional<std::string> set(const Json& value, bool whole,
                                  const std::vector<std::string>& rivals) const {
     const std::string plain = name_text(path_.back()) + " = " + toml_text(value, whole);
@@ -238,7 +239,7 @@ class Splice {
     return appended(lines);
   }
 
-  // Takes the whole line, if nothing else stands on it.
+  // Removes the whole line if nothing else is on it.
   std::optional<std::string> without(const toml::key& name, const toml::node& node) const {
     const std::size_t begin = places_.offset(name.source().begin), end = places_.offset(node.source().end);
     const std::size_t line = places_.line_begin(begin), next = places_.line_end(end);
@@ -256,7 +257,7 @@ class Splice {
     return replaced(end - 1, end, (found_.table->empty() ? " " : ", ") + plain + " }");
   }
 
-  // Behind the last of the table's own keys, else behind its headline.
+  // Inserts after the last of the table's own keys, or else after its header.
   std::optional<std::string> into_table(const std::string& plain) const {
     std::size_t last = 0;
     bool has_own = false;
@@ -295,7 +296,7 @@ std::vector<std::string> parts_of(const std::string& path) {
   }
 }
 
-// The key of the table of keys that a path leads to, with its rivals. Null where there is none.
+// The key that a path refers to in the table of keys, with its rivals. Null if there is none.
 struct Described {
   const Key* key = nullptr;
   std::vector<std::string> rivals;
@@ -307,7 +308,7 @@ Described described(const std::vector<std::string>& path) {
     key = find_key(*keys, path[k]);
     if (key == nullptr) return {};
     if (k + 1 == path.size()) return {key, rivals_of(*keys, key->name)};
-    // Past a name that the user chose.
+    // Skip a name that the user chose.
     const bool is_named =
         key->type == KeyType::named_tables || (key->named != nullptr && path.size() - k > 2);
     keys = is_named && key->named != nullptr ? key->named : key->table;
@@ -325,7 +326,7 @@ void take_out(toml::table& root, const std::vector<std::string>& path) {
   table->erase(path.back());
 }
 
-// What an option's name before a message would say is said by whoever asked.
+// Drops the option's name from the front of a message, since the caller reports the key.
 [[noreturn]] void rethrow_without(const SceneError& error, const std::string& option) {
   const std::string text = error.what(), prefix = option + ": ";
   throw SceneError(text.starts_with(prefix) ? text.substr(prefix.size()) : text);
@@ -360,7 +361,7 @@ std::vector<EditedTable> edited_tables(const std::string& text, const std::strin
         add_table(*inner->as_table(), key.named != nullptr ? *key.named : *key.table,
                   join_path(key.name, name->str()), all);
     } else if (key.type == KeyType::table) {
-      // Of several bodies the text has one, and the others' keys are none of its.
+      // The text has one of several kinds of body; omit the keys of the others.
       const bool is_rival = table == nullptr && !rivals_of(scene_table(), key.name).empty();
       if (!is_rival) add_table(table != nullptr ? *table : empty, *key.table, key.name, all);
     }
@@ -379,14 +380,14 @@ ChangedText change_text(std::string_view text, const std::string& source,
         key.key != nullptr && (key.key->type == KeyType::integer || key.key->type == KeyType::integer_vector);
     std::optional<std::string> spliced;
     {
-      // Regions are the parsed text's, so it is spliced before the tree is changed.
+      // Source regions refer to the parsed text, so splice before changing the tree.
       const Splice splice(result.text, root, path);
       if (key.key != nullptr)
         spliced = change.value ? splice.set(*change.value, whole, key.rivals) : splice.removed();
     }
     apply(root, change, path, whole);
     const Json wanted = without_order(root);
-    // Not so with rivals beside the one that was replaced, and with what is laid out in a way of its own.
+    // Fails if other rivals remain besides the replaced one, or if the layout is unusual.
     const auto reads_as_wanted = [&] {
       if (!spliced) return false;
       try {

@@ -24,16 +24,16 @@ namespace {
 
 constexpr std::array<const char*, 4> implicit_keys{"youngs_modulus", "frequency", "material",
                                                    "damping_ratio"};
-// Soft tissues bear the jump of a heavy man with it (docs/design/crushed-flesh.md).
+// With this, soft tissue survives the jump of a heavy man (docs/design/crushed-flesh.md).
 constexpr double least_volume_of_character = 0.3;
 constexpr std::array<const char*, 2> explicit_keys{"alpha", "alpha_outer"};
 
-// For the message of a key that only one integrator has.
+// For error messages about a key that only one integrator has.
 std::string takes(Integrator integrator) {
   return std::string("takes solver.integrator = \"") + name_of(integrator) + '"';
 }
 
-// The one that the layers speak to, where the scene names none.
+// The stated integrator, or else the one that the layers' keys imply.
 Integrator integrator_of(const toml::table& root) {
   if (const auto stated = root["solver"]["integrator"].value<std::string>())
     return base::named<Integrator>(*stated).value();
@@ -46,8 +46,8 @@ Integrator integrator_of(const toml::table& root) {
   return has_implicit && !has_explicit ? Integrator::implicit_step : SolverSettings{}.integrator;
 }
 
-// How a layer says how stiff it is, and by what right: alpha is the explicit integrator's, the rest the
-// implicit one's. check_scene has seen that no two of them stand beside each other.
+// Checks that a layer's stiffness keys fit the integrator (alpha for the explicit one, the others for the
+// implicit one), and applies the material. check_scene has already rejected combinations.
 void fix_stiffness(const toml::table& table, const std::string& path, bool implicit, Layer& layer) {
   const auto refuse = [&](const char* key, const std::string& what) {
     if (const toml::node* node = table.get(key)) fail(node->source(), join_path(path, key), what);
@@ -108,7 +108,7 @@ void read_layers(const toml::table& root, const Surroundings& surroundings, Scen
                    fix_least_volume(table, path, surroundings, implicit, layer);
                    if (const toml::node* node = table.get("fibre")) {
                      const Vector3d fibre = vector_of(*node);
-                     // Scaled first: a square of the smallest doubles is 0.
+                     // Scaled first, because squares of very small doubles underflow to 0.
                      const double largest = fibre.cwiseAbs().maxCoeff();
                      if (largest == 0.0)
                        fail(node->source(), join_path(path, "fibre"),
@@ -138,7 +138,7 @@ void read_contact(const toml::table& table, const Surroundings& surroundings, Co
          "only a [character] has painted values; leave it out");
 }
 
-// After the layers, whose numbers it changes.
+// Must follow the layers, whose values it changes.
 void read_flesh(const toml::table& root, Scene& scene) {
   const toml::table& table = table_at(root, "flesh");
   FleshSettings& flesh = scene.flesh;
@@ -221,7 +221,7 @@ void read_fibres(const toml::table& root, Scene& scene) {
                  });
 }
 
-// "20000" is a number of vertices, "20 mm" an edge length. It goes before the mesh's or character's own.
+// "20000" is a number of vertices, "20 mm" an edge length. Overrides the resolution of the mesh or character.
 void read_resolution(const toml::table& table, Scene& scene) {
   const toml::node* node = table.get("resolution");
   if (node == nullptr) return;
@@ -255,7 +255,7 @@ void read_body(const toml::table& root, Scene& scene) {
   read_resolution(table, scene);
   const auto given = root.find("body");
   if (given == root.end()) return;
-  // Of a table that an option has made, only the key knows where it comes from.
+  // If an option created the table, only its key has a source location.
   if (std::holds_alternative<Bar>(scene.geometry))
     fail(given->first.source(), "body", "a bar's tetrahedra are set by bar.vertices; leave this table out");
   if (std::holds_alternative<mesh::TetMesh>(scene.geometry))
@@ -315,8 +315,8 @@ void read_steps(const toml::table& table, SolverSettings& solver) {
              "; leave it out");
 }
 
-// A character whose scene says nothing of layers gets those that it has without a scene file; whether there
-// was need. Comes before overrides, which may change them.
+// Adds default layers to a character whose scene defines none, as for a character without a scene file;
+// returns whether it did. Comes before overrides, which may change them.
 bool add_layers(toml::table& root, const SceneText& input, const SceneOverrides& overrides) {
   if (root.contains("layers")) return false;
   const std::vector<rig::Character> characters = characters_to_be(root, input.folder, input.files, overrides);
@@ -330,7 +330,7 @@ bool add_layers(toml::table& root, const SceneText& input, const SceneOverrides&
   toml::table defaults =
       parse_toml(layers_for_character(character, stiffness, input.source), "default layers");
   root.insert("layers", defaults["layers"]);
-  // Where something else is called solver, the checker will say so.
+  // If `solver` is not a table, the checker reports it.
   if (toml::table* solver = root.insert("solver", toml::table{}).first->second.as_table())
     for (const char* key : {"integrator", "substeps"})
       if (const toml::node* value = defaults["solver"].as_table()->get(key))
@@ -381,7 +381,7 @@ Scene parse_scene(const SceneText& input, const SceneOverrides& overrides) {
   read_forces(root, surroundings, scene);
   read_colliders(root, surroundings, scene);
 
-  // Meshes last: they can be large, and a slip in the scene file should be told at once.
+  // Meshes last: they can be large, and a mistake in the scene file should be reported at once.
   if (root.contains("bar")) {
     read_bar(table_at(root, "bar"), scene);
   } else if (root.contains("mesh")) {
@@ -408,7 +408,7 @@ std::vector<std::pair<std::string, std::string>> keys_without_end(const Scene& s
 
 std::string documented_text(const Scene& scene) {
   const toml::table root = parse_toml(scene.text, scene.source);
-  // What goes with the other integrator, or with another body, would be refused.
+  // Leave out keys that the scene would reject: those for the other integrator or for another kind of body.
   std::vector<const char*> left_out{"iterations", "quality"};
   if (scene.solver.integrator == Integrator::implicit_step)
     left_out.assign(explicit_keys.begin(), explicit_keys.end());

@@ -1,4 +1,4 @@
-// From a scene file's text to a Scene.
+// Turns a scene file's text into a Scene.
 #pragma once
 
 #include <filesystem>
@@ -12,16 +12,16 @@ class LoadedFiles;
 
 struct SceneText {
   std::string name;              // Scene::name
-  std::string source;            // Scene::source; also stands for the file in messages
+  std::string source;            // Scene::source; also the file name in messages
   std::string text;              // TOML
-  std::filesystem::path folder;  // what [mesh] file and [character] file are relative to
-  LoadedFiles* files = nullptr;  // what was read before; null: every file is read
+  std::filesystem::path folder;  // base folder of [mesh] file and [character] file
+  LoadedFiles* files = nullptr;  // files read before; null: read every file
 };
 
-// Applies the overrides, checks everything, loads the mesh or character. Throws SceneError.
+// Applies the overrides, checks everything, and loads the mesh or character. Throws SceneError.
 Scene parse_scene(const SceneText& input, const SceneOverrides& overrides);
 
-// Cutting frames finer than this would fill any disk.
+// The frames of a longer bake would fill any disk.
 inline constexpr double most_frames = 1e7;
 
 }  // namespace fascicle::scene

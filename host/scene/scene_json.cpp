@@ -10,7 +10,7 @@ namespace fascicle::scene {
 
 namespace {
 
-// The key that each shape stands under.
+// The key of each shape.
 struct ShapeJson {
   Json operator()(const Box& box) const { return {{"box", json_of(box)}}; }
   Json operator()(const Sphere& sphere) const { return {{"sphere", json_of(sphere)}}; }
@@ -33,7 +33,8 @@ Json painted_names(const rig::Character& character) {
   return names;
 }
 
-// Of [character.NAME], and where each stands in the bind pose of the scene; none of a scene's single one.
+// The characters of [character.NAME], with their positions in the scene's bind pose; empty for a single
+// [character].
 Json json_of_characters(const Scene& scene) {
   Json list = Json::array();
   for (const PlacedCharacter& character : scene.characters) {
@@ -108,7 +109,7 @@ Json json_of(const Scene& scene) {
               {"colliders", json_of(scene.colliders)},
               {"text", scene.text}};
   if (!scene.characters.empty()) object["characters"] = json_of_characters(scene);
-  // Keys that set members of the scene itself, and are not named above.
+  // Keys that set members of the scene itself and are not listed above.
   const Json of_keys = json_of_scene_keys(scene);
   for (const auto& [key, value] : of_keys.items())
     if (!object.contains(key)) object[key] = value;

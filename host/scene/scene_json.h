@@ -1,4 +1,4 @@
-// A scene's parameters as JSON, for the manifest. What a struct with keys holds follows from its rows
+// A scene's parameters as JSON, for the manifest. The JSON of a struct with keys follows from its rows
 // (scene_rows.h).
 #pragma once
 
@@ -17,7 +17,7 @@ namespace fascicle::scene {
 
 using Json = nlohmann::ordered_json;
 
-// As text; bytes that are not UTF-8 (in file names) become U+FFFD. indent < 0: one line.
+// JSON as text. Bytes that are not UTF-8 (in file names) become U+FFFD. indent < 0: one line.
 std::string dump(const Json& json, int indent = -1);
 
 Json json_of(const Vector3d& vector);
@@ -48,9 +48,9 @@ Json json_of(const VolumeShare& share);
 Json json_of(const JointSet& set);
 Json json_of(const PartSet& set);
 Json json_of(const Painted& painted);
-// What [scene], [mesh] and [character] set of the scene itself.
+// The keys of [scene], [mesh] and [character] that set members of the scene itself.
 Json json_of_scene_keys(const Scene& scene);
-// Every parameter; of meshes and clips, which the input hashes stand for, the counts.
+// Every parameter. Meshes and clips are identified by the input hashes, so only their sizes appear.
 Json json_of(const Scene& scene);
 
 template <class Struct>
@@ -60,7 +60,7 @@ Json json_of(const std::vector<Struct>& list) {
   return all;
 }
 
-// Values as members have them: null of what is not there, pairs of a curve, an object of numbers by name.
+// Members' values as JSON: null if absent, a curve as pairs, named numbers as an object.
 template <class T>
 Json json_of_value(const T& value) {
   return value;

@@ -1,9 +1,8 @@
-// The tables of the scene file and the readers of the structs that they fill. Tables, readers and json_of
-// (scene_json.h) of a struct are made from the same rows, in scene_keys_*.cpp.
+// The tables of the scene file and the readers of the structs they fill. A struct's table, reader and json_of
+// (scene_json.h) are made from the same rows, in scene_keys_*.cpp.
 //
-// read_keys takes the keys that are there and leaves the other members as they are. check_scene has seen
-// types and ranges. What depends on more than a key's own text is not read: RowTraits::by_hand in
-// scene_rows.h.
+// read_keys sets the members whose keys are present, and leaves the others. check_scene has checked types and
+// ranges. It skips what depends on more than a key's own text: RowTraits::by_hand in scene_rows.h.
 #pragma once
 
 #include "host/scene/scene.h"

@@ -1,4 +1,4 @@
-// What the body is and how it is filled: [scene], [bar], [mesh], [character], [body].
+// The body and its tetrahedra: [scene], [bar], [mesh], [character], [body].
 #include "host/made/made_bunny.h"
 #include "host/made/made_character.h"
 #include "host/scene/scene_keys.h"

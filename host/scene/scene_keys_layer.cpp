@@ -1,4 +1,4 @@
-// What flesh is: [layers.NAME], [flesh], [contact].
+// The flesh: [layers.NAME], [flesh], [contact].
 #include "host/scene/material.h"
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_rows.h"

@@ -1,4 +1,4 @@
-// How time runs and the motion is computed: [solver], [motion].
+// Time stepping and motion: [solver], [motion].
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_rows.h"
 

@@ -1,5 +1,5 @@
-// What carries, holds and moves the body: [bones.NAME], [skeleton], [fibres.NAME], [muscle.NAME], [pin.NAME],
-// [probe.NAME], [force.NAME].
+// What supports, holds and moves the body: [bones.NAME], [skeleton], [fibres.NAME], [muscle.NAME],
+// [pin.NAME], [probe.NAME], [force.NAME].
 #include "host/scene/scene_keys.h"
 #include "host/scene/scene_rows.h"
 

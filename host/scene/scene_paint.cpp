@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* layer_attribute = "_LAYER";
 constexpr const char* stiffness_attribute = "_STIFFNESS";
-constexpr std::array<const char*, 3> painted_layers{"bone", "muscle", "fat"};  // from 1 on
+constexpr std::array<const char*, 3> painted_layers{"bone", "muscle", "fat"};  // numbered from 1
 
 bool asks_for(const Layer& layer, const std::string& attribute) {
   return std::any_of(layer.where.begin(), layer.where.end(), [&](const Shape& shape) {

@@ -1,4 +1,4 @@
-// The scene file's keys as Markdown, written out from the table of keys: docs/scene.md.
+// Writes the scene file's keys as Markdown from the table of keys: docs/scene.md.
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -66,7 +66,7 @@ std::string words_of(const std::vector<std::string>& words) {
   return text;
 }
 
-// One item of a list, its lines indented below its first.
+// A list item; continuation lines are indented.
 void write_item(std::ostream& out, const std::string& text) {
   std::istringstream words(text);
   std::size_t column = 1;

@@ -1,9 +1,9 @@
-// A key of the scene file and the member of scene.h that it sets, in one row. Of a tuple of such rows are
-// made the table of keys that files, --set and the schema are held against (scene_table.h), the reader, and
-// the manifest's copy. The key's type and its default are the member's.
+// One row per key of the scene file, with the member of scene.h that it sets. A tuple of rows yields the
+// table of keys that files, --set and the schema are checked against (scene_table.h), the reader, and the
+// manifest's JSON. The key's type and default are those of the member.
 //
-// Beside each tuple stands static_assert(base::has_row_for_each_member<Owner, decltype(rows)>): a member that
-// has no row does not compile.
+// Next to each tuple, static_assert(base::has_row_for_each_member<Owner, decltype(rows)>) fails to compile if
+// a member has no row.
 #pragma once
 
 #include <array>
@@ -24,39 +24,38 @@
 
 namespace fascicle::scene {
 
-// In the manifest.
+// Whether the manifest shows the member.
 enum class Shown { always, where_set, never };
 
 struct RowTraits {
-  bool depends =
-      false;  // what holds where the key is absent is not the member's default, or is told by `doc`
-  bool by_hand = false;  // the reader of the struct reads it: it depends on more than the key's own text
-  Shown shown = Shown::always;  // where_set: not where the member has its default
+  bool depends = false;  // the default is not the member's own, or `doc` states it
+  bool by_hand = false;  // read by the struct's reader, because it depends on more than the key's own text
+  Shown shown = Shown::always;  // where_set: only if it differs from the default
 };
 
-// A key that sets a member. An enumeration's words are the names of its values; `allowed` may have words for
-// false and true, in order.
+// A key that sets a member. The values of an enumeration are its names; `allowed` may give words for false
+// and true, in that order.
 template <class Owner, class T>
 struct KeyRow {
   T Owner::*member;
   Key key;
   RowTraits traits;
 };
-// A member that no key sets by itself; the manifest has it as `name`.
+// A member that no single key sets; `name` is its name in the manifest.
 template <class Owner, class T>
 struct MemberRow {
   const char* name;
   T Owner::*member;
   Shown shown;
 };
-// A key that sets no member by itself.
+// A key that sets no member directly.
 struct LooseKey {
   Key key;
 };
 
 namespace rows {
 
-inline constexpr double farthest = 1e6;  // metres; squares and cubes of it are far from float's end
+inline constexpr double farthest = 1e6;  // metres; its square and cube are far from overflowing a float
 
 constexpr Range between(double minimum, double maximum) {
   return {minimum, maximum, false};
@@ -116,7 +115,7 @@ Json json_of_member(const Key& key, const T& value) {
     return nullptr;
 }
 
-// Whether the absence of a key can be said as a value.
+// Whether a missing key has a default that can be written as a value.
 template <class T>
 inline constexpr bool has_default =
     !is_optional<T> && (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string> ||
@@ -159,7 +158,7 @@ inline constexpr bool has_key = requires(const Row& row) {
 
 }  // namespace rows
 
-// The keys of the rows, in order, into the table.
+// Adds the rows' keys to the table, in order.
 template <class... Row>
 Table with_keys(Table table, const std::tuple<Row...>& rows_of_table) {
   base::for_each_row(rows_of_table, [&](const auto& row) {
@@ -168,7 +167,7 @@ Table with_keys(Table table, const std::tuple<Row...>& rows_of_table) {
   return table;
 }
 
-// Reads the keys that are there into the members, all but those that are read by hand.
+// Reads the keys that are present into their members, except those marked by_hand.
 template <class Owner, class... Row>
 void read_rows(const toml::table& table, const std::tuple<Row...>& rows_of_table, Owner& owner) {
   base::for_each_row(rows_of_table, [&](const auto& row) {
@@ -186,7 +185,7 @@ void read_rows(const toml::table& table, const std::tuple<Row...>& rows_of_table
   });
 }
 
-// The members, under their keys' names.
+// The members under the names of their keys.
 template <class Owner, class... Row>
 Json json_of_rows(const std::tuple<Row...>& rows_of_table, const Owner& owner) {
   Json object = Json::object();

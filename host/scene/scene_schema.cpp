@@ -1,4 +1,4 @@
-// The scene file's JSON Schema, written out from the table of keys.
+// Writes the scene file's JSON Schema from the table of keys.
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +25,7 @@ void add_range(Json& schema, const Key& key) {
   if (std::isfinite(key.range.maximum)) schema["maximum"] = number(key.range.maximum);
 }
 
-// Tables under names that the user chooses, at least one.
+// At least one table, under user-chosen names.
 Json by_name(const Table& table) {
   return {{"type", "object"},
           {"propertyNames", {{"pattern", name_pattern}, {"maxLength", longest_name}}},
@@ -41,7 +41,7 @@ Json schema_of(const Key& key) {
     case KeyType::integer:
       schema["type"] = key.type == KeyType::number ? "number" : "integer";
       add_range(schema, key);
-      // A pattern binds text alone, as the range binds numbers.
+      // A pattern applies only to strings, as the range applies only to numbers.
       if (!key.allowed.empty()) {
         std::string words;
         for (const std::string& word : key.allowed) words += (words.empty() ? "" : "|") + word;

@@ -20,7 +20,7 @@ void need_character(const toml::table& table, const Surroundings& surroundings, 
   fail(table.source(), path, "only a [character] has these; use another shape");
 }
 
-// A range of a measure that is taken from the bones.
+// Reads a range of a quantity measured from the bones.
 template <class Range>
 Range read_from_bone(const toml::table& table, const Surroundings& surroundings, const std::string& path) {
   Range range;

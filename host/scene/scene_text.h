@@ -1,4 +1,4 @@
-// What a scene's text says.
+// The content of a scene's text.
 #pragma once
 
 #include <string>
@@ -9,9 +9,8 @@
 
 namespace fascicle::scene {
 
-// Its keys but scene.end, as "layers.fat.alpha", with their values as TOML in one line: comments, order and
-// spelling are gone. Two scenes with the same keys are the same but for where they end and the order of their
-// tables.
+// Its keys except scene.end, as "layers.fat.alpha", with their values as one line of TOML; comments, order
+// and spelling are dropped. Scenes with equal keys differ at most in their end and the order of their tables.
 std::vector<std::pair<std::string, std::string>> keys_without_end(const Scene& scene);
 
 }  // namespace fascicle::scene

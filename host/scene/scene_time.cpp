@@ -22,8 +22,7 @@ const rig::Clip* clip_of(const toml::table& root, const Scene& scene) {
   }
 }
 
-// Whether nothing moves: a character that hangs by gravity in its rest pose, without a clip and without
-// forces.
+// Whether nothing moves: a sculpted character in its rest pose, without a clip, forces or colliders.
 bool is_rest_bake(const toml::table& root, const Scene& scene) {
   const auto* character = std::get_if<rig::Character>(&scene.geometry);
   std::string rest = name_of(Rest::sculpted);
@@ -45,7 +44,7 @@ void read_time(const toml::table& root, Scene& scene) {
   const rig::Clip* clip = clip_of(root, scene);
   const toml::node* end = table.get("end");
   if (end == nullptr) {
-    // A clip of one key is a pose: it is baked in one frame.
+    // A clip with a single key is a pose, and is baked as one frame.
     if (clip != nullptr)
       scene.end = clip->duration * scene.fps < 0.5 ? scene.start + 1.0 / scene.fps : clip->duration;
     else if (is_rest_bake(root, scene))
@@ -53,7 +52,7 @@ void read_time(const toml::table& root, Scene& scene) {
     else
       scene.end = scene.start + Scene{}.end;
   }
-  // Where the end follows from the clip, the start is what can be wrong.
+  // If the end follows from the clip, the start must be at fault.
   const toml::node* start = table.get("start");
   const toml::source_region& blame = end != nullptr     ? end->source()
                                      : start != nullptr ? start->source()
@@ -68,10 +67,10 @@ void read_time(const toml::table& root, Scene& scene) {
 
 namespace {
 
-// A character's flesh is not crushed by the first frame if it gets this long to follow, s.
+// s. Given this long to follow, a character's flesh is not crushed by the first frame.
 constexpr double default_preroll = 0.5;
 
-// Handles after a hold lengthen it; otherwise they lie beyond the end.
+// Handles extend the hold if there is one, and otherwise the end.
 void add_handles(Scene& scene) {
   const double seconds = static_cast<double>(scene.motion.handles) / scene.fps;
   scene.start -= seconds;
@@ -91,7 +90,7 @@ void read_motion(const toml::table& root, Scene& scene) {
     motion.rest = Rest::sculpted;
     motion.preroll = default_preroll;
   }
-  // The keys of characters made in code lie dense enough.
+  // Characters made in code have dense enough keys.
   const bool from_file =
       is_character &&
       ((scene.characters.empty() && table_at(root, "character").contains("file")) ||

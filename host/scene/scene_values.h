@@ -1,4 +1,5 @@
-// From checked TOML to values: what the readers of the scene file share. check_scene has seen the types.
+// Converts checked TOML to values; shared by the readers of the scene file. check_scene has checked the
+// types.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace fascicle::scene {
 double number_of(const toml::node& node);
 Vector3d vector_of(const toml::node& node);
 
-// These take the value if the key is there and else leave what stands.
+// These set `out` if the key is present, and otherwise leave it.
 void read(const toml::table& table, const char* key, double& out);
 void read(const toml::table& table, const char* key, std::optional<double>& out);
 void read(const toml::table& table, const char* key, std::optional<std::uint32_t>& out);
@@ -33,7 +34,7 @@ void read(const toml::table& table, const char* key, std::vector<Vector3d>& out)
 void read(const toml::table& table, const char* key, KeyedCurve& out);
 void read(const toml::table& table, const char* key, PerBone& out);
 
-// Calls put with the number of the word, in key.allowed, that the key has; not at all where it is absent.
+// Calls put with the index in key.allowed of the key's word; does nothing if the key is absent.
 template <class Put>
 void read_word(const toml::table& table, const Key& key, const Put& put) {
   const toml::node* node = table.get(key.name);
@@ -43,7 +44,7 @@ void read_word(const toml::table& table, const Key& key, const Put& put) {
                                key.allowed.begin()));
 }
 
-// Empty where there is none.
+// An empty table if there is none.
 const toml::table& table_at(const toml::table& table, const char* key);
 
 // Calls use(name, table, path) for each table of a named_tables key, in the file's order.
@@ -54,29 +55,29 @@ void for_each_named(const toml::table& root, const char* key, const Use& use) {
   }
 }
 
-// What shapes may refer to.
+// What shapes may refer to in this scene.
 struct Surroundings {
   bool has_bones = false;
   bool has_joints = false;
 };
 
-// The shapes under `where` of the table at `path`; none where there is no such key.
+// The shapes under `where` of the table at `path`; empty if the key is absent.
 Where read_where(const toml::table& owner, const Surroundings& surroundings, const std::string& path);
 
-// Adds [muscle.NAME] to the scene, whose layers have been read.
+// Adds [muscle.NAME] to the scene. Its layers must have been read.
 void read_muscles(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 
-// Adds [collider.NAME] to the scene. Whether the joint that one goes with is there is asked once the
-// character has been read.
+// Adds [collider.NAME] to the scene. Joints that colliders follow are checked once the character has been
+// read.
 void read_colliders(const toml::table& root, const Surroundings& surroundings, Scene& scene);
 void check_collider_joints(const toml::table& root, const Scene& scene);
 
-// [scene] fps, start and end, and [motion]: the clip that plays, and how time runs around it. The geometry
-// and the forces have been read. Makes the clip smooth if that is said.
+// [scene] fps, start and end, and [motion]: the clip that plays, and its timing. The geometry and the forces
+// must have been read. Smooths the clip if the scene says so.
 void read_time(const toml::table& root, Scene& scene);
 void read_motion(const toml::table& root, Scene& scene);
 
-// Refuses muscles whose words fit no joints of the scene's character.
+// Rejects muscles whose keys do not match the joints of the scene's character.
 void check_muscle_bones(const toml::table& root, const Scene& scene);
 
 }  // namespace fascicle::scene

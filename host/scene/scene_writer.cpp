@@ -10,7 +10,7 @@
 namespace fascicle::scene {
 namespace {
 
-// Names that users chose may hold anything; TOML wants those in quotes.
+// User-chosen names can contain anything; TOML requires quotes around some of them.
 void write_name(std::ostream& out, std::string_view name) {
   if (is_valid_name(name))
     out << name;
@@ -18,8 +18,8 @@ void write_name(std::ostream& out, std::string_view name) {
     out << toml::toml_formatter{toml::value<std::string>(std::string(name)), toml::format_flags::none};
 }
 
-// Tables inside values are written inline, in the order of their keys. Numbers are the shortest that read
-// back the same.
+// Writes tables inside values inline, in the order of their keys, and numbers as the shortest text that
+// parses to the same value.
 void write_value(std::ostream& out, const toml::node& node) {
   if (const auto* table = node.as_table()) {
     const char* separator = "";
@@ -96,7 +96,7 @@ void write_table(std::ostream& out, const toml::table& table, const Table& keys,
 
 constexpr std::size_t comment_width = 100;
 
-// Words in lines that begin with "# ".
+// Word-wrapped text in lines that begin with "# ".
 void write_comment(std::ostream& out, const std::string& text) {
   std::istringstream words(text);
   std::size_t column = 0;
@@ -111,7 +111,7 @@ void write_comment(std::ostream& out, const std::string& text) {
   out << '\n';
 }
 
-// A default as TOML, which for these types is what JSON has.
+// A default as TOML, which for these types looks like JSON.
 std::string fallback_text(const nlohmann::ordered_json& fallback) {
   if (!fallback.is_array()) return fallback.dump();
   std::string text;
@@ -119,7 +119,7 @@ std::string fallback_text(const nlohmann::ordered_json& fallback) {
   return text + "]";
 }
 
-// The key that stands in the table in place of this one; null if none does.
+// The rival key that the table has in place of this one; null if it has none.
 const std::string* taken_by(const Table& keys, const toml::table& table, const Key& key) {
   for (const auto* groups : {&keys.choices, &keys.alternatives})
     for (const auto& group : *groups) {
@@ -130,7 +130,7 @@ const std::string* taken_by(const Table& keys, const toml::table& table, const K
   return nullptr;
 }
 
-// The keys of one table that are no tables: those that are set, and the others as comments.
+// The keys of one table that are not tables: those that are set, and the others as comments.
 void write_documented_values(std::ostream& out, const toml::table& table, const Table& keys,
                              std::span<const char* const> left_out) {
   for (const Key& key : keys.keys) {
@@ -151,7 +151,7 @@ void write_documented_values(std::ostream& out, const toml::table& table, const 
   }
 }
 
-// A headline and what stands below it. Tables of tables the scene lacks are named, with their keys.
+// A header and its contents. For tables of named tables that the scene does not have, only names the keys.
 void write_documented_key(std::ostream& out, const toml::table& root, const Table& keys, const Key& key,
                           std::span<const char* const> left_out) {
   const toml::node* node = root.get(key.name);

@@ -14,7 +14,7 @@ namespace {
 
 // A rotation whose second axis points along `direction`.
 Matrix3d upright_along(const Vector3d& direction) {
-  // Scaled first: a square of the smallest doubles is 0.
+  // Scaled first, because squares of very small doubles underflow to 0.
   const Vector3d y = (direction / direction.cwiseAbs().maxCoeff()).normalized();
   Eigen::Index least = 0;
   y.cwiseAbs().minCoeff(&least);

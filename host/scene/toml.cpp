@@ -1,7 +1,7 @@
-// The one place where toml++'s code is compiled; TOML_HEADER_ONLY is 0 for the whole room (CMakeLists.txt).
-// Without its assertions: damaged text reaches two of them (`!is_value_terminator` in parse_value, and one in
-// parse_key at `[=`), where it would end the program; the parser goes on to say that there is no value or
-// key.
+// The only place that compiles toml++'s code; TOML_HEADER_ONLY is 0 for the whole room (CMakeLists.txt).
+// Assertions are off, because damaged text triggers two of them (`!is_value_terminator` in parse_value, and
+// one in parse_key at `[=`), which would abort the program; without them, the parser goes on and reports that
+// there is no value or key.
 #ifndef NDEBUG
 #define NDEBUG
 #endif

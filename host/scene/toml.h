@@ -1,11 +1,10 @@
-// toml++ as this room uses it: compiled once, in toml.cpp. Everything here includes this header and not its
-// own.
+// toml++ as this room uses it: compiled once, in toml.cpp. Include this header here instead of toml++'s own.
 #pragma once
 
 #include <cstdint>
 
-// Where a blank may stand, toml++ 3.3 takes most letters of Europe for what cannot be, and behaves as it
-// likes. They are no blanks. Elsewhere the word keeps its meaning.
+// The whitespace test of toml++ 3.3 declares most European letters unreachable, which is undefined behaviour.
+// Let it return false for them: they are not whitespace. Elsewhere the macro keeps its meaning.
 #include <toml++/impl/preprocessor.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
