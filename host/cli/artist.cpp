@@ -33,7 +33,7 @@ render::View view_of(const RenderArguments& arguments) {
   return view;
 }
 
-// "x=0.1" or "x=50%". The half that faces the camera goes.
+// "x=0.1" or "x=50%". Removes the half that faces the camera.
 render::Clip clip_of(const std::string& text, const model::Model& model, const render::View& view) {
   const std::string axes = "xyz";
   if (text.size() < 3 || axes.find(text[0]) == std::string::npos || text[1] != '=')
@@ -56,7 +56,7 @@ render::Clip clip_of(const std::string& text, const model::Model& model, const r
   return clip;
 }
 
-// Frames looked at for the camera and the scales: all, or of long bakes evenly spaced ones.
+// Frames that determine the camera and the scales: all, or evenly spaced ones of a long bake.
 std::vector<std::uint64_t> survey_frames(std::uint64_t count) {
   constexpr std::uint64_t most = 400;
   const std::uint64_t step = (count + most - 1) / most;
@@ -70,7 +70,7 @@ Eigen::Vector3d point(std::span<const float> positions, std::size_t i) {
   return {double{positions[3 * i]}, double{positions[3 * i + 1]}, double{positions[3 * i + 2]}};
 }
 
-// Where a following camera looks at: the middle of the body, on the floor.
+// The point that a following camera looks at: the middle of the body, at floor height.
 Eigen::Vector3d center_of(std::span<const float> positions) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const std::size_t count = positions.size() / 3;
@@ -79,12 +79,12 @@ Eigen::Vector3d center_of(std::span<const float> positions) {
   return sum / static_cast<double>(count);
 }
 
-// Where it looks in a frame. Beside skinning both sides have one camera, which flesh does not move.
+// That point in a frame. With --compare, both sides share one camera, which must not depend on the flesh.
 Eigen::Vector3d followed(DrawnFrames& frames, const RenderArguments& arguments, std::uint64_t k) {
   return center_of(arguments.compare ? frames.skinned_surface(k) : frames.positions(k));
 }
 
-// What the camera must hold.
+// The points that must be in view.
 class Survey {
  public:
   Survey(DrawnFrames& frames, const RenderArguments& arguments, std::span<const std::uint64_t> shown)
@@ -99,8 +99,8 @@ class Survey {
     box_ = Eigen::AlignedBox3d(Eigen::Vector3d(box_.min() - margin), Eigen::Vector3d(box_.max() + margin));
   }
 
-  // The flesh; beside skinning what skinning does too, and of flesh at most what is a quarter of the body
-  // away from that, so that one vertex that flies off does not make the rest a dot.
+  // Visits the flesh. With --compare, also visits the skinned surface, and clamps flesh to a quarter of the
+  // body beyond that, so that one stray vertex does not shrink everything else to a dot.
   template <class Visit>
   void visit(Visit visit) const {
     for (const std::uint64_t k : shown_) {
@@ -131,7 +131,7 @@ class Survey {
 };
 
 struct Extent {
-  double lowest = 0.0;  // y
+  double lowest = 0.0;  // y, m
   Eigen::AlignedBox3d world;
   double aspect = 1.0;  // width over height in the camera's axes
 };
@@ -149,13 +149,13 @@ Extent extent_of(const Survey& survey, const render::View& view) {
   return {lowest, world, sizes.y() > 0.0 ? sizes.x() / sizes.y() : 1.0};
 }
 
-// As wide as what it shows, between a door and a film; whole macroblocks, for the sake of video.
+// As wide as its content, with an aspect ratio from 0.6 to 1.78. Whole macroblocks, for video encoders.
 Size natural_size(double aspect, unsigned height) {
   const double width = std::clamp(aspect, 0.6, 1.78) * height;
   return {static_cast<unsigned>(std::lround(width / 16.0)) * 16, height};
 }
 
-// A level plane is drawn as the picture's ground.
+// A level plane is drawn as the ground.
 bool is_floor(const scene::Solid& solid) {
   return solid.is_plane && solid.axes(1, 1) > 0.9999;
 }
@@ -163,7 +163,7 @@ double height_of(const scene::Solid& floor) {
   return floor.center.y() + floor.radius;
 }
 
-// 1, 2 or 5 times a power of ten, the next from `value` up.
+// Rounds up to 1, 2 or 5 times a power of ten.
 double round_up(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
   for (const double step : {1.0, 2.0, 5.0})
@@ -171,7 +171,7 @@ double round_up(double value) {
   return 10.0 * power;
 }
 
-// Metres that take the last colour: what `values_of` a frame has at most.
+// Metres mapped to the last colour: the maximum of `values_of` over the frames.
 template <class ValuesOf>
 double natural_scale(DrawnFrames& frames, const ValuesOf& values_of) {
   float most = 0.0f;
@@ -214,7 +214,7 @@ Artist::Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<
   } else if (arguments.mode == render::Mode::lag) {
     options.lag_scale = natural_scale(frames, [&](std::uint64_t k) { return frames.lag(k); });
   } else if (overlap_) {
-    // Beside skinning the scale is skinning's, which lies deeper.
+    // With --compare, the scale is that of skinning, which overlaps more deeply.
     options.lag_scale = natural_scale(frames, [&](std::uint64_t k) {
       return contact_depths(arguments.compare ? frames.skinned_vertices(k) : frames.positions(k));
     });
@@ -265,7 +265,7 @@ render::Image Artist::draw(std::uint64_t k, std::span<const float> positions, st
   return render::render(shapes, camera, backdrop_, arguments_.threads);
 }
 
-// Both sides of what overlaps: points, and corners of the tetrahedra that they lie in.
+// Marks both sides of each overlap: the point, and the corners of the tetrahedron it is in.
 std::vector<float> Artist::contact_depths(std::span<const float> positions) const {
   const model::Model& model = frames_.model();
   std::vector<float> working(positions.begin(), positions.end());

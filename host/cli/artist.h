@@ -1,4 +1,4 @@
-// One camera and one drawing for all pictures of a bake.
+// One camera and one drawing style for all pictures of a bake.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +23,12 @@ struct Size {
   unsigned width = 0, height = 0;
 };
 
-// "1280x720". Throws UsageError, also above `most`.
+// Parses "1280x720". Throws UsageError, also for a side above `most`.
 Size size_of(const std::string& text, const std::string& option, unsigned most);
 
 class Artist {
  public:
-  // `shown`: the frames that the camera must hold; none: all. `height`: pixels, where --size does not say.
+  // `shown`: the frames that must fit the view; empty: all. `height`: pixels, if --size is not given.
   // `arguments` and `frames` must outlive it. Throws UsageError.
   Artist(const RenderArguments& arguments, DrawnFrames& frames, std::span<const std::uint64_t> shown,
          unsigned height, Log& log);
@@ -49,7 +49,7 @@ class Artist {
   DrawnFrames& frames_;
   std::vector<render::Shape> solids_at(std::uint64_t k) const;
 
-  // m, a vertex; below 0 where it does not lie in other flesh.
+  // m, per vertex; negative outside other flesh.
   std::vector<float> contact_depths(std::span<const float> positions) const;
 
   std::optional<model::OverlapMeter> overlap_;  // Mode::contact
@@ -57,7 +57,7 @@ class Artist {
   std::optional<render::BodyDrawing> drawing_;
   render::Legend legend_;
   render::Camera camera_;
-  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // of what the camera holds, and how far that reaches
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // centre of the view's content, and its reach
   double reach_ = 0.0;
   render::Backdrop backdrop_;
 };

@@ -1,4 +1,4 @@
-// fascicle bake: scene in, folder of files out.
+// fascicle bake: a scene in, a folder of files out.
 #include "host/bake/bake.h"
 
 #include <algorithm>
@@ -32,11 +32,11 @@ namespace fs = std::filesystem;
 
 struct BakeArguments {
   SceneArguments scene;
-  std::vector<std::string> clips;    // several, each into a folder of its own; {"all"}
-  std::vector<std::string> options;  // of the command line, that each of them has too
+  std::vector<std::string> clips;    // bake several, each into its own folder; {"all"}
+  std::vector<std::string> options;  // options from the command line that apply to each clip
   unsigned at_once = 0;
-  std::string folder;       // of the output
-  bake::BakeOutput output;  // all but the folder
+  std::string folder;       // output folder
+  bake::BakeOutput output;  // everything except the folder
   std::string device = "auto";
   unsigned threads = 0;
   bool dry_run = false;
@@ -47,7 +47,7 @@ bool wants(const BakeArguments& arguments, const std::string& format) {
          arguments.output.formats.end();
 }
 
-// Morph targets are the one thing that can grow out of hand; empty if none are asked for.
+// Size of the glTF file, whose morph targets can grow out of hand; empty if none is requested.
 std::string glb_size_text(const BakeArguments& arguments, const scene::Scene& scene,
                           const model::Model& model) {
   if (!wants(arguments, "glb")) return "";
@@ -92,7 +92,7 @@ void print_estimate(const BakeArguments& arguments, const PreparedBake& prepared
                                  " ms a substep, measured)"}});
 }
 
-// How to look at what was written, for each kind of file that can be looked at.
+// Prints how to view each kind of file that was written.
 void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::path>& files) {
   const auto with_extension = [&files](const std::string& extension) -> const fs::path* {
     for (const fs::path& file : files)
@@ -123,7 +123,7 @@ void print_how_to_look(const BakeArguments& arguments, const std::vector<fs::pat
               << " --to glb,pc2; for ParaView: the same command with --overwrite --format vtu\n";
 }
 
-// What came before frame 0, how a loop closes, and how far the flesh trails.
+// Prints the frames before frame 0, how well a loop closes, and the lag of the flesh.
 void print_motion(const BakeArguments& arguments, const model::Model& model, const bake::BakeResult& result) {
   const drive::LeadInSummary& led = result.lead_in;
   if (led.settled_speed)
@@ -155,7 +155,7 @@ void print_result(const BakeArguments& arguments, const scene::Scene& scene, con
   print_how_to_look(arguments, result.files);
 }
 
-// "auto" where there is a GPU that it may take: each bake tests it, and goes on with the CPU where it must.
+// "auto" if it could choose a GPU: each bake then tests the GPU, and falls back to the CPU if it must.
 std::string device_list(const std::string& device) {
   const std::vector<gpu::DeviceInfo> devices = devices_for(device);
   return device == "auto" && candidates({}, devices).empty() ? "cpu" : with_all_devices(device, devices);
@@ -181,7 +181,7 @@ ManyBakes bakes_of_clips(const BakeArguments& arguments) {
     SceneArguments one = arguments.scene;
     one.overrides.clip = clip.clip;
     try {
-      (void)load(one);  // what can be refused, before the first bake begins
+      (void)load(one);  // report errors before the first bake starts
     } catch (const scene::SceneError& error) {
       throw scene::SceneError("clip " + clip.file_name + ": " + error.what());
     }
@@ -198,7 +198,7 @@ ManyBakes bakes_of_clips(const BakeArguments& arguments) {
   return many;
 }
 
-// The command line's options as it gave them, without those that a bake among others has from bake_many.
+// The command line's options as given, except those that bake_many sets for each bake.
 std::vector<std::string> shared_options(const CLI::App& subcommand) {
   static const std::vector<std::string> own{"--clips",   "--output",    "--device",    "--threads",
                                             "--at-once", "--overwrite", "--resume",    "--dry-run",

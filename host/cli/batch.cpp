@@ -1,4 +1,4 @@
-// fascicle batch: a list of bakes on several devices, or handed over to a farm.
+// fascicle batch: bakes a list of jobs on several devices, or submits it to a farm.
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -27,16 +27,16 @@ namespace fs = std::filesystem;
 
 struct BatchArguments {
   std::string jobs;
-  ManyBakes many;      // all but the jobs
-  std::string chosen;  // some of the jobs, for this process
-  std::string output;  // with `emit` what is written; else the folder of the bakes
+  ManyBakes many;      // everything except the jobs
+  std::string chosen;  // the jobs for this process, if not all
+  std::string output;  // with `emit`, the file or folder to write; otherwise the folder of the bakes
   std::string emit;    // slurm, openjd or empty
   std::string slurm_options;
   unsigned group = 0;
   bool submit = false;
 };
 
-// All that can be refused before the first bake begins; the number of frames.
+// Reports everything that can be rejected before the first bake starts; returns the number of frames.
 std::uint64_t check(const scene::Job& job) {
   scene::SceneOverrides overrides;
   overrides.set = job.set;
@@ -78,7 +78,7 @@ ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
   scene::Jobs jobs = scene::read_jobs(arguments.jobs);
   ManyBakes many = arguments.many;
   many.devices = with_all_devices(many.devices, devices_for(many.devices));
-  (void)parse_device_list(many.devices);  // refuses "auto"
+  (void)parse_device_list(many.devices);  // rejects "auto"
   many.output = arguments.output.empty() ? jobs.output : fs::path(arguments.output);
   many.is_part = !arguments.chosen.empty();
   if (many.is_part) jobs.jobs = chosen_jobs(jobs.jobs, arguments.chosen);
@@ -90,7 +90,7 @@ ExitCode bake_jobs(const BatchArguments& arguments, Log& log) {
 }
 
 FarmBatch farm_batch(const BatchArguments& arguments) {
-  // More threads help a bake less than another task beside it does.
+  // Beyond this, another task next to a bake is worth more than further threads.
   constexpr unsigned threads = 4;
   FarmBatch batch{.program = fs::read_symlink("/proc/self/exe"),
                   .list = fs::absolute(arguments.jobs).lexically_normal(),
@@ -111,7 +111,7 @@ FarmBatch farm_batch(const BatchArguments& arguments) {
   return batch;
 }
 
-// What a person wants to know before it is handed over.
+// Prints a summary before submission.
 void print_farm(const BatchArguments& arguments, const FarmBatch& batch) {
   std::size_t most = 0;
   for (const std::vector<std::string>& task : batch.tasks) most = std::max(most, task.size());
@@ -201,7 +201,7 @@ void add_batch(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand(
       "batch", "Bake a list of scenes, clips and variations, on several devices or a farm");
   const auto arguments = std::make_shared<BatchArguments>();
-  // Not required, as `status` has none; the callback asks for it.
+  // Not marked as required, because `status` has no such argument; the callback checks it.
   subcommand
       ->add_option(
           "JOBS", arguments->jobs,

@@ -1,4 +1,4 @@
-// fascicle batch status: what became of each job, and the merge of it all.
+// fascicle batch status: the state of each job, and the merged summary.
 #include "host/cli/batch_status.h"
 
 #include <chrono>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// On another host a process cannot be asked for. Longer than a frame takes, and its building before.
+// Timeout for jobs on other hosts, whose processes cannot be queried. Longer than a build and a frame take.
 constexpr std::chrono::minutes a_sign_of_life_is_due(10);
 
 std::optional<fs::file_time_type> time_of(const fs::path& file) {
@@ -34,8 +34,8 @@ std::optional<fs::file_time_type> time_of(const fs::path& file) {
   return none ? std::nullopt : std::optional(time);
 }
 
-// Whether a process of this host keeps others out of the folder, as a bake does (bake::FolderLock). Asks the
-// kernel's table: to try the lock would keep a bake out that begins at that moment.
+// Whether a process of this host holds the folder's lock, as a bake does (bake::FolderLock). Reads the
+// kernel's table: trying the lock could block a bake that starts at that moment.
 bool is_locked_here(const fs::path& folder) {
   struct stat about {};
   if (::stat(folder.c_str(), &about) != 0) return false;
@@ -63,7 +63,7 @@ std::string frames_text(const bake::ManifestSummary& manifest) {
   return std::to_string(manifest.frames_done) + " of " + std::to_string(manifest.frames);
 }
 
-// What the manifest says of a job whose record is older, or that has none.
+// Takes the result from the manifest of a job that has no record, or an older one.
 void take_manifest(const bake::ManifestSummary& manifest, JobState& state) {
   SummaryRow& row = state.row;
   if (manifest.status == name_of(bake::Status::complete)) {
@@ -97,7 +97,7 @@ void put_into_words(const std::optional<bake::ManifestSummary>& manifest, bool i
     if (row.status == "failed")
       state.text += ": " + (row.error.empty() ? "status " + std::to_string(*row.exit_status) : row.error);
   } else if (has_begun) {
-    // Killed, or its host went down: nobody was left to say so.
+    // The process was killed, or its host went down, so nothing was recorded.
     row.status = "cut off";
     state.text = row.status + at + "; --resume goes on";
   } else {
@@ -114,7 +114,7 @@ JobState state_of(const fs::path& output, SummaryRow job) {
   try {
     manifest = bake::read_manifest(row.folder);
   } catch (const base::InputError& error) {
-    row.warnings.emplace_back(error.what());  // of this job; the others have theirs
+    row.warnings.emplace_back(error.what());  // affects only this job
   }
   const std::optional<JobRecord> record = read_job_record(output, row.job);
   const auto recorded = time_of(job_record_file(output, row.job));
@@ -157,7 +157,7 @@ namespace {
 
 struct StatusArguments {
   std::string batch;   // a folder, or the list of jobs
-  std::string output;  // in place of the batch's own
+  std::string output;  // replaces the batch's own
   bool merge = false;
 };
 

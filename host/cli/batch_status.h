@@ -1,5 +1,5 @@
-// How the jobs of a batch stand, from what lies in its folders: it needs no scheduler, and may be asked on
-// any host that sees them.
+// The state of a batch's jobs, from the files in its folders. Needs no scheduler, and works on any host that
+// sees the folders.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@
 
 namespace fascicle::cli {
 
-// One job as it stands. `row.status` says in a word what `text` says in a line.
+// The state of one job. `row.status` is one word, `text` a line.
 struct JobState {
   SummaryRow row;
   std::string text;
 };
 
-// `job` has a name, a folder, and what is to be baked; `exit_status` and `error` of an earlier run may be
-// known. All else comes from the bake's manifest and from the job's record, whichever is newer.
+// `job` must have its name, its folder and its settings; it may have the `exit_status` and `error` of an
+// earlier run. The rest comes from the bake's manifest or the job's record, whichever is newer.
 JobState state_of(const std::filesystem::path& output, SummaryRow job);
 
-// The batch's exit status: of its first failure, else interrupted where one is not done.
+// The batch's exit status: that of its first failure, or else `interrupted` if a job is not done.
 ExitCode code_of(const std::vector<JobState>& jobs);
 
 // fascicle batch status

@@ -38,7 +38,7 @@ void write_batch_summary(const std::filesystem::path& output, const std::vector<
                     {"last_position_hash", row.hash},
                     {"error", row.error},
                     {"warnings", row.warnings}});
-  // Not one name for all: whoever merges need not be alone.
+  // Several processes may merge at once, so the temporary file needs a unique name.
   base::write_whole_beside_others(
       output / scene::batch_summary,
       bake::sealed_text({{"version", bake::sealed_json_version}, {"jobs", std::move(list)}}, 2) + "\n");

@@ -1,5 +1,5 @@
-// fascicle bench: how long a substep takes, on every device asked for and beside other programs. Each
-// device's bits are held against the scalar stages first; a number for a wrong result is worth nothing.
+// fascicle bench: the time per substep on each requested device, and of other programs for comparison. Each
+// device's results must first match the scalar stages bit by bit; a time for a wrong result is worthless.
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -35,11 +35,11 @@ struct BenchArguments {
 constexpr std::uint32_t quick_vertices = 19000;
 constexpr std::uint32_t quick_rounds = 5;
 
-// A solver that is timed, and where its times go.
+// A solver to time, and the row for its times.
 struct Contestant {
   std::unique_ptr<model::Solver> solver;
   std::size_t row;
-  std::uint32_t substeps;  // of a sample
+  std::uint32_t substeps;  // per sample
   gpu::Device* gpu;        // null: the CPU
 };
 
@@ -49,9 +49,9 @@ std::vector<model::Integrator> integrators_of(const BenchArguments& arguments) {
   return {Integrator::explicit_step, Integrator::implicit_step};
 }
 
-// Whether two solvers end with the same state after two short frames; both start anew.
+// Whether two solvers have the same state after two short frames. Resets both to rest.
 bool ends_alike(model::Solver& a, model::Solver& b, const model::Model& model) {
-  // More than the CPU solver takes in one sweep.
+  // More passes than the CPU solver takes in one sweep.
   const BenchDrive drive(model, model.is_implicit() ? 1 : cpu_reference::most_swept_passes + 1);
   for (int frame = 0; frame < 2; ++frame) {
     timed_frame(a, drive.drive());
@@ -64,7 +64,7 @@ bool ends_alike(model::Solver& a, model::Solver& b, const model::Model& model) {
   return alike;
 }
 
-// A benchmark leaves the user's caches alone.
+// A benchmark must not touch the user's caches.
 DeviceRequest without_kept_pipelines(DeviceRequest request) {
   request.keeps_pipelines = false;
   return request;
@@ -106,12 +106,13 @@ class Bench {
     timed_frame(*solver, BenchDrive(body.model, 1).drive());
   }
 
-  // Everything of one size in turn, round by round, so that whatever else the machine does falls on all.
+  // Measures everything of one size in turn, round by round, so that other load on the machine affects all
+  // alike.
   bool measure(std::uint32_t vertices, BenchMesh mesh, const std::vector<DeviceRequest>& requests) {
     std::vector<std::unique_ptr<BenchBody>> bodies;
     std::vector<std::vector<Contestant>> contestants;
     for (const model::Integrator integrator : integrators_of(arguments_)) {
-      // A small body first, so that the program's own pages are not counted as the body's.
+      // Run a small body first, so that the program's own pages do not count towards the body's.
       take_one_frame(bench_body(100, integrator, BenchMesh::regular));
       reset_peak();
       const std::uint64_t before = resident_bytes();
@@ -128,7 +129,7 @@ class Bench {
       for (std::size_t k = 0; k < bodies.size(); ++k)
         for (const Contestant& contestant : contestants[k]) {
           time_one(*bodies[k], contestant);
-          // At once: devices slow their clocks down when there is nothing to do.
+          // Immediately, because idle devices lower their clocks.
           if (contestant.gpu) time_copies(contestant);
         }
       for (const Peer& peer : peers)
@@ -144,7 +145,7 @@ class Bench {
     return true;
   }
 
-  // Makes the solvers of one body and holds each against the scalar stages.
+  // Creates the solvers of one body and checks each against the scalar stages.
   bool enter(const BenchBody& body, BenchMesh mesh, const std::vector<DeviceRequest>& requests, double peak,
              std::vector<Contestant>& contestants) {
     const std::uint32_t passes =
@@ -192,7 +193,7 @@ class Bench {
     BenchRow& row = results_.rows[contestant.row];
     const std::uint32_t substeps = contestant.substeps;
     const BenchDrive drive(body.model, substeps);
-    // In a bake frame follows frame: what others left in the caches is not the solver's.
+    // Warm the caches: in a bake, frames follow each other directly.
     timed_frame(*contestant.solver, BenchDrive(body.model, 1).drive());
     const double seconds = timed_frame(*contestant.solver, drive.drive());
     row.samples.push_back(seconds * 1e9 / substeps / row.vertices);
@@ -200,7 +201,7 @@ class Bench {
 
   void time_stages(const BenchBody& body, const Contestant& contestant) {
     BenchRow& row = results_.rows[contestant.row];
-    // Devices slow their clocks down when there is nothing to do.
+    // Wake the device first, because idle devices lower their clocks.
     time_one(body, contestant);
     row.samples.pop_back();
     const BenchDrive drive(body.model, 1);
@@ -213,7 +214,7 @@ class Bench {
     }
   }
 
-  // Takes memory beside the solvers', and does without where there is none left.
+  // Needs memory in addition to the solvers'; skipped if there is not enough.
   void time_copies(const Contestant& contestant) {
     const std::string& device = results_.rows[contestant.row].device;
     try {
@@ -233,7 +234,7 @@ class Bench {
   std::vector<Peer> enter_peers(const std::array<std::uint32_t, 3>& grid) {
     std::vector<Peer> peers;
     const std::uint32_t vertices = grid[0] * grid[1] * grid[2];
-    // Setting up Bullet's clusters takes minutes beyond this.
+    // Above this, setting up Bullet's clusters takes minutes.
     constexpr std::uint32_t most = 150000;
     if (!has_peer_program() || vertices > most) {
       log_.info(has_peer_program()
@@ -273,7 +274,7 @@ class Bench {
   BenchBefore before_;
   Log& log_;
   BenchResults results_;
-  std::vector<std::unique_ptr<ChosenDevice>> devices_;  // outlive their solvers
+  std::vector<std::unique_ptr<ChosenDevice>> devices_;  // must outlive their solvers
 };
 
 ExitCode run_bench(BenchArguments arguments, Log& log) {

@@ -40,7 +40,7 @@ const char* name_of(BenchMesh mesh) {
 }
 
 BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator, BenchMesh mesh) {
-  // (k + 1)^2 (5 k + 1) vertices.
+  // The bar has (k + 1)^2 (5 k + 1) vertices.
   std::uint32_t k = 1;
   const auto count = [](std::uint64_t cells) { return (cells + 1) * (cells + 1) * (5 * cells + 1); };
   while (count(k) < vertices) ++k;
@@ -93,7 +93,7 @@ model::Drive BenchDrive::drive() const {
 
 std::uint32_t bench_substeps(std::uint32_t vertices, std::uint32_t passes, bool quick) {
   const double work = (quick ? 1e6 : 2e6) / (static_cast<double>(vertices) * passes);
-  // A frame has about so many; fewer would leave out what the CPU solver gains by taking several together.
+  // About as many as a frame has; with fewer, the CPU solver could not combine several substeps.
   const double least = std::max(2.0, 8.0 / passes);
   return static_cast<std::uint32_t>(std::clamp(work, least, 200.0));
 }
@@ -127,7 +127,7 @@ double triad_rate(unsigned threads) {
   double best = 1e30;
   for (int pass = 0; pass < passes; ++pass) {
     const Clock::time_point start = Clock::now();
-    // Joined by their destructor, also where the system refuses to make one more.
+    // The destructor joins them, also if the system refuses to start another one.
     std::vector<std::jthread> others;
     for (unsigned thread = 1; thread < threads; ++thread) others.emplace_back(part, thread);
     part(0);
@@ -149,7 +149,7 @@ void reset_peak() {
 #ifdef __GLIBC__
   malloc_trim(0);
 #endif
-  // 5 sets the peak to what is held now (proc(5)).
+  // Writing 5 resets the peak to the current size (proc(5)).
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 

@@ -1,4 +1,4 @@
-// What `fascicle bench` runs: bodies, a substep's time, the memory's rate, the process's size.
+// Helpers of `fascicle bench`: bodies, time per substep, memory bandwidth, process size.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace fascicle::cli {
 
-// A bar five times as long as thick, hung by its top end, about `vertices` vertices. With beta 0.7 along it,
-// so that weights are a fibre's.
+// A bar with about `vertices` vertices, five times as long as thick, hanging by its top end. Beta is 0.7
+// along the bar, so that the weights depend on fibres.
 struct BenchBody {
   model::Model model;
   model::SolverOptions options;
-  std::array<std::uint32_t, 3> grid{};  // vertices along each axis; of a filled one as it would be regular
+  std::array<std::uint32_t, 3> grid{};  // vertices along each axis; filled: those of the regular bar
 };
 enum class BenchMesh {
   regular,
   filled
-};  // Kuhn's tetrahedra, jittered; or the mesher's inside their boundary
+};  // Kuhn's tetrahedra, jittered; or the mesher's, inside the same boundary
 const char* name_of(BenchMesh mesh);
 BenchBody bench_body(std::uint32_t vertices, model::Integrator integrator,
                      BenchMesh mesh = BenchMesh::regular);
@@ -39,20 +39,20 @@ class BenchDrive {
   std::vector<float> decay_;
 };
 
-// Substeps of one sample: enough that a clock's and a thread's start do not count, at most 200.
+// Substeps per sample, at most 200: enough that timer resolution and thread start-up do not matter.
 std::uint32_t bench_substeps(std::uint32_t vertices, std::uint32_t passes, bool quick);
 
-// The same of a device of unknown speed: as many as take about `seconds`, 2 to 4000, found by trying.
+// The same for a device of unknown speed: finds, by trial, 2 to 4000 substeps that take about `seconds`.
 std::uint32_t substeps_in(double seconds, model::Solver& solver, const model::Model& model);
 
-// Seconds that a frame takes, of which nothing is read back.
+// Seconds for one frame, without reading anything back.
 double timed_frame(model::Solver& solver, const model::Drive& drive);
 
-// a = b + s c on arrays of 64 MiB on this many threads, GB/s: three words moved an element, the best of a few
+// a = b + s c on arrays of 64 MiB with this many threads, GB/s: three words moved per element, best of a few
 // passes.
 double triad_rate(unsigned threads);
 
-// Of this process: what it holds now, and at most since the last reset; 0 where the system does not tell.
+// Memory of this process, now and at its peak since the last reset; 0 if unavailable.
 std::uint64_t resident_bytes();
 std::uint64_t peak_resident_bytes();
 void reset_peak();

@@ -42,7 +42,7 @@ Json json_of(const BenchRow& row) {
           {"ns_by_stage", row.stages}};
 }
 
-// Whole or not at all, and in the place of a link, not through it.
+// Writes all or nothing. Replaces a symbolic link rather than following it.
 void write_text_file(const std::filesystem::path& path, const std::string& text) try {
   base::write_whole(std::filesystem::absolute(path), text);
 } catch (const std::system_error& error) {

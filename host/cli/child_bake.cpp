@@ -31,7 +31,7 @@ std::optional<LogLine> read_log_line(const std::string& line) {
 }
 
 ChildBake::ChildBake(std::vector<std::string> arguments) {
-  // Not what it is a link to: that may have been replaced since this program began.
+  // Not the path behind the link: that file may have been replaced since this program started.
   arguments.insert(arguments.begin(), "/proc/self/exe");
   arguments.insert(arguments.end(), {"--log-format", "json"});
   auto [heard, spoken] = base::make_pipe();
@@ -69,7 +69,7 @@ void ChildBake::listen() {
 void ChildBake::take_line(const std::string& line) {
   const std::optional<LogLine> said = read_log_line(line);
   if (!said) {
-    // As many as a person reads: a driver may repeat itself for hours.
+    // More than anyone reads: a driver may repeat itself for hours.
     constexpr std::size_t most = 100;
     if (!line.empty() && other_count_++ < most) other_lines_.push_back(line);
     return;
@@ -94,7 +94,7 @@ bool ChildBake::has_ended() {
   ended_ = true;
   listen();
   status_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  // Until it catches the signal there is nothing to bring to an end.
+  // SIGINT before the handlers are installed: the child had not started anything.
   if (interrupted_ && WIFSIGNALED(status) && WTERMSIG(status) == SIGINT)
     status_ = static_cast<int>(ExitCode::interrupted);
   return true;

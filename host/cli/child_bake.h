@@ -1,4 +1,4 @@
-// A bake in a process of its own, heard through its log.
+// A bake in a separate process, followed through its log.
 #pragma once
 
 #include <cstdint>
@@ -13,41 +13,42 @@
 
 namespace fascicle::cli {
 
-// A line of our own log, as --log-format json writes it.
+// A line of our own log, in the format of --log-format json.
 struct LogLine {
   std::string level, message;
-  std::optional<std::uint64_t> frame, frames;  // of progress
+  std::optional<std::uint64_t> frame, frames;  // for progress
 };
-// Nothing where the line is none: what drivers and libraries write is theirs, be it JSON or not.
+// nullopt if it is not one. Drivers and libraries may write anything, JSON or not.
 std::optional<LogLine> read_log_line(const std::string& line);
 
 class ChildBake {
  public:
-  // Runs this executable with these arguments and `--log-format json`. It does not outlive this process, also
-  // where that is killed. Throws std::system_error.
+  // Runs this executable with these arguments and `--log-format json`. The child does not outlive this
+  // process, even if that is killed. Throws std::system_error.
   explicit ChildBake(std::vector<std::string> arguments);
-  // Kills it where it still runs.
+  // Kills the child if it is still running.
   ~ChildBake();
   ChildBake(const ChildBake&) = delete;
   ChildBake& operator=(const ChildBake&) = delete;
 
-  // To poll() for what it says; -1 once it has closed it.
+  // For poll(), to wait for output; -1 once the child has closed it.
   int descriptor() const { return descriptor_.get(); }
-  // Takes in what it has said.
+  // Reads its pending output.
   void listen();
-  // As on ctrl-C: it ends after the frame it is at. Its own group keeps the terminal's from it.
+  // Like Ctrl-C: the child stops after its current frame. It has its own process group, so the terminal's
+  // Ctrl-C does not reach it.
   void interrupt();
-  // Whether it is over; then status() is its exit status, that of a signal 128 + its number.
+  // Whether it has ended. Then status() is its exit status, or 128 + the number of the signal that ended it.
   bool has_ended();
   int status() const { return status_; }
 
   pid_t process() const { return process_; }
   std::uint64_t frame() const { return frame_; }
   std::uint64_t frames() const { return frames_; }
-  // Its last error, else empty.
+  // Its last error message; empty if none.
   const std::string& error() const { return error_; }
   const std::vector<std::string>& warnings() const { return warnings_; }
-  // Lines on its stderr that are not of its log, since the last call.
+  // Lines on its stderr since the last call that are not from its log.
   std::vector<std::string> take_other_lines() { return std::exchange(other_lines_, {}); }
 
  private:

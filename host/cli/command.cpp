@@ -162,7 +162,7 @@ scene::Scene load(const SceneArguments& arguments) {
     return scene::load_scene(arguments.name, arguments.overrides);
   } catch (const scene::SceneError& error) {
     if (!scene::has_overrides(arguments.overrides)) throw;
-    // Whose fault is it? If the scene loads as it stands, the command line's.
+    // If the scene loads without overrides, the command line is at fault.
     const std::string message = error.what();
     scene::load_scene(arguments.name);
     throw UsageError(message);

@@ -1,5 +1,4 @@
-// The pieces that subcommands share: how one is added to the command line, and how a scene gets from its name
-// to a model.
+// What subcommands share: adding one to the command line, and getting from a scene's name to a model.
 #pragma once
 
 #include <functional>
@@ -16,14 +15,14 @@
 
 namespace fascicle::cli {
 
-// What the command line asked for: filled in by the subcommand that was named.
+// The requested command, filled in by its subcommand.
 struct Command {
   LogOptions log;
   std::function<ExitCode(Log&)> run;
-  bool watches_interrupts = false;  // and ends with ExitCode::interrupted; any other ends at once
+  bool watches_interrupts = false;  // stops with ExitCode::interrupted; others die of the signal
 };
 
-// One subcommand each; bake.cpp, validate.cpp, ...
+// Each adds one subcommand; see bake.cpp, validate.cpp, ...
 void add_bake(CLI::App& app, Command& command);
 void add_export(CLI::App& app, Command& command);
 void add_paint(CLI::App& app, Command& command);
@@ -48,10 +47,10 @@ void add_log_options(CLI::App& subcommand, LogOptions& log);
 void add_glb_options(CLI::App& subcommand, formats::GlbOptions& glb);
 // --usd-skel
 void add_usd_options(CLI::App& subcommand, bool& skel);
-// What finished files have to say.
+// Logs the report on finished files.
 void log_report(const formats::SinkReport& report, Log& log);
 
-// A scene by name and what the command line changes in it.
+// A scene's name and the command line's overrides.
 struct SceneArguments {
   std::string name;
   scene::SceneOverrides overrides;
@@ -62,19 +61,19 @@ struct SceneArguments {
 void add_scene_options(CLI::App& subcommand, SceneArguments& arguments, const std::string& what,
                        bool required);
 
-// Throws scene::SceneError; UsageError where the scene is good and an override is not.
+// Throws scene::SceneError; UsageError if the scene is valid but an override is not.
 scene::Scene load(const SceneArguments& arguments);
 
 Built build(const scene::Scene& scene, Log& log, bool no_cache = false);
 build::BuildOptions build_options(bool no_cache);
 
-// The build's warnings, for commands whose result does not hold them.
+// Logs the build's warnings, for commands that do not store them in their result.
 void log_warnings(const build::Report& report, Log& log);
 
-// "; did you mean NAME?", or empty if no built-in scene has a name like it.
+// "; did you mean NAME?", or empty if no built-in scene has a similar name.
 std::string nearest_scene_hint(const std::string& name);
 
-// The whole command line; returns the exit status.
+// Runs the whole command line; returns the exit status.
 int run(int argc, const char* const* argv);
 
 }  // namespace fascicle::cli

@@ -16,7 +16,7 @@ namespace {
 
 using OnFrame = std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>;
 
-// Counts the stage values that a comparison sees on their way to it.
+// Counts stage values on their way to a comparison.
 class CountingProbe : public model::Probe {
  public:
   CountingProbe(model::Probe& next, std::uint64_t& count) : next_(next), count_(count) {}
@@ -59,7 +59,7 @@ void check_finite(const model::Frame& frame, std::uint64_t number, const std::st
                             "; use more substeps, a lower alpha or smaller forces");
 }
 
-// Everything that one validation needs again and again.
+// The inputs shared by all parts of one validation.
 struct Run {
   const model::Model& model;
   const model::SolverOptions& options;
@@ -73,7 +73,7 @@ struct Run {
     made->load(start);
     return made;
   }
-  // Drives that also report the frame they are asked for.
+  // Drives that also report each requested frame.
   model::DriveSource drives(const std::string& what, std::uint64_t last) {
     return [this, what, last](std::uint64_t frame) {
       on_frame(what, frame, last);
@@ -95,7 +95,8 @@ HashComparison compare_hashes(Run& run, const ChosenDevice& a, const ChosenDevic
     comparison.last_hash_a = model::position_hash(frame_a);
     comparison.last_hash_b = model::position_hash(frame_b);
     comparison.frames = frame;
-    // Difference before finiteness: two devices that leave the finite numbers differently do differ.
+    // Compare before checking for finite values: devices that diverge to different non-finite values do
+    // differ.
     if (comparison.last_hash_a != comparison.last_hash_b) {
       comparison.first_different_frame = frame;
       return comparison;
@@ -173,7 +174,7 @@ Validation validate(const scene::Scene& scene, const Built& built, const model::
     if (comparison.exact) comparison.starts_differ = start_on(devices[k]) != run.start;
   }
   if (oracle_frames == 0) return validation;
-  // Devices that were found identical have one distance; it is measured once.
+  // Devices found identical share one distance, which is measured once.
   validation.oracle.push_back(compare_with_oracle(run, devices.front(), validation.extent));
   for (std::size_t k = 1; k < devices.size(); ++k) {
     const Comparison& comparison = validation.comparisons[k - 1];

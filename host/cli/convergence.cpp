@@ -19,14 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t reference_refinement = 2;  // of the finest quality's substeps and iterations
+constexpr std::uint32_t reference_refinement = 2;  // factor on the finest quality's substeps and iterations
 constexpr std::uint32_t most_substeps_of_a_frame = 1000;
 
 build::Steps steps_of_quality(scene::Scene scene, scene::Quality quality, const model::Model& model) {
   scene.solver.auto_substeps = true;
   scene.solver.iterations.reset();
   scene.solver.quality = quality;
-  build::Report unheard;  // the scene's own warnings were said when it was built
+  build::Report unheard;  // discarded: the scene's warnings were reported when it was built
   return build::choose_steps(scene, model, unheard);
 }
 
@@ -56,7 +56,7 @@ std::vector<SteppedSkin> skins_of(const scene::Scene& scene, const Built& built)
   return skins;
 }
 
-// Iterations as many as leave the square of what `final` leaves of a substep's change.
+// Doubling the iterations squares the residual that `final` leaves of a substep's change.
 build::Steps reference_of(const std::vector<SteppedSkin>& skins) {
   build::Steps steps = skins.back().steps;
   for (const SteppedSkin& skin : skins)
@@ -67,7 +67,7 @@ build::Steps reference_of(const std::vector<SteppedSkin>& skins) {
   return steps;
 }
 
-// One solver with its own drives and its own start.
+// A solver with its own drives and start state.
 struct Stepped {
   std::unique_ptr<drive::DriveSource> drives;
   std::unique_ptr<model::Solver> solver;
@@ -99,7 +99,7 @@ bake::NotFinite not_finite(std::uint64_t frame, const std::string& how) {
                          ", stepped " + how + "; use more substeps");
 }
 
-// Adds a frame to a skin's distances; `squares` is their sum so far.
+// Adds a frame to a skin's distances; `squares` is the running sum of squares.
 void measure(const model::Frame& frame, const model::Frame& reference, double unit, std::uint64_t number,
              SteppedSkin& skin, double& squares) {
   const std::vector<float>&a = skin_in(frame), &b = skin_in(reference);

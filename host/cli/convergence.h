@@ -1,5 +1,5 @@
-// What the length of a substep costs: a scene stepped with the substeps of each quality beside one with many
-// more, and how far apart their skins are.
+// The error due to the substep size: steps a scene with the substeps of each quality and with many more, and
+// measures how far apart the skins are.
 #pragma once
 
 #include <cstdint>
@@ -15,30 +15,30 @@
 
 namespace fascicle::cli {
 
-// One way to step the scene, and its distance from the reference over the render vertices (the body's, where
-// it has no skin) and all frames.
+// One way to step the scene, and its distance from the reference over all frames and all render vertices, or
+// the body's vertices if there is no skin.
 struct SteppedSkin {
   std::string quality;  // "draft", "normal", "final", or "as stated"
   bool is_scenes = false;
   build::Steps steps;
   double rms = 0.0, largest = 0.0;  // m
-  std::uint64_t frame = 0;          // of the largest
+  std::uint64_t frame = 0;          // with the largest distance
   std::uint32_t vertex = 0;
-  double seconds = 0.0;  // of the solver, for the frames compared
+  double seconds = 0.0;  // in the solver, for the compared frames
 };
 
-// Where the error falls with the square of the substep, as BDF2's does, the reference has a third of what is
-// measured of the finest quality.
+// If the error falls with the square of the substep, as for BDF2, the reference's own error is a third of
+// that measured for the finest quality.
 struct Convergence {
   std::string device;
   std::uint64_t frames = 0;
   double extent = 0.0;  // m, the body's largest
   build::Steps reference;
-  std::vector<SteppedSkin> skins;  // by the number of their substeps
+  std::vector<SteppedSkin> skins;  // by number of substeps
 };
 
-// Steps all of them together, frame by frame, each from its own preroll and settling. Throws UsageError for
-// an explicit scene, whose substeps are a part of its stiffness; bake::NotFinite.
+// Steps all variants together, frame by frame, each from its own preroll and settling. Throws UsageError for
+// an explicit scene, whose stiffness depends on its substeps; bake::NotFinite.
 Convergence measure_convergence(
     const scene::Scene& scene, const Built& built, const ChosenDevice& device, std::uint64_t frames,
     const std::function<void(const std::string& what, std::uint64_t frame, std::uint64_t frames)>& on_frame);

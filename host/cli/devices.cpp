@@ -1,4 +1,4 @@
-// fascicle devices: what there is to run on, and whether its arithmetic is exact.
+// fascicle devices: lists the devices, and whether their arithmetic is exact.
 #include <iostream>
 #include <memory>
 
@@ -15,7 +15,7 @@ namespace {
 struct Examined {
   gpu::DeviceInfo info;
   bool exact = false;
-  std::string why_not;  // exact, or not usable
+  std::string why_not;  // why it is inexact or unusable
 };
 
 Examined examine(const gpu::DeviceInfo& info) {

@@ -1,4 +1,4 @@
-// What there is to draw: the frames of a bake, or the rest pose of a scene.
+// The source of pictures: the frames of a bake, or a scene's rest pose.
 #pragma once
 
 #include <cstdint>
@@ -24,26 +24,26 @@ class DrawnFrames {
   const model::Model& model() const { return bake_ ? bake_->model() : built_; }
   bool is_bake() const { return bake_.has_value(); }
   std::uint64_t count() const { return bake_ ? bake_->frame_count() : 1; }
-  // s; frame 0 is at 0.
+  // s, from frame 0.
   double time(std::uint64_t k) const { return bake_ ? static_cast<double>(k) / bake_->fps() : 0.0; }
 
-  // The flesh: the model's vertices, metres, 3 a vertex.
+  // The flesh: the model's vertices, metres, 3 floats per vertex.
   std::vector<float> positions(std::uint64_t k) const;
-  // Of a bake, metres, 3 a vertex: the model's vertices as skinning alone has them, and those of the render
-  // mesh. Without a skeleton both rest.
+  // For a bake, in metres, 3 floats per vertex: the skinned vertices of the model and of the render mesh.
+  // Without a skeleton, both are at rest.
   std::vector<float> skinned_vertices(std::uint64_t k);
   std::vector<float> skinned_surface(std::uint64_t k);
-  // Metres from the skinned vertices, one a vertex; 0 in the rest pose.
+  // Distance in metres from the skinned vertices, one per vertex; 0 in the rest pose.
   std::vector<float> lag(std::uint64_t k);
 
-  // The scene's solids, metres.
+  // The scene's solids, in metres.
   std::vector<scene::Solid> solids(std::uint64_t k);
 
-  // The file's own colours; nothing where there is no file or it has none. What could not be read is told.
+  // The file's materials; nullopt if there is no file or it has none. Logs what could not be read.
   std::optional<render::Looks> looks(Log& log) const;
 
  private:
-  std::filesystem::path folder_, character_;  // a bake's folder; the glTF, empty: none
+  std::filesystem::path folder_, character_;  // a bake's folder; the glTF file, empty if none
   std::optional<OpenBake> bake_;
   std::optional<formats::SkinnedSurface> skin_;
   model::Model built_;

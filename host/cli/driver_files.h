@@ -1,11 +1,11 @@
-// What graphics drivers would write beside a bake.
+// Files that graphics drivers would write during a bake.
 #pragma once
 
 namespace fascicle::cli {
 
-// Drivers keep shaders that they have compiled in the user's home. This program keeps them in its own cache
-// (VkPipelineCache), so that Mesa and NVIDIA's driver are told to keep none. What the environment says
-// already stays. Before any other thread starts.
+// Tells Mesa and NVIDIA's driver not to keep compiled shaders in the user's home; this program has its own
+// cache (VkPipelineCache). Environment variables that are already set win. Call before starting any other
+// thread.
 void keep_drivers_from_writing();
 
 }  // namespace fascicle::cli

@@ -21,8 +21,8 @@ model::Drive shortened(model::Drive drive, std::uint32_t substeps, const model::
   return drive;
 }
 
-// Seconds that a substep takes, positions brought back once a frame as in a bake. The first frame is not
-// counted: drivers compile in it.
+// Seconds per substep, with positions read back once per frame, as in a bake. Skips the first frame, in which
+// drivers compile.
 double measured_substep(const scene::Scene& scene, const Built& built, model::Solver& solver) {
   constexpr std::uint32_t substeps = 8;
   constexpr std::uint64_t frames = 4;

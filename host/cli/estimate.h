@@ -1,4 +1,4 @@
-// What a bake will take, measured on this machine: what --dry-run prints, and what a scheduler is asked for.
+// The cost of a bake, measured on this machine: printed by --dry-run, and requested from schedulers.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@ namespace fascicle::cli {
 
 struct Estimate {
   std::uint64_t frames = 0;
-  double seconds_substep = 0.0;    // measured, positions brought back once a frame
+  double seconds_substep = 0.0;    // measured, with positions read back once per frame
   double seconds = 0.0;            // of all frames
-  std::uint64_t solver_bytes = 0;  // memory
-  std::uint64_t output_bytes = 0;  // of the files, at most
+  std::uint64_t solver_bytes = 0;  // in memory
+  std::uint64_t output_bytes = 0;  // of all files, at most
 };
 Estimate estimate_of(const PreparedBake& prepared, const bake::BakeOutput& output);
 

@@ -1,4 +1,4 @@
-// What the executable's exit status means.
+// The executable's exit status.
 #pragma once
 
 #include "host/pipeline/errors.h"
@@ -7,19 +7,19 @@ namespace fascicle::pipeline {}
 
 namespace fascicle::cli {
 
-// The command line says in its own words what host/pipeline does.
+// The command line uses the names of host/pipeline unqualified.
 using namespace pipeline;
 
 enum class ExitCode : int {
   done = 0,
   unforeseen = 1,      // disk full, out of memory
-  bad_usage = 2,       // unknown or contradicting options, a folder that holds a bake already
-  bad_input = 3,       // scene, mesh or files of a bake that cannot be used
-  no_such_device = 4,  // or one that cannot run this model
-  not_finite = 5,      // the simulation left the finite numbers
-  difference = 6,      // validation found one
-  device_failed = 7,   // or was lost on the way; --resume goes on
-  interrupted = 75     // by SIGINT or SIGTERM; --resume goes on (the value is sysexits.h's EX_TEMPFAIL)
+  bad_usage = 2,       // unknown or conflicting options, or a folder that already holds a bake
+  bad_input = 3,       // unusable scene, mesh or files of a bake
+  no_such_device = 4,  // or it cannot run this model
+  not_finite = 5,      // non-finite values in the simulation
+  difference = 6,      // found by validation
+  device_failed = 7,   // or was lost during the bake; --resume continues
+  interrupted = 75     // by SIGINT or SIGTERM; --resume continues (EX_TEMPFAIL of sysexits.h)
 };
 
 }  // namespace fascicle::cli

@@ -1,4 +1,4 @@
-// fascicle export: a finished bake in, further formats out.
+// fascicle export: converts a finished bake to further formats.
 #include "host/bake/export.h"
 
 #include <iostream>
@@ -26,7 +26,7 @@ struct ExportArguments {
   bool usd_skel = false, overwrite = false;
 };
 
-// Of a file, or of the files in a folder.
+// Size of a file, or of all files in a folder.
 std::uint64_t bytes_at(const fs::path& path) {
   if (!fs::is_directory(path)) return fs::file_size(path);
   std::uint64_t bytes = 0;

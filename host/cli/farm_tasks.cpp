@@ -19,9 +19,9 @@ namespace {
 
 using FarmClock = std::chrono::steady_clock;
 
-// What a model's bakes cost.
+// The cost of baking a model.
 struct Cost {
-  double seconds_before = 0.0;  // until the first frame, where the model is built
+  double seconds_before = 0.0;  // until the first frame, including the build
   double seconds_frame = 0.0;
 };
 
@@ -43,7 +43,7 @@ Cost measured_cost(const scene::Job& job, const FarmBatch& batch, std::uint64_t&
     prepared = prepare_bake(scene::load_scene(job.scene, overrides), request, silent);
   } catch (const NoSuchDevice&) {
     if (is_on_cpu) throw;
-    is_on_cpu = true;  // it is the nodes that have the GPU
+    is_on_cpu = true;  // only the nodes have the GPU
     return measured_cost(job, batch, memory, is_on_cpu);
   }
   Cost cost;
@@ -65,7 +65,7 @@ void cut_into_tasks(FarmBatch& batch, const std::vector<FarmJob>& jobs, unsigned
   std::uint64_t memory = 0;
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     if (costs.contains(jobs[k].model)) continue;
-    // Variations of one body are alike: those that are not measured count as the largest that was.
+    // Variations of one body cost about the same: if time runs out, assume the largest measured cost.
     const bool has_time = std::chrono::duration<double>(FarmClock::now() - start).count() < longest_measuring;
     const Cost cost = has_time ? measured_cost(batch.jobs.jobs[k], batch, memory, is_on_cpu) : largest;
     costs[jobs[k].model] = cost;
@@ -75,8 +75,8 @@ void cut_into_tasks(FarmBatch& batch, const std::vector<FarmJob>& jobs, unsigned
   if (is_on_cpu && batch.is_gpu)
     log.info("this machine has no device " + batch.device + ": the time is measured on its CPU");
 
-  std::map<std::string, std::size_t> open;  // the task that a model's next job goes to
-  std::vector<double> seconds;              // of each task
+  std::map<std::string, std::size_t> open;  // by model: the task that takes its next job
+  std::vector<double> seconds;              // per task
   for (std::size_t k = 0; k < jobs.size(); ++k) {
     const Cost& cost = costs.at(jobs[k].model);
     const double bake = cost.seconds_before + cost.seconds_frame * static_cast<double>(jobs[k].frames);
@@ -92,7 +92,8 @@ void cut_into_tasks(FarmBatch& batch, const std::vector<FarmJob>& jobs, unsigned
     batch.tasks[task].push_back(batch.jobs.jobs[k].name);
     seconds[task] += bake;
   }
-  // A node may be half as fast as this machine, and its file system slow. A task that is cut short goes on.
+  // A node may be half as fast as this machine, with a slow file system. A task that is cut short can be
+  // resumed.
   batch.seconds = 2.0 * *std::max_element(seconds.begin(), seconds.end()) + 600.0;
   constexpr std::uint64_t step = std::uint64_t{64} << 20, beside = std::uint64_t{256} << 20;
   batch.memory = (2 * memory + beside + step - 1) / step * step;

@@ -1,4 +1,4 @@
-// A batch cut into tasks for a farm, and what each task must be given.
+// Splits a batch into tasks for a farm, and determines the resources of each task.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,29 @@
 namespace fascicle::cli {
 
 struct FarmBatch {
-  std::filesystem::path program, list, here;  // absolute; `here` is the folder that the command was given in
-  scene::Jobs jobs;                           // its output absolute
+  std::filesystem::path program, list, here;  // absolute; `here` is the folder where the command was run
+  scene::Jobs jobs;                           // with an absolute output
   std::string device;
   unsigned threads = 0;
-  unsigned at_once = 0;                              // tasks; 0: as many as the farm likes
-  bool is_gpu = false;                               // the device
-  std::vector<std::vector<std::string>> tasks = {};  // names of each one's jobs, one after the other
-  double seconds = 0.0;                              // that the longest task may take
-  std::uint64_t memory = 0;                          // bytes that a task may take
+  unsigned at_once = 0;                              // tasks; 0: up to the farm
+  bool is_gpu = false;                               // whether `device` is one
+  std::vector<std::vector<std::string>> tasks = {};  // the names of each task's jobs, run in sequence
+  double seconds = 0.0;                              // time limit for the longest task
+  std::uint64_t memory = 0;                          // bytes per task
 };
 
-// What the tasks are made from. Jobs of one `model` share what the first of them builds.
+// What the tasks are made from. Jobs with the same `model` share what the first of them builds.
 struct FarmJob {
   std::string model;
   std::uint64_t frames = 0;
 };
 
-// Measures bakes of the batch's models on this machine, for at most about a minute, and cuts the batch into
-// tasks: at most `group` jobs of one model each; 0: as many as take about two minutes. Fills in tasks,
+// Measures bakes of the batch's models on this machine, for about a minute at most, and splits the batch into
+// tasks. A task has at most `group` jobs of one model; 0: as many as take about two minutes. Sets tasks,
 // seconds and memory.
 void cut_into_tasks(FarmBatch& batch, const std::vector<FarmJob>& jobs, unsigned group, Log& log);
 
-// Throws UsageError for what cannot stand in a line of a script or of a template.
+// Throws UsageError for text that a line of a script or a template cannot hold.
 void refuse_control_characters(const std::string& what, const std::string& text);
 
 }  // namespace fascicle::cli

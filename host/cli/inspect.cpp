@@ -1,4 +1,4 @@
-// fascicle inspect: what is in a scene or a mesh, before anything is simulated.
+// fascicle inspect: the contents of a scene or a mesh, before anything is simulated.
 #include <iostream>
 #include <memory>
 #include <span>
@@ -50,7 +50,7 @@ Json json_of(const std::vector<build::JointReport>& joints) {
   return list;
 }
 
-// What a muscle of the scene has become.
+// A muscle of the scene, as built.
 struct MuscleCount {
   std::string name, bone;
   double bone_length = 0.0;  // m
@@ -139,7 +139,7 @@ std::span<const rig::Clip> clips_of(const scene::Scene& scene) {
   return character != nullptr ? std::span<const rig::Clip>(character->clips) : std::span<const rig::Clip>();
 }
 
-// What to expect of the steps; nothing of explicit ones, whose stiffness is the steps'.
+// Expected accuracy of the steps; null for explicit ones, whose stiffness depends on the steps.
 Json json_of(const model::Model& model, const build::StepError& error) {
   if (!model.is_implicit()) return {};
   return {{"residual", error.residual}, {"slower", error.slower}, {"lost_a_period", error.lost}};
@@ -287,7 +287,7 @@ void print_characters(const scene::Scene& scene) {
   if (!rows.empty()) std::cout << "characters\n" << columns_text(rows);
 }
 
-// The bones, and what else moves a tenth of a percent of the skin.
+// Prints the bones, and other joints that move at least 0.1 % of the skin.
 void print_joints(const build::Report& report) {
   constexpr double least_shown = 1e-3;
   std::vector<std::pair<std::string, std::string>> rows;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array numbers{SIGINT, SIGTERM};
 
-// A signal handler takes no argument of ours: the one place where the process keeps state.
+// The only global state of the process, because a signal handler takes no argument of ours.
 std::atomic<bool> interrupted{false}, has_begun{true};
 std::atomic<int> first_number{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
@@ -27,7 +27,7 @@ void on_signal(int number) {
   first_number = number;
 }
 
-// Whoever started this program may have them blocked: then they would never come.
+// The parent process may have blocked them.
 void unblock() {
   sigset_t set;
   ::sigemptyset(&set);
@@ -41,7 +41,7 @@ void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = on_signal;
   ::sigemptyset(&action.sa_mask);
-  // Writes of frames go on: a signal asks for the end of the loop, not for half a write.
+  // Restart interrupted writes of frames: a signal ends the loop, not a write.
   action.sa_flags = SA_RESTART;
   for (const int number : numbers) {
     struct sigaction before {};

@@ -30,7 +30,7 @@ void write_job_record(const fs::path& output, const std::string& job, const JobR
        record.exit_status ? nlohmann::ordered_json(*record.exit_status) : nlohmann::ordered_json()},
       {"error", record.error},
       {"warnings", record.warnings}};
-  // A job that was handed over twice may run twice.
+  // A job that was submitted twice may run twice at once.
   base::write_whole_beside_others(
       file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }

@@ -1,5 +1,5 @@
-// What a job of a batch leaves beside its bake where each job is a process on some host: that it has begun,
-// and how its run ended. A bake that is refused, or killed before its first frame, has no manifest to say so.
+// The record of a batch's job that runs as its own process on some host: that it has begun, and how it ended.
+// A bake that is rejected, or killed before its first frame, has no manifest to show it.
 #pragma once
 
 #include <filesystem>
@@ -11,23 +11,23 @@ namespace fascicle::cli {
 
 struct JobRecord {
   std::string host;
-  long process = 0;  // on that host
+  long process = 0;  // on `host`
   std::string device;
-  std::optional<int> exit_status;  // none: it has begun
+  std::optional<int> exit_status;  // nullopt: still running, or cut off
   std::string error;
   std::vector<std::string> warnings;
 };
 
-// OUTPUT/.outcomes/NAME.json: no job's folder can have that name, as none begins with a dot.
+// OUTPUT/.outcomes/NAME.json. No job's folder can clash with it, because no job's name starts with a dot.
 std::filesystem::path job_record_file(const std::filesystem::path& output, const std::string& job);
 
-// Of this process. Replaces the file whole.
+// Atomically replaces the record.
 void write_job_record(const std::filesystem::path& output, const std::string& job, const JobRecord& record);
-// Nothing where there is none that can be read.
+// nullopt if there is no readable record.
 std::optional<JobRecord> read_job_record(const std::filesystem::path& output, const std::string& job);
 
 std::string name_of_this_host();
-// Whether a process of this host is there.
+// Whether this host has a process with this number.
 bool is_there(long process);
 
 }  // namespace fascicle::cli

@@ -17,7 +17,7 @@ namespace {
 constexpr unsigned bar_cells = 24;
 constexpr std::chrono::seconds between_states{3}, between_shares{1};
 
-// One write a line, so that lines of several processes on one stderr do not mix.
+// One write per line, so that processes that share a stderr do not mix their lines.
 void put(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
@@ -28,7 +28,7 @@ std::string json_line(const nlohmann::ordered_json& object) {
   return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-// Libraries end what they say with a line end.
+// Libraries end their messages with a line break.
 std::string without_line_end(std::string message) {
   while (!message.empty() && (message.back() == '\n' || message.back() == '\r')) message.pop_back();
   return message;
@@ -61,7 +61,7 @@ void Log::line(const char* level, const std::string& prefix, const std::string& 
     put(json_line({{"time", since.count()}, {"level", level}, {"message", whole}}));
     return;
   }
-  // Names from files may hold anything, and the terminal obeys what it is told.
+  // Names from files may contain control characters, which a terminal would execute.
   const std::string text = shown_text(whole);
   const bool is_state = std::strcmp(level, "progress") == 0;
   if (options_.format == LogFormat::openjd && is_state)

@@ -1,4 +1,4 @@
-// What is said on stderr while a command runs. Results go to stdout and never through here.
+// Messages on stderr while a command runs. Results go to stdout instead.
 #pragma once
 
 #include <chrono>
@@ -17,18 +17,18 @@ struct LogOptions {
   LogFormat format = LogFormat::text;
 };
 
-// How far a long piece of work has come.
+// Progress of a long operation.
 struct Advance {
   std::string what;  // "baking"
   std::uint64_t done = 0, total = 0;
-  double rate = 0.0;          // frames a second; 0 while unknown
-  double seconds_left = 0.0;  // negative while unknown
+  double rate = 0.0;          // frames per second; 0 if unknown
+  double seconds_left = 0.0;  // negative if unknown
 };
 
-// In text, one line a message; in JSON, one object a line with the members time (s since the start), level
-// and message, and for level "progress" frame, frames, rate and eta. In openjd as in text, with what a farm
-// that speaks Open Job Description looks for: openjd_progress (percent), openjd_status, and openjd_fail of an
-// error. Errors are always shown, warnings and information not under quiet, details only under verbose.
+// Text: one line per message. JSON: one object per line with time (s since the start), level and message, and
+// for level "progress" also frame, frames, rate and eta. openjd: text plus the lines that farms with Open Job
+// Description parse: openjd_progress (percent), openjd_status, and openjd_fail for an error. Errors are
+// always shown, warnings and information unless quiet, details only if verbose.
 class Log {
  public:
   explicit Log(const LogOptions& options);
@@ -41,16 +41,17 @@ class Log {
   void info(const std::string& message);
   void detail(const std::string& message);
 
-  // On a terminal redraws one line; elsewhere and in JSON adds one, so call it seldom there (see draws_bar).
+  // Redraws one line on a terminal. Elsewhere and in JSON it adds a line, so call it rarely then (see
+  // draws_bar).
   void progress(const Advance& advance);
-  // The same of work that is no count of frames: one line that tells how things stand. May be called often:
-  // where it draws no bar it says what is new every few seconds.
+  // The same for work without a frame count: one line of status. May be called often: without a bar, it
+  // prints changes every few seconds.
   void state(const std::string& text);
-  // The share of the whole that is done, for a farm; nothing in text and in JSON. May be called often.
+  // The completed share of the whole, for a farm; no output in text and JSON. May be called often.
   void share(double done);
-  // Takes the bar away, if there is one.
+  // Removes the bar, if there is one.
   void clear_bar();
-  // True where progress redraws a line in place: text on a terminal that can.
+  // Whether progress redraws a line in place: text on a capable terminal.
   bool draws_bar() const { return bar_allowed_; }
 
  private:
@@ -59,12 +60,12 @@ class Log {
 
   LogOptions options_;
   bool bar_allowed_ = false, colour_ = false;
-  std::size_t bar_width_ = 0;  // characters of the bar now on the terminal
+  std::size_t bar_width_ = 0;  // characters of the bar on the terminal
   std::chrono::steady_clock::time_point start_, stated_, shared_;
   std::string last_state_;
 };
 
-// What host/pipeline has to say, on this log, which must outlive it.
+// Messages of host/pipeline go to this log, which must outlive the result.
 pipeline::Say say_on(Log& log);
 
 // "baking  [######------]  50 %  frame 60/120  35.1 frames/s  1.71 s left"; without the bar if `width` is 0.

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t most_textures = 128;
 
-// The longest side that is kept of each of `count` textures: together below 400 MiB, and far more than a body
-// on a picture shows.
+// Maximum side of each of `count` textures: below 400 MiB in total, and far more detail than a picture of a
+// body shows.
 unsigned longest_side(std::size_t count) {
   return count <= 8 ? 2048 : count <= 32 ? 1024 : 512;
 }
@@ -25,7 +25,7 @@ render::Wrap wrap_of(gltf::TextureWrap wrap) {
                                              : render::Wrap::repeat;
 }
 
-// Into looks.textures; of each texture of the file its number there, -1 where it could not be read.
+// Adds the file's textures to looks.textures. Returns the index of each there, or -1 if it could not be read.
 std::vector<std::int32_t> add_textures(const gltf::Looks& read, const std::string& file, render::Looks& looks,
                                        Log& log) {
   std::vector<std::int32_t> numbers;

@@ -1,4 +1,4 @@
-// From a glTF file's materials to what pictures are painted with.
+// Turns a glTF file's materials into those for drawing.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,8 @@
 
 namespace fascicle::cli {
 
-// Of the model's render mesh, which was read from `character`. Nothing where the file says nothing of colour.
-// A texture that cannot be read is a warning, and its surface gets its plain colour.
+// For the model's render mesh, which was read from `character`. nullopt if the file defines no colours. For
+// an unreadable texture, warns and uses the surface's plain colour.
 std::optional<render::Looks> looks_of(const std::filesystem::path& character, const model::Model& model,
                                       Log& log);
 

@@ -5,7 +5,7 @@
 #include "host/cli/memory.h"
 
 int main(int argc, char** argv) {
-  // First of all: a signal that comes before ends the process, and no exit status says that it goes on.
+  // Must come first: an earlier signal kills the process, without an exit status that says it can be resumed.
   fascicle::cli::catch_interrupts();
   fascicle::base::open_standard_streams();
   fascicle::base::outlive_the_limit_on_files();

@@ -1,4 +1,5 @@
-// fascicle manual: what a package installs beside the program. Hidden, because its readers are build scripts.
+// fascicle manual: the files that a package installs with the program. Hidden, because only build scripts use
+// it.
 #include "host/cli/manual.h"
 
 #include <algorithm>
@@ -15,11 +16,11 @@
 namespace fascicle::cli {
 namespace {
 
-// An option as every shell wants to know it.
+// An option, with what each shell's completion needs.
 struct Described {
-  std::vector<std::string> names;  // with their dashes; none: a positional
+  std::vector<std::string> names;  // with their dashes; empty: a positional
   std::string positional;          // its name
-  std::string value;               // what comes after it; empty: a flag
+  std::string value;               // name of its value; empty: a flag
   std::string text;
   bool is_list = false;  // of formats, separated by commas
   bool takes_file = false;
@@ -32,7 +33,7 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
 
 std::vector<Described> options_of(const CLI::App& app);
 
-// A command's options and, once each, those of its own subcommands: shells complete them alike.
+// A command's options, plus those of its subcommands without duplicates: shells complete them alike.
 std::vector<Described> all_options_of(const CLI::App& app) {
   std::vector<Described> result = options_of(app);
   for (const CLI::App* command : commands_of(app))
@@ -67,7 +68,7 @@ std::vector<Described> options_of(const CLI::App& app) {
   return result;
 }
 
-// A literal in roff: a dash is a dash, and no line begins with a control character.
+// Literal text in roff: dashes stay dashes, and no line starts with a control character.
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -177,7 +178,7 @@ std::string bash_completion(const CLI::App& app) {
 }
 
 std::string zsh_completion(const CLI::App& app) {
-  // In _arguments a colon and brackets have a meaning.
+  // Colons and brackets are special in _arguments.
   const auto escaped = [](const std::string& text) {
     std::string out;
     for (const char c : text)
@@ -214,7 +215,7 @@ std::string zsh_completion(const CLI::App& app) {
 }
 
 std::string fish_completion(const CLI::App& app) {
-  // fish has two escapes within '...', and neither is the shells'.
+  // Within '...', fish has two escapes of its own, unlike other shells.
   const auto fish = [](const std::string& text) {
     std::string out = "'";
     for (const char c : text) out += c == '\'' || c == '\\' ? std::string("\\") + c : std::string(1, c);

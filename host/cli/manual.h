@@ -1,4 +1,4 @@
-// The manual page and the shells' completions, made from the options themselves.
+// The manual page and the shell completions, generated from the options.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace fascicle::cli {
 
-// fascicle(1), in man's macros (groff_man(7)).
+// fascicle(1), in man macros (groff_man(7)).
 std::string manual_page(const CLI::App& app);
 std::string bash_completion(const CLI::App& app);
 std::string zsh_completion(const CLI::App& app);

@@ -37,13 +37,13 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-// A GPU waits for the threads that feed it for most of a bake. A driver that computes on the CPU takes all
-// cores for one.
+// For most of a bake, a GPU waits for the threads that feed it, so several bakes share one. A software driver
+// uses all cores for a single bake.
 constexpr unsigned most_on_a_gpu = 8;
-// What a process's status is on top of the number of the signal that ended it.
+// A process ended by a signal has this status plus the signal's number.
 constexpr int of_signal = 128;
 
-// What has become of a job; of one that was never begun there is no status.
+// The result of a job; without a status if it never began.
 struct Outcome {
   std::string device;
   std::optional<int> status;
@@ -56,7 +56,7 @@ std::string word_of(const Outcome& outcome) {
   return outcome.status ? word_of_status(*outcome.status) : "not begun";
 }
 
-// Of a process: what a driver's fault ends with.
+// Exit statuses of a process crashed by a faulty driver.
 bool is_crash(int status) {
   return status == of_signal + SIGSEGV || status == of_signal + SIGABRT || status == of_signal + SIGBUS;
 }
@@ -66,7 +66,7 @@ std::string last_hash(const fs::path& folder) {
     const std::optional<bake::ManifestSummary> manifest = bake::read_manifest(folder);
     return manifest ? manifest->last_position_hash : std::string();
   } catch (const base::InputError&) {
-    return {};  // one file that cannot be read does not end the other bakes
+    return {};  // one unreadable file must not end the other bakes
   }
 }
 
@@ -116,8 +116,8 @@ class Batch {
  private:
   struct Device {
     std::string label;
-    unsigned threads = 0;      // of each bake; 0: as it takes by itself
-    std::uint64_t memory = 0;  // bytes of a GPU's own; 0: the machine's is its memory
+    unsigned threads = 0;      // per bake; 0: the bake's default
+    std::uint64_t memory = 0;  // bytes of a GPU's own memory; 0: it uses the machine's
   };
   struct Slot {
     Device device;
@@ -126,7 +126,7 @@ class Batch {
     Clock::time_point start;
   };
 
-  // In turns, so that few jobs are shared by all devices.
+  // Interleaved, so that even a few jobs use all devices.
   void fill_slots() {
     const std::vector<std::string> labels = split_device_list(asked_.devices);
     const auto is_cpu = [](const std::string& label) {
@@ -160,7 +160,7 @@ class Batch {
 
   fs::path folder_of(const OneBake& job) const { return asked_.output / job.name; }
 
-  // A device that is not there would fail one job after the other, faster than the others bake them.
+  // A missing device would fail job after job, faster than the other devices bake them.
   void check_devices() const {
     const std::vector<gpu::DeviceInfo> devices = devices_for(asked_.devices);
     const std::vector<std::string> labels = split_device_list(asked_.devices);
@@ -189,11 +189,11 @@ class Batch {
   std::vector<std::string> command_of(const OneBake& job, const Device& device) const {
     const auto number = static_cast<std::size_t>(&job - asked_.bakes.data());
     const std::string label = failures_.device_of(number, device.label);
-    // A file whose name begins with a dash would be taken for an option.
+    // A file name that starts with a dash would be taken for an option.
     const std::string scene = job.scene.starts_with('-') ? "./" + job.scene : job.scene;
     std::vector<std::string> command{"bake", scene, "-o", folder_of(job).string(), "--device", label};
     if (device.threads > 0) command.insert(command.end(), {"--threads", std::to_string(device.threads)});
-    // What a device has done before it failed stays.
+    // Keep the frames that a device finished before it failed.
     command.push_back(asked_.overwrite && !begun_.contains(number) ? "--overwrite" : "--resume");
     command.insert(command.end(), job.options.begin(), job.options.end());
     return command;
@@ -226,8 +226,8 @@ class Batch {
     }
   }
 
-  // Of bakes that share a model the first goes alone until it has a frame: the others then find the model in
-  // the cache.
+  // Of the bakes that share a model, the first runs alone until it has a frame. The others then find the
+  // model in the cache.
   bool may_begin(std::size_t job) const {
     const std::string& model = asked_.bakes[job].model;
     if (model.empty() || built_.contains(model)) return true;
@@ -235,8 +235,9 @@ class Batch {
                         [&](const Slot& slot) { return slot.bake && asked_.bakes[slot.job].model == model; });
   }
 
-  // Whether one more bake as large as the largest seen fits beside those that run, each of which may grow to
-  // that. How much a bake takes is known once one has a frame. On a GPU it takes no more than beside it.
+  // Whether one more bake as large as the largest so far fits next to the running ones, each of which may
+  // still grow to that size. The size is known once a bake has frames. On a GPU, a bake is assumed to take no
+  // more than in main memory.
   bool has_room(const Device& device) const {
     if (!one_had_frames_) return false;
     std::uint64_t on_device = largest_memory_, wanted = largest_memory_ + largest_memory_ / 4;
@@ -271,13 +272,13 @@ class Batch {
       if (slot.bake) slot.bake->listen();
   }
 
-  // What others wrote on a bake's stderr, such as its driver.
+  // Passes on lines that others, such as the driver, wrote to a bake's stderr.
   void pass_on(const Slot& slot) {
     for (const std::string& line : slot.bake->take_other_lines())
       log_.info(asked_.bakes[slot.job].name + ": " + line);
   }
 
-  // Whether it was the device that failed, and another takes the job: it goes on from the last checkpoint.
+  // Whether the device failed and another one takes the job, which then resumes from the last checkpoint.
   bool hand_over(const Slot& slot, const Outcome& outcome) {
     const std::string& label = slot.device.label;
     const bool is_gpu = parse_device(label).kind != DeviceRequest::Kind::cpu;
@@ -300,7 +301,7 @@ class Batch {
     return true;
   }
 
-  // Jobs that waited for a device which has since been taken off.
+  // Ends jobs whose last remaining device has been taken off.
   void give_up_jobs() {
     for (std::size_t k = waiting_.size(); k-- > 0;) {
       const std::size_t job = waiting_[k];
@@ -326,7 +327,7 @@ class Batch {
             "its process was ended by signal " + std::to_string(*outcome.status - of_signal) + " (" +
             strsignal(*outcome.status - of_signal) + ")" +
             (*outcome.status == of_signal + SIGKILL ? "; perhaps for want of memory: fewer --at-once" : "");
-      // Of a bake that was refused the folder may hold an older one.
+      // If a bake was rejected, the folder may hold an older one.
       if (word_of(outcome) != "failed") outcome.hash = last_hash(folder_of(asked_.bakes[slot.job]));
       const bool is_begun = slot.bake->frames() > 0;
       slot.bake.reset();
@@ -341,7 +342,7 @@ class Batch {
     ++ended_;
     if (word_of(outcome) == "done") built_.insert(job.model);
     outcome.warnings.insert(outcome.warnings.begin(), tries_[number].begin(), tries_[number].end());
-    // One character's clips have most of their warnings in common.
+    // The clips of a character share most of their warnings.
     for (const std::string& warning : outcome.warnings) {
       if (said_.insert(warning).second)
         log_.warning(job.name + ": " + warning);
@@ -360,7 +361,7 @@ class Batch {
     outcomes_[number] = std::move(outcome);
   }
 
-  // What a job that is baked beside others' leaves for who merges them.
+  // If this process bakes only part of a batch, records the job for the final merge.
   void keep_record(const OneBake& job, const Outcome& outcome) {
     if (!asked_.is_part) return;
     try {
@@ -372,7 +373,7 @@ class Batch {
     }
   }
 
-  // One line for all devices: what each is at.
+  // One line that shows what each device is doing.
   void show() {
     constexpr std::size_t most_shown = 4;
     std::size_t shown = 0;
@@ -438,7 +439,7 @@ class Batch {
     if (!asked_.is_part) std::cout << "wrote " << (asked_.output / scene::batch_summary).string() << "\n";
   }
 
-  // The first failure's, as the others may follow from it.
+  // The status of the first failure, since the others may follow from it.
   ExitCode code(bool interrupted) const {
     for (const Outcome& outcome : outcomes_)
       if (word_of(outcome) == "failed") {
@@ -462,12 +463,12 @@ class Batch {
   std::vector<Slot> slots_;
   std::deque<std::size_t> waiting_;
   DeviceFailures failures_;
-  std::map<std::size_t, std::vector<std::string>> tries_;  // of each job, on devices that failed
-  std::set<std::size_t> begun_;                            // jobs that had frames here
+  std::map<std::size_t, std::vector<std::string>> tries_;  // per job, on devices that failed
+  std::set<std::size_t> begun_;                            // jobs that had frames in this run
   std::size_t ended_ = 0;
-  std::set<std::string> built_;  // OneBake::model of those that had frames
+  std::set<std::string> built_;  // OneBake::model of bakes that had frames
   bool one_had_frames_ = false;
-  std::uint64_t largest_memory_ = 0;  // bytes, of bakes that had frames
+  std::uint64_t largest_memory_ = 0;  // bytes, of any bake so far
   std::set<std::string> said_;        // warnings
 };
 

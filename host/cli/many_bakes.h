@@ -1,5 +1,5 @@
-// Several bakes at once, each a process of its own, on several devices, with one view of all and resumable as
-// a whole: what fascicle batch and fascicle bake --clips do.
+// Runs several bakes at once as separate processes on several devices, with a common progress display, and
+// resumable as a whole: for fascicle batch and fascicle bake --clips.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@
 namespace fascicle::cli {
 
 struct OneBake {
-  std::string name;   // of its folder in the output folder
-  std::string scene;  // as `fascicle bake` takes it
-  std::string clip;   // for the summary, as what follows
+  std::string name;   // name of its folder in the output folder
+  std::string scene;  // in the form that `fascicle bake` takes
+  std::string clip;   // for the summary, like the next line
   std::vector<std::string> set, formats;
-  std::vector<std::string> options;  // of `fascicle bake`, all but its folder, its device and how it begins
-  // Alike of bakes whose model the first of them builds and keeps for the others; empty: nothing is kept.
+  std::vector<std::string> options;  // of `fascicle bake`, except folder, device, --overwrite and --resume
+  // Equal for bakes that share a model, which the first builds and caches for the others; empty: not cached.
   std::string model = {};
 };
 
@@ -24,16 +24,16 @@ struct ManyBakes {
   std::filesystem::path output = {};
   std::vector<OneBake> bakes = {};
   std::string devices = "cpu";  // separated by commas, or "auto"
-  unsigned at_once = 0;         // on each device; 0: as many as help
-  unsigned threads = 0;         // of each bake on a CPU; 0: the cores shared among those at once
+  unsigned at_once = 0;         // per device; 0: as many as help
+  unsigned threads = 0;         // per bake on a CPU; 0: divide the cores among the parallel bakes
   bool overwrite = false, resume = false, dry_run = false;
-  // Other processes bake other jobs of the batch: each leaves a record of its own (job_record.h), and
-  // batch.json is written by who merges them.
+  // Other processes bake other jobs of the batch. Each writes its own records (job_record.h), and the final
+  // merge writes batch.json.
   bool is_part = false;
 };
 
-// Bakes all and writes batch.json, first with nothing begun. The status is that of the first failure. Throws
-// where nothing can begin.
+// Runs all bakes. Writes batch.json at the start, with nothing begun, and at the end. Returns the status of
+// the first failure. Throws if nothing can start.
 ExitCode bake_many(ManyBakes asked, Log& log);
 
 // --at-once

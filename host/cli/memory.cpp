@@ -14,8 +14,8 @@
 namespace fascicle::cli {
 namespace {
 
-// Arrays from so many bytes on are mappings of their own, and so much of the heap's end stays when it is
-// free.
+// Arrays of at least `mapped_bytes` get their own mappings; up to `kept_bytes` at the end of the heap are
+// kept when free.
 void set_limits_of_heap([[maybe_unused]] int mapped_bytes, [[maybe_unused]] int kept_bytes) {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, mapped_bytes);
@@ -23,7 +23,7 @@ void set_limits_of_heap([[maybe_unused]] int mapped_bytes, [[maybe_unused]] int 
 #endif
 }
 
-// The number behind a name in one of the kernel's files.
+// The number after a name in one of the kernel's files.
 std::optional<std::uint64_t> number_in(const std::string& file, const std::string& name) {
   std::ifstream in(file);
   for (std::string line; std::getline(in, line);)
@@ -31,14 +31,14 @@ std::optional<std::uint64_t> number_in(const std::string& file, const std::strin
   return std::nullopt;
 }
 
-// The only number in a file; nothing where there is another word, such as "max".
+// The only number in a file; nullopt for a word such as "max".
 std::optional<std::uint64_t> only_number_in(const std::string& file) {
   std::uint64_t number = 0;
   std::ifstream in(file);
   return in >> number ? std::optional(number) : std::nullopt;
 }
 
-// What a group may still take; what it holds of files can be given back.
+// What a group may still allocate. Cached files do not count, since they can be reclaimed.
 std::optional<std::uint64_t> left_in(const std::string& folder, const char* most_name, const char* taken_name,
                                      const char* files_name) {
   const std::optional<std::uint64_t> most = only_number_in(folder + most_name);
@@ -57,7 +57,7 @@ std::optional<std::uint64_t> left_in_groups(const std::string& groups, const std
   for (std::string line; std::getline(lines, line);) {
     const bool is_old = line.find(":memory:") != std::string::npos;
     if (!line.starts_with("0::") && !is_old) continue;
-    // A limit may stand on any group above: a job's, not its task's.
+    // Any ancestor may set a limit: a job's group, for example, instead of its task's.
     for (std::string group = line.substr(line.rfind(':') + 1); !group.empty();
          group.erase(std::min(group.rfind('/'), group.size()))) {
       const std::optional<std::uint64_t> left =

@@ -9,21 +9,21 @@
 
 namespace fascicle::cli {
 
-// Nothing where the field is no number.
+// nullopt if the field is not a number.
 std::optional<double> csv_number(const std::string& text);
 
 struct MetricsTable {
   std::vector<std::string> columns;
   std::vector<std::vector<double>>
-      values;  // one list a column, of one length; not a number where none stands
+      values;  // one list per column, all of equal length; NaN for missing values
 
-  // The values of a column, or null.
+  // The values of a column; null if there is none.
   const std::vector<double>* find(std::string_view column) const;
   std::size_t rows() const { return values.empty() ? 0 : values.front().size(); }
 };
 
-// Of the bake in `folder`; no columns where it has no metrics.csv. A last line that is cut off, as of a
-// running bake, is left out. Throws bake::BakeError where the file is something else.
+// For the bake in `folder`; no columns if it has no metrics.csv. Skips an incomplete last line, as in a
+// running bake. Throws bake::BakeError if the file is not a metrics table.
 MetricsTable read_metrics_table(const std::filesystem::path& folder);
 
 }  // namespace fascicle::cli

@@ -10,7 +10,7 @@
 namespace fascicle::cli {
 namespace {
 
-// One <DataArray>; `value(item, component)` gives the numbers.
+// One <DataArray>; `value(item, component)` returns the numbers.
 template <class Value>
 void append_data(std::string& out, const std::string& type, const std::string& name, std::size_t items,
                  std::size_t components, Value value) {

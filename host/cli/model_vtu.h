@@ -8,12 +8,12 @@
 
 namespace fascicle::cli {
 
-// Text of a .vtu, in ASCII because our own reader of meshes takes no other: rest positions in metres in the
-// model's order; at the points source_vertex, layer, kinematic, alpha, beta, fibre and mass (kg); in each
-// cell the layer that most of its vertices have (the lowest of equals).
+// Text of a .vtu file, in ASCII because our own mesh reader accepts nothing else. Rest positions are in
+// metres and in the model's order. Point data: source_vertex, layer, kinematic, alpha, beta, fibre and mass
+// (kg). Cell data: the layer of most of a cell's vertices (the lowest if tied).
 std::string model_vtu_text(const model::Model& model);
 
-// Whole or not at all. Throws std::system_error.
+// Writes all or nothing. Throws std::system_error.
 void write_model_vtu(const std::filesystem::path& path, const model::Model& model);
 
 }  // namespace fascicle::cli

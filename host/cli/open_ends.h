@@ -1,4 +1,4 @@
-// Where a character's skin is open and what its cage made of that, for inspect.
+// Openings in a character's skin and how its cage treats them, for inspect.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace fascicle::cli {
 
-// One row for each joint and fate: how many, and how wide the widest is.
+// One row per joint and treatment: how many there are, and the width of the widest.
 std::vector<std::pair<std::string, std::string>> rows_of(const std::vector<bake::OpenEndEntry>& ends);
 
 }  // namespace fascicle::cli

@@ -15,10 +15,10 @@ using TemplateJson = nlohmann::ordered_json;
 
 // Limits of the specification: https://github.com/OpenJobDescription/openjd-specifications, "Template Schemas
 // [Version: 2023-09]".
-constexpr std::size_t most_values = 1024;        // of a task's parameter
+constexpr std::size_t most_values = 1024;        // per task parameter
 constexpr std::size_t longest_job_name = 128;    // characters
 constexpr std::size_t longest_parameter = 1024;  // characters of a parameter's value
-// A bake ends after the frame it is at; the specification allows 600.
+// A bake ends after its current frame; the specification allows 600.
 constexpr int seconds_to_end = 120;
 
 TemplateJson path_parameter(const char* name, const char* object, const char* flow, const char* description,

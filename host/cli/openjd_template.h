@@ -1,4 +1,4 @@
-// A batch as a job template of Open Job Description, for farms that read those.
+// Writes a batch as a job template for farms that read Open Job Description.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace fascicle::cli {
 
-// Writes the template, of the specification's version 2023-09, whole: as JSON, or with a comment at its head
-// where the file is called .yaml or .yml, as JSON is YAML. Throws UsageError for another name, and for a path
-// that the specification does not allow.
+// Atomically writes the template, version 2023-09 of the specification: as JSON, or with a leading comment if
+// the file is named .yaml or .yml, since JSON is YAML. Throws UsageError for any other extension, and for a
+// path that the specification does not allow.
 void write_openjd_template(const std::filesystem::path& file, const FarmBatch& batch);
 
 }  // namespace fascicle::cli

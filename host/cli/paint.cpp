@@ -1,4 +1,4 @@
-// fascicle paint: what a paint file has on a character, as attributes in the character's own file.
+// fascicle paint: writes a paint file's values as attributes into the character's own file.
 #include <filesystem>
 #include <iostream>
 #include <memory>

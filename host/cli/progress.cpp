@@ -21,8 +21,8 @@ void Progress::update(std::uint64_t done) {
   const Clock::time_point now = Clock::now();
   const bool is_first = !started_;
   if (is_first) {
-    // What led up to the first frame (its allocation, a driver's compiling, all that comes before frame 0)
-    // says nothing of the others.
+    // Time before the first frame (allocation, the driver's compilation, everything before frame 0) does not
+    // predict the others.
     started_ = true;
     first_ = done;
     start_ = now;

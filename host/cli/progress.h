@@ -1,4 +1,4 @@
-// Progress of a run of frames, with its rate and the time that is left.
+// Progress of a run of frames, with its rate and remaining time.
 #pragma once
 
 #include <chrono>
@@ -9,9 +9,9 @@
 
 namespace fascicle::cli {
 
-// Shows the first update and the last one, and between them at most ten bars a second on a terminal and one
-// line every few seconds elsewhere. The rate counts from the first update, so that the frames a resumed bake
-// finds done do not flatter it.
+// Shows the first and last update, and in between at most ten bars per second on a terminal or a line every
+// few seconds elsewhere. The rate counts from the first update, so that frames already finished before a
+// resume do not inflate it.
 class Progress {
  public:
   Progress(Log& log, std::string what, std::uint64_t total);

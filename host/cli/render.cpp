@@ -45,7 +45,7 @@ std::string frame_name(std::uint64_t frame) {
   return std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits + ".png";
 }
 
-// What is to be drawn and where it goes.
+// The frames to draw, and the form of the output.
 struct Plan {
   std::vector<std::uint64_t> frames;
   enum class Form { still, sheet, folder } form = Form::folder;
@@ -56,7 +56,7 @@ struct Plan {
 
 constexpr std::uint64_t default_worst = 6;
 
-// How many of the worst frames are asked for; nothing where others are.
+// Number of worst frames requested; nullopt if other frames are.
 std::optional<std::uint64_t> worst_of(const RenderArguments& arguments) {
   if (arguments.worst) return arguments.worst;
   const bool says_which = arguments.frame || !arguments.sheet.empty();
@@ -112,7 +112,7 @@ void choose_frames(const RenderArguments& arguments, const std::optional<FrameSc
         choose_worst(scores.value(), *wanted, count, plan, log);
         break;
       }
-      // From the first to the last, evenly.
+      // Evenly spaced from the first to the last.
       const std::uint64_t cells = std::min<std::uint64_t>(count, plan.sheet.width * plan.sheet.height);
       for (std::uint64_t k = 0; k < cells; ++k)
         plan.frames.push_back(cells == 1 ? count - 1 : k * (count - 1) / (cells - 1));
@@ -127,7 +127,7 @@ void choose_frames(const RenderArguments& arguments, const std::optional<FrameSc
   }
 }
 
-// Of the worst frames where no columns were asked for: about as wide as high.
+// For the worst frames without a given number of columns: about as wide as high.
 unsigned columns_of(const Plan& plan, const render::Image& cell) {
   if (plan.sheet.width > 0) return plan.sheet.width;
   const double cells = static_cast<double>(plan.frames.size());
@@ -153,7 +153,7 @@ void print_legend(const render::Legend& legend) {
   if (!rows.empty()) std::cout << "colours\n" << columns_text(rows);
 }
 
-// "frame 43  1.433 s", and "look 2.31 stretch  shin.l" where the bake has a look score.
+// "frame 43  1.433 s"
 std::string frame_words(std::uint64_t k, double time) {
   return "frame " + std::to_string(k) + "  " + cli::number_text(time) + " s";
 }
@@ -169,7 +169,7 @@ std::string look_words(const std::optional<FrameScores>& scores, std::uint64_t k
   return words;
 }
 
-// All pictures of one run.
+// All pictures of a run.
 class Gallery {
  public:
   Gallery(const RenderArguments& arguments, const DrawnFrames& frames, const Artist& artist,
@@ -215,7 +215,7 @@ class Gallery {
   std::vector<render::Image> cells_;
 };
 
-// What the pictures' words and choice need of metrics.csv.
+// Scores from metrics.csv, if captions or the choice of frames need them.
 std::optional<FrameScores> scores_of(const RenderArguments& arguments, const DrawnFrames& frames) {
   const bool needs = worst_of(arguments).has_value();
   if (!frames.is_bake()) {
@@ -276,7 +276,7 @@ void add_render(CLI::App& app, Command& command) {
   auto* subcommand = app.add_subcommand(
       "render", "Draw a bake, or a scene's rest pose, as PNG; needs no display and no GPU");
   const auto arguments = std::make_shared<RenderArguments>();
-  // Not add_scene_options: --clip is a plane here.
+  // Not add_scene_options, because --clip is a plane here.
   subcommand
       ->add_option("BAKE", arguments->input.name,
                    "A bake's folder (running ones too), or a scene, mesh, character or built-in name")

@@ -1,4 +1,4 @@
-// What `fascicle render` was asked for.
+// Arguments of `fascicle render`.
 #pragma once
 
 #include <cstdint>

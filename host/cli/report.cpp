@@ -1,4 +1,4 @@
-// fascicle report: one page on a bake, with all that it shows inside.
+// fascicle report: a self-contained page about a bake.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Pictures on a page: so many evenly spaced ones, of the worst, and of warnings; their height in pixels.
+// Maximum numbers of evenly spaced pictures, of the worst frames, and of warnings; heights in pixels.
 constexpr std::uint64_t still_count = 6, worst_count = 3;
 constexpr std::size_t most_of_warnings = 6;
 constexpr unsigned picture_height = 340, rest_height = 420;
@@ -56,17 +56,17 @@ std::string colour_text(const Eigen::Vector3f& colour) {
   return text.data();
 }
 
-// The manifest as it is. manifest_of has read it before, and says what is wrong with it.
+// The raw manifest. manifest_of has already read it, and reports errors in it.
 Json whole_manifest(const fs::path& folder) {
   const std::string text = base::read_input(folder / bake::manifest_name, base::most_json_bytes);
   return Json::parse(base::shallow_json(text), nullptr, false);
 }
 
-// "frame 40: ..." names a frame.
+// The frame that a warning names, as in "frame 40: ...".
 std::optional<std::uint64_t> frame_in(const std::string& warning, std::uint64_t count) {
   static const std::regex named("\\bframe ([0-9]{1,9})\\b");
   std::smatch found;
-  // Beyond this a warning is no sentence, and the pattern would take its time.
+  // A longer text is not a sentence, and would take the pattern too long.
   const std::string beginning = warning.substr(0, 400);
   if (!std::regex_search(beginning, found, named)) return std::nullopt;
   const std::uint64_t frame = std::stoull(found[1]);
@@ -88,7 +88,7 @@ void choose_frames(Report& report) {
     report.worst = worst_frames(report.scores, count, worst_count, frames_apart(count, worst_count));
 }
 
-// All frames that are shown anywhere, each once.
+// All frames shown anywhere, without duplicates.
 std::vector<std::uint64_t> shown_frames(const Report& report) {
   std::vector<std::uint64_t> frames = report.stills;
   frames.insert(frames.end(), report.worst.begin(), report.worst.end());
@@ -99,7 +99,7 @@ std::vector<std::uint64_t> shown_frames(const Report& report) {
   return frames;
 }
 
-// Why skinning alone cannot be drawn, as where the character's file has gone; empty: it can.
+// Why skinning alone cannot be drawn, for example because the character's file is gone; empty if it can.
 std::string why_no_skinning(DrawnFrames& frames) {
   try {
     (void)frames.skinned_surface(0);
@@ -111,7 +111,7 @@ std::string why_no_skinning(DrawnFrames& frames) {
   return "";
 }
 
-// False where an interrupt ended it.
+// False if interrupted.
 bool draw(const ReportArguments& arguments, Report& report, Log& log) {
   RenderArguments drawing;
   drawing.input.name = arguments.bake;

@@ -20,12 +20,12 @@ using page::Tone;
 using page::Writer;
 using Rows = std::vector<std::pair<std::string, std::string>>;
 
-// Beyond that a value says what it is and not all that it holds; a table has no more rows.
+// Longer values are cut off, and tables have no more rows than this.
 constexpr std::size_t most_characters = 160, most_rows = 400;
-// What is nested deeper is not the program's; walking into it would use up the stack.
+// Deeper nesting does not come from the program, and recursing into it would exhaust the stack.
 constexpr unsigned most_levels = 16;
 
-// What stands at a path, or null.
+// The value at a path, or null.
 const Json& at(const Json& json, std::initializer_list<const char*> path) {
   static const Json none;
   const Json* found = &json;
@@ -73,7 +73,7 @@ std::string count_at(const Json& json, std::initializer_list<const char*> path) 
   return value.is_number_unsigned() ? count_text(value.get<std::uint64_t>()) : words_of(value);
 }
 
-// The leaves of an object by their paths. A list is one value.
+// Adds the leaves of an object with their paths. A list is one value.
 void add_leaves(const Json& json, const std::string& path, unsigned levels, Rows& rows) {
   if (rows.size() >= most_rows) return;
   if (!json.is_object() || levels == 0) {
@@ -88,7 +88,7 @@ std::string length_text(double metres) {
   return number_text(metres * 1e3) + " mm";
 }
 
-// The largest of a column and its frame; nothing without a finite value.
+// The maximum of a column and its frame; nullopt without finite values.
 struct Peak {
   double value = 0.0;
   std::uint64_t frame = 0;
@@ -104,7 +104,7 @@ std::optional<Peak> peak_of(const MetricsTable& metrics, const std::string& colu
   return peak;
 }
 
-// Columns that begin so, and what follows in their names.
+// For columns with this prefix, the rest of their names.
 std::vector<std::string> named_after(const MetricsTable& metrics, const std::string& beginning) {
   std::vector<std::string> names;
   for (const std::string& column : metrics.columns)
@@ -164,7 +164,7 @@ const FramePictures* pictures_of(const Report& report, std::uint64_t frame) {
 std::string look_of(const Report& report, std::uint64_t frame) {
   const auto row = std::find_if(report.scores.frames.begin(), report.scores.frames.end(),
                                 [frame](const FrameScore& score) { return score.frame == frame; });
-  // Below that it looks as skinning does.
+  // Below this it looks like skinning.
   constexpr double least_look = 0.01;
   if (row == report.scores.frames.end() || !row->look || *row->look < least_look) return "";
   std::string words = "; look " + number_text(*row->look, 3);
@@ -229,7 +229,7 @@ void write_warnings(Writer& page, const Report& report) {
   page.close();
 }
 
-// Series of all columns that begin so, times a factor.
+// Series of all columns with this prefix, times a factor.
 std::vector<page::Series> series_of(const MetricsTable& metrics, const std::string& beginning,
                                     double factor) {
   std::vector<page::Series> series;
@@ -241,7 +241,7 @@ std::vector<page::Series> series_of(const MetricsTable& metrics, const std::stri
   return series;
 }
 
-// The columns of these names that are there.
+// Series of those of these columns that exist, times a factor.
 std::vector<page::Series> series_named(const MetricsTable& metrics,
                                        std::initializer_list<std::pair<const char*, const char*>> columns,
                                        double factor) {
@@ -400,7 +400,7 @@ void write_parameters(Writer& page, const Json& manifest) {
   if (const Json& text = at(manifest, {"scene", "text"}); text.is_string()) {
     page.start("details").element("summary", "The scene file");
     page.start("pre").start("code");
-    // Line by line, as what stands in a line is shown escaped.
+    // Line by line, because text within a line is shown escaped.
     const std::string whole = text.get<std::string>();
     for (std::size_t begin = 0; begin < whole.size();) {
       const std::size_t end = std::min(whole.find('\n', begin), whole.size());

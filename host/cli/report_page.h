@@ -1,4 +1,4 @@
-// What `fascicle report` has found in a bake's folder, and the page that shows it.
+// The findings of `fascicle report` about a bake's folder, and the page that shows them.
 #pragma once
 
 #include <cstdint>
@@ -15,33 +15,33 @@
 
 namespace fascicle::cli {
 
-// PNG files, and how large their pictures are.
+// A PNG file and its picture's size.
 struct EncodedPicture {
   std::string png;
   unsigned width = 0, height = 0;
 };
 
-// A frame under one camera.
+// A frame, with and without flesh from the same camera.
 struct FramePictures {
   std::uint64_t frame = 0;
   double time = 0.0;  // s since frame 0
   EncodedPicture flesh;
-  std::optional<EncodedPicture> skinned;  // by skinning alone; without a skeleton the rest shape
+  std::optional<EncodedPicture> skinned;  // skinning alone; without a skeleton, the rest shape
 };
 
 struct ReportWarning {
   std::string text;
-  std::optional<std::uint64_t> frame;  // that it names, if one is there
+  std::optional<std::uint64_t> frame;  // named by the text, if it exists
 };
 
 struct RestReport {
   ShellCounts skin, body;
   EncodedPicture before, after, cut;
-  std::vector<std::pair<std::string, std::string>> layers;  // names, and colours of `cut` as "#rrggbb"
+  std::vector<std::pair<std::string, std::string>> layers;  // names, and their colours in `cut` as "#rrggbb"
 };
 
 struct Report {
-  std::string folder;  // as it was given
+  std::string folder;  // as given
   bake::ManifestSummary manifest;
   MetricsTable metrics;
   FrameScores scores;  // empty without metrics
@@ -52,10 +52,10 @@ struct Report {
   std::vector<std::uint64_t> stills, worst;
   std::vector<ReportWarning> warnings;
   std::optional<RestReport> rest;
-  std::string lacks;  // what could not be shown and why; empty: nothing
+  std::string lacks;  // what could not be shown and why; empty if nothing
 };
 
-// `manifest`: manifest.json as it is, of which nothing is taken for granted.
+// `manifest`: the raw manifest.json, which may contain anything.
 std::string report_page(const Report& report, const nlohmann::ordered_json& manifest);
 
 }  // namespace fascicle::cli

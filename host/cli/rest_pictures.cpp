@@ -18,7 +18,7 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-// Of each vertex the first one at its place.
+// For each vertex, the first one at the same position.
 std::vector<std::uint32_t> welded(const std::vector<float>& positions) {
   std::map<std::array<float, 3>, std::uint32_t> first;
   std::vector<std::uint32_t> numbers(positions.size() / 3);
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> welded(const std::vector<float>& positions) {
   return numbers;
 }
 
-// Sides that one triangle alone has.
+// Edges that belong to a single triangle.
 std::vector<Edge> open_edges(const std::vector<std::uint32_t>& weld,
                              const std::vector<std::uint32_t>& triangles) {
   std::map<Edge, std::uint32_t> uses;
@@ -43,7 +43,7 @@ std::vector<Edge> open_edges(const std::vector<std::uint32_t>& weld,
   return open;
 }
 
-// Faces of tetrahedra that no other has, outward.
+// Faces that belong to a single tetrahedron, oriented outward.
 std::vector<std::uint32_t> outer_faces(const model::Model& model) {
   constexpr std::array<std::array<std::size_t, 3>, 4> sides{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
   std::map<std::array<std::uint32_t, 3>, std::array<std::uint32_t, 3>> faces;
@@ -64,7 +64,7 @@ Eigen::Vector3f point(const std::vector<float>& positions, std::uint32_t i) {
   return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
 }
 
-// A band along each edge that faces the camera and stands a little before it.
+// A band along each edge, facing the camera and slightly in front of the edge.
 render::Shape bands(const std::vector<float>& positions, const std::vector<Edge>& edges,
                     const Eigen::Vector3f& eye, float width) {
   render::Shape shape;
@@ -87,7 +87,7 @@ render::Shape bands(const std::vector<float>& positions, const std::vector<Edge>
   return shape;
 }
 
-// Across the axis along which the body is thinnest, through its middle; the camera's half goes.
+// Cuts through the middle of the body, across its thinnest axis, and removes the half facing the camera.
 render::Clip middle_clip(const Eigen::AlignedBox3d& box, const Eigen::Matrix3d& axes) {
   render::Clip clip;
   box.sizes().minCoeff(&clip.axis);
@@ -128,7 +128,7 @@ RestPictures draw_rest(const model::Model& model, const render::Looks* looks, un
   const std::vector<float> body = formats::world_positions(model.rest, model.unit, model.rest_origin);
   const std::vector<float> skin =
       formats::world_positions(formats::embed(model, model.rest), model.unit, model.rest_origin);
-  // Only the vertices of the outer faces count, so that the body's are a surface's.
+  // Count only vertices of outer faces, so that the body's counts are those of a surface.
   const std::vector<std::uint32_t> faces = outer_faces(model);
   RestPictures pictures;
   pictures.skin = count_shell(skin, model.surface_triangle);

@@ -1,4 +1,5 @@
-// The rest shape before and after it became a body: the skin as it came, the tetrahedra, and these cut open.
+// The rest shape before and after it became a body: the original skin, the tetrahedra, and a section of
+// these.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +12,11 @@
 
 namespace fascicle::cli {
 
-// Of a mesh of triangles whose equal places are one.
+// Counts of a triangle mesh after merging coincident vertices.
 struct ShellCounts {
   std::uint64_t vertices = 0, triangles = 0;
-  std::uint64_t open_edges = 0;  // sides of one triangle alone
-  std::uint64_t parts = 0;       // that no triangle connects
+  std::uint64_t open_edges = 0;  // edges of a single triangle
+  std::uint64_t parts = 0;       // connected components
 };
 
 struct RestPictures {
@@ -24,11 +25,11 @@ struct RestPictures {
   render::Legend layers;             // of `cut`
 };
 
-// Needs a render mesh. `looks`: of the skin, or null. `height`: pixels.
+// Needs a render mesh. `looks`: materials of the skin, or null. `height`: pixels.
 RestPictures draw_rest(const model::Model& model, const render::Looks* looks, unsigned height,
                        unsigned threads);
 
-// The render mesh at rest, or the surface of the tetrahedra: three numbers a triangle, and 3 floats a vertex.
+// For the render mesh at rest, or the surface of the tetrahedra: 3 indices per triangle, 3 floats per vertex.
 ShellCounts count_shell(const std::vector<float>& positions, const std::vector<std::uint32_t>& triangles);
 
 }  // namespace fascicle::cli

@@ -1,4 +1,4 @@
-// The command line as a whole: parsing, and what each kind of error becomes.
+// The command line as a whole: parsing, and the handling of each kind of error.
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -18,7 +18,7 @@
 namespace fascicle::cli {
 namespace {
 
-// Errors of parsing come before the options are filled in, so their form is looked up by hand.
+// Parsing errors occur before the options are filled in, so look up the log format by hand.
 LogOptions log_options_of_bad_usage(int argc, const char* const* argv) {
   LogOptions options;
   for (int k = 1; k < argc; ++k) {
@@ -32,7 +32,7 @@ LogOptions log_options_of_bad_usage(int argc, const char* const* argv) {
   return options;
 }
 
-// CLI11 says of a word that is no subcommand only that one is required.
+// For an unknown subcommand, CLI11 only reports that a subcommand is required.
 std::string usage_text(const CLI::ParseError& error, const CLI::App& app, int argc, const char* const* argv) {
   const std::vector<CLI::App*> named = app.get_subcommands();
   if (!named.empty())
@@ -54,7 +54,7 @@ ExitCode report(Log& log, const std::string& message, ExitCode code) {
 ExitCode run_command(const Command& command, Log& log) {
   try {
     const ExitCode code = command.run(log);
-    // Results that could not be written are no results.
+    // Fail if the results could not be written.
     std::cout.flush();
     if (!std::cout) return report(log, "standard output could not be written", ExitCode::unforeseen);
     return code;
@@ -128,7 +128,7 @@ int run(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version, on stdout
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version, to stdout
     Log log(log_options_of_bad_usage(argc, argv));
     log.error(usage_text(error, app, argc, argv));
     return static_cast<int>(ExitCode::bad_usage);

@@ -1,5 +1,5 @@
-// fascicle scenes: the built-in scenes, listed or printed as files; a mesh's or a character's own scene,
-// printed with all it could say.
+// fascicle scenes: lists the built-in scenes or prints them as files; prints the default scene of a mesh or a
+// character with all keys.
 #include <iostream>
 #include <memory>
 #include <set>
@@ -14,7 +14,7 @@ namespace {
 
 using scene::Vector3d;
 
-// Names from files may hold anything, and comments end with their line.
+// Names from files may contain anything, including a line break, which would end the comment.
 std::string in_comment(const std::string& text) {
   return shown_text(text);
 }
@@ -38,7 +38,7 @@ std::string use_text(const build::JointReport& joint) {
   return joint.is_kinematic ? "no bone; its flesh follows it" : "no bone; its flesh is soft";
 }
 
-// What was measured on a character, as comments.
+// Prints measurements of a character, as comments.
 void print_character(const scene::Scene& scene, const rig::Character& character) {
   std::set<std::string> objects, materials;
   for (const rig::SurfacePart& part : character.parts) {

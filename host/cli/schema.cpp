@@ -1,4 +1,4 @@
-// fascicle schema: the JSON Schema of the scene file, or the same to be read.
+// fascicle schema: the JSON Schema of the scene file, or a readable version of it.
 #include <iostream>
 #include <memory>
 

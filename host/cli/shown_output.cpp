@@ -5,7 +5,7 @@
 namespace fascicle::cli {
 
 ShownOutput::ShownOutput(std::ostream& stream) : stream_(stream), below_(stream.rdbuf(this)) {
-  // rdbuf() clears the state.
+  // rdbuf() has cleared the state.
   if (below_ == nullptr) stream_.setstate(std::ios::badbit);
 }
 

@@ -1,4 +1,4 @@
-// Standard output as people may be shown it.
+// Standard output that is safe to show to people.
 #pragma once
 
 #include <ostream>
@@ -7,9 +7,9 @@
 
 namespace fascicle::cli {
 
-// While it lives, what goes to a stream passes base::shown_lines: a joint's name cannot make the terminal
-// obey. Escapes above ASCII are those of JSON and TOML, so that their texts stay what they are. A line goes
-// out once it is whole or the stream is flushed.
+// During its lifetime, a stream's output passes through base::shown_lines, so that a joint's name cannot
+// control the terminal. Escapes of non-ASCII characters are those of JSON and TOML, so such texts keep their
+// meaning. A line is written once it is complete or the stream is flushed.
 class ShownOutput final : public std::streambuf {
  public:
   explicit ShownOutput(std::ostream& stream);

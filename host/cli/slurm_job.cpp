@@ -91,8 +91,7 @@ std::string merge_script(const fs::path& folder, const FarmBatch& batch, const s
          in_quotes(folder.string()) + " --merge\n";
 }
 
-// Slurm reads a % in the name of a log's folder as one of its own: there the whole name is given with each
-// doubled.
+// Slurm expands % in the name of a log's folder. If there is one, give the full name with each % doubled.
 std::string log_option(const fs::path& folder, const std::string& name) {
   std::string text;
   for (const char c : folder.string()) text += c == '%' ? std::string("%%") : std::string(1, c);
@@ -127,7 +126,7 @@ bool was_submitted(const fs::path& folder) {
 
 void write_slurm_job(const fs::path& folder, const FarmBatch& batch, const std::string& options) {
   fs::create_directories(folder);
-  // Of an earlier batch there.
+  // Left over from an earlier batch.
   fs::remove(folder / submitted_ids);
   fs::remove(folder / "report.txt");
   std::string tasks;

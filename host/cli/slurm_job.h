@@ -1,4 +1,4 @@
-// A batch as a job of Slurm: an array of tasks, and a merge after it.
+// Writes a batch as a Slurm job: an array of tasks, followed by a merge.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,14 @@
 
 namespace fascicle::cli {
 
-// Whether the folder's batch was handed over already.
+// Whether the folder's batch has already been submitted.
 bool was_submitted(const std::filesystem::path& folder);
 
-// Writes array.sbatch, merge.sbatch, submit, tasks and plan.json. `options` are the user's own of sbatch;
-// they win over ours.
+// Writes array.sbatch, merge.sbatch, submit, tasks and plan.json. `options` are the user's options for
+// sbatch; they override ours.
 void write_slurm_job(const std::filesystem::path& folder, const FarmBatch& batch, const std::string& options);
 
-// Runs the folder's `submit`. Throws std::runtime_error where Slurm refuses it or is not there.
+// Runs the folder's `submit`. Throws std::runtime_error if Slurm rejects it or is missing.
 void submit_slurm_job(const std::filesystem::path& folder);
 
 }  // namespace fascicle::cli

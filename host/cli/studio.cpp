@@ -1,4 +1,4 @@
-// fascicle studio: one page on loopback, in which flesh is seen and touched while it moves.
+// fascicle studio: a page on loopback that shows moving flesh and lets the user touch it.
 #include "host/studio/studio.h"
 
 #include <cstdlib>
@@ -34,7 +34,7 @@ struct StudioArguments {
   bool headless = false;
 };
 
-// Where a program stands that has no path; empty where there is none.
+// The path of a program given by name; empty if it is not on PATH.
 fs::path on_path(const std::string& program) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path != nullptr ? path : "";
@@ -47,9 +47,9 @@ fs::path on_path(const std::string& program) {
   return {};
 }
 
-// A file that leads a browser to the address, for as long as the studio runs. The address itself holds the
-// token, and what stands in a command line can be read by every user of the machine: so the file, which is
-// its owner's alone, is what the browser is started with.
+// A file that redirects a browser to the address while the studio runs. The address contains the token, and
+// any user of the machine can read a command line, so the browser is started with this file instead, which
+// only its owner can read.
 class WayToAddress {
  public:
   WayToAddress(fs::path file, const std::string& address) : file_(std::move(file)) {
@@ -78,7 +78,7 @@ class WayToAddress {
   fs::path file_;
 };
 
-// It is a convenience: the address is printed in any case. `folder`: the session's; empty: none.
+// Optional, since the address is printed anyway. `folder`: the session's; empty: none.
 std::unique_ptr<WayToAddress> open_browser(const std::string& address, const fs::path& folder, Log& log) {
   const fs::path opener = on_path("xdg-open");
   if (opener.empty()) {

@@ -15,7 +15,7 @@ std::string in_quotes(const std::string& text) {
 
 std::string shell_word(const std::string& word) {
   constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./:=,@%+-";
-  // zsh replaces a word that begins with = by a program's path.
+  // zsh replaces a word that starts with = by a program's path.
   if (!word.empty() && word.front() != '=' && word.find_first_not_of(plain) == std::string::npos) return word;
   if (shown_text(word) == word) return in_quotes(word);
   std::string out = "$'";

@@ -1,4 +1,4 @@
-// Numbers and names as people read them, under the command line's own name, and words as shells read them.
+// Numbers and names in readable form, in the command line's namespace, and words quoted for shells.
 #pragma once
 
 #include <string>
@@ -17,11 +17,12 @@ using pipeline::duration_text;
 using pipeline::float_text;
 using pipeline::number_text;
 
-// Within '...' of a POSIX shell, or of fish.
+// The text in single quotes, for a POSIX shell.
 std::string in_quotes(const std::string& text);
 
-// A word for a POSIX shell, quoted where it must be. What a terminal would obey is written as $'\033' and the
-// like, which POSIX has since 2024 and bash, zsh and ksh always had, so that a command reads as what it does.
+// A word for a POSIX shell, quoted if necessary. Characters that control a terminal are written as $'\033'
+// and the like (in POSIX since 2024, and long supported by bash, zsh and ksh), so that a command reads as
+// what it does.
 std::string shell_word(const std::string& word);
 
 }  // namespace fascicle::cli

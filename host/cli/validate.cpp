@@ -1,4 +1,4 @@
-// fascicle validate: several devices, the same drives, the same bits.
+// fascicle validate: checks that several devices produce the same bits from the same drives.
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -24,12 +24,12 @@ using Json = nlohmann::ordered_json;
 struct ValidateArguments {
   SceneArguments scene;
   std::string devices = "cpu,vulkan", html;
-  std::uint64_t frames = 0;  // 0: all of the scene's
+  std::uint64_t frames = 0;  // 0: all frames of the scene
   unsigned threads = 0;
   bool json = false, oracle = true, converged = false;
 };
 
-// Where a stage's output names a vertex of the model, its number in the tetrahedral mesh.
+// For a stage whose output is per model vertex, the vertex's number in the tetrahedral mesh.
 std::optional<std::uint32_t> source_number(const model::Model& model, const model::Difference& difference) {
   if (difference.where.stage == model::Stage::embed || difference.item >= model.source_vertex.size())
     return std::nullopt;
@@ -44,7 +44,7 @@ Json json_of(const model::Difference& difference, const model::Model& model) {
   const std::optional<std::uint32_t> source = source_number(model, difference);
   object["source_vertex"] = source ? Json(*source) : Json();
   object["component"] = difference.component;
-  // As text: JSON has no NaN and no infinity.
+  // As text, because JSON has no NaN or infinity.
   object["a"] = {{"value", float_text(difference.a)}, {"bits", bits_text(difference.a)}};
   object["b"] = {{"value", float_text(difference.b)}, {"bits", bits_text(difference.b)}};
   object["ulp"] = difference.ulp;
@@ -178,7 +178,7 @@ void print_text(const model::Model& model, const Validation& validation) {
                  "  moves the body by percents)\n";
 }
 
-// One bar after the other, each called after what is running.
+// Shows one bar after another, each named after the current activity.
 class ShownProgress {
  public:
   explicit ShownProgress(Log& log) : log_(log) {}
@@ -202,7 +202,7 @@ std::uint64_t frames_of(const ValidateArguments& arguments, const scene::Scene& 
   return arguments.frames == 0 ? all : std::min(arguments.frames, all);
 }
 
-// --html. The page is written whatever was found.
+// --html. The page is written whatever the result.
 void write_page(const ValidateArguments& arguments, const std::string& page) {
   base::write_whole(std::filesystem::absolute(arguments.html), page);
 }
@@ -213,7 +213,7 @@ ExitCode validate_steps(const ValidateArguments& arguments, const scene::Scene& 
   Built built = build(scene, log, arguments.scene.no_cache);
   log_warnings(built.report, log);
   if (!scene.solver.auto_substeps && !built.model.has_skeleton()) {
-    // The lowest modes are known of a model that is built for automatic substeps; nothing else in it differs.
+    // Only a build for automatic substeps computes the lowest modes; it is otherwise the same.
     scene::Scene automatic = scene;
     automatic.solver.auto_substeps = true;
     built.model = build(automatic, log, arguments.scene.no_cache).model;

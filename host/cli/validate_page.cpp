@@ -31,7 +31,7 @@ void write_devices(Writer& page, const std::vector<ChosenDevice>& devices) {
   page.close();
 }
 
-// Where the first difference is, in its words.
+// Describes where the first difference is.
 std::string place_of(const model::Difference& difference) {
   return "frame " + std::to_string(difference.where.frame) + ", substep " +
          std::to_string(difference.where.substep) + ", stage " + model::name_of(difference.where.stage) +

@@ -1,4 +1,4 @@
-// What `fascicle validate` found, as a page.
+// The result of `fascicle validate`, as a page.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace fascicle::cli {
 std::string validation_page(const scene::Scene& scene, const Built& built,
                             const std::vector<ChosenDevice>& devices, const Validation& validation);
 
-// Of --converged.
+// For --converged.
 std::string convergence_page(const scene::Scene& scene, const Convergence& convergence);
 
 }  // namespace fascicle::cli

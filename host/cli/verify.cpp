@@ -1,4 +1,4 @@
-// fascicle verify: a bake's folder, read whole and held against its checksums.
+// fascicle verify: reads a bake's folder completely and checks it against its checksums.
 #include "host/bake/verify.h"
 
 #include <iostream>

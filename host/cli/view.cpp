@@ -1,4 +1,4 @@
-// fascicle view: a finished bake as one page for a browser.
+// fascicle view: a finished bake as a single page for a browser.
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -37,7 +37,7 @@ void refuse_output(const ViewArguments& arguments) {
   refuse_unwritable("-o", arguments.output);
 }
 
-// mm, rounded up so that what is said holds.
+// mm, rounded up so that the stated bound holds.
 std::string error_text(double error) {
   return number_text(1e3 * error * 1.005, 3) + " mm";
 }

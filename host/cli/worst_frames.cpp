@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is not a number is as bad as can be.
+// NaN counts as the worst possible value.
 double badness_of(double value) {
   return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
 }
@@ -43,7 +43,7 @@ FrameScores read_frame_scores(const fs::path& folder) {
   while (std::getline(file, line)) {
     const std::vector<std::string> fields = base::csv_fields(line);
     const std::optional<double> number = csv_number(fields.front());
-    // A running bake's last line may be cut off.
+    // The last line of a running bake may be incomplete.
     if (fields.size() < columns.size() || !number || !(*number >= 0.0 && *number < 1e15)) continue;
     FrameScore score;
     score.frame = static_cast<std::uint64_t>(*number);

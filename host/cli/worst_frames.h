@@ -1,4 +1,4 @@
-// Which frames of a bake look worst, by its metrics.csv.
+// Finds the frames of a bake that look worst, from its metrics.csv.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace fascicle::cli {
 
-// One frame's row of metrics.csv.
+// One row of metrics.csv.
 struct FrameScore {
   std::uint64_t frame = 0;
-  // The column `look`: 1 is the limit. Nothing where the bake has none.
+  // The column `look`: 1 is the limit. nullopt if the bake has none.
   std::optional<double> look;
-  // The largest of the columns `look_NAME`, as "NAME"; empty without any or where all are 0.
+  // NAME of the largest column `look_NAME`; empty if there is none or all are 0.
   std::string cause;
-  std::string joint;  // the column `worst_joint`: where
-  // Larger is worse: the look score; without one how many tetrahedra are inside out that skinning does not
-  // turn, and among equals the largest lag of a layer.
+  std::string joint;  // where: the column `worst_joint`
+  // Larger is worse: the look score, or without one the number of inverted tetrahedra beyond those that
+  // skinning inverts, then the largest lag of a layer.
   std::pair<double, double> badness;
 };
 
@@ -31,15 +31,15 @@ struct FrameScores {
 // Whether the bake in `folder` has a metrics.csv.
 bool has_metrics(const std::filesystem::path& folder);
 
-// Of the bake in `folder`. Throws bake::BakeError where there is no metrics.csv or it is not one.
+// For the bake in `folder`. Throws bake::BakeError if there is no valid metrics.csv.
 FrameScores read_frame_scores(const std::filesystem::path& folder);
 
-// The `count` worst of the first `frame_count` frames, worst first and of equals the earlier; none within
-// `distance` frames of another, so there may be fewer.
+// The `count` worst of the first `frame_count` frames, worst first, and the earlier first if equal. No two
+// are within `distance` frames of each other, so there may be fewer.
 std::vector<std::uint64_t> worst_frames(const FrameScores& scores, std::uint64_t frame_count,
                                         std::uint64_t count, std::uint64_t distance);
 
-// A distance that spreads `count` frames over a clip and yet lets several fall into one bad stretch.
+// A distance that spreads `count` frames over a clip, yet allows several within one bad stretch.
 std::uint64_t frames_apart(std::uint64_t frame_count, std::uint64_t count);
 
 }  // namespace fascicle::cli

@@ -7,7 +7,8 @@
 //      "_LAYER": {"vertex": [3, 4], "value": [3, 3]},
 //      "_FIBER": {"vertex": [7], "value": [0, 1, 0]}}}
 //
-// Vertices ascend. Numbers are rounded to single precision, so that the same values fit into glTF.
+// Vertices are in ascending order. Numbers are rounded to single precision, so that the same values fit into
+// glTF.
 #pragma once
 
 #include <cstdint>
