@@ -1,6 +1,6 @@
-// Body: all geometry becomes one before it is numbered and flattened. It holds a tetrahedral mesh in metres,
-// the render mesh that rides on it and, for a character, the skin weights of every vertex. What comes after
-// it does not depend on where a mesh came from.
+// Body: all geometry is converted to one before it is numbered and flattened. It holds a tetrahedral mesh in
+// metres, the render mesh that rides on it and, for a character, the skin weights of every vertex. Later
+// stages do not depend on where a mesh came from.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace fascicle::build {
 
 using scene::Vector3d;
 
-// The mesh that is drawn, in its own vertex order: a vertex is the weighted mean of four vertices of the
+// The mesh that is drawn, in its own vertex order. Each vertex is the weighted mean of four vertices of the
 // body.
 struct RenderMesh {
   std::vector<std::array<std::uint32_t, 4>> corners;
@@ -23,16 +23,17 @@ struct RenderMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Joints and weights of each vertex, CSR; at most 8 a vertex, summing to 1. Empty without a skeleton.
+// Joints and weights of each vertex, CSR; at most 8 per vertex, summing to 1. Empty without a skeleton.
 struct SkinWeights {
   std::vector<std::uint32_t> offset;
   std::vector<std::uint32_t> joint;
   std::vector<double> weight;
 };
 
-// A bone as a line segment in the bind pose, metres. `owners` are the joints (-1: none) whose share in a
-// vertex's weights makes this bone one of the vertex's own: the bone's joint, the bone's parent and the joint
-// it leads to. A bone of a scene without a skeleton has none and counts for every vertex.
+// A bone as a line segment in the bind pose, metres. `owners` are joints (-1: none): the bone's joint, its
+// parent and the joint the bone leads to. A vertex with enough weight on one of them counts this bone as its
+// own (Measures::nearest_bones). A bone of a scene without a skeleton has no owners and counts for every
+// vertex.
 struct Bone {
   Vector3d from, to;
   std::array<std::int32_t, 3> owners{-1, -1, -1};
@@ -42,38 +43,38 @@ struct Bone {
 struct JointUse {
   std::string name;
   std::int32_t parent = -1;   // index of the next joint above
-  std::int32_t bone = -1;     // the joint that is a bone, at or above this one; -1: none
+  std::int32_t bone = -1;     // the joint that is a bone, this one or an ancestor; -1: none
   bool is_kinematic = false;  // its flesh follows the skeleton
-  // Its flesh does not, however far from a bone: it hangs on a trunk, or was asked to be free.
+  // Its flesh does not, however far from a bone: it hangs on a trunk, or the scene simulates it.
   bool is_free = false;
 };
 
 // Why a vertex follows the skeleton whatever its layer: it lies under a rigid part of the skin, or it belongs
-// to the carrier of one (rigid_parts.h), a tetrahedron apart from the flesh.
+// to a rigid part's carrier (rigid_parts.h), a tetrahedron separate from the flesh.
 enum class Holding : std::uint8_t { none, covered, carrier };
 
 // One of several characters in a body.
 struct BodyMember {
-  std::uint32_t first_joint = 0;       // those from here to the next member's move its vertices
-  Vector3d offset = Vector3d::Zero();  // m: from its own bind pose to where that stands in the body
+  std::uint32_t first_joint = 0;       // joints from here to the next member's move its vertices
+  Vector3d offset = Vector3d::Zero();  // m: from its own bind pose to its place in the body
   bool is_rigid = false;               // all of its vertices follow the skeleton
 };
 
 struct Body {
   mesh::TetMesh mesh;
-  std::vector<Holding> holding;  // a vertex; empty: none of any
+  std::vector<Holding> holding;  // per vertex; empty: none for all
   RenderMesh render;
   SkinWeights skin;
   std::uint32_t joint_count = 0;
   std::vector<JointUse> joints;  // joint_count, or empty: every joint is its own bone, none is kinematic
   std::vector<Bone> bones;
-  mesh::SurfaceMesh skin_surface;              // a character's own, m, in its vertex order; else empty
+  mesh::SurfaceMesh skin_surface;              // a character's own skin, m, in its vertex order; else empty
   std::vector<rig::PaintedAttribute> painted;  // on its vertices
   std::vector<rig::SurfacePart> parts;         // of it
   std::vector<BodyMember> members;             // of several characters, ascending; else empty
 };
 
-// The number of the member that a vertex belongs to; 0 where there are not several.
+// The number of the member that a vertex belongs to; 0 unless there are several.
 std::size_t member_of(const Body& body, std::size_t vertex);
 // Where a vertex lies in the bind pose of its own character, m.
 Vector3d own_place(const Body& body, std::size_t vertex);

@@ -7,8 +7,8 @@
 
 namespace fascicle::build {
 
-// Points along the bones about `spacing` apart, half of it or more from each other and from the surface, and
-// inside it. Without them the vertices near the bones would be islands.
+// Points along the bones about `spacing` apart, inside the surface and at least half of `spacing` from it and
+// from each other. Without them the vertices near the bones would be islands.
 std::vector<Vector3d> points_along_bones(const std::vector<Bone>& bones, const mesh::SurfaceMesh& surface,
                                          double spacing);
 

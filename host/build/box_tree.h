@@ -1,5 +1,6 @@
-// A tree of bounding boxes over triangles, tetrahedra or points: what lies near a point or on a ray without
-// looking at everything. Deterministic: built by + - * / and comparisons only, ties go by the items' numbers.
+// A tree of bounding boxes over triangles, tetrahedra or points. It finds what lies near a point or on a ray
+// without visiting everything. Deterministic: built with + - * / and comparisons only; ties are broken by
+// item number.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,7 @@ struct BoundingBox {
   Eigen::Vector3d low, high;
 };
 
-// The smallest box around some points, at least one.
+// The smallest box around at least one point.
 template <class Points>
 BoundingBox box_around(const Points& points) {
   BoundingBox box{*std::begin(points), *std::begin(points)};
@@ -39,12 +40,12 @@ inline double squared_distance(const BoundingBox& box, const Eigen::Vector3d& po
 
 class BoxTree {
  public:
-  // Boxes of finite coordinates; item k is boxes[k]. None is allowed.
+  // Box coordinates must be finite; item k is boxes[k]. The span may be empty.
   explicit BoxTree(std::span<const BoundingBox> boxes);
 
-  // Calls visit(item) for every item whose box lies no farther from `point` than the root of `bound2`, the
-  // nearer half of each node first. visit returns the new bound, which may only fall: as the square of the
-  // distance to the best item so far it finds the nearest one.
+  // Calls visit(item) for every item whose box is within sqrt(`bound2`) of `point`, the nearer half of each
+  // node first. visit returns the new bound, which must not grow. If it returns the squared distance to the
+  // best item so far, the search finds the nearest item.
   template <class Visit>
   void visit_near(const Eigen::Vector3d& point, double bound2, Visit visit) const {
     if (nodes_.empty()) return;
@@ -94,13 +95,14 @@ class BoxTree {
   }
 
  private:
-  // An inner node's first child follows it, `first` is the second; a leaf has `count` items from `first`.
+  // An inner node's first child follows it, `first` is the second child; a leaf has `count` items from
+  // `first`.
   struct Node {
     BoundingBox box;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
-  // Nodes are halved by count, so the depth is at most 32, and each level leaves one node waiting.
+  // Nodes are halved by count, so the depth is at most 32, and each level leaves one pending node.
   static constexpr std::size_t stack_size = 64;
 
   static bool meets(const BoundingBox& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverse);

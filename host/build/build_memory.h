@@ -1,5 +1,5 @@
-// What BuildMemory holds: each part with the key that says for which scenes it holds. build_model.cpp asks
-// for the parts; without a memory they are made as they are needed, and the model is the same.
+// What BuildMemory holds: each part with a key that identifies the scenes it is valid for. build_model.cpp
+// requests the parts; without a memory they are made on demand, and the model is the same.
 #pragma once
 
 #include <array>
@@ -20,20 +20,21 @@
 
 namespace fascicle::build {
 
-// What follows from the body alone, whatever its layers are and whatever moves it. Measures refer to the
-// body: it stays where it is.
+// Everything that depends only on the body, not on its layers or what moves it. Measures refer to the body,
+// so it must not move in memory.
 struct Ground {
   Body body;           // in the model's numbering
   model::Model model;  // numbering, unit, rest shape and tetrahedra
   OneRings rings;
   std::vector<double> volume;                          // of each vertex, m^3
   std::vector<std::array<std::uint32_t, 3>> boundary;  // its triangles
-  Report report;                                       // what was found so far
+  Report report;                                       // findings so far
   std::optional<Measures> measures;
   std::optional<WhereTest> test;
 };
 
-// What weights and stiffness follow from beside the body, where only moduli, frequencies and damping differ.
+// Inputs of weights and stiffness beyond the body, for scenes that differ only in moduli, frequencies and
+// damping.
 struct WeightMemory {
   std::string key;
   RegionWeights weights;
@@ -47,29 +48,29 @@ struct FibreMemory {
   std::vector<Warning> warnings;
 };
 
-// Contact asks only which flesh moves by itself and what meets what.
+// Contact depends only on which flesh moves freely and what meets what.
 struct ContactMemory {
   std::string key;
   model::Model arrays;  // those of contact, and no others
 };
 
 struct BuildMemory::Impl {
-  std::string key;  // body_key of the scene that the ground is of
+  std::string key;  // body_key of the ground's scene
   std::unique_ptr<Ground> ground;
   FibreMemory fibres;
   WeightMemory weights;
   ContactMemory contact;
 };
 
-// fibre_directions. `memory` may be null, here and below.
+// Cached fibre_directions. `memory` may be null, here and below.
 std::vector<float> fibres_of(const scene::Scene& scene, const Layering& layering, Ground& ground,
                              FibreMemory* memory, Report& report);
 
-// region_weights of the model's rest shape, masses and fibres.
+// Cached region_weights of the model's rest shape, masses and fibres.
 RegionWeights weights_of(const scene::Scene& scene, const Layering& layering, const OneRings& rings,
                          WeightMemory* memory, const model::Model& model);
 
-// write_contact.
+// Cached write_contact.
 void add_contact(const scene::Scene& scene, const ContactGroups& groups, ContactMemory* memory,
                  model::Model& model);
 

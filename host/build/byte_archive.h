@@ -1,6 +1,6 @@
-// Structures as bytes and back: numbers as they lie in memory, arrays and texts behind their length, what may
-// be absent behind a flag. What is read may be damaged: lengths are held against what is left before memory
-// is taken.
+// Serialises structures to bytes and back: numbers in memory layout, arrays and texts with a length prefix,
+// optional values with a flag. Input may be damaged, so lengths are checked against the bytes left before
+// memory is allocated.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@
 
 namespace fascicle::build {
 
-// What T's bytes are: an array of numbers.
+// Whether T is stored as its bytes in memory: a number, or an array of numbers.
 template <class T>
 struct IsFlat : std::is_arithmetic<T> {};
 template <class T, std::size_t count>
 struct IsFlat<std::array<T, count>> : IsFlat<T> {};
 
-// A structure that names its fields: for_each_field(value, visit) calls visit with each, in a fixed order.
+// A structure with listed fields: for_each_field(value, visit) calls visit with each, in a fixed order.
 template <class T, class Visit>
 concept HasFields = requires(T& value, Visit& visit) {
   for_each_field(value, visit);
@@ -71,7 +71,7 @@ class ByteReader {
 
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
 
-  // All throw Damaged where the bytes end too early.
+  // All throw Damaged if the bytes end too early.
   template <class T>
   requires IsFlat<T>::value void operator()(T& value) { take(&value, sizeof value); }
   void operator()(bool& value) {
@@ -91,7 +91,7 @@ class ByteReader {
   template <class T>
   requires HasFields<T, ByteReader>
   void operator()(T& value) { for_each_field(value, *this); }
-  // One by one: a structure takes more memory than the least of bytes that it may come from.
+  // Element by element: a structure takes more memory than the fewest bytes it can be read from.
   template <class T>
   requires HasFields<T, ByteReader>
   void operator()(std::vector<T>& values) {

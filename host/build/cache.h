@@ -1,4 +1,4 @@
-// A folder of results that took long, each under the hash of what it was made from.
+// A folder of expensive results, each stored under the hash of its inputs.
 #pragma once
 
 #include <cstdint>
@@ -9,24 +9,23 @@
 
 namespace fascicle::build {
 
-// The folder that results are kept in by default: $FASCICLE_CACHE_DIR, else $XDG_CACHE_HOME/fascicle, else
-// ~/.cache/fascicle; empty where none of these can be told.
+// The default cache folder: $FASCICLE_CACHE_DIR, else $XDG_CACHE_HOME/fascicle, else ~/.cache/fascicle; empty
+// if none can be determined.
 std::filesystem::path default_cache_folder();
 
-// Nothing here throws: a cache that cannot be read or written only makes the program slower. Entries appear
-// whole or not at all and carry a checksum. Several processes may use one folder.
+// Nothing here throws: a cache that cannot be read or written only makes the program slower. Entries are
+// written atomically and carry a checksum. Several processes may share a folder.
 class Cache {
  public:
   static constexpr std::uint64_t default_limit = std::uint64_t{2} << 30;  // bytes
 
-  // An empty folder keeps nothing. Where entries outgrow `limit` bytes, those that were not used for longest
-  // go.
+  // An empty folder keeps nothing. If entries exceed `limit` bytes, the least recently used are removed.
   explicit Cache(std::filesystem::path folder, std::uint64_t limit = default_limit);
 
-  // The entry of `key` (hex digits), if it is whole. Counts as a use.
+  // The entry of `key` (hex digits), if it is intact. Counts as a use.
   std::optional<std::string> find(const std::string& key) const;
 
-  // Keeps `bytes`, in place of what was there.
+  // Stores `bytes`, replacing any previous entry.
   void put(const std::string& key, std::string_view bytes) const;
 
  private:

@@ -1,4 +1,4 @@
-// What lets flesh meet flesh: shaders/kernel/contact.inc.
+// Contact between flesh and flesh: shaders/kernel/contact.inc.
 #pragma once
 
 #include <string>
@@ -9,20 +9,18 @@
 
 namespace fascicle::build {
 
-// Fills the model's contact arrays, and mobility, from its rest shape, masses, tags and tetrahedra. Nothing
-// is filled where neither the settings say self-contact nor the groups that there are others to meet, or
-// where no vertex can move.
+// Fills the model's contact arrays, and mobility, from its rest shape, masses, tags and tetrahedra. Fills
+// nothing if self-contact is off and the groups do not ask for contact with others, or if no vertex can move.
 //
-// Every vertex of the surface is a point. Flesh does not meet what lies nearer to it at rest than the margin:
-// settings.distance, or where absent twice the mean edge of the surface. It is refused above a tenth of the
-// body's diagonal and four such edges. But limbs that are near each other
-// at rest and far apart along the flesh (three times as far as they are near) do meet, from the depth on in
-// which they rest.
+// Every vertex of the surface is a point. Flesh does not meet flesh that is nearer to it at rest than the
+// margin: settings.distance, by default twice the mean edge of the surface. A distance above both a tenth of
+// the body's diagonal and four such edges is an error. Limbs that are close at rest but far apart along the
+// flesh (three times the search radius) do meet, but only beyond the depth by which they overlap at rest.
 //
-// Points of flesh that meets nothing, and tetrahedra at least two of whose corners are of such flesh, are
-// left out, and what is left has depth 0 where it borders on them. With self-contact it is refused where
-// nothing is left; without, there is no contact then, nor where no point can meet any tetrahedron. A
-// tetrahedron is of a group where at least two of its corners are.
+// Excludes points of flesh that meets nothing, and tetrahedra with at least two such corners; what remains
+// has depth 0 at the border with them. If nothing remains, that is an error with self-contact; without
+// self-contact the model gets no contact, nor does it if no point can meet any tetrahedron. A tetrahedron
+// belongs to a group if at least two of its corners do.
 void write_contact(const scene::ContactSettings& settings, const std::string& source, model::Model& model,
                    const ContactGroups& groups = {});
 

@@ -10,23 +10,23 @@
 
 namespace fascicle::build {
 
-// A body's grids, each of cubes twice as large as those of the one before.
+// A body's grids, each with cubes twice as large as the one before.
 class CubeCascade {
  public:
-  // Keeps a reference to the body. `guess` becomes displacements of the body's vertices, 0 where held, about
-  // those of its lowest mode.
+  // Keeps a reference to the body. Sets `guess` to displacements of the body's vertices, 0 where held, close
+  // to its lowest mode.
   CubeCascade(const RegionStiffness& body, std::vector<Eigen::Vector3d>& guess);
 
-  // x += what each grid, by the diagonal of its stiffness, gives way under the forces f (Bramble, Pasciak and
-  // Xu 1990): with the body's own diagonal a preconditioner that needs about as many steps whatever the
-  // spacing.
+  // x += the sum over the grids of the inverse diagonal of the stiffness times the forces f (Bramble, Pasciak
+  // and Xu 1990). With the body's own diagonal this is a preconditioner whose number of steps hardly depends
+  // on the spacing.
   void add_response(const std::vector<Eigen::Vector3d>& f, std::vector<Eigen::Vector3d>& x) const;
 
  private:
   const RegionStiffness& body_;
   BodyGrid finest_;
   std::vector<CubeGrid> coarser_;
-  std::vector<std::vector<Eigen::Vector3d>> inverse_;  // of each grid's diagonal, the finest first
+  std::vector<std::vector<Eigen::Vector3d>> inverse_;  // of each grid's diagonal, finest first
 };
 
 }  // namespace fascicle::build

@@ -5,7 +5,7 @@
 
 namespace fascicle::build {
 
-// Of x > 0, by Newton's iteration: the C library's cbrt may differ between machines, and what comes of it is
+// Of x > 0, by Newton's iteration: the C library's cbrt may differ between machines, and the result becomes
 // part of a model's bits.
 inline double cube_root(double x) {
   int exponent = 0;

@@ -1,4 +1,4 @@
-// Forces beside gravity: which vertices take how much of them.
+// Forces other than gravity: which vertices take how much of them.
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ struct ForceTable {
   std::vector<float> coefficient;
 };
 
-// wind: rest area (m^2) over mass, for the vertices of `boundary`. point: 1 over the mass of the vertices
-// that take part. Kinematic vertices take none. Throws scene::SceneError for a point force that no free
-// vertex takes.
+// wind: rest area (m^2) over mass, for the vertices of `boundary`. point: 1 over the mass of the affected
+// vertices. Kinematic vertices take none. Throws scene::SceneError for a point force that affects no free
+// vertex.
 ForceTable make_forces(const scene::Scene& scene, const Body& body, WhereTest& test,
                        const std::vector<std::array<std::uint32_t, 3>>& boundary,
                        const std::vector<double>& mass, const std::vector<char>& kinematic);

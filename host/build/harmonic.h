@@ -1,4 +1,4 @@
-// Laplace's equation on a tetrahedral mesh: how values given at some vertices go on at the others.
+// Laplace's equation on a tetrahedral mesh: extends values given at some vertices to the others.
 #pragma once
 
 #include <cstdint>
@@ -19,28 +19,28 @@ struct VertexValue {
 // The matrix of linear finite elements: sum over tetrahedra of volume grad_a . grad_b.
 struct LaplaceMatrix {
   OneRings rings;
-  std::vector<double> coupling;  // an entry of rings: the matrix' entry off the diagonal
-  std::vector<double> diagonal;  // a vertex
+  std::vector<double> coupling;  // per entry of rings: the off-diagonal matrix entry
+  std::vector<double> diagonal;  // per vertex
 };
 
-// Tetrahedra of positive volume.
+// Tetrahedra must have positive volume.
 LaplaceMatrix laplace_matrix(const mesh::TetMesh& mesh);
 
-// Solves for the vertices not `given`. Values given at few vertices fade fast, exponentially along a limb, so
-// a solve works on the vertices that they reach and not on the whole mesh. Holds the memory that solves
-// reuse: one for each thread.
+// Solves for the vertices that are not `given`. Values given at a few vertices decay exponentially along a
+// limb, so a solve works on the vertices it reaches and not on the whole mesh. Holds memory that solves
+// reuse; use one object per thread.
 class HarmonicExtension {
  public:
-  // Values below this count as not reached. It bounds the error of leaving them out too, by the maximum
-  // principle.
+  // Values below this count as not reached. By the maximum principle it also bounds the error of omitting
+  // them.
   static constexpr double negligible = 1e-5;
 
-  // `is_given` has a flag for each vertex. Both must outlive it.
+  // `is_given` has a flag per vertex. Both arguments must outlive this object.
   HarmonicExtension(const LaplaceMatrix& matrix, const std::vector<char>& is_given);
 
-  // The solution at the vertices reached, by ascending vertex, where the given vertices hold `values` (by
-  // ascending vertex, each given) or 0. It may leave the range of the values: finite elements on flat
-  // tetrahedra do. Nothing where the conjugate gradients do not converge.
+  // The solution at the vertices reached, by ascending vertex, if the given vertices hold `values` (by
+  // ascending vertex, each given) or 0. It may leave the range of the values, as finite elements on flat
+  // tetrahedra do. Nothing if the conjugate gradients do not converge.
   std::optional<std::vector<VertexValue>> extend(std::span<const VertexValue> values);
 
  private:
@@ -52,8 +52,8 @@ class HarmonicExtension {
 
   const LaplaceMatrix& matrix_;
   const std::vector<char>& is_given_;
-  std::vector<std::uint32_t> place_;    // a vertex: its place in reached_, or nowhere
-  std::vector<double> given_;           // a vertex: its given value
+  std::vector<std::uint32_t> place_;    // per vertex: its place in reached_, or nowhere
+  std::vector<double> given_;           // per vertex: its given value
   std::vector<std::uint32_t> reached_;  // vertices solved for, ascending
   std::vector<double> value_;           // by place, like all below
   std::vector<std::uint32_t> row_, column_;

@@ -9,7 +9,7 @@
 
 namespace fascicle::build {
 
-// A piece of skin; a bit of area a and outward normal n counts by the weight w that its joints have in it.
+// A piece of skin; a patch of area a and outward normal n counts by the weight w of its joints there.
 struct SkinPiece {
   double area = 0.0;                   // sum w a, m^2
   Vector3d normal = Vector3d::Zero();  // sum w a n
@@ -17,28 +17,28 @@ struct SkinPiece {
 };
 
 struct SkinOfJoints {
-  std::vector<double> vertex_area;  // of each vertex, m^2
-  // Of each vertex: joints, with all above them, and their weights with all below; ascending.
+  std::vector<double> vertex_area;  // per vertex, m^2
+  // Per vertex: joints, including all ancestors, and their weights with all descendants; ascending.
   std::vector<std::vector<std::pair<std::uint32_t, double>>> with_below;
-  std::vector<SkinPiece> own;    // a joint: moved by itself
-  std::vector<SkinPiece> below;  // by itself and all joints below
-  double whole = 0.0;            // area of the skin
+  std::vector<SkinPiece> own;    // per joint: skin moved by the joint itself
+  std::vector<SkinPiece> below;  // by the joint and all joints below it
+  double whole = 0.0;            // area of the skin, m^2
 };
 
 SkinOfJoints skin_of_joints(const mesh::SurfaceMesh& surface, const rig::Character& character);
 
-// Where the skin that moves with one joint goes over into that of another, which is neither above nor below
-// it in the skeleton: a shank and a foot that is an IK target of its own.
+// A place where the skin of one joint merges into that of another joint that is neither its ancestor nor its
+// descendant: a shank and a foot that is a separate IK target.
 struct Meeting {
-  std::uint32_t from = 0;              // the joint whose own skin has this in common with
+  std::uint32_t from = 0;              // joint whose own skin shares this area with
   std::uint32_t to = 0;                // that of this joint and all below it
   double area = 0.0;                   // m^2
-  Vector3d middle = Vector3d::Zero();  // of the skin in common
+  Vector3d middle = Vector3d::Zero();  // of the shared skin
 };
 
-// For each joint whose skin has less than a tenth as much in common with the joints above it as with another
-// joint, that one, and others with a fifth of that or more; most first. A triangle has the lesser of the two
-// joints' shares in common, times its area.
+// For each joint whose skin has less than a tenth as much in common with its ancestors as with some unrelated
+// joint: that joint, and others with at least a fifth of its amount; largest first. A triangle counts the
+// lesser of the two joints' weights, times its area.
 std::vector<Meeting> meetings_of(const mesh::SurfaceMesh& surface, const rig::Character& character);
 
 }  // namespace fascicle::build

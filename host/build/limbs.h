@@ -1,4 +1,4 @@
-// Which pieces of a character's skin belong to different limbs, though they may touch or cross in space: two
+// Which pieces of a character's skin belong to different limbs, even if they touch or cross in space: two
 // thighs, an arm and the chest, two fingers.
 #pragma once
 
@@ -12,28 +12,30 @@
 
 namespace fascicle::build {
 
-// When two pieces of skin belong to different limbs.
+// When two pieces of skin belong to different limbs: both must hold.
 struct Separation {
-  double distance = 0.0;   // the way along the skin's edges between them is longer than this, m
-  double in_common = 0.0;  // and their joints' shares have less than this in common: sum of min(w_a, w_b)
+  double distance = 0.0;   // the path along the skin's edges between them is longer than this, m
+  double in_common = 0.0;  // their joints' weights overlap by less than this: sum of min(w_a, w_b)
 };
 
 class Limbs {
  public:
-  // `weights` holds a row for each vertex of the skin; without any, all skin is one limb. The arguments must
-  // outlive it.
-  // With `partings`, skin of one part that touches and parts in a clip is of different limbs too, whatever
-  // its weights have in common.
+  // `weights` holds a row for each vertex of the skin; without weights, all skin is one limb. The arguments
+  // must outlive this object.
+  // With `partings`, skin of one part that touches at rest and parts in a clip also belongs to different
+  // limbs, however much its weights overlap.
   Limbs(const mesh::SurfaceMesh& skin, const SkinWeights& weights, const std::vector<rig::Joint>& skeleton,
         Separation separation, const Partings* partings = nullptr);
 
   // Whether two sets of triangles belong to different limbs: any triangle of one has too little in common
-  // with the mean of the other, and the way between them is long enough. Where there is no way at all, as
-  // between an eye and its head, neither may a joint of one be the parent of a joint of the other.
+  // with the mean of the other, and the path between them is long enough. If there is no path at all, as
+  // between an eye and its head, it is also required that no joint of one is the parent of a joint of the
+  // other.
   bool are_apart(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
 
-  // Triangles put together by limb: first those that share corners; then each such patch, the largest first,
-  // goes to patches that it is not apart from, to all of a group or none. Ascending by first triangle.
+  // Groups triangles by limb. Triangles that share corners form patches. Each patch, the largest first, then
+  // joins the first group in which it is apart from no patch, or starts a new one. Ascending by first
+  // triangle.
   std::vector<std::vector<std::uint32_t>> groups_of(std::span<const std::uint32_t> triangles) const;
 
  private:
@@ -43,13 +45,14 @@ class Limbs {
   };
   std::vector<Share> shares_of(std::span<const std::uint32_t> triangles) const;
   static double in_common(const std::vector<Share>& a, const std::vector<Share>& b);
-  // Whether any of the triangles has less in common with the shares than the separation asks.
+  // Whether any of the triangles overlaps the shares by less than the separation requires.
   bool has_stranger(std::span<const std::uint32_t> triangles, const std::vector<Share>& shares) const;
   bool are_kin(const std::vector<Share>& a, const std::vector<Share>& b) const;
-  // Whether the way along edges from one set of triangles to the other is at most the distance.
+  // Whether the path along edges from one set of triangles to the other is at most the separation's distance.
   bool are_within_reach(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
 
-  // Whether any triangle of one part of the skin touches one of the others and parts from it in a clip.
+  // Whether any triangle of one set touches one of the other, within the same part of the skin, and parts
+  // from it in a clip.
   bool do_part(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
 
   const mesh::SurfaceMesh& skin_;
@@ -58,7 +61,7 @@ class Limbs {
   Separation separation_;
   const Partings* partings_;
   std::vector<std::uint32_t> edge_offset_, edge_end_;  // the skin's edges by vertex, CSR
-  std::vector<std::uint32_t> part_;                    // of each vertex
+  std::vector<std::uint32_t> part_;                    // per vertex
 };
 
 }  // namespace fascicle::build

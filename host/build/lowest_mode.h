@@ -1,4 +1,4 @@
-// The lowest mode of a body of elastic regions: what an eigen-iteration finds at build time.
+// The lowest mode of a body of elastic regions, found by an eigenvalue iteration at build time.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,20 @@
 namespace fascicle::build {
 
 struct LowestMode {
-  double square = 0.0;  // of the circular frequency, 1/s^2; from above
-  bool settled = true;  // false: the iteration's limit came first
+  double square = 0.0;  // squared circular frequency, 1/s^2; an upper bound
+  bool settled = true;  // false: the iteration limit was reached first
 };
 
 struct LowestModeSearch {
   int most_iterations = 5000;
-  // Free vertices from which on the search goes by grids of cubes (cube_modes.h). Its result then differs
-  // within what the search leaves open, less than a thousandth where spacing is even.
+  // From this many free vertices on, the search uses grids of cubes (cube_modes.h). The result then differs
+  // within the search's tolerance, less than a thousandth if the spacing is even.
   std::size_t least_for_grids = 10000;
-  std::size_t threads = base::thread_count();  // the result is the same with any
+  std::size_t threads = base::thread_count();  // does not affect the result
 };
 
-// The lowest circular frequency of the free vertices about rest, all others held still,
-// with momentum-scaled weights. Nothing where no free vertex is held by another, or where there is none.
+// The lowest circular frequency of the free vertices about rest, with all others held still and with
+// momentum-scaled weights. Nothing if there is no free vertex, or if nothing holds the free vertices.
 std::optional<LowestMode> lowest_mode(const ElasticBody& body, const std::vector<char>& is_free,
                                       const LowestModeSearch& search = {});
 

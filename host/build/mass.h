@@ -1,4 +1,4 @@
-// Volumes and what is lumped from them.
+// Volumes, and lumped quantities derived from them.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace fascicle::build {
 
-// Positive where the first three corners are seen anticlockwise from the fourth.
+// Positive if the first three corners are anticlockwise when seen from the fourth.
 inline double signed_volume(const scene::Vector3d& a, const scene::Vector3d& b, const scene::Vector3d& c,
                             const scene::Vector3d& d) {
   return (b - a).cross(c - a).dot(d - a) / 6.0;
@@ -22,10 +22,11 @@ inline double signed_volume(const mesh::TetMesh& mesh, const std::array<std::uin
 
 double total_volume(const mesh::TetMesh& mesh);
 
-// Of each vertex: a quarter of each of its tetrahedra, m^3. Times the density this is m_i of equation (4).
+// For each vertex, a quarter of the volume of each of its tetrahedra, m^3. Times the density this is m_i of
+// equation (4).
 std::vector<double> lumped_volumes(const mesh::TetMesh& mesh);
 
-// Of each vertex: a third of each of its triangles, m^2.
+// For each vertex, a third of the area of each of its triangles, m^2.
 std::vector<double> lumped_areas(const mesh::TetMesh& mesh,
                                  const std::vector<std::array<std::uint32_t, 3>>& triangles);
 

@@ -1,5 +1,5 @@
-// What layers are cut by: how far each vertex of a body lies from the bones and from the skin, how much of
-// the volume lies nearer to the bones, which joints move it and what is painted on it.
+// The measures that define layers: how far each vertex of a body lies from the bones and from the skin, how
+// much of the volume lies nearer to the bones, which joints move it and what is painted on it.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,23 @@ struct NearestBone {
   double distance = 0.0;   // m
 };
 
-// Each measure is computed on first use. The body must outlive it and stay as it is.
+// Each measure is computed on first use. The body must outlive this object and must not change.
 class Measures {
  public:
   explicit Measures(const Body& body);
 
   const Body& body() const { return body_; }
 
-  // Whether a rigid part holds the vertex, or most of its weights are of joints that are kinematic or whose
-  // bones lie further from it than the body is thick there: heads, hands, feet and jaws have no bone inside
-  // that a distance could be measured from, and follow the skeleton.
+  // Whether a vertex is held by a rigid part, or most of its weights are on joints that are kinematic or
+  // whose bones are farther away than the body is thick there. Heads, hands, feet and jaws have no bone
+  // inside from which a distance could be measured, so they follow the skeleton.
   const std::vector<char>& follows_joints();
 
-  // The nearest of each vertex's own bones: those that an owner with at least 2 % of the vertex's weights
-  // moves, those the scene draws, or all where there is none. Needs a bone.
+  // The nearest of each vertex's own bones: bones with an owner that has at least 2 % of the vertex's
+  // weights, bones drawn in the scene, or all bones if there are none of these. Needs a bone.
   const std::vector<NearestBone>& nearest_bones();
 
-  // Whether a vertex of a skin follows them by its own weights, at a point where the body has that local
+  // Whether a skin's vertex follows its joints by its own weights, at a point where the body has that local
   // radius.
   bool follows(const SkinWeights& skin, std::size_t vertex, const Vector3d& point, double radius) const;
 
@@ -42,29 +42,28 @@ class Measures {
   // The distance from the boundary of the tetrahedra, m; 0 for a carrier's vertices.
   const std::vector<double>& skin_distances();
 
-  // The distance of that bone, m; 0 for a vertex that follows joints.
+  // The distance to the nearest bone, m; 0 for a vertex that follows joints.
   const std::vector<double>& bone_distances();
 
-  // Relative depth d_b / (d_b + d_s) of the distances from the bone and from the boundary of the tetrahedra:
-  // 0 at the bone, 1 at the skin. 0 for a vertex that follows joints.
+  // Relative depth d_b / (d_b + d_s), from the distances to the bone and to the boundary of the tetrahedra: 0
+  // at the bone, 1 at the skin. 0 for a vertex that follows joints.
   const std::vector<double>& depths();
 
-  // The share of the volume that lies nearer to the bones than the vertex, half of its own included: ordered
-  // by depth, or by distance, then by the other of the two. What follows joints is not counted, and 0. Of
-  // several characters each has its own.
+  // The share of the volume that lies nearer to the bones than the vertex, including half of its own volume.
+  // Vertices are ordered by depth, or by distance, and ties by the other of the two. Vertices that follow
+  // joints do not count and get 0. Each of several characters has its own shares.
   const std::vector<double>& inner_shares(bool by_distance);
 
-  // A painted value at each vertex, interpolated on the skin at the vertex's nearest place there; of _LAYER
-  // the value of the corner that is nearest to that. `name` is the attribute's, with .r .g .b or .a (or .x .y
-  // .z .w) where it has several numbers. Throws scene::SceneError, naming `key`, where the character has none
-  // of that name.
+  // A painted value at each vertex, interpolated at its nearest place on the skin; for _LAYER, the value at
+  // that place's nearest corner. `name` is the attribute's, followed by .r .g .b or .a (or .x .y .z .w) if it
+  // has several components. Throws scene::SceneError, naming `key`, if the character has no such attribute.
   const std::vector<double>& painted(const std::string& name, const std::string& key,
                                      const std::string& source);
 
-  // Of each vertex, the entry of Body::parts that its nearest place on the skin belongs to. Needs parts.
+  // For each vertex, the entry of Body::parts at its nearest place on the skin. Needs parts.
   const std::vector<std::uint32_t>& nearest_parts();
 
-  // The share of each vertex's weights on joints of a set: one flag a joint.
+  // The share of each vertex's weights on a set of joints: one flag per joint.
   std::vector<double> shares_of(const std::vector<char>& joints) const;
 
  private:
@@ -80,8 +79,8 @@ class Measures {
 // Distance from a point to a segment, m.
 double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to);
 
-// The joints of these names, one flag a joint; with all below them if `and_below`. Throws scene::SceneError,
-// naming `key`, for a name that no joint has.
+// The joints with these names, one flag per joint; with all their descendants if `and_below`. Throws
+// scene::SceneError, naming `key`, for a name that no joint has.
 std::vector<char> joints_named(const Body& body, const std::vector<std::string>& names, bool and_below,
                                const std::string& key, const std::string& source);
 

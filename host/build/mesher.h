@@ -1,4 +1,4 @@
-// What all calls of fascicle-mesher have in common: finding it, its exit status, its last words.
+// Common to all calls of fascicle-mesher: finding it, its exit status, its last line of output.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace fascicle::build {
 
-// What fascicle-mesher --help says of its exit status.
+// The exit status, as fascicle-mesher --help documents it.
 enum MesherStatus : int {
   mesher_done = 0,
   mesher_not_closed = 4,
@@ -28,38 +28,39 @@ using base::ProcessLimits;
 using base::ProcessResult;
 using base::TemporaryFolder;
 
-// The options' mesher, or the one beside this executable, or the first on PATH. Throws scene::SceneError.
+// The mesher in the options, else the one beside this executable, else the first on PATH. Throws
+// scene::SceneError.
 std::filesystem::path mesher_path(const BuildOptions& options);
 
-// The options' limits; of memory less where less is due: a quarter of a GiB and `bytes_each` for each of the
-// elements that a good surface needs at the resolution asked for. A stranger's surface of a few splinters
-// takes as much as it gets.
+// The options' limits, with a lower memory limit if less should do: 0.25 GiB plus `bytes_each` for each
+// element that a good surface needs at the requested resolution. Otherwise a malformed surface with a few
+// splinters would take all the memory it can get.
 ProcessLimits mesher_limits(const BuildOptions& options, double elements, double bytes_each);
 
-// Says that a run over a surface of so many triangles had no more memory; `cure` is what needs less. Throws
-// scene::SceneError.
+// Reports that a run over a surface of so many triangles ran out of memory; `cure` names what needs less.
+// Throws scene::SceneError.
 [[noreturn]] void fail_memory(const ProcessLimits& limits, const BuildOptions& options, std::size_t triangles,
                               const std::string& what, const std::string& cure);
 
-// Throws Cancelled where options.is_cancelled says so.
+// Throws Cancelled if options.is_cancelled returns true.
 void check_cancelled(const BuildOptions& options);
 
-// scene::run_process of the mesher. Throws Cancelled where the limits' is_cancelled said so.
+// Runs the mesher with scene::run_process. Throws Cancelled if the limits' is_cancelled returned true.
 ProcessResult run_mesher(const std::filesystem::path& mesher, const std::vector<std::string>& arguments,
                          const ProcessLimits& limits);
 
-// The shortest text that reads back the same.
+// The shortest text that reads back as the same value.
 std::string digits_of(double value);
 
-// ": " and the last line the mesher wrote, without its name, for a message of one line; or nothing.
+// ": " and the last line that the mesher wrote, without its name, for a one-line message; or nothing.
 std::string reason(const ProcessResult& result);
 
-// Throws scene::SceneError where a run ran out of processor time or stood still. `what` is what it did,
-// `cure` what needs less time.
+// Throws scene::SceneError if a run exceeded its processor time or stalled. `what` is what it did, `cure`
+// names what needs less time.
 void check_time(const ProcessResult& result, const ProcessLimits& limits, const std::string& what,
                 const std::string& cure);
 
-// Says that a result cannot be used, and what to do. Throws scene::SceneError.
+// Reports that a result cannot be used, and what to do. Throws scene::SceneError.
 [[noreturn]] void fail_result(const std::string& what);
 
 }  // namespace fascicle::build

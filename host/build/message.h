@@ -19,9 +19,9 @@ std::string counted(std::size_t count, const std::string& one, const std::string
 // Throws scene::SceneError "SOURCE: WHAT".
 [[noreturn]] void fail(const std::string& source, const std::string& what);
 
-// Adds a warning with the first few of `vertices`.
+// Adds a warning that lists the first few of `vertices`.
 void warn(Report& report, const std::string& text, std::span<const std::uint32_t> vertices = {});
-// The same, of what concerns soft flesh alone: a robot, which has none, is not bothered with it.
+// The same, for warnings about soft flesh only: a robot, which has none, does not get them.
 void warn_of_flesh(Report& report, const std::string& text, std::span<const std::uint32_t> vertices = {});
 
 }  // namespace fascicle::build

@@ -1,4 +1,4 @@
-// One-rings: the regions' vertices.
+// One-rings: the vertices of each region.
 #pragma once
 
 #include <array>
@@ -22,11 +22,10 @@ struct OneRings {
 
 OneRings one_rings(std::size_t vertex_count, const std::vector<std::array<std::uint32_t, 4>>& tetrahedra);
 
-// For the entry (r, i) the place of the entry (i, r).
+// For each entry (r, i), the place of entry (i, r).
 std::vector<std::uint32_t> mirror_entries(const OneRings& rings);
 
-// The number of the connected part that each vertex belongs to, parts counted in order of their lowest
-// vertex.
+// The connected part that each vertex belongs to; parts are numbered by their lowest vertex.
 struct Parts {
   std::uint32_t count = 0;
   std::vector<std::uint32_t> of_vertex;

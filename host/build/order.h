@@ -1,5 +1,5 @@
-// The model's own numbering, chosen so that a vertex's neighbours lie near it in memory and 16 or 32
-// consecutive vertices have one-rings of about the same length.
+// The model's own numbering. Neighbours lie close together in memory, and 16 or 32 consecutive vertices have
+// one-rings of about the same length.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@
 
 namespace fascicle::build {
 
-// Slabs two spacings thick across the longest axis of the bounding box, in them strips two spacings wide
-// across the next, in them by the third; then, in windows of 256, by falling degree. The spacing is the edge
-// of the cube that a vertex fills on average. Element k is the old number of the vertex that becomes k.
+// Slabs two spacings thick across the longest axis of the bounding box; in them, strips two spacings wide
+// across the next axis; in those, order along the third. Then, in windows of 256, by decreasing degree. The
+// spacing is the edge of the cube that a vertex fills on average. Element k is the old number of the vertex
+// that becomes k.
 std::vector<std::uint32_t> locality_order(const mesh::TetMesh& mesh, const OneRings& rings);
 
-// Gives vertex order[k] the number k everywhere. Tetrahedra keep their orientation, begin with their lowest
-// corners and are sorted, so that the result does not depend on how the input listed them.
+// Renumbers vertex order[k] to k everywhere. Tetrahedra keep their orientation, start with their lowest
+// corners and are sorted, so that the result does not depend on their order in the input.
 void renumber(Body& body, const std::vector<std::uint32_t>& order);
 
 }  // namespace fascicle::build

@@ -1,4 +1,5 @@
-// What minimising a Rayleigh quotient x.Lx / x.Mx along conjugate directions takes, on a body and on a grid.
+// Common steps of minimising a Rayleigh quotient x.Lx / x.Mx along conjugate directions, on a body and on a
+// grid.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 
 namespace fascicle::build {
 
-// In a fixed order, which Eigen's is not.
+// In a fixed order, unlike Eigen's.
 inline double scalar_product(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -22,7 +23,7 @@ inline double best_step(double a11, double a12, double a22, double m11, double m
   return std::isfinite(t) ? t : 0.0;
 }
 
-// Numbers from -1 to 1 without a pattern.
+// Pseudorandom numbers from -1 to 1.
 class Noise {
  public:
   double next() {

@@ -1,5 +1,5 @@
-// The stiffness of a body's regions about rest, K_i (x_i - g_i(x)) with rotations to first order: symmetric,
-// because the goals are those that minimise the regions' energy.
+// The stiffness of a body's regions about rest, K_i (x_i - g_i(x)) with rotations to first order. It is
+// symmetric because the goals minimise the regions' energy.
 #pragma once
 
 #include <array>
@@ -22,10 +22,10 @@ struct ElasticBody {
   std::span<const double> k;     // k_r of each region, 1/s^2
 };
 
-// The inverse of a symmetric matrix times a vector, by its adjugate; xx yy zz xy xz yz.
+// The inverse of a symmetric matrix times a vector, by the adjugate; order xx yy zz xy xz yz.
 Eigen::Vector3d solve_symmetric(const std::array<double, 6>& m, const Eigen::Vector3d& b);
 
-// Keeps references to what the body refers to and to `is_free`.
+// Keeps references to the body's data and to `is_free`.
 class RegionStiffness {
  public:
   RegionStiffness(const ElasticBody& body, const std::vector<char>& is_free, std::size_t threads);
@@ -35,11 +35,11 @@ class RegionStiffness {
   const std::vector<char>& is_free() const { return is_free_; }
   Eigen::Vector3d rest(std::size_t i) const { return rest_at(state_, i); }
   double mass(std::size_t i) const { return state_.mass[i]; }
-  // Of each of i's three coordinates.
+  // The diagonal entry of each of i's three coordinates.
   double diagonal(std::size_t i) const { return pull_[i]; }
   double mean_edge() const;
 
-  // y = L x on the free vertices, 0 elsewhere; x is 0 on the held ones.
+  // y = L x at the free vertices, 0 elsewhere; x must be 0 at the held ones.
   void apply(const std::vector<Eigen::Vector3d>& x, std::vector<Eigen::Vector3d>& y) const;
 
   bool touches_free(std::size_t r) const { return touches_[r] != 0; }
@@ -69,10 +69,10 @@ class RegionStiffness {
   std::span<const double> own_, taken_, k_;
   const std::vector<char>& is_free_;
   std::size_t threads_;
-  std::vector<double> pull_, scale_;     // scale_: what makes the k_r w_ir of a vertex sum to its pull
-  std::vector<Eigen::Vector3d> centre_;  // c0_r, from the region's own vertex
+  std::vector<double> pull_, scale_;     // scale_: makes the k_r w_ir of a vertex sum to its pull
+  std::vector<Eigen::Vector3d> centre_;  // c0_r relative to the region's own vertex
   std::vector<Region> regions_;
-  std::vector<char> touches_;  // a region that holds a free vertex
+  std::vector<char> touches_;  // per region: whether it holds a free vertex
 };
 
 }  // namespace fascicle::build

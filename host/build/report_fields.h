@@ -1,5 +1,4 @@
-// The fields of a Report and of what is in it, for a byte archive. A field that is missing here does not
-// compile.
+// The fields of a Report and of its members, for a byte archive. A missing field is a compile error.
 #pragma once
 
 #include <concepts>
@@ -9,7 +8,7 @@
 
 namespace fascicle::build {
 
-// T, or T that may not be changed.
+// T is Of or const Of.
 template <class T, class Of>
 concept Is = std::same_as<std::remove_const_t<T>, Of>;
 

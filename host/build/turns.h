@@ -7,10 +7,10 @@
 
 namespace fascicle::build {
 
-// Of each joint the angle (radians, at most pi) between the two keys of one clip that are farthest apart,
-// against the parent; 0 of those that no clip turns. Found from the key farthest from the first, so that it
-// may be less than the whole where a joint turns about several axes. Between keys of a cubic spline a joint
-// may turn further.
+// For each joint the angle (radians, at most pi) between the two keys of one clip that are farthest apart,
+// relative to the parent; 0 for joints that no clip turns. The search starts from the key farthest from the
+// first, so it may find less than the maximum if a joint turns about several axes. Between keys of a cubic
+// spline a joint may turn farther.
 std::vector<double> turns_in_clips(const rig::Character& character);
 
 }  // namespace fascicle::build

@@ -1,4 +1,4 @@
-// Sets of numbers that are joined step by step (union by path halving).
+// Disjoint sets of numbers (union-find with path halving).
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class Unions {
     std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
   }
 
-  // The lowest number of its set.
+  // The lowest number of i's set.
   std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
