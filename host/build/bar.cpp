@@ -28,8 +28,8 @@ struct SplitMix64 {
   double symmetric() { return static_cast<double>(next() >> 11) * 0x1p-52 - 1.0; }
 };
 
-// The six orders in which a path along the axes leads from a cell's corner to the opposite one. Each path is
-// a tetrahedron; the odd orders give a mirrored one, so their last two corners are exchanged.
+// The six axis orders of a path from a cell's corner to the opposite one. Each path is a tetrahedron; odd
+// orders give a mirrored one, so their last two corners are swapped.
 struct KuhnPath {
   std::array<int, 3> axes;
   bool odd;
@@ -41,7 +41,7 @@ constexpr std::array<KuhnPath, 6> kuhn_paths{{{{0, 1, 2}, false},
                                               {{2, 1, 0}, true},
                                               {{1, 0, 2}, true}}};
 
-// A tetrahedron keeps at least this part of its volume under jitter.
+// A tetrahedron keeps at least this share of its volume under jitter.
 constexpr double least_volume_ratio = 0.1;
 
 void check_bar(const scene::Bar& bar, const std::string& source) {
@@ -55,7 +55,7 @@ void check_bar(const scene::Bar& bar, const std::string& source) {
       fail(source, "bar: size: must be above 0 along each axis");
     vertices *= n;
   }
-  // Six tetrahedra a cell and four corners each must stay countable in 32 bits.
+  // Six tetrahedra per cell with four corners each must be countable in 32 bits.
   if (vertices > 1.7e8)
     fail(source, "bar: vertices: " + std::to_string(static_cast<std::uint64_t>(vertices)) +
                      " vertices are more than can be numbered; use a coarser bar");
@@ -63,7 +63,7 @@ void check_bar(const scene::Bar& bar, const std::string& source) {
 }
 
 // Displacements shrink only at vertices of squashed tetrahedra, and zero displacement squashes none, so this
-// ends.
+// terminates.
 void apply_jitter(mesh::TetMesh& mesh, std::vector<Vector3d> displacement, double whole_volume) {
   const std::vector<Vector3d> grid = mesh.vertices;
   std::vector<char> halve(grid.size());
@@ -83,7 +83,7 @@ void apply_jitter(mesh::TetMesh& mesh, std::vector<Vector3d> displacement, doubl
   mesh.vertices = grid;
 }
 
-// More of the same, each `step` above the one before.
+// Adds further copies, each `step` above the one before.
 void repeat_upwards(mesh::TetMesh& mesh, std::uint32_t count, double step) {
   const std::size_t vertices = mesh.vertices.size(), tetrahedra = mesh.tetrahedra.size();
   for (std::uint32_t k = 1; k < count; ++k) {
@@ -112,7 +112,7 @@ mesh::TetMesh make_bar(const scene::Bar& bar, const std::string& source) {
   for (std::uint32_t x = 0; x < nx; ++x)
     for (std::uint32_t y = 0; y < ny; ++y)
       for (std::uint32_t z = 0; z < nz; ++z) {
-        // The far faces lie at `size` itself, whatever the spacing rounds to.
+        // The far faces lie exactly at `size`, however the spacing rounds.
         mesh.vertices.emplace_back(x + 1 == nx ? bar.size[0] : x * spacing[0],
                                    y + 1 == ny ? bar.size[1] : y * spacing[1],
                                    z + 1 == nz ? bar.size[2] : z * spacing[2]);

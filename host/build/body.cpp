@@ -66,7 +66,7 @@ Body body_of(const mesh::SurfaceMesh& surface, const scene::Scene& scene, Report
   return body;
 }
 
-// All of a prop is filled, whatever parts it has: it pushes by its tetrahedra.
+// Fills all parts of a prop: it pushes by its tetrahedra.
 Body body_of_one(const rig::Character& character, const scene::Scene& scene, bool is_prop, Report& report,
                  const BuildOptions& options) {
   const WeldedSurface welded = prepare_surface(character.surface, scene, report);

@@ -29,27 +29,29 @@ namespace fascicle::build {
 
 namespace {
 
-// Where nothing is asked for, a cage has about this many vertices.
+// A cage's default number of vertices, approximately.
 constexpr std::uint32_t default_vertices = 20000;
-// The largest evenness that a character's own skin may have: explicit stiffness follows spacing squared.
+// The largest spacing ratio that a character's own skin may have: explicit stiffness depends on the square of
+// the spacing.
 constexpr double most_uneven = 4.0;
-// A cage's gaps need not be finer than this many of its edges.
+// A cage need not resolve gaps finer than this many of its edges.
 constexpr double alpha_in_edges = 1.0;
-// Skin of two limbs is cut apart where it is this many edges apart along the skin and has little in common:
-// well before 5 edges and nothing in common, where joining them would be wrong.
+// Skin of two limbs is cut apart if it is this many edges apart along the skin and has less than this in
+// common. At 5 edges and nothing in common joining would be wrong; these limits are well below.
 constexpr double separate_edges = 3.0;
 constexpr double separate_shares = 0.2;
-// And where it is no farther apart than this in the bind pose, and in a clip farther by that.
+// Skin is also cut apart if it is at most touching_edges apart in the bind pose, and a clip moves it
+// parting_edges farther apart.
 constexpr double touching_edges = 1.5;
 constexpr double parting_edges = 1.0;
-// How far the cage's vertices may be moved to hold the skin, in edges.
+// How far the cage's vertices may move to hold the skin, in edges.
 constexpr double farthest_in_edges = 2.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What keeps a skin from being filled as it is, in words; empty if nothing does.
+// Describes what keeps a skin from being filled as it is; empty if nothing does.
 std::string defects_of(const SurfaceFindings& findings) {
   std::string text;
   const auto add = [&](const Finding& finding, const char* one, const char* many, std::uint64_t allowed = 0) {
@@ -88,7 +90,7 @@ Choice choose(const Skin& skin, const scene::Scene& scene, const CageReport& cag
   return {false, "the skin encloses a volume and is even"};
 }
 
-// Edge length at which `vertices` fill a volume: TetGen makes about 1.3 to an edge's cube. By halving,
+// Edge length at which `vertices` fill a volume: TetGen makes about 1.3 per cube of the edge. Uses bisection
 // because the C library's roots differ between processors.
 double edge_to_fill(double volume, double vertices) {
   constexpr double per_volume = 1.3;
@@ -111,14 +113,14 @@ double edge_to_cover(const mesh::SurfaceMesh& surface, double vertices) {
   return std::sqrt(2.0 / std::sqrt(3.0) * area / vertices);
 }
 
-// The edge length that a cage of so many vertices will have. Of a skin that is nearly flat its volume says
-// nothing: the vertices go to the surface.
+// The edge length that a cage with so many vertices will have. For a nearly flat skin the volume says
+// nothing: its vertices go to the surface.
 double edge_of_cage(const mesh::SurfaceMesh& surface, double volume, double vertices) {
   constexpr double least_of_cover = 0.5;
   return std::max(edge_to_fill(volume, vertices), least_of_cover * edge_to_cover(surface, vertices));
 }
 
-// One flag a vertex: whether it is one of the points.
+// One flag per vertex: whether it is one of the points.
 std::vector<char> vertices_at(std::vector<Vector3d> points, const mesh::TetMesh& mesh) {
   const auto before = [](const Vector3d& a, const Vector3d& b) {
     return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
@@ -131,7 +133,7 @@ std::vector<char> vertices_at(std::vector<Vector3d> points, const mesh::TetMesh&
   return is_one;
 }
 
-// For a kept skin, only the inside can follow.
+// For a kept skin, only the inside can adapt.
 double edge_of_kept(const mesh::SurfaceMesh& surface, std::uint32_t vertices) {
   constexpr double coarsest = 4.0;
   const double mean = mean_edge(surface);
@@ -159,7 +161,7 @@ BodyMesh keep_skin(const Skin& skin, const scene::Scene& scene, Report& report, 
   return body;
 }
 
-// The joint that moves most of some vertices of the skin; -1 where nothing moves them.
+// The joint that moves most of the given vertices of the skin; -1 if nothing moves them.
 std::int32_t joint_of(const std::vector<std::uint32_t>& vertices, const Skin& skin) {
   if (skin.weights.offset.empty()) return -1;
   std::vector<double> share(skin.skeleton.size(), 0.0);
@@ -224,7 +226,7 @@ BodyMesh make_cage(const Skin& skin, const scene::Scene& scene, Report& report, 
   return {std::move(cut.mesh), false, std::move(cut.anchor), std::move(hold.home)};
 }
 
-// The file's author has no tetrahedra to mend: what the filling left flat is said as a fault of the surface.
+// The file's author has no tetrahedra to repair, so flat ones are reported as a fault of the surface.
 void refuse_flat_fill(const mesh::TetMesh& mesh, bool is_cage, const std::string& source) {
   const std::vector<std::uint32_t> flat = tetrahedra_without_volume(mesh);
   if (flat.empty()) return;

@@ -23,28 +23,29 @@ namespace {
 
 // Bones shorter than this part of the skeleton's extent are points.
 constexpr double point_of_extent = 1e-6;
-// An end's bone reaches this far into what most of its skin spans.
+// An end's bone reaches this share of the span of most of its skin (most_skin).
 constexpr double end_reach = 0.85;
 constexpr double most_skin = 0.98;
-// Places along a bone where it is asked whether it runs inside the skin.
+// Samples along a bone to test whether it runs inside the skin.
 constexpr int axis_samples = 10;
 
-// A joint goes on from a bone above it whose skin it moves this much of: a neck's head, but no breast.
+// A joint continues a bone above it if it moves at least this share of that bone's skin: a neck's head, but
+// not a breast.
 constexpr double goes_on_share = 0.5;
 constexpr double most_open_going_on = 0.75;
-// A root that moves less than this of the skin, and stands outside of it, is a control.
+// A root outside the skin that moves less than this share of it is a control.
 constexpr double control_share = 5e-3;
-// So far outside, in parts of the skeleton's extent.
+// How far outside, as a share of the skeleton's extent.
 constexpr double control_distance = 0.02;
-// Joints below the same parent, or below parents that are alike, are alike where their openness differs by at
-// most so much and their shares by this part of the larger.
+// Joints below the same parent, or below parents that are alike, are alike if their openness differs by at
+// most this much and their shares by at most this part of the larger.
 constexpr double alike_openness = 0.05, alike_share = 0.1;
-// A joint that a clip turns by so much against its parent is there to be seen turning: the skin on it is no
+// A joint that a clip turns by this much against its parent is meant to be seen turning: its skin is not
 // flesh that only lies on a trunk.
 constexpr double most_turn_of_flesh = 20.0 * std::numbers::pi / 180.0;
-// A joint that ends a chain leads to another where their skins meet this far out, in distances from it to the
-// middle of its own skin, off the way there by at most so much of that way; and that other's skin is so
-// large, of its own.
+// A joint that ends a chain continues in another if their skins meet this far out (in units of its distance
+// to the middle of its own skin) and at most this far off that axis (as a share of the distance along it),
+// and if the other's skin has at least this share of the area of the joint's own skin.
 constexpr double meets_beyond = 1.2, meets_aside = 0.6, meets_area = 0.1;
 
 Vector3d bind_position(const rig::Joint& joint, const std::string& source) {
@@ -88,7 +89,7 @@ class Chooser {
     take_ends_of_limbs();
     take_leading();
     meetings_ = meetings_of(surface_, character_);
-    // What is dropped makes other joints ends, and others' parents.
+    // Dropping a joint makes other joints ends and gives others new parents.
     do {
       find_ways_over();
     } while (!drop_outside(inside));
@@ -154,7 +155,7 @@ class Chooser {
     return are_alike(static_cast<std::size_t>(p), static_cast<std::size_t>(q));
   }
 
-  // Left and right: what is a little too small or too open on one side only.
+  // Left and right: joints that are slightly too small or too open on one side only.
   void take_alike() {
     for (std::size_t j = 0; j < size(); ++j) {
       if (is_bone_[j] || refused_[j] || is_control_[j] || !character_.skeleton[j].skins) continue;
@@ -167,8 +168,8 @@ class Chooser {
     }
   }
 
-  // A short limb, whose upper joint is too open and whose lower one too: the lower one is its end, where
-  // neither it nor what is between it and a bone that leads on closes around an axis.
+  // A short limb with an upper and a lower joint that are both too open: the lower one is its end, if neither
+  // it nor any joint between it and a bone that leads on closes around an axis.
   void take_ends_of_limbs() {
     const std::vector<char> leads_on = joints_that_lead_on();
     for (std::size_t j = size(); j-- > 0;) {
@@ -190,7 +191,7 @@ class Chooser {
     return false;
   }
 
-  // What lies between bones is one, and so is what goes on from one with most of its skin.
+  // Joints between bones are bones, and so are joints that continue a bone with most of its skin.
   void take_leading() {
     for (std::size_t j = size(); j-- > 0;) {
       if (!is_bone_[j]) continue;
@@ -213,7 +214,7 @@ class Chooser {
     }
   }
 
-  // The joints of these names, with all below them if asked for.
+  // The joints with these names, with all their descendants if `and_below`.
   std::vector<char> named(const std::vector<std::string>& names, const std::string& key,
                           bool and_below) const {
     std::vector<char> is(size(), 0);
@@ -233,7 +234,7 @@ class Chooser {
     return is;
   }
 
-  // The next bone above, or -1.
+  // The nearest ancestor that is a bone, or -1.
   std::int32_t bone_above(std::size_t joint) const {
     std::int32_t parent = character_.skeleton[joint].parent;
     while (parent >= 0 && !is_bone_[static_cast<std::size_t>(parent)])
@@ -241,7 +242,7 @@ class Chooser {
     return parent;
   }
 
-  // Bones of length, each from a joint to the next below it; leads_on tells the joints they start from.
+  // Bones with a length, each from a joint to the next below it; leads_on marks the joints they start from.
   struct Segment {
     std::size_t from, to;
   };
@@ -264,8 +265,8 @@ class Chooser {
     return 2 * inside >= axis_samples;
   }
 
-  // The tip of a bone that ends a chain: from its beginning into its joint's skin, as far as that reaches for
-  // the most part.
+  // The tip of a bone that ends a chain: from its start into its joint's skin, as far as most of that
+  // reaches.
   Vector3d tip_of(std::size_t joint, const Vector3d& begin) const {
     const Vector3d towards = skin_.below[joint].middle - begin;
     const double length = towards.norm();
@@ -286,7 +287,7 @@ class Chooser {
     return begin + std::max(end_reach * far, length) / length * towards;
   }
 
-  // Vertices that a joint and those below it move, and their areas by its weight.
+  // Vertices that a joint and its descendants move, and their areas times its weight.
   template <class Use>
   void for_each_part(std::size_t joint, Use use) const {
     for (std::size_t v = 0; v < skin_.with_below.size(); ++v)
@@ -300,7 +301,7 @@ class Chooser {
     return leads_on;
   }
 
-  // Where a chain ends in the skeleton but goes on in space: a shank whose foot is an IK target of its own.
+  // Where a chain ends in the skeleton but continues in space: a shank whose foot is a separate IK target.
   void find_ways_over() {
     const std::vector<char> leads_on = joints_that_lead_on();
     over_.clear();
@@ -350,7 +351,7 @@ class Chooser {
     return all_stay;
   }
 
-  // Joints that end a chain and whose skin lies around another bone of their parent's.
+  // Drops joints that end a chain and whose skin lies around another bone of their parent.
   void drop_twists() {
     is_twist_.assign(size(), 0);
     const std::vector<Segment> all = segments();
@@ -369,7 +370,8 @@ class Chooser {
       if (is_twist_[j]) is_bone_[j] = 0;
   }
 
-  // Whether a joint's skin lies around a segment: its middle is much nearer to it than the skin itself.
+  // Whether a joint's skin lies around a segment: the skin's middle is much nearer to it than the skin
+  // itself.
   bool lies_around(std::size_t joint, const Vector3d& from, const Vector3d& to) const {
     double sum = 0.0, area = 0.0;
     for_each_part(joint, [&](const Vector3d& p, double part) {
@@ -405,7 +407,7 @@ class Chooser {
         bones.push_back({over.middle, place_[over.to], {index(over.to), index(over.from), -1}});
       is_reached[over.to] = 1;
     }
-    // Limbs that hang on a root outside the skin: from the bone beside them.
+    // Limbs attached to a root outside the skin get a bone from the adjacent bone.
     for (const Meeting& meeting : meetings_) {
       const std::size_t from = meeting.from, to = meeting.to;
       if (!is_bone_[from] || !is_bone_[to] || is_reached[to] || ends_chain_[from]) continue;
@@ -475,7 +477,7 @@ class Chooser {
     const JointReport& joint = choice_.report[j];
     if (is_twist_[j]) return false;
     const bool is_large = joint.share >= settings_.least_share;
-    // A root whose axis lies outside: what it moves is trunk.
+    // A root whose axis lies outside: its flesh is trunk.
     if (bone < 0) return !is_large;
     const bool on_end = ends_chain_[static_cast<std::size_t>(bone)] != 0;
     return joint.openness < least_open_flesh || (on_end && !is_large) || turns_[j] > most_turn_of_flesh;
@@ -486,14 +488,14 @@ class Chooser {
   const std::string& source_;
   mesh::SurfaceMesh surface_;
   BoneChoice choice_;
-  std::vector<Vector3d> place_;  // of a joint, m
+  std::vector<Vector3d> place_;  // per joint, m
   SkinOfJoints skin_;
   std::vector<char> wanted_, refused_, is_control_;
   std::vector<char> is_bone_, ends_chain_, is_twist_, is_met_;
   std::vector<char> is_cut_;  // the bone that leads to this joint runs outside the skin
   std::vector<Meeting> meetings_, over_;
-  std::vector<double> turns_;             // of a joint in the clips, radians
-  std::vector<std::string> why_;          // a joint is a bone, or none
+  std::vector<double> turns_;             // of each joint in the clips, radians
+  std::vector<std::string> why_;          // why a joint is a bone or not
   double extent_ = 0.0, shortest_ = 0.0;  // m
 };
 

@@ -14,14 +14,14 @@ namespace fascicle::build {
 namespace {
 
 constexpr std::uint32_t no_part = std::numeric_limits<std::uint32_t>::max();
-// At the skin an edge of a way counts this much more than at the bone.
+// Cost factor of an edge at the skin, relative to the bone.
 constexpr double dearer_at_skin = 4.0;
 constexpr double longest_of_diagonal = 0.1;
-// Part of a bone's length within which ends are the same: rigs are stored in floats.
+// Bone ends closer than this part of the bone's length coincide: rigs are stored in floats.
 constexpr double same_place = 1e-5;
 
 struct Islands {
-  std::vector<std::uint32_t> of;  // a vertex: its island, or no_part
+  std::vector<std::uint32_t> of;  // per vertex: its island, or no_part
   std::vector<std::uint32_t> first;
   std::vector<std::size_t> size;
 };
@@ -46,7 +46,7 @@ Islands find_islands(const OneRings& rings, const std::vector<char>& is_bone) {
   return islands;
 }
 
-// The first vertex of each island but the largest of its part of the mesh.
+// The first vertex of each island except the largest of its part of the mesh.
 std::vector<std::uint32_t> islands_apart(const Islands& islands, const Parts& parts) {
   std::vector<std::uint32_t> largest(parts.count, no_part), apart;
   for (std::uint32_t k = 0; k < islands.first.size(); ++k) {
@@ -58,7 +58,7 @@ std::vector<std::uint32_t> islands_apart(const Islands& islands, const Parts& pa
   return apart;
 }
 
-// For each bone the first that lies in its place: several joints may lead from one place to another.
+// For each bone the first bone in the same place: several joints may lead from one place to another.
 std::vector<std::uint32_t> first_in_place(const std::vector<Bone>& bones) {
   const auto lie_together = [](const Bone& a, const Bone& b) {
     const double near = same_place * (a.to - a.from).norm();
@@ -71,7 +71,8 @@ std::vector<std::uint32_t> first_in_place(const std::vector<Bone>& bones) {
   return first;
 }
 
-// What a vertex off the bone's axis costs more: by the square, so that a way keeps to the axis where it can.
+// Edge costs that grow with the square of the distance from the bone's axis, so that a path keeps to the axis
+// if it can.
 class Axis {
  public:
   Axis(const Bone& bone, const std::vector<Vector3d>& vertices, double spacing)
@@ -90,7 +91,7 @@ class Axis {
   double spacing_;
 };
 
-// The cheapest way from one vertex to another over vertices that are open; empty where there is none.
+// The cheapest path between two vertices through open vertices; empty if there is none.
 std::vector<std::uint32_t> way_along(const Axis& axis, const OneRings& rings, const std::vector<char>& open,
                                      std::uint32_t start, std::uint32_t goal) {
   std::unordered_map<std::uint32_t, std::pair<double, std::uint32_t>> reached{{start, {0.0, no_part}}};
@@ -125,9 +126,9 @@ double mean_ring_edge(const std::vector<Vector3d>& vertices, const OneRings& rin
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-// Marks a way along every bone, from its vertex nearest to the one end to that nearest to the other: through
-// its own vertices where they hold together, else through any. The flesh of a slender limb has vertices that
-// lie nearer to the skin than to the bone all through, and would have no bone in it.
+// Marks a path along every bone, from the bone's vertex nearest to one end to its vertex nearest to the
+// other: through its own vertices if they are connected, else through any. A slender limb may have only
+// vertices that lie nearer to the skin than to the bone, and would otherwise have no bone in it.
 void lay_along_bones(Measures& measures, const OneRings& rings, const std::vector<char>& closed,
                      std::vector<char>& is_bone, BoneLayerReport& report) {
   const Body& body = measures.body();
@@ -169,10 +170,10 @@ void lay_along_bones(Measures& measures, const OneRings& rings, const std::vecto
   }
 }
 
-// Shortest ways from the islands outward, and where two of them meet.
+// Shortest paths from the islands outward, and where two of them meet.
 struct Meeting {
   double cost;
-  std::uint32_t a, b;  // neighbours on ways from different islands
+  std::uint32_t a, b;  // neighbours on paths from different islands
 };
 
 void join_islands(Measures& measures, const OneRings& rings, const std::vector<char>& closed,

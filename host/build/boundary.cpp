@@ -10,7 +10,7 @@ namespace fascicle::build {
 
 namespace {
 
-// Corners in ascending order; `outward` says whether this order faces outward.
+// Corners in ascending order; `outward`: whether this order faces outward.
 struct Face {
   std::array<std::uint32_t, 3> corners;
   bool outward;
@@ -24,15 +24,15 @@ Face make_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   return {{a, b, c}, outward};
 }
 
-// Lowest corners whose faces are looked at together: all faces of a mesh at once would be a third of the
-// memory that building it takes.
+// A range of lowest corners whose faces are processed together: all faces of a mesh at once would take a
+// third of the memory of building it.
 struct Band {
   std::uint32_t begin, end;
 };
 
 using Corners = std::array<std::uint32_t, 4>;
 
-// `corners` gives those of tetrahedron k.
+// `corners` returns the corners of tetrahedron k.
 template <class CornersOf>
 void collect_faces(std::size_t tetrahedra, const CornersOf& corners, Band band, std::vector<Face>& faces) {
   faces.clear();

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::uint32_t leaf_items = 4;
-// Rounding of a slab's bounds must not let a ray slip past a box that its triangle fills to the rim.
+// Rounding in the slab test must not let a ray miss a box that its triangle fills to the rim.
 constexpr double ray_slack = 1e-12;
 
 }  // namespace
@@ -38,8 +38,8 @@ std::uint32_t BoxTree::add_node(std::span<const BoundingBox> boxes, std::span<co
   }
   const auto items = items_.begin();
   if (end - begin <= leaf_items) {
-    // Which items a leaf holds is settled by the order below; how the library's nth_element leaves them is
-    // not.
+    // The order below determines which items a leaf holds; the order in which nth_element leaves them is
+    // unspecified.
     std::sort(items + begin, items + end);
     node.first = begin;
     node.count = end - begin;

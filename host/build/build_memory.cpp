@@ -17,7 +17,7 @@ namespace {
 
 using model::Model;
 
-// Characters that are made in code have no file whose hash would tell them apart.
+// Characters made in code have no file whose hash could identify them.
 void add_character(base::ContentHash& hash, const rig::Character& character) {
   add_points(hash, character.surface.vertices);
   for (const auto& weights : character.weights) hash.add_array(std::span<const double>(weights));
@@ -27,7 +27,7 @@ void add_character(base::ContentHash& hash, const rig::Character& character) {
   }
 }
 
-// All that fibre_directions looks at beside the body.
+// Everything that fibre_directions reads besides the body.
 std::string fibre_key_of(const scene::Scene& scene, const std::vector<std::uint32_t>& layer_of) {
   base::ContentHash hash;
   hash.add_array(std::span<const std::uint32_t>(layer_of));
@@ -41,7 +41,7 @@ std::string fibre_key_of(const scene::Scene& scene, const std::vector<std::uint3
   return hash.text();
 }
 
-// All that region_weights and ElasticMemory look at beside the body.
+// Everything that region_weights and ElasticMemory read besides the body.
 std::string weights_key_of(const scene::Scene& scene, const Layering& layering, const Model& model) {
   base::ContentHash hash;
   hash.add(model.weight_form);
@@ -54,7 +54,7 @@ std::string weights_key_of(const scene::Scene& scene, const Layering& layering, 
   return hash.text();
 }
 
-// All that write_contact looks at beside the body, but for the friction and the masses.
+// Everything that write_contact reads besides the body, except the friction and the masses.
 std::string contact_key_of(const scene::Scene& scene, const ContactGroups& groups, const Model& model) {
   scene::ContactSettings settings = scene.contact;
   settings.friction = 0.0;
@@ -94,13 +94,13 @@ std::optional<std::string> body_key(const scene::Scene& scene) {
   for (const char* key : {"name", "source", "text", "layers", "flesh", "fibres", "muscles", "pins", "probes",
                           "forces", "colliders", "gravity", "solver"})
     parameters.erase(key);
-  // The bodies of several characters are filled by the poses of the clip that joins theirs.
+  // For several characters, the fill uses the poses of the clip that joins theirs.
   if (scene.characters.empty())
     for (const char* key : {"fps", "start", "end", "frames", "motion", "clip", "clip_name", "contact"})
       parameters.erase(key);
   base::ContentHash hash;
   hash.add(std::string_view(scene::dump(parameters)));
-  // The scene's own text is not of the body; what it names is.
+  // The scene file itself is not part of the body; the files it names are.
   for (const auto& [file, file_hash] : scene.input_hashes)
     if (file != scene.source) hash.add(std::string_view(file_hash));
   if (const auto* character = std::get_if<rig::Character>(&scene.geometry)) add_character(hash, *character);

@@ -45,9 +45,9 @@ namespace {
 
 using model::Model;
 
-// The working unit is the power of two metres at or below the bounding box's longest side, and the origin is
-// the box's centre: so rest coordinates lie in [-1, 1], use the full precision of a float around the middle
-// of the body, and a box's opposite corners differ by their signs only.
+// The working unit is the power of two metres at or below the longest side of the bounding box, and the
+// origin is the box's centre. So rest coordinates lie in [-1, 1], use the full precision of a float around
+// the middle of the body, and opposite corners of a box differ only in sign.
 void choose_unit(const mesh::TetMesh& mesh, const std::string& source, Model& model) {
   Vector3d low = mesh.vertices[0], high = mesh.vertices[0];
   for (const Vector3d& p : mesh.vertices) {
@@ -55,7 +55,7 @@ void choose_unit(const mesh::TetMesh& mesh, const std::string& source, Model& mo
     high = high.cwiseMax(p);
   }
   const double extent = (high - low).maxCoeff();
-  // Squares and cubes of lengths must stay ordinary numbers.
+  // Squares and cubes of lengths must stay in the normal range.
   if (!(extent > 1e-30 && extent < 1e30))
     fail(source, "mesh: it is " + std::to_string(extent) + " m long, which cannot be simulated; set `scale`");
   model.unit = std::ldexp(1.0, std::ilogb(extent));
@@ -63,7 +63,7 @@ void choose_unit(const mesh::TetMesh& mesh, const std::string& source, Model& mo
   for (int a = 0; a < 3; ++a) model.rest_origin[static_cast<std::size_t>(a)] = centre[a];
 }
 
-// Rest positions in floats; rounding must not turn a tetrahedron round.
+// Rest positions in floats; rounding must not invert a tetrahedron.
 void write_rest(const mesh::TetMesh& mesh, const std::string& source, Model& model) {
   const Vector3d origin(model.rest_origin[0], model.rest_origin[1], model.rest_origin[2]);
   mesh::TetMesh rounded{mesh.vertices, {}};
@@ -86,8 +86,7 @@ void write_rest(const mesh::TetMesh& mesh, const std::string& source, Model& mod
                      " (counted from 0); improve the mesh there");
 }
 
-// What the lightest vertex takes of a push that is shared with the heaviest must stay a number of the
-// solver's.
+// The lightest vertex's part of a push shared with the heaviest must stay representable in the solver.
 constexpr double most_mass_ratio = 0x1p36;
 
 void check_shared_masses(const scene::Scene& scene, const Model& model) {
@@ -251,7 +250,7 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
                       " parts that do not touch; one vertex of each is named",
                   one_each);
   }
-  // What solids may catch does not fall for ever.
+  // Solids may catch falling parts, so there is no warning.
   if (!scene.colliders.empty()) return;
   std::vector<std::uint32_t> falling;
   for (std::uint32_t p = 0; p < parts.count; ++p)
@@ -267,7 +266,7 @@ void warn_of_parts(const scene::Scene& scene, const OneRings& rings, const Body&
          falling);
 }
 
-// A file in centimetres or in hundredths is a giant or a dwarf, on whom gravity acts as on one.
+// A file in centimetres or in hundredths of a metre gives a giant or a dwarf, and gravity acts accordingly.
 void warn_of_size(double size, const std::string& name, Report& report) {
   constexpr double smallest = 0.05, largest = 20.0;
   if (size >= smallest && size <= largest) return;
@@ -279,8 +278,8 @@ void warn_of_size(double size, const std::string& name, Report& report) {
   warn_of_flesh(report, text.str());
 }
 
-// Whether all of a character follows the skeleton by its joints and rigid parts alone, as a robot does: its
-// layers have nothing to say. Where they are what makes it stiff, they may be wrong.
+// Whether all of a character follows the skeleton by its joints and rigid parts alone, as a robot does, so
+// that its layers do not matter. If it is the layers that make it rigid, they may be wrong.
 bool is_all_rigid(const scene::Scene& scene, const Layering& layering, Measures& measures) {
   const auto all = [](const std::vector<char>& flags) {
     return std::all_of(flags.begin(), flags.end(), [](char flag) { return flag != 0; });
@@ -289,7 +288,7 @@ bool is_all_rigid(const scene::Scene& scene, const Layering& layering, Measures&
          all(measures.follows_joints());
 }
 
-// glibc keeps what was freed: with a solver's arrays on top, a sixth of the peak of 107,000 vertices.
+// glibc keeps freed memory: together with a solver's arrays, a sixth of the peak at 107,000 vertices.
 void give_freed_memory_back() {
 #ifdef __GLIBC__
   malloc_trim(0);
@@ -343,7 +342,7 @@ Model assemble_model(const scene::Scene& scene, Report& report, const BuildOptio
   Measures& measures = *ground.measures;
   WhereTest& test = *ground.test;
   report = ground.report;
-  // What nobody needs again is not copied.
+  // Without a memory nobody needs the ground again, so it is not copied.
   Model model = memory == nullptr ? std::move(ground.model) : ground.model;
   OneRings rings;
   model.weight_form = scene.solver.weights;

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view magic = "fascicle cache 1\n";
 constexpr const char* suffix = ".entry";
-// A temporary file older than this was left by a process that is gone.
+// A temporary file older than this was left by a dead process.
 constexpr auto forgotten = std::chrono::hours(1);
 
 std::string checksum_of(std::string_view bytes) {
@@ -41,7 +41,7 @@ std::string environment(const char* name) {
 
 fs::path default_cache_folder() {
   if (const std::string own = environment("FASCICLE_CACHE_DIR"); !own.empty()) return own;
-  // The XDG base directory specification has relative paths ignored.
+  // The XDG base directory specification says to ignore relative paths.
   if (const fs::path caches = environment("XDG_CACHE_HOME"); caches.is_absolute()) return caches / "fascicle";
   if (const fs::path home = environment("HOME"); home.is_absolute()) return home / ".cache" / "fascicle";
   return {};
@@ -84,11 +84,11 @@ void Cache::put(const std::string& key, std::string_view bytes) const {
     base::write_whole_beside_others(path_of(key), whole);
     make_room(path_of(key));
   } catch (const std::system_error&) {
-    // Full, read-only or not a folder: the next bake makes it again.
+    // Full, read-only or not a folder: the next bake makes the entry again.
   }
 }
 
-// Others may add and remove entries meanwhile: what is gone already is no error.
+// Other processes may add and remove entries meanwhile: an entry that is already gone is no error.
 void Cache::make_room(const fs::path& newest) const {
   struct Entry {
     fs::file_time_type used;
@@ -98,7 +98,8 @@ void Cache::make_room(const fs::path& newest) const {
   std::vector<Entry> entries;
   std::uint64_t total = 0;
   std::error_code ignored;
-  // The clock of the file system, which may be another host's: what is being written must not look forgotten.
+  // The file system's clock may be another host's, so it is the reference: files being written must not look
+  // forgotten.
   const fs::file_time_type now = fs::last_write_time(newest);
   for (const fs::directory_entry& file : fs::directory_iterator(folder_, ignored)) {
     std::error_code gone;

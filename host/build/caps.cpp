@@ -20,10 +20,11 @@ using mesh::SurfaceMesh;
 using scene::Vector3d;
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Of the area of the part of the skin that an end belongs to: a sheet's outline needs a lid of nearly 1, half
-// a pipe's 0.64, half a ball's 0.5, the ends of a pipe as long as it is wide 0.25 each.
+// Lid area over the area of the end's part of the skin. A sheet's outline needs nearly 1, half a pipe 0.64,
+// half a ball 0.5, each end of a pipe as long as it is wide 0.25.
 constexpr double most_of_part = 0.6;
-// Loops of more edges are closed in two steps: the way from each of so many corners to the next, then these.
+// Loops with more edges are closed in two steps: first the stretch between each two of this many corners,
+// then the polygon of these corners.
 constexpr std::size_t most_corners = 96;
 
 double area_of(const SurfaceMesh& skin, const Triangle& t) {
@@ -31,8 +32,8 @@ double area_of(const SurfaceMesh& skin, const Triangle& t) {
          (skin.vertices[t[1]] - skin.vertices[t[0]]).cross(skin.vertices[t[2]] - skin.vertices[t[0]]).norm();
 }
 
-// Edges that an odd number of triangles share. Each vertex has an even number of them, so ways along them end
-// where they began, on a skin that is no manifold too.
+// Edges shared by an odd number of triangles. Each vertex has an even number of them, so paths along them end
+// where they began, even on a non-manifold skin.
 std::vector<std::array<std::uint32_t, 2>> odd_edges(const SurfaceMesh& skin) {
   std::vector<std::array<std::uint32_t, 2>> edges, odd;
   edges.reserve(3 * skin.triangles.size());
@@ -51,7 +52,7 @@ std::vector<std::array<std::uint32_t, 2>> odd_edges(const SurfaceMesh& skin) {
   return odd;
 }
 
-// Loops that pass no vertex twice and together pass each of the edges once.
+// Loops that visit no vertex twice and together use each of the edges once.
 std::vector<std::vector<std::uint32_t>> loops_of(const std::vector<std::array<std::uint32_t, 2>>& edges) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> ends;  // of each vertex, ascending
   for (const auto& [a, b] : edges) {
@@ -74,20 +75,19 @@ std::vector<std::vector<std::uint32_t>> loops_of(const std::vector<std::array<st
           way.push_back(next);
           continue;
         }
-        // The way met itself: what lies between is a loop, and the rest goes on from there.
+        // The path met itself: the part in between is a loop, and the rest continues from there.
         loops.emplace_back(seen, way.end());
         way.erase(seen + 1, way.end());
       }
     }
-  // Two edges back and forth would be none at all.
+  // Two edges back and forth would cancel out.
   std::erase_if(loops, [](const auto& loop) { return loop.size() < 3; });
   for (auto& loop : loops) std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
   std::sort(loops.begin(), loops.end());
   return loops;
 }
 
-// The triangulation of a polygon in space of least area, of those without new vertices (Barequet and Sharir,
-// 1995).
+// The triangulation of least area of a polygon in space, without new vertices (Barequet and Sharir, 1995).
 std::vector<Triangle> least_triangulation(const SurfaceMesh& skin,
                                           const std::vector<std::uint32_t>& corners) {
   const std::size_t n = corners.size();
@@ -182,7 +182,7 @@ class Ends {
   }
 
  private:
-  // Triangles of other parts that pass through those that would close an end.
+  // Triangles of other parts that pass through the triangles that would close an end.
   std::vector<std::uint32_t> crossing(const OpenEnd& end) {
     const std::uint32_t own = parts_.find(end.loop[0]);
     std::vector<BoundingBox> boxes;

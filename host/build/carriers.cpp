@@ -21,17 +21,18 @@ WeightRow weight_row(const SkinWeights& weights, std::uint32_t vertex) {
 
 namespace {
 
-// A carrier's edges over the extent of what rides on it: small beside it, but within 8 of its own lengths.
+// A carrier's edge over the extent of its riders: small, but no rider is farther away than 8 of its edges.
 constexpr double carrier_of_extent = 0.25;
 constexpr double smallest_of_diagonal = 5e-3;
-// Barycentric weights below 8 that are multiples of this are floats, and so are their sums.
+// Barycentric weights below 8 that are multiples of 1 / carrier_steps are exact in floats, and so are their
+// sums.
 constexpr double carrier_steps = 2097152.0;  // 2^21
 constexpr double misled_share = 0.1;
-// Riders are alike whose weights round to the same multiples of one over as many steps.
+// Riders are alike if their weights round to the same multiples of 1 / steps.
 constexpr double most_steps = 64.0, least_steps = 8.0;
 constexpr std::size_t most_carriers = 3000;
 
-// A regular tetrahedron on every other corner of a cube.
+// A regular tetrahedron at alternate corners of a cube.
 std::array<std::uint32_t, 4> add_carrier(const Vector3d& middle, double side, const WeightRow& row,
                                          Body& body) {
   std::array<std::uint32_t, 4> corners{};
@@ -61,7 +62,7 @@ std::array<double, 4> rounded_weights(std::array<double, 4> weights) {
   return weights;
 }
 
-// How much of a vertex's weight the corners it rides on give to other joints.
+// How much of a vertex's weight goes to other joints at the corners it rides on.
 double share_of_others(const WeightRow& own, const std::array<std::uint32_t, 4>& corners,
                        const std::array<double, 4>& at, const SkinWeights& weights) {
   std::map<std::uint32_t, double> difference;
@@ -73,7 +74,7 @@ double share_of_others(const WeightRow& own, const std::array<std::uint32_t, 4>&
   return sum / 2.0;
 }
 
-// Riders of each carrier, welded vertices, by the row that they share.
+// The riders of each carrier (welded vertices), by the row they share.
 using Riders = std::map<WeightRow, std::vector<std::uint32_t>>;
 
 WeightRow rounded_row(const WeightRow& row, double steps) {
@@ -99,7 +100,7 @@ WeightRow mean_row(const SkinWeights& weights, const std::vector<std::uint32_t>&
   return row;
 }
 
-// `steps` 0: of the very same weights.
+// `steps` 0: only identical weights match.
 Riders riders_of(const SkinWeights& weights, const std::vector<char>& rides, double steps) {
   Riders riders;
   for (std::uint32_t v = 0; v < rides.size(); ++v) {

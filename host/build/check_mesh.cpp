@@ -19,8 +19,8 @@ constexpr double flat_ratio = 1e-12;
 
 // Bars whose cells get finer along all axes towards where they are held, floats against the Oracle: 1:10
 // costs 1e-6 of the length, 1:15 4e-5, 1:20 1e-4, 1:30 5e-4, 1:60 and 1:100 1e-3, 1:300 1e-2. Against other
-// programs in double precision, which read the file's own places, 1:30 cost 2e-3 and 1:100 1e-2: 1e-3 is
-// passed from here on.
+// programs in double precision, which read the file's exact positions, 1:30 cost 2e-3 and 1:100 1e-2. From
+// this limit on, errors exceed 1e-3.
 constexpr double least_flatness = 1.0 / 20.0;
 
 double longest_edge_squared(const mesh::TetMesh& mesh, const std::array<std::uint32_t, 4>& t) {

@@ -12,7 +12,7 @@ using scene::Vector3d;
 
 namespace {
 
-// The share of the free flesh from which on a solid is thought to be at the wrong place.
+// From this share of the free flesh on, a solid is assumed to be misplaced.
 constexpr double much_flesh = 0.02;
 
 Vector3d rest_place(const model::Model& model, std::uint32_t i) {
@@ -21,7 +21,7 @@ Vector3d rest_place(const model::Model& model, std::uint32_t i) {
          model.unit * Vector3d(double{rest[0]}, double{rest[1]}, double{rest[2]});
 }
 
-// Warns where more flesh lies in a solid at rest than the sole of a foot that stands in a floor.
+// Warns if more flesh lies in a solid at rest than the sole of a foot that stands in a floor.
 void warn_of_enclosed(const scene::Collider& collider, const scene::Solid& solid, const model::Model& model,
                       Report& report) {
   std::uint64_t free = 0, inside = 0;

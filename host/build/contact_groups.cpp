@@ -11,19 +11,20 @@ namespace fascicle::build {
 
 namespace {
 
-// The share of a vertex's weights that makes it a joint's, as JointSet has it where nothing is said; and how
-// far rounding may put it below.
+// The share of a vertex's weights that assigns it to a joint, the default of JointSet; and how far below that
+// rounding may put it.
 constexpr double joint_share = 0.5, share_slack = 1e-9;
-// Painted below this, flesh meets nothing.
+// Flesh painted below this meets nothing.
 constexpr double least_contact_paint = 0.5;
 
-// Whose flesh a name stands for. One that a joint and a layer share stands for both.
+// The flesh that a name refers to. A name shared by a joint, a layer, an object or a material refers to
+// all of them.
 class NamedFlesh {
  public:
   NamedFlesh(const scene::Scene& scene, const std::vector<std::uint32_t>& layer, Measures& measures)
       : scene_(scene), layer_(layer), measures_(measures) {}
 
-  // One flag a vertex.
+  // One flag per vertex.
   std::vector<char> of(const std::string& name, const std::string& key) const {
     std::vector<char> is_its(layer_.size(), 0);
     bool is_known = false;

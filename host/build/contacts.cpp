@@ -38,16 +38,16 @@ using Eigen::Vector3d;
 using model::Model;
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Mean edges of the surface that the margin has. Below two, flesh met its own neighbours where a character's
-// cage is coarse; from three on more volume stays in folds.
+// The default margin in mean edges of the surface. Below two, flesh met its own neighbours where a
+// character's cage is coarse; from three on, more volume stays in folds.
 constexpr double margin_edges = 2.0;
-// What a margin may be at most, in diagonals of the body, and in mean edges if that is more: where the mesh
-// is coarse. Every point asks all vertices within some margins.
+// The maximum margin in diagonals of the body, or in mean edges if that is more, for coarse meshes. Every
+// point tests all vertices within some margins.
 constexpr double most_diagonals = 0.1, most_edges = 4.0;
-// And at least, in mean edges: below, it vanishes beside them in single precision.
+// The minimum margin in mean edges: below this, it vanishes next to them in single precision.
 constexpr double least_edges = 1e-6;
-// How far around a point vertices across a gap are looked for, in margins, and how many times that the way
-// along the flesh must be.
+// How far around a point to look for vertices across a gap, in margins, and how many times that distance the
+// path along the flesh must be.
 constexpr double gap_margins = 1.5;
 constexpr double gap_detour = 3.0;
 
@@ -65,7 +65,7 @@ double mean_edge(const std::vector<Triangle>& triangles, const std::vector<Vecto
   return sum / (3.0 * static_cast<double>(triangles.size()));
 }
 
-// Working units.
+// In working units.
 double margin_of(const scene::ContactSettings& settings, const std::vector<Vector3d>& rest, double edge,
                  const std::string& source, double unit) {
   if (!settings.distance) return margin_edges * edge;
@@ -73,7 +73,7 @@ double margin_of(const scene::ContactSettings& settings, const std::vector<Vecto
   for (const Vector3d& p : rest) box.extend(p);
   const double margin = *settings.distance / unit,
                most = std::max(most_diagonals * box.diagonal().norm(), most_edges * edge);
-  // A little less than it is, so that it can be given.
+  // Rounded towards the valid range, so that the printed value is accepted.
   const auto metres = [&](double length) {
     return base::number_text(static_cast<float>((1.0 - 1e-6) * length * unit)) + " m";
   };
@@ -89,8 +89,9 @@ double margin_of(const scene::ContactSettings& settings, const std::vector<Vecto
   return margin;
 }
 
-// The boundary of those of contact_tetrahedron that is_met(t) says: the body's surface, and where flesh that
-// is not met begins. What comes in from such flesh finds a way out that is as long as it has come.
+// The boundary of the tetrahedra in contact_tetrahedron for which is_met(t): the body's surface, and the
+// border of flesh that is not met. A point that comes in through such flesh then finds a way out as long as
+// its way in.
 template <class IsMet>
 std::vector<Triangle> boundary_of_met(const Model& model, const std::vector<Vector3d>& rest,
                                       const std::string& source, const IsMet& is_met) {
@@ -102,7 +103,7 @@ std::vector<Triangle> boundary_of_met(const Model& model, const std::vector<Vect
   return boundary_triangles(met, source);
 }
 
-// Of each vertex the distance to these triangles at rest, 0 of their corners.
+// For each vertex the distance to these triangles at rest, 0 at their corners.
 std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vector<Vector3d>& rest) {
   std::vector<char> is_on_surface(rest.size(), 0);
   for (const Triangle& t : triangles)
@@ -119,22 +120,22 @@ std::vector<float> depths(const std::vector<Triangle>& triangles, const std::vec
   return depth;
 }
 
-// The bits of a number below 2^20 at every third place.
+// Spreads the bits of a number below 2^20 to every third place.
 std::uint64_t spread(std::uint64_t number) {
   std::uint64_t bits = 0;
   for (unsigned b = 0; b < 20; ++b) bits |= (number >> b & 1U) << (3 * b);
   return bits;
 }
 
-// Corners that make a tetrahedron be of the flesh that they are of.
+// A tetrahedron with this many corners of some flesh belongs to that flesh.
 constexpr int enough_corners = 2;
 
 bool meets_nothing(const ContactGroups& groups, std::uint32_t vertex) {
   return !groups.meets_nothing.empty() && groups.meets_nothing[vertex] != 0;
 }
 
-// The tetrahedra that may be met along Morton's curve, so that leaves and branches are small. Four corners a
-// tetrahedron.
+// The tetrahedra that can be met, along a Morton curve, so that leaves and branches are small. Four corners
+// per tetrahedron.
 std::vector<std::uint32_t> ordered_tetrahedra(const Model& model, const std::vector<Vector3d>& rest,
                                               const ContactGroups& groups) {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
@@ -161,7 +162,7 @@ std::vector<std::uint32_t> ordered_tetrahedra(const Model& model, const std::vec
   return corners;
 }
 
-// Groups that points ignore, and those of them that tetrahedra are of; nothing where none meet none.
+// The groups that points ignore, and the tetrahedra's own among them; nothing if no group ignores another.
 void write_groups(const ContactGroups& groups, Model& model) {
   if (groups.groups.empty()) return;
   const auto for_each_group = [](std::uint32_t bits, const auto& use) {
@@ -191,7 +192,7 @@ void write_groups(const ContactGroups& groups, Model& model) {
   model.contact_group.clear();
 }
 
-// Whether any point can meet any tetrahedron, as far as groups say.
+// Whether any point can meet any tetrahedron according to the groups.
 bool can_meet(const Model& model) {
   if (model.contact_group.empty()) return true;
   const std::set<std::uint32_t> of_points(model.contact_ignored.begin(), model.contact_ignored.end()),
@@ -202,7 +203,7 @@ bool can_meet(const Model& model) {
   return false;
 }
 
-// What stands in the arrays before gaps are looked for.
+// Clears the arrays that are set before gaps are searched.
 void take_contact_away(Model& model) {
   model.contact_tetrahedron.clear();
   model.contact_depth.clear();
@@ -245,7 +246,7 @@ void append(std::vector<float>& boxes, const FloatBox& box) {
   }
 }
 
-// One box around each `size` of the boxes in turn.
+// One box around every `size` consecutive boxes.
 template <class BoxOf>
 std::vector<FloatBox> boxes_around(std::uint32_t count, std::uint32_t size, const BoxOf& box_of) {
   std::vector<FloatBox> boxes;
@@ -274,27 +275,27 @@ void write_rest_boxes(Model& model) {
     for (const FloatBox& box : *level) append(model.contact_rest_box, box);
 }
 
-// Which vertices lie near each other across a gap.
+// Which vertices lie close to each other across a gap.
 class GapSearch {
  public:
   GapSearch(const Model& model, const std::vector<Vector3d>& rest, double reach)
       : model_(model), rest_(rest), reach_(reach), tree_(boxes_of(rest)) {}
 
-  // Working memory of one thread.
+  // Per-thread working memory.
   struct Walk {
     std::vector<double> way;
     std::vector<std::uint32_t> touched;
     std::vector<char> is_asked;
   };
 
-  // Vertices nearer to `from` than the reach, to which the way along the flesh's edges is gap_detour times
-  // the reach or longer; ascending.
+  // Vertices nearer to `from` than the reach for which the path along the flesh's edges is at least
+  // gap_detour times the reach; ascending.
   std::vector<std::uint32_t> across_from(std::uint32_t from, Walk& walk) const {
     walk.way.resize(rest_.size(), std::numeric_limits<double>::infinity());
     walk.is_asked.resize(rest_.size(), 0);
     std::vector<std::uint32_t> asked;
     tree_.visit_near(rest_[from], reach_ * reach_, [&](std::uint32_t i) {
-      // The tree also shows what lies beside those in a leaf.
+      // The tree also visits the others in a leaf.
       if ((rest_[i] - rest_[from]).squaredNorm() <= reach_ * reach_) {
         asked.push_back(i);
         walk.is_asked[i] = 1;
@@ -320,7 +321,7 @@ class GapSearch {
     return boxes;
   }
 
-  // Dijkstra's ways from a vertex, until all that is asked for is reached or the rest is too far.
+  // Dijkstra's algorithm from a vertex, until all requested vertices are reached or the rest is too far.
   void walk_along(std::uint32_t from, std::size_t asked, Walk& walk) const {
     using Waiting = std::pair<double, std::uint32_t>;
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> queue;
@@ -349,7 +350,8 @@ class GapSearch {
   BoxTree tree_;
 };
 
-// How deep a point lies at rest in flesh across a gap: in the first tetrahedron of such flesh that holds it.
+// How deep a point lies at rest in flesh across a gap: in the first tetrahedron of such flesh that contains
+// it.
 class RestOverlap {
  public:
   RestOverlap(const Model& model, const std::vector<Vector3d>& rest)
@@ -402,7 +404,7 @@ class RestOverlap {
   BoxTree tree_;
 };
 
-// The points' lists across gaps, and how deep they rest in what is there.
+// Each point's list across gaps, and its depth at rest in the flesh there.
 void write_gaps(const std::vector<Vector3d>& rest, double margin, Model& model) {
   const GapSearch search(model, rest, gap_margins * margin);
   std::vector<std::vector<std::uint32_t>> near(model.contact.size());

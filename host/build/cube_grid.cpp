@@ -59,7 +59,7 @@ Vector3d as_vector(const Place& place) {
   return {static_cast<double>(place[0]), static_cast<double>(place[1]), static_cast<double>(place[2])};
 }
 
-// At a point given in the cube's own coordinates, which may lie outside.
+// At a point in the cube's own coordinates; it may lie outside.
 CornerValues corner_values(const Vector3d& at) {
   CornerValues values;
   for (std::size_t c = 0; c < 8; ++c)
@@ -72,14 +72,15 @@ Vector3d in_cube(const CubeGrid& grid, std::size_t cube, const Vector3d& point) 
   return (point - grid.origin) / grid.size - as_vector(grid.place[cube]);
 }
 
-// Of a x b as a matrix on b.
+// The matrix M with M b = a x b.
 Matrix3d cross_matrix(const Vector3d& a) {
   Matrix3d m;
   m << 0.0, -a[2], a[1], a[2], 0.0, -a[0], -a[1], a[0], 0.0;
   return m;
 }
 
-// x.K x = sum w |x_i|^2 - |sum w x_i|^2 / W - t.J^-1 t, t = sum w r_i x x_i, and x_i by the corners.
+// x.K x = sum w |x_i|^2 - |sum w x_i|^2 / W - t.J^-1 t, t = sum w r_i x x_i, with x_i interpolated from the
+// corners.
 void add_region(const RegionStiffness& body, const CubeGrid& grid, std::size_t cube, std::size_t r,
                 CubeStiffness& stiffness) {
   CubeMass squares{};
@@ -117,7 +118,7 @@ void add_region(const RegionStiffness& body, const CubeGrid& grid, std::size_t c
     }
 }
 
-// What a cube's corners take of those of the cube twice as large that it is an eighth of.
+// The values at a cube's corners, interpolated from the corners of its parent, a cube twice as large.
 CornerValues corner_by_parent(const Place& child, std::uint32_t c) {
   return corner_values(as_vector(corner_place({child[0] & 1u, child[1] & 1u, child[2] & 1u}, c)) / 2.0);
 }
@@ -169,7 +170,7 @@ void for_each_link(const CubeGrid& coarse, const CubeGrid& fine, Visit visit) {
   }
 }
 
-// Always as many, so that sums over them are the same whatever the number of threads.
+// A fixed number, so that sums over the pieces do not depend on the number of threads.
 constexpr std::size_t body_pieces = 8;
 
 template <class Visit>

@@ -1,5 +1,5 @@
-// From a coarse grid, where modes are found from noise, to finer ones, where each is led on from the coarser:
-// Bornemann and Deuflhard's cascade.
+// Finds modes from noise on a coarse grid and refines them on finer grids, each starting from the coarser
+// result: Bornemann and Deuflhard's cascade.
 #include "host/build/cube_modes.h"
 
 #include <algorithm>
@@ -17,14 +17,15 @@ namespace {
 using Eigen::Vector3d;
 using Field = std::vector<Vector3d>;
 
-// Cubes on the body's vertices: 3 mean edges, so that a grid takes a tenth of the body's memory.
+// Cube size for the body's vertices: 3 mean edges, so that a grid takes a tenth of the body's memory.
 constexpr double edges_a_cube = 3.0;
 constexpr std::size_t cubes_for_noise = 1000, fewest_cubes = 8;
-// Modes that a coarse grid may take for one another are led on together, so that the finest decides which is
-// the lowest: the square over the lowest's, which cubes know to a few percent, and how many.
+// A coarse grid may confuse modes that are close together, so these are refined together and the finest grid
+// decides which is the lowest: the limit on their square over the lowest one's, which cubes give to a few
+// percent, and the maximum number.
 constexpr double hardly_higher = 1.15;
 constexpr std::size_t most_modes = 3;
-// Settled: the quotient fell by less than this share in as many iterations. A guess needs no more.
+// Settled: the quotient fell by less than this share in this many iterations. A guess needs no better.
 constexpr double cascade_settled = 1e-5;
 constexpr int cascade_iterations = 20, most_cascade_iterations = 2000;
 
@@ -72,7 +73,7 @@ Field mass_times(const CubeGrid& grid, const Field& x) {
   return result;
 }
 
-// 1 over the stiffness's diagonal; 0 for a node that next to nothing hangs on, which stays at rest.
+// 1 over the stiffness's diagonal; 0 for a node with almost no stiffness, which stays at rest.
 Field inverse_diagonal(const CubeGrid& grid) {
   Field diagonal(grid.node.size(), Vector3d::Zero());
   double highest = 0.0;
@@ -91,13 +92,13 @@ double over_nodes(const Field& a, const Field& b) {
   return sum;
 }
 
-// A grid with those coarser than it.
+// A grid and all coarser ones.
 struct Grids {
   std::span<const CubeGrid* const> grid;
   std::span<const Field> inverse;
 };
 
-// The sum over the grids of what their diagonals give, on the first.
+// The sum over the grids of the inverse diagonals' responses, on the first grid.
 Field response(const Grids& grids, const Field& f) {
   const Field& inverse = grids.inverse.front();
   Field x(f.size());
@@ -120,7 +121,7 @@ void leave_out(const std::vector<Mode>& modes, Field& x) {
   }
 }
 
-// The lowest mode beside those below it, from x on.
+// The lowest mode orthogonal to those below it, starting from x.
 Mode next_mode(const Grids& grids, const std::vector<Mode>& below, Field x) {
   const CubeGrid& grid = *grids.grid.front();
   const Field& inverse = grids.inverse.front();
@@ -167,7 +168,7 @@ Mode next_mode(const Grids& grids, const std::vector<Mode>& below, Field x) {
   return {quotients.back(), std::move(x), std::move(Mx)};
 }
 
-// Those hardly higher than the lowest, ascending.
+// The modes close to the lowest, ascending.
 std::vector<Mode> modes_of(const Grids& grids, std::vector<Field> guesses) {
   std::vector<Mode> modes;
   double lowest = std::numeric_limits<double>::max();

@@ -22,8 +22,8 @@ using scene::Vector3d;
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-// Whether any of a triangle is in a tetrahedron of positive volume: cuts it by the four planes (Sutherland
-// and Hodgman, 1974).
+// Whether any part of a triangle is in a tetrahedron of positive volume: clips it by the four planes
+// (Sutherland and Hodgman, 1974).
 bool overlaps(const TetMesh& mesh, const std::array<std::uint32_t, 4>& tetrahedron,
               const std::array<Vector3d, 3>& triangle) {
   std::vector<Vector3d> polygon(triangle.begin(), triangle.end()), kept;
@@ -70,21 +70,22 @@ std::vector<std::vector<std::uint32_t>> skin_in_tetrahedra(const TetMesh& cage, 
   return inside;
 }
 
-// Where a vertex of the cage belongs: the nearest place of the skin of the limb it lies deepest in, or is
-// nearest to where it lies in none.
+// Where a vertex of the cage belongs: the nearest place of the skin of the limb it lies deepest in, or else
+// of the nearest limb.
 class Sites {
  public:
   Sites(const TetMesh& cage, const SurfaceMesh& skin, const Limbs& limbs,
         const std::vector<std::vector<std::uint32_t>>& skin_in)
       : skin_(skin), normals_(skin.vertices.size(), Vector3d::Zero()) {
-    // Weighted by angle, so that the sign of a distance is right at edges and corners too (Baerentzen and
+    // Weighted by angle, so that the sign of a distance is also right at edges and corners (Baerentzen and
     // Aanaes, 2005).
     for (const auto& t : skin.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const Vector3d ab = (skin.vertices[t[(k + 1) % 3]] - skin.vertices[t[k]]).normalized();
         const Vector3d ac = (skin.vertices[t[(k + 2) % 3]] - skin.vertices[t[k]]).normalized();
         const Vector3d cross = ab.cross(ac);
-        // (1 - cos)/sin is the tangent of half the angle: monotone in it, and made of + - * / sqrt alone.
+        // (1 - cos)/sin is the tangent of half the angle: it grows with the angle and needs only + - * /
+        // sqrt.
         if (cross.norm() > 0.0) normals_[t[k]] += cross.normalized() * (1.0 - ab.dot(ac));
       }
     turn_outward();
@@ -101,7 +102,8 @@ class Sites {
       if (near[v].empty()) continue;
       has_site_[v] = 1;
       if (choose(cage.vertices[v], near[v], limbs, of_vertex_[v]) <= 0.0) continue;
-      // In front of all skin near: outside, or in a limb whose own skin is farther than one that crosses it.
+      // In front of all nearby skin: outside, or in a limb whose own skin is farther away than the skin of a
+      // crossing limb.
       std::vector<std::uint32_t> wide;
       for (const std::uint32_t i : star[v])
         for (const std::uint32_t other : cage.tetrahedra[i])
@@ -133,7 +135,7 @@ class Sites {
     triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
   }
 
-  // The place among the triangles, and its signed distance.
+  // Finds the place among the triangles; returns its signed distance.
   double choose(const Vector3d& point, const std::vector<std::uint32_t>& triangles, const Limbs& limbs,
                 SurfacePoint& site) const {
     double deepest = std::numeric_limits<double>::infinity();
@@ -147,7 +149,7 @@ class Sites {
     return deepest;
   }
 
-  // Parts that face inward have normals that do.
+  // In parts that face inward, the normals do too.
   void turn_outward() {
     Unions parts(skin_.vertices.size());
     for (const auto& t : skin_.triangles) {
@@ -178,7 +180,7 @@ class Sites {
   std::vector<char> has_site_;
 };
 
-// One limb's part in a tetrahedron: a copy of it.
+// One limb's copy of a tetrahedron.
 struct Copy {
   std::uint32_t tetrahedron = 0;
   std::vector<std::uint32_t> skin;  // triangles of the skin
@@ -219,7 +221,7 @@ std::vector<Copy> copies_of(std::uint32_t index, const TetMesh& cage, const Limb
     copies[chosen].own[k] = true;
   }
   if (copies.empty()) copies.push_back({index, {}, {}, false});
-  // Deep inside, where no skin is near, there is nothing to choose between.
+  // Deep inside, with no skin nearby, there is nothing to decide.
   if (copies.size() == 1) copies[0].own = {true, true, true, true};
   return copies;
 }
@@ -251,8 +253,8 @@ std::size_t corner_of(const TetMesh& cage, std::uint32_t tetrahedron, std::uint3
   return static_cast<std::size_t>(std::find(t.begin(), t.end(), vertex) - t.begin());
 }
 
-// How much two copies on both sides of a face have in common: vertices of the face that lie in the limb of
-// both, and skin.
+// How much two copies on both sides of a face have in common: face vertices that lie in the limb of both, and
+// skin.
 std::size_t in_common(const TetMesh& cage, const Copy& a, const Copy& b,
                       const std::array<std::uint32_t, 3>& face) {
   std::size_t count = 0;
@@ -262,8 +264,8 @@ std::size_t in_common(const TetMesh& cage, const Copy& a, const Copy& b,
   return count;
 }
 
-// Joins corners of copies across a face, each copy to at most one: a face with three tetrahedra would be no
-// solid's.
+// Joins corners of copies across a face, each copy to at most one: a face with three tetrahedra would not be
+// a solid.
 void join_across(const TetMesh& cage, const std::vector<Copy>& copies,
                  std::array<std::array<std::uint32_t, 2>, 2> sides, const std::array<std::uint32_t, 3>& face,
                  Unions& corners) {
@@ -285,8 +287,8 @@ void join_across(const TetMesh& cage, const std::vector<Copy>& copies,
   }
 }
 
-// Where a cut ends, copies of a tetrahedron may come to share three corners: there is no room between them.
-// The first takes the others' skin, and they go: they are left without a tetrahedron.
+// At the end of a cut, copies of a tetrahedron may come to share three corners, with no room between them.
+// The first takes the others' skin, and the others are dropped.
 void drop_twins(std::vector<Copy>& copies, const std::vector<std::uint32_t>& first, Unions& corners) {
   for (std::size_t i = 0; i + 1 < first.size(); ++i)
     for (std::uint32_t a = first[i]; a < first[i + 1]; ++a)
@@ -301,8 +303,8 @@ void drop_twins(std::vector<Copy>& copies, const std::vector<std::uint32_t>& fir
       }
 }
 
-// A copy of a few tetrahedra that no face joins to the rest of its limb would fall out of the body, or swing
-// about the vertex or edge that it hangs by. Its skin goes with the skin beside it.
+// A group of a few copies that no face joins to the rest of its limb would fall out of the body, or swing
+// about the vertex or edge it hangs by. Its skin goes to the adjacent skin's tetrahedra.
 void drop_crumbs(std::vector<Copy>& copies, const std::vector<std::uint32_t>& first, Unions& corners) {
   constexpr std::size_t most = 8;
   std::vector<std::uint32_t> kept;
@@ -314,7 +316,7 @@ void drop_crumbs(std::vector<Copy>& copies, const std::vector<std::uint32_t>& fi
       kept.push_back(c);
       tetrahedra.push_back(
           {corners.find(4 * c), corners.find(4 * c + 1), corners.find(4 * c + 2), corners.find(4 * c + 3)});
-      // What holds a tetrahedron that was not cut is no crumb.
+      // A solid that contains an uncut tetrahedron is not a crumb.
       weight.push_back(first[i + 1] - first[i] > 1 ? 1 : most + 1);
     }
   Unions solids(kept.size());
@@ -353,8 +355,7 @@ CutMesh cut_limbs(const TetMesh& cage, const SurfaceMesh& skin, const Limbs& lim
     join_across(cage, copies, {{{first[a], first[a + 1]}, {first[b], first[b + 1]}}}, faces[k].corners,
                 corners);
   }
-  // A vertex that lies in a limb is one vertex wherever that limb's copies have it, whether they share faces
-  // or not.
+  // A vertex that lies in a limb is one vertex in all of that limb's copies, whether or not they share faces.
   std::vector<std::uint32_t> owner(cage.vertices.size(), none);
   for (std::uint32_t c = 0; c < copies.size(); ++c)
     for (std::uint32_t k = 0; k < 4; ++k) {
@@ -373,7 +374,7 @@ CutMesh cut_limbs(const TetMesh& cage, const SurfaceMesh& skin, const Limbs& lim
   std::vector<char> is_used(4 * copies.size(), 0);
   for (std::uint32_t c = 0; c < copies.size(); ++c)
     for (std::uint32_t k = 0; k < 4 && !copies[c].is_dropped; ++k) is_used[corners.find(4 * c + k)] = 1;
-  // Own vertices first in the cage's order, so that a cage without cuts keeps its numbers.
+  // Owned vertices come first, in the cage's order, so that a cage without cuts keeps its numbers.
   for (std::uint32_t v = 0; v < cage.vertices.size(); ++v) {
     if (owner[v] == none || !is_used[corners.find(owner[v])]) continue;
     if (number[corners.find(owner[v])] != none) continue;

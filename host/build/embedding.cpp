@@ -15,16 +15,16 @@ namespace fascicle::build {
 namespace {
 
 constexpr double steps_of_one = 8388608.0;  // 2^23: multiples up to 2 are floats, and so are their sums
-// A vertex's home is left where its joints have less than this in common with the vertex's.
+// A vertex leaves its home if the agreement between their joints is below this.
 constexpr double enough_agreement = 0.5;
-// Of what the best tetrahedron near has in common with a vertex: this much, and they move together.
+// A tetrahedron with this share of the best agreement nearby moves with the vertex.
 constexpr double enough_part = 0.25;
-// Less than this, and the skin does not move with its own joints.
+// Below this agreement, the skin does not move with its own joints.
 constexpr double little_agreement = 0.1;
-// What sticking out by a whole barycentric coordinate costs, in agreement: at -0.25 the right limb is as bad
+// The cost in agreement of sticking out by a whole barycentric coordinate: at -0.25 the right limb is as bad
 // as a place inside the wrong one.
 constexpr double cost_of_sticking_out = 4.0;
-// How far around a vertex another tetrahedron is looked for, in longest edges of its home.
+// The search radius for another tetrahedron, in longest edges of the home.
 constexpr double search_edges = 1.5;
 
 using Corners = std::array<std::uint32_t, 4>;
@@ -34,7 +34,7 @@ double least(const Weights& weights) {
   return *std::min_element(weights.begin(), weights.end());
 }
 
-// The place in the tetrahedron nearest to where `weights` lie, roughly: negative ones cut.
+// An approximation of the nearest place in the tetrahedron: negative weights are clipped.
 Weights inside(Weights weights) {
   double sum = 0.0;
   for (double& w : weights) sum += w = std::max(w, 0.0);
@@ -42,7 +42,7 @@ Weights inside(Weights weights) {
   return weights;
 }
 
-// Rounded to steps; the largest takes what is left to 1.
+// Rounded to steps; the largest takes the remainder to 1.
 Weights rounded(Weights weights) {
   const auto largest =
       static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
@@ -106,12 +106,13 @@ class Seating {
       seats.push_back(seat_on(vertex, point, tetrahedron));
       return reach * reach;
     });
-    // Where nothing near has the vertex's joints (an eye in a head), what has most of them agrees.
+    // If nothing nearby has the vertex's joints (an eye in a head), agreement is relative to the best.
     double most = 0.0;
     for (const Seat& s : seats) most = std::max(most, s.agreement);
     const auto part = [&](const Seat& s) { return most > 0.0 ? s.agreement / most : 1.0; };
-    // A place that holds the vertex comes first. Only where the vertex's own limb does not hold it, and what
-    // does moves with other joints altogether, sticking out of the limb is better than riding on another.
+    // A place that contains the vertex comes first. Sticking out of a limb beats riding on another only if
+    // the vertex's own limb does not contain it and everything that does moves with entirely different
+    // joints.
     const auto holds = [](const Seat& s) { return least(s.weights) >= least_barycentric; };
     const bool is_held = holds(at_home) || std::any_of(seats.begin(), seats.end(), [&](const Seat& s) {
                            return holds(s) && part(s) >= enough_part;
@@ -120,7 +121,7 @@ class Seating {
     const auto worth = [&](const Seat& s) {
       return part(s) - cost_of_sticking_out * std::max(0.0, -least(s.weights));
     };
-    // Ties go to the home, then to the lowest tetrahedron.
+    // Ties go to the home, then to the lowest number.
     return *std::min_element(seats.begin(), seats.end(), [&](const Seat& a, const Seat& b) {
       const double worth_a = worth(a), worth_b = worth(b);
       if (worth_a != worth_b) return worth_a > worth_b;

@@ -15,20 +15,20 @@ namespace fascicle::build {
 
 namespace {
 
-// A direction whose part in the tangent plane is shorter than this (sine of 6 degrees) says nothing there.
+// A direction whose part in the tangent plane is shorter than this (sine of 6 degrees) is undefined there.
 constexpr double least_in_plane = 0.1;
 // Painted directions shorter than this are unpainted.
 constexpr double least_painted = 0.1;
 const char* const painted_fibre = "_FIBER";
 
-// Unit directions of the bones; 0 for points. Each has dot >= 0 with the bone that leads to it.
+// Unit directions of the bones; 0 for points. Each has dot >= 0 with its parent bone.
 std::vector<Vector3d> bone_directions(const std::vector<Bone>& bones) {
   std::vector<Vector3d> direction(bones.size(), Vector3d::Zero());
   for (std::size_t b = 0; b < bones.size(); ++b) {
     const Vector3d along = bones[b].to - bones[b].from;
     if (along.norm() > 0.0) direction[b] = along.normalized();
   }
-  // Parents before children, whatever their order: as many passes as a chain has bones.
+  // Parents before children, in whatever order they are listed: as many passes as a chain has bones.
   for (std::size_t pass = 0; pass < bones.size(); ++pass) {
     bool turned = false;
     for (std::size_t b = 0; b < bones.size(); ++b)
@@ -45,7 +45,7 @@ std::vector<Vector3d> bone_directions(const std::vector<Bone>& bones) {
 
 struct Boundary {
   mesh::SurfaceMesh boundary;
-  std::vector<Vector3d> normal;  // of a vertex: sum of its triangles' area vectors; 0 inside
+  std::vector<Vector3d> normal;  // per vertex: sum of its triangles' area vectors; 0 inside
 };
 
 Boundary boundary_of(const Body& body) {
@@ -59,7 +59,7 @@ Boundary boundary_of(const Body& body) {
   return skin;
 }
 
-// The direction in the plane across `normal`, or 0 where it stands upright on it.
+// The direction projected into the plane across `normal`, or 0 if it is nearly perpendicular to the plane.
 Vector3d in_tangent_plane(const Vector3d& direction, const Vector3d& normal) {
   const double length = normal.norm();
   if (!(length > 0.0)) return Vector3d::Zero();
@@ -67,7 +67,7 @@ Vector3d in_tangent_plane(const Vector3d& direction, const Vector3d& normal) {
   return flat.norm() >= least_in_plane ? Vector3d(flat.normalized()) : Vector3d::Zero();
 }
 
-// What is painted at each boundary vertex, interpolated at the nearest place of the character's skin.
+// The painted direction at each boundary vertex, interpolated at the nearest place of the character's skin.
 std::vector<Vector3d> painted_directions(const Body& body, const Boundary& skin) {
   std::vector<Vector3d> direction(body.mesh.vertices.size(), Vector3d::Zero());
   const auto attribute =
@@ -90,7 +90,7 @@ std::vector<Vector3d> painted_directions(const Body& body, const Boundary& skin)
   return direction;
 }
 
-// The direction of the nearest drawn curve that reaches a point, or 0.
+// The direction of the nearest drawn curve whose radius includes the point, or 0.
 Vector3d drawn_direction(const std::vector<scene::FibreCurve>& curves, const Vector3d& point,
                          double mean_edge) {
   Vector3d direction = Vector3d::Zero();

@@ -10,12 +10,12 @@ namespace fascicle::build {
 namespace {
 
 constexpr double shortest_direction = 1e-6;
-// Rounds end when at most this part of the entries was turned. Measured on two characters of 80,000 and
-// 119,000 vertices: the second round takes the lines that bend by over 60 degrees from 0.62 to 0.51 % of the
-// edges, all further ones to 0.50; on coarse animals each of six rounds still helps (7.0 to 4.3 %) and costs
-// nothing.
+// Rounds end when at most this share of the entries was flipped. Measured on two characters of 80,000 and
+// 119,000 vertices: the second round reduces the lines that bend by over 60 degrees from 0.62 to 0.51 % of
+// the edges, and all further rounds to 0.50 %. On coarse animals each of six rounds still helps (7.0 to 4.3
+// %) and costs nothing.
 constexpr double settled_part = 5e-4;
-// Far more than were ever needed; a system that is so ill must not hang the program.
+// Far more than were ever needed; an extremely ill-conditioned system must not hang the program.
 constexpr std::uint32_t most_iterations = 100000;
 
 double mean_edge(std::span<const Vector3d> vertices, const OneRings& rings) {
@@ -25,7 +25,7 @@ double mean_edge(std::span<const Vector3d> vertices, const OneRings& rings) {
   return sum / static_cast<double>(rings.neighbour.size());
 }
 
-// rho of equation (3), entry by entry of the one-rings.
+// rho of equation (3), per entry of the one-rings.
 std::vector<double> weights(std::span<const Vector3d> vertices, const OneRings& rings) {
   const double unit = mean_edge(vertices, rings);
   std::vector<double> rho(rings.neighbour.size());
@@ -40,7 +40,7 @@ std::vector<double> weights(std::span<const Vector3d> vertices, const OneRings& 
   return rho;
 }
 
-// One number for each of x, y and z: the three systems have one matrix and are solved side by side.
+// One number for each of x, y and z: the three systems share one matrix and are solved together.
 using Triple = std::array<double, 3>;
 
 // A = M^T M + lambda C, by two gathers.
@@ -58,7 +58,7 @@ class NormalEquations {
 
   std::size_t size() const { return rings_.size(); }
 
-  // Turns rho_ij by the side on which d_j stands of d_i. Returns how many entries changed.
+  // Flips rho_ij by the sign of d_i . d_j. Returns how many entries changed.
   std::size_t turn(const std::vector<Vector3d>& d) {
     std::size_t changed = 0;
     for (std::size_t i = 0; i < size(); ++i)
@@ -127,13 +127,13 @@ Triple dot(const std::vector<Vector3d>& x, const std::vector<Vector3d>& y) {
 
 Vector3d quotient(const Triple& a, const Triple& b) {
   Vector3d q;
-  // 0 where the system of this axis is solved to the last bit.
+  // 0 if this axis is solved to the last bit.
   for (std::size_t c = 0; c < 3; ++c) q[static_cast<Eigen::Index>(c)] = b[c] > 0.0 ? a[c] / b[c] : 0.0;
   return q;
 }
 
-// Conjugate gradients from the x that is given. Returns the iterations, or most_iterations where the
-// tolerance was not reached.
+// Conjugate gradients, starting from the given x. Returns the iterations, or most_iterations if the tolerance
+// was not reached.
 std::uint32_t solve(NormalEquations& equations, const std::vector<Vector3d>& right, double tolerance,
                     std::vector<Vector3d>& x) {
   const std::size_t n = equations.size();

@@ -52,7 +52,8 @@ FilledBody make_filled_body(const FillInput& input, Report& report, const BuildO
   return body;
 }
 
-// The same fields in the same order for writing and reading. Triangles of the render mesh are the input's.
+// The same fields in the same order for reading and writing. The render mesh takes its triangles from the
+// input.
 template <class Archive, class Body>
 void visit_arrays(Archive& archive, Body& body) {
   archive(body.mesh.tetrahedra);
@@ -70,7 +71,7 @@ std::vector<std::array<double, 3>> plain(const std::vector<Vector3d>& points) {
   return result;
 }
 
-// From the numbers of the welded skin, whose vertices are each place's first in the file.
+// Converts numbers of the welded skin to numbers in the file, the first vertex at each place.
 void number_by_file(const WeldedSurface& welded, CageReport& cage) {
   std::vector<std::uint32_t> first(welded.surface.vertices.size(), 0);
   for (std::uint32_t v = static_cast<std::uint32_t>(welded.of_vertex.size()); v-- > 0;)
@@ -140,7 +141,7 @@ std::optional<std::string> hash_of_programs(const BuildOptions& options) {
   } catch (const std::system_error&) {
     return std::nullopt;
   } catch (const scene::SceneError&) {
-    // There is no mesher; whoever asks for it says so.
+    // There is no mesher; the code that needs it reports that.
     return std::nullopt;
   }
 }
@@ -166,7 +167,7 @@ std::string fill_key(const FillInput& input, const std::string& programs) {
       hash.add(static_cast<std::uint64_t>(std::int64_t{joint.parent}));
     add_rows(hash, input.character->joints);
     add_rows(hash, input.character->weights);
-    // What the cut reads of the clips, and no more: keys that it does not see change nothing.
+    // Only the part of the clips that the cut reads, so that irrelevant keys change nothing.
     for (const std::vector<Eigen::Matrix4d>& pose : poses_of_clips(*input.character, input.scene.scale))
       for (const Eigen::Matrix4d& map : pose)
         for (Eigen::Index k = 0; k < map.size(); ++k) hash.add(map.data()[k]);

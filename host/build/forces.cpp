@@ -7,7 +7,7 @@ namespace fascicle::build {
 
 namespace {
 
-// Coefficient of one force for each vertex, 0 where it takes none.
+// One force's coefficient for each vertex, 0 for vertices that take none.
 std::vector<double> coefficients(const scene::Scene& scene, const scene::Force& force, WhereTest& test,
                                  const std::vector<double>& area, const std::vector<double>& mass,
                                  const std::vector<char>& kinematic) {

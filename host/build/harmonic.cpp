@@ -16,15 +16,15 @@ namespace {
 using scene::Vector3d;
 
 constexpr std::uint32_t nowhere = std::numeric_limits<std::uint32_t>::max();
-// How far beyond what is surely reached a solve looks at first, and by how much it grows: a little more work
+// How many rings beyond the given vertices a solve first includes, and by how many it grows: some extra work
 // on vertices that turn out not to be reached saves whole solves.
 constexpr std::size_t first_rings = 4;
 constexpr std::size_t more_rings = 3;
-// Of the right side, in the norm of the matrix' inverse diagonal. Only the vertices reached are asked of a
-// solve before the last.
+// Relative to the right-hand side, in the norm of the matrix's inverse diagonal. Solves before the last only
+// determine the vertices reached.
 constexpr double draft_tolerance = 1e-3;
 constexpr double final_tolerance = 1e-8;
-// Of the unknowns' number, and at least as many.
+// The limit is the number of unknowns, but at least this.
 constexpr std::size_t least_iterations = 1000;
 
 }  // namespace
@@ -91,7 +91,7 @@ std::optional<std::vector<VertexValue>> HarmonicExtension::extend(std::span<cons
   return result;
 }
 
-// The vertices of `front` that are solved for, and those up to `rings` steps around, join the reached ones.
+// Adds the unknown vertices of `front` and those within `rings` steps of it to the reached ones.
 void HarmonicExtension::reach_rings_around(std::vector<std::uint32_t> front, std::size_t rings) {
   const auto reach = [&](std::uint32_t vertex) {
     if (is_given_[vertex] || place_[vertex] != nowhere) return false;
@@ -111,7 +111,7 @@ void HarmonicExtension::reach_rings_around(std::vector<std::uint32_t> front, std
   place_in_order();
 }
 
-// Sums then run by ascending vertex, whatever way the vertices were reached.
+// Makes sums run by ascending vertex, however the vertices were reached.
 void HarmonicExtension::place_in_order() {
   std::vector<double> by_vertex_order(value_.size());
   std::vector<std::uint32_t> ordered = reached_;
@@ -147,7 +147,7 @@ void HarmonicExtension::restrict_matrix() {
   }
 }
 
-// Conjugate gradients, preconditioned by the diagonal, from the values so far.
+// Conjugate gradients with a diagonal preconditioner, starting from the current values.
 bool HarmonicExtension::solve(double tolerance) {
   const std::size_t count = reached_.size();
   const auto multiply = [&](const std::vector<double>& x) {
@@ -192,7 +192,7 @@ bool HarmonicExtension::solve(double tolerance) {
   return std::isfinite(rest);
 }
 
-// Vertices next to the reached ones that the values would reach.
+// Vertices adjacent to the reached ones that the values would reach.
 std::vector<std::uint32_t> HarmonicExtension::reached_beyond() const {
   std::vector<std::uint32_t> rim;
   for (const std::uint32_t vertex : reached_)

@@ -25,11 +25,11 @@ constexpr std::uint32_t no_neighbour = std::numeric_limits<std::uint32_t>::max()
 constexpr int most_passes = 12;
 constexpr int most_hold_halvings = 6;
 constexpr int most_rounds = 40;
-// Faces are moved a little too far, so that the rounds end.
+// Faces are moved slightly too far, so that the rounds end.
 constexpr double overshoot = 1.05;
 constexpr double least_volume_left = 0.05;
 
-// The tetrahedron across from each corner, or none.
+// The tetrahedron opposite each corner, or none.
 std::vector<std::array<std::uint32_t, 4>> neighbours(const TetMesh& mesh) {
   struct OwnFace {
     std::array<std::uint32_t, 3> corners;
@@ -99,7 +99,7 @@ class Holder {
   }
 
  private:
-  // Skin that no tetrahedron reached goes with the skin beside it, so that it stays with its limb.
+  // Skin that no tetrahedron contains takes the candidates of adjacent skin, so that it stays with its limb.
   void choose_candidates() {
     candidates_.resize(skin_.vertices.size());
     around_.resize(skin_.vertices.size());
@@ -119,7 +119,7 @@ class Holder {
           candidates_[next] = candidates_[reached[k]];
           reached.push_back(next);
         }
-    // A part of the skin that lies outside altogether.
+    // Parts of the skin that lie entirely outside.
     for (std::uint32_t v = 0; v < skin_.vertices.size(); ++v)
       if (candidates_[v].empty()) candidates_[v].push_back(nearest_tetrahedron(skin_.vertices[v]));
   }
@@ -151,7 +151,7 @@ class Holder {
     return wide;
   }
 
-  using Home = std::pair<std::uint32_t, double>;  // a tetrahedron, and the least coordinate there
+  using Home = std::pair<std::uint32_t, double>;  // a tetrahedron, and the least coordinate in it
 
   Home best_of(const std::vector<std::uint32_t>& tetrahedra, const Vector3d& point) const {
     Home best{0, -std::numeric_limits<double>::infinity()};
@@ -179,7 +179,7 @@ class Holder {
     return hold;
   }
 
-  // Moves the nearest face of the boundary that vertex `v` of the skin lies beyond over it.
+  // Moves the nearest boundary face that has skin vertex `v` on its outer side over that vertex.
   bool make_room(std::uint32_t v) {
     const Vector3d& point = skin_.vertices[v];
     SurfacePoint nearest;
@@ -210,7 +210,7 @@ class Holder {
     return has_moved;
   }
 
-  // Takes as much of a step as the tetrahedra around allow.
+  // Takes as much of a step as the adjacent tetrahedra allow.
   bool move(std::uint32_t vertex, Vector3d step) {
     for (int k = 0; k < most_hold_halvings; ++k, step /= 2.0)
       if (move_whole(vertex, step)) return true;
@@ -238,7 +238,7 @@ class Holder {
   std::vector<Vector3d> start_;
   std::vector<std::array<std::uint32_t, 4>> across_;
   std::vector<std::vector<std::uint32_t>> touching_;  // tetrahedra of each vertex
-  std::vector<double> smallest_;                      // volume each may fall to
+  std::vector<double> smallest_;                      // the volume that each may shrink to
   std::vector<std::vector<std::uint32_t>> candidates_, around_;
 };
 

@@ -29,7 +29,7 @@ void append(Spread& to, const Spread& more) {
   to.high = std::max(to.high, more.high);
 }
 
-// Vertices are those of the scene's surface, joints those of its skeleton.
+// `more` has the numbers of one character; `to` those of the whole scene's surface and skeleton.
 void append(CageReport& to, const CageReport& more, const std::string& name, std::uint32_t first_vertex,
             std::int32_t first_joint) {
   to.has_skin = to.has_skin || more.has_skin;
@@ -90,10 +90,10 @@ std::vector<std::string> names_of_character(const std::vector<std::string>& name
   return own;
 }
 
-// Of its weights, that makes a vertex follow one joint.
+// The share of a vertex's weights that makes it follow one joint.
 constexpr double hard_share = 0.99;
 
-// Whether each vertex follows one joint: a thing, not a skin.
+// Whether each vertex follows a single joint: an object, not a skin.
 bool is_hard(const rig::Character& character) {
   return std::all_of(character.weights.begin(), character.weights.end(), [](const auto& weights) {
     return *std::max_element(weights.begin(), weights.end()) >= hard_share;
@@ -114,7 +114,8 @@ scene::Scene scene_of_character(const scene::Scene& scene, std::size_t k) {
     own.resolution = settings.resolution;
     own.body.vertices.reset();
   }
-  // Contact asks how deep flesh lies in a prop. Tetrahedra between the few corners of a box do not know.
+  // Contact needs to know how deep flesh lies in a prop. Tetrahedra between the few corners of a box do not
+  // tell.
   own.body.thickness = settings.thickness;
   if (settings.rigid && (settings.thickness > 0.0 || is_hard(scene.characters[k].own)))
     own.body.cage = scene::Cage::wrap;

@@ -9,16 +9,18 @@ namespace fascicle::build {
 
 namespace {
 
-// Skin that has this much less in common with the joints above than with another is not theirs.
+// Skin is detached from its ancestors if it has less than this share in common with them, relative to an
+// unrelated joint.
 constexpr double little_above = 0.1;
-// Joints that move less than this of the skin by themselves are controls; what they have counts nothing.
+// Joints that move less than this share of the skin by themselves are controls; skin in common with them does
+// not count.
 constexpr double least_share_above = 5e-3;
-// Another that has less than this of what the foremost has is only near.
+// A joint with less than this share of the largest overlap is only close by.
 constexpr double least_of_most = 0.2;
 
 using JointShares = std::vector<std::pair<std::uint32_t, double>>;
 
-// Sums up weights by joint, with all joints above if asked for.
+// Sums up weights by joint, optionally also for all ancestors.
 class Adder {
  public:
   explicit Adder(const rig::Character& character)

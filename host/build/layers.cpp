@@ -28,7 +28,8 @@ void check_layers_used(const scene::Scene& scene, const std::vector<std::uint32_
   }
 }
 
-// A wish to simulate a joint whose skin is narrower than the mesh's edges leaves next to nothing to simulate.
+// Warns if skeleton.only names a joint whose skin is narrower than the mesh's edges, which leaves almost
+// nothing to simulate.
 void check_only(const scene::Scene& scene, const std::vector<char>& kinematic, Report& report) {
   const std::vector<std::string>& only = scene.skeleton.only;
   const auto free = static_cast<std::size_t>(std::count(kinematic.begin(), kinematic.end(), 0));
@@ -51,7 +52,7 @@ bool has(const scene::Layer& layer, bool (*is_such)(const scene::Shape&)) {
   return std::any_of(layer.where.begin(), layer.where.end(), is_such);
 }
 
-// Gives each vertex to the last layer whose shapes, painted ones or others, hold it.
+// Assigns each vertex to the last layer whose shapes, painted or others, contain it.
 void claim(const scene::Scene& scene, WhereTest& test, bool painted, std::vector<std::uint32_t>& layer_of) {
   for (std::uint32_t l = 0; l < scene.layers.size(); ++l) {
     scene::Where where;
@@ -96,7 +97,7 @@ void complete_bones(const scene::Scene& scene, Measures& measures, const OneRing
     if (scene.layers[l].kinematic && has(scene.layers[l], is_measured_from_bones)) bone_layer = l;
   if (bone_layer == no_layer) return;
 
-  // What rigid parts hold is no bone: nothing need join it to one.
+  // Vertices held by rigid parts are not bone and need not be connected to it.
   std::vector<char> is_bone(layer_of.size(), 0), is_closed(layer_of.size(), 0);
   for (std::size_t i = 0; i < is_bone.size(); ++i) {
     is_bone[i] = scene.layers[layer_of[i]].kinematic && holding_of(body, i) == Holding::none;

@@ -82,7 +82,7 @@ bool Limbs::are_within_reach(std::span<const std::uint32_t> a, std::span<const s
   for (const std::uint32_t t : b)
     goal.insert(goal.end(), skin_.triangles[t].begin(), skin_.triangles[t].end());
   std::sort(goal.begin(), goal.end());
-  // Dijkstra, 1959, no farther than the distance.
+  // Dijkstra, 1959, limited to the distance.
   using Entry = std::pair<double, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::map<std::uint32_t, double> reached;
@@ -125,7 +125,7 @@ bool Limbs::are_apart(std::span<const std::uint32_t> a, std::span<const std::uin
   const bool is_one_part = part_[skin_.triangles[a[0]][0]] == part_[skin_.triangles[b[0]][0]];
   const bool are_strangers = has_stranger(a, of_b) || has_stranger(b, of_a);
   if (!is_one_part) return are_strangers && !are_kin(of_a, of_b);
-  // The clips last: they cost the most, and most that lies together is within reach.
+  // Clips last: they cost the most, and most adjacent skin is within reach.
   return !are_within_reach(a, b) && (are_strangers || do_part(a, b));
 }
 

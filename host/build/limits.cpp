@@ -17,8 +17,8 @@ namespace {
 using Eigen::Vector3d;
 using model::Model;
 
-// Of the gradients' mean square at rest: how far a tetrahedron has to collapse before it is moved by less
-// than all that it lacks.
+// Share of the gradients' mean square at rest. A tetrahedron collapsed below it is moved by less than its
+// full deficit.
 constexpr double least_square_share = 0.01;
 
 Vector3d area(const Vector3d& u, const Vector3d& v) {
@@ -63,7 +63,7 @@ void write_limits(const std::vector<double>& least_volume, Model& model) {
     }
     if (!(share > 0.0)) continue;
     const shader::Limit limit = limit_of(model, corner, share);
-    // A sliver whose volume is rounding is left alone.
+    // Skips slivers whose volume is only rounding.
     if (limit.least > 0.0f && limit.least_square > 0.0f) model.limit.push_back(limit);
   }
   if (model.limit.empty()) return;

@@ -11,9 +11,9 @@ namespace fascicle::build {
 
 namespace {
 
-constexpr double reach_in_radii = 1.5 + 1e-6;  // meshes of cubes have vertices at the very end of it
+constexpr double reach_in_radii = 1.5 + 1e-6;  // the vertices of cube meshes lie exactly at the limit
 
-// Half the mean length of the edges at each vertex.
+// Half the mean edge length at each vertex.
 std::vector<double> half_edges(const mesh::TetMesh& mesh, const OneRings& rings) {
   std::vector<double> half(mesh.vertices.size(), 0.0);
   for (std::size_t i = 0; i < half.size(); ++i) {
@@ -28,8 +28,8 @@ std::vector<double> half_edges(const mesh::TetMesh& mesh, const OneRings& rings)
 std::vector<double> local_radii(const mesh::TetMesh& mesh, const std::vector<double>& from_skin) {
   const OneRings rings = one_rings(mesh.vertices.size(), mesh.tetrahedra);
   const std::vector<double> half = half_edges(mesh, rings);
-  // Balls spread from their centres, the largest first: the first to come to a vertex is its own. A smaller
-  // one goes on through it only where it reaches further beyond than those before.
+  // Balls spread from their centres, the largest first: a vertex belongs to the first ball that reaches it. A
+  // smaller ball continues through it only if it reaches farther beyond it than those before.
   using Reach = std::tuple<double, std::uint32_t, std::uint32_t>;  // radius, centre, vertex
   std::priority_queue<Reach> open;
   for (std::uint32_t i = 0; i < half.size(); ++i) open.emplace(std::max(from_skin[i], half[i]), i, i);
@@ -48,7 +48,7 @@ std::vector<double> local_radii(const mesh::TetMesh& mesh, const std::vector<dou
     for (const std::uint32_t next : rings[vertex])
       if (left(next) > std::max(beyond[next], 0.0)) open.emplace(r, centre, next);
   }
-  // Corners and sharp edges that no such ball reaches are as thick as what lies within two edges.
+  // Corners and sharp edges that no such ball reaches take the thickness within two edges.
   std::vector<double> result = radius;
   for (std::uint32_t i = 0; i < radius.size(); ++i) {
     if (is_reached[i]) continue;

@@ -1,6 +1,6 @@
-// Minimises the Rayleigh quotient x.Lx / x.Mx by preconditioned conjugate gradients: of few vertices from
-// noise and by the diagonal, of many from what grids of cubes guess and with their help. All sums run in
-// vertex order, in plain loops: the same bits on every machine.
+// Minimises the Rayleigh quotient x.Lx / x.Mx by preconditioned conjugate gradients: for few vertices from
+// noise with a diagonal preconditioner, for many from the guess of a cascade of cube grids, which also
+// precondition. All sums run in vertex order, in plain loops, for the same bits on every machine.
 #include "host/build/lowest_mode.h"
 
 #include <algorithm>
@@ -20,13 +20,13 @@ namespace {
 using Eigen::Vector3d;
 using Field = std::vector<Vector3d>;
 
-// Settled: the quotient fell by less than this share in as many iterations.
+// Settled: the quotient fell by less than this share in this many iterations.
 struct Settled {
   double fall;
   int iterations;
 };
 constexpr Settled settled{1e-6, 20};
-// With grids an iteration does what some fifty do without.
+// With grids, one iteration does the work of some fifty.
 constexpr Settled settled_with_grids{1e-5, 5};
 
 Field first_guess(const std::vector<char>& is_free) {
@@ -37,7 +37,7 @@ Field first_guess(const std::vector<char>& is_free) {
   return x;
 }
 
-// Each pass over the body does all that can be done with what it has read: the passes wait for memory.
+// Each pass over the body does everything possible with the data it reads: passes are memory-bound.
 LowestMode minimise(const RegionStiffness& stiffness, const CubeCascade* cascade, Field x,
                     int iteration_limit) {
   const std::vector<char>& is_free = stiffness.is_free();
@@ -87,7 +87,7 @@ LowestMode minimise(const RegionStiffness& stiffness, const CubeCascade* cascade
       pmp += scalar_product(p[i], mp);
     }
     const double t = best_step(xlx, xlp, plp, xmx, xmp, pmp);
-    // Of length 1, so that nothing grows out of the numbers.
+    // Normalised, so that values stay in range.
     const double scale = 1.0 / std::sqrt(xmx + 2.0 * t * xmp + t * t * pmp);
     xmx = xlx = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -122,7 +122,7 @@ std::optional<LowestMode> lowest_mode(const ElasticBody& body, const std::vector
     guess = first_guess(is_free);
   const LowestMode lowest =
       minimise(stiffness, cascade ? &*cascade : nullptr, std::move(guess), search.most_iterations);
-  // A free body's lowest modes are its rigid motions, at rounding's distance from 0.
+  // The lowest modes of a free body are its rigid motions, at 0 to rounding.
   if (!(lowest.square >= 1e-9 * highest)) return std::nullopt;
   return lowest;
 }

@@ -18,15 +18,15 @@ namespace {
 
 constexpr double least_own_share = 0.02;
 constexpr std::array<std::int32_t, 3> no_owners{-1, -1, -1};
-// A vertex with this much of its weight on joints that are kinematic, or whose bones are far, is part of a
-// head, a hand, a foot or a jaw.
+// A vertex with this share of its weight on joints that are kinematic, or whose bones are far away, is part
+// of a head, a hand, a foot or a jaw.
 constexpr double following_share = 0.5;
-// Flesh lies within one local radius of a bone in the middle of a limb, and within two of one at its other
-// side, as a belly does of a spine. What is further off (a jaw, a hand beyond its last joint) has no bone in
-// it.
+// Flesh lies within one local radius of a bone in the middle of a limb, and within two of a bone on the far
+// side, as a belly does of the spine. Anything farther away (a jaw, a hand beyond its last joint) has no bone
+// in it.
 constexpr double furthest_in_radii = 2.0;
 
-// The share of a vertex's weights on joints whose bone is that of `joint`.
+// The share of a vertex's weights on joints whose bone is `joint`.
 double share_of(const Body& body, std::size_t vertex, std::int32_t joint) {
   double share = 0.0;
   for (std::uint32_t k = body.skin.offset[vertex]; k < body.skin.offset[vertex + 1]; ++k) {
@@ -37,7 +37,7 @@ double share_of(const Body& body, std::size_t vertex, std::int32_t joint) {
   return share;
 }
 
-// A bone the scene draws has no owner and is everybody's.
+// A bone drawn in the scene has no owner and belongs to all vertices.
 bool is_own_bone(const Body& body, std::size_t vertex, const Bone& bone) {
   if (body.skin.offset.empty() || bone.owners == no_owners) return true;
   return std::any_of(bone.owners.begin(), bone.owners.end(), [&](std::int32_t owner) {
@@ -52,13 +52,13 @@ NearestBone nearest_bone(const Body& body, std::size_t vertex) {
     const Bone& bone = body.bones[b];
     const double distance = segment_distance(body.mesh.vertices[vertex], bone.from, bone.to);
     if (distance < any.distance) any = {b, distance};
-    // The weights are looked through only where the answer can matter.
+    // The weights are read only if they can matter.
     if (distance < own.distance && is_own_bone(body, vertex, bone)) own = {b, distance};
   }
   return own.distance < far ? own : any;
 }
 
-// Of a point from the nearest bone that begins or ends at a joint, m; 0 where it has none.
+// The distance of a point to the nearest bone that begins or ends at a joint, m; 0 if there is none.
 double distance_of_joint(const Body& body, const Vector3d& point, std::int32_t joint) {
   constexpr double far = std::numeric_limits<double>::infinity();
   double least = far;
@@ -158,7 +158,7 @@ const std::vector<double>& Measures::radii() {
 const std::vector<double>& Measures::skin_distances() {
   if (!skin_distances_.empty()) return skin_distances_;
   mesh::SurfaceMesh skin{body_.mesh.vertices, boundary_triangles(body_.mesh, "mesh")};
-  // A carrier inside the flesh is none of its skin.
+  // A carrier inside the flesh is not part of its skin.
   std::erase_if(skin.triangles, [&](const auto& t) { return holding_of(body_, t[0]) == Holding::carrier; });
   std::vector<char> is_inside(skin.vertices.size(), 1);
   for (const auto& t : skin.triangles)
@@ -227,7 +227,7 @@ const std::vector<double>& Measures::inner_shares(bool by_distance) {
 
 namespace {
 
-// Numbers of layers are names: between 3 and 0 no place is 2 or 1.
+// Layer numbers are names: there is no 2 or 1 between 3 and 0.
 constexpr const char* attribute_of_names = "_LAYER";
 
 double painted_at(const SurfacePoint& place, const std::array<double, 3>& of_corners, bool are_names) {

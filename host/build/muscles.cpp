@@ -14,14 +14,15 @@ namespace fascicle::build {
 
 namespace {
 
-// A direction shorter than this, of one of length 1 with a part taken away, is none (sine of 3 degrees).
+// The remainder of a unit direction after a projection; shorter than this it is undefined (sine of 3
+// degrees).
 constexpr double least_direction = 0.05;
 
 // A muscle's bone, in metres.
 struct Carrier {
   Vector3d from, along;  // `along`: to the other end
   double length;
-  std::vector<double> share;  // of a vertex's weights
+  std::vector<double> share;  // of each vertex's weights
 };
 
 Carrier carrier_of(const scene::MuscleBones& bones, double scale, const Measures& measures) {
@@ -34,7 +35,7 @@ Vector3d unit_or_zero(const Vector3d& v, double least) {
   return length > least ? Vector3d(v / length) : Vector3d(Vector3d::Zero());
 }
 
-// n_r away from the bone and across the fibre, the bone's axis, and around it.
+// n_r (away from the bone and across the fibre), the bone's axis, and the direction around it.
 shader::RegionFrame frame_at(const Vector3d& place, const Vector3d& fibre, const Carrier& carrier) {
   const Vector3d axis = carrier.along / carrier.length;
   const Vector3d offset = place - carrier.from;
@@ -84,7 +85,7 @@ void write_muscles(const scene::Scene& scene, const Body& body, WhereTest& test,
                               model::as_factor(muscle.twist * from_axis / carrier.length)});
       ++count;
       with_fibre += beta > 0.0 ? 1u : 0u;
-      // Of several bones the nearest gives the directions.
+      // If several bones apply, the nearest gives the directions.
       if (nearest[r] >= 0.0 && nearest[r] <= from_axis) continue;
       nearest[r] = from_axis;
       const float* fibre = &model.fibre[3 * std::size_t{r}];

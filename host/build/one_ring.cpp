@@ -48,7 +48,8 @@ OneRings one_rings(std::size_t vertex_count, const std::vector<std::array<std::u
 }
 
 std::vector<std::uint32_t> mirror_entries(const OneRings& rings) {
-  // Rows are visited in ascending order, so row i meets its own neighbours in the order it lists them.
+  // Rows are visited in ascending order, so row i is met by its neighbours in the order in which it lists
+  // them.
   std::vector<std::uint32_t> mirror(rings.neighbour.size());
   std::vector<std::uint32_t> next(rings.offset.begin(), rings.offset.end() - 1);
   for (std::size_t r = 0; r < rings.size(); ++r)

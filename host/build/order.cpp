@@ -15,7 +15,7 @@ namespace {
 constexpr double slab_spacings = 2.0;
 constexpr std::size_t degree_window = 256;
 
-// An even exchange of corners that puts the two lowest first, in order.
+// An even permutation of corners that puts the two lowest first, in order.
 std::array<std::uint32_t, 4> lowest_first(std::array<std::uint32_t, 4> t) {
   const auto rotate = [&](std::size_t a, std::size_t b, std::size_t c) {
     const std::uint32_t kept = t[a];
@@ -47,7 +47,8 @@ std::vector<std::uint32_t> locality_order(const mesh::TetMesh& mesh, const OneRi
                    [&](int a, int b) { return high[a] - low[a] > high[b] - low[b]; });
   const double thickness = slab_spacings * cube_root(total_volume(mesh) / static_cast<double>(n));
 
-  // Ties go by the other coordinates, so that vertices in different places are ordered by their places alone.
+  // Ties are broken by the other coordinates, so that vertices in different places are ordered by position
+  // alone.
   struct Place {
     double slab, strip;
     Vector3d point;  // along the third, second and longest axis

@@ -25,8 +25,7 @@ Vector3d point_at(const mesh::SurfaceMesh& skin, std::uint32_t triangle,
          weights[2] * skin.vertices[t[2]];
 }
 
-// How far along each of two segments, 0 to 1, they come nearest to each other; of segments along one
-// another any such place.
+// The parameters, 0 to 1, of the nearest points of two segments; any such pair if the segments are parallel.
 std::pair<double, double> nearest_of_segments(const Vector3d& a, const Vector3d& b, const Vector3d& c,
                                               const Vector3d& d) {
   const auto along = [](const Vector3d& point, const Vector3d& from, const Vector3d& to) {
@@ -97,8 +96,8 @@ bool Partings::have_parted(std::uint32_t a, const std::array<double, 3>& at_a, s
   });
 }
 
-// Between two triangles the nearest places are a corner and a place of the other, or lie on a side of each.
-// All such pairs that are near are asked: long triangles may be nearest where they do not part.
+// The nearest places of two triangles are a corner of one and a place of the other, or lie on a side of each.
+// All nearby pairs of this kind are tested: long triangles may be nearest where they do not part.
 bool Partings::do_part(std::uint32_t a, std::uint32_t b) const {
   if (poses_.empty()) return false;
   const auto corner = [&](std::uint32_t triangle, std::size_t k) -> const Vector3d& {

@@ -1,4 +1,4 @@
-// Arrays of floats, 3 a vertex, as vectors in double.
+// Arrays of floats, 3 per vertex, as vectors in double.
 #pragma once
 
 #include <cstddef>

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A thread takes at least so many vertices: to start one costs as much as a tenth of this work.
+// A thread takes at least this many vertices: starting one costs a tenth of this work.
 constexpr std::size_t least_vertices_a_thread = 16384;
 
 struct Member {
@@ -74,7 +74,7 @@ RegionStiffness::RegionStiffness(const ElasticBody& body, const std::vector<char
       const std::array<double, 6> terms{yy + zz, xx + zz, xx + yy, -p[0] * p[1], -p[0] * p[2], -p[1] * p[2]};
       for (std::size_t c = 0; c < 6; ++c) region.inertia[c] += w * terms[c];
     });
-    // Weights along one line leave the turn about it open: it is 0.
+    // If the weights lie along a line, the rotation about it is undetermined: it becomes 0.
     const double little = 1e-9 * (region.inertia[0] + region.inertia[1] + region.inertia[2]);
     for (std::size_t c = 0; c < 3; ++c) region.inertia[c] += little;
   }
@@ -90,8 +90,8 @@ double RegionStiffness::mean_edge() const {
   return sum / static_cast<double>(rings_.neighbour.size());
 }
 
-// Each piece works out every region that reaches into it, so that a vertex's sum runs over its regions in
-// ascending order however the body is cut.
+// Each piece computes every region that reaches into it, so that a vertex's sum runs over its regions in
+// ascending order however the body is divided.
 void RegionStiffness::apply(const std::vector<Vector3d>& x, std::vector<Vector3d>& y) const {
   y.resize(size());
   const std::size_t pieces = std::clamp<std::size_t>(size() / least_vertices_a_thread, 1, threads_);

@@ -24,10 +24,10 @@ namespace {
 constexpr double hard_weight = 0.99, even_weights = 0.05;
 constexpr double largest_rigid_share = 0.25, largest_inlay_share = 0.01;
 constexpr double rigid_share = 0.5, painted_rigid = 0.5;
-// Flesh is held as near to rigid skin as this many of the body's edges.
+// Flesh within this many of the body's edges of rigid skin is held.
 constexpr double held_edges = 1.0;
 
-// A connected part of a surface; its vertices are those of the welded skin.
+// A connected part of a surface; vertices are numbers in the welded skin.
 struct Part {
   std::uint32_t first = 0;  // its first vertex in the surface
   std::vector<std::uint32_t> vertices;
@@ -59,7 +59,7 @@ void weigh(const SkinWeights& weights, Part& part) {
   }
 }
 
-// `welded_vertex` has the vertex of the welded skin of each of the surface's.
+// `welded_vertex` maps each of the surface's vertices to the welded skin.
 std::vector<Part> parts_of(const mesh::SurfaceMesh& surface, const std::vector<std::uint32_t>& welded_vertex,
                            const SkinWeights& weights) {
   Unions unions(surface.vertices.size());
@@ -86,8 +86,8 @@ std::vector<Part> connected_parts_of(const mesh::SurfaceMesh& surface, const Ski
   return parts_of(surface, itself, weights);
 }
 
-// Parts of the welded skin that are connected within one object and material; their first vertices are the
-// file's.
+// Parts of the welded skin that are connected within one object and material; their first vertices are file
+// numbers.
 std::vector<Part> inlays_of(const rig::Character& character, const WeldedSurface& welded,
                             const SkinWeights& weights) {
   mesh::SurfaceMesh split;
@@ -114,7 +114,7 @@ std::vector<Part> inlays_of(const rig::Character& character, const WeldedSurface
   return inlays;
 }
 
-// The object of a vertex of the file, with its material where an object has several.
+// The object of a vertex of the file, with its material if the object has several.
 std::string name_of_vertex(const rig::Character& character, std::uint32_t vertex) {
   for (const rig::SurfacePart& part : character.parts)
     if (vertex >= part.first_vertex && vertex - part.first_vertex < part.vertex_count)
@@ -122,7 +122,7 @@ std::string name_of_vertex(const rig::Character& character, std::uint32_t vertex
   return "the skin";
 }
 
-// What the user asked for, one flag a vertex of the welded skin.
+// The rigid skin that the user requested, one flag per vertex of the welded skin.
 std::vector<char> asked_for(const rig::Character& character, const WeldedSurface& welded,
                             const SkinWeights& weights, const scene::Scene& scene) {
   std::vector<char> is_asked(welded.surface.vertices.size(), 0);
@@ -186,7 +186,7 @@ RigidSkin find_rigid_parts(const rig::Character& character, const WeldedSurface&
   RigidSkin rigid;
   rigid.is_rigid = asked_for(character, welded, weights, scene);
   rigid.is_apart.assign(rigid.is_rigid.size(), 0);
-  // Of each vertex of the welded skin the file's first, and how many there are.
+  // For each vertex of the welded skin the file's first vertex, and how many there are.
   std::vector<std::uint32_t> first_of(rigid.is_rigid.size()), count_of(rigid.is_rigid.size(), 0);
   for (std::size_t v = welded.of_vertex.size(); v-- > 0;) {
     first_of[welded.of_vertex[v]] = static_cast<std::uint32_t>(v);

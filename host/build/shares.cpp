@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double share_steps = 65536.0;
 
-// Rounds to steps; where rounding up took more than there is, the largest share gives it back.
+// Rounds to steps; if rounding up exceeds the total, the largest share is reduced.
 void quantise(std::span<const double> exact, std::vector<std::int32_t>& steps) {
   steps.resize(exact.size());
   std::int32_t sum = 0;
@@ -26,7 +26,7 @@ void quantise(std::span<const double> exact, std::vector<std::int32_t>& steps) {
   if (excess > 0) *std::max_element(steps.begin(), steps.end()) -= excess;
 }
 
-// 1 less the shares given away: exact, all are multiples of 2^-16.
+// 1 minus the shares given away: exact, since all are multiples of 2^-16.
 float own_share(const OneRings& rings, const std::vector<float>& given, std::size_t i) {
   float own = 1.0f;
   for (std::uint32_t k = rings.offset[i]; k < rings.offset[i + 1]; ++k) own -= given[k];
@@ -61,7 +61,7 @@ RegionSums region_sums(const OneRings& rings, const RestState& state, const Shar
   return sums;
 }
 
-// The power of two that brings `mean` nearest to 1; exact, so it changes no other bit.
+// The power of two that scales `mean` nearest to 1. The scaling is exact, so it changes no other bit.
 double power_of_two_towards_one(double mean) {
   if (!(mean > 0.0) || !std::isfinite(mean)) return 1.0;
   int exponent = 0;
@@ -69,7 +69,7 @@ double power_of_two_towards_one(double mean) {
   return std::ldexp(1.0, (mantissa < 0.70710678118654752 ? 1 : 0) - exponent);
 }
 
-// Of moments scaled so that their mean is about 1; the threshold of extract_rotation in kernel/rotation.inc.
+// For moments scaled to a mean of about 1; the threshold of extract_rotation in kernel/rotation.inc.
 constexpr double least_moment = 0x1p-40;
 
 }  // namespace

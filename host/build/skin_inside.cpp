@@ -18,12 +18,12 @@ namespace {
 
 using scene::Vector3d;
 
-// A number of an open part is known to a tenth or so by these.
+// This many directions give the winding number of an open part to about a tenth.
 constexpr std::size_t direction_count = 24;
-// Where so many agree that the skin goes around, or that nothing does, the others are not asked.
+// If this many agree that the skin encloses the point, or that nothing does, the rest are skipped.
 constexpr std::size_t first_directions = 6;
 
-// Evenly over the sphere, the first few too: by the golden ratio in both angles.
+// Evenly distributed over the sphere, also the first few: by irrational increments of height and angle.
 std::array<Vector3d, direction_count> even_directions() {
   std::array<Vector3d, direction_count> directions;
   constexpr double turn = 0.6180339887498949, rise = 0.7548776662466927;
@@ -55,7 +55,7 @@ SkinInside::SkinInside(const mesh::SurfaceMesh& surface) : search_(surface) {
 
 bool SkinInside::contains(const Vector3d& point) const {
   static const std::array<Vector3d, direction_count> directions = even_directions();
-  std::vector<std::pair<std::uint32_t, int>> of_parts;  // part, crossings outward less those inward
+  std::vector<std::pair<std::uint32_t, int>> of_parts;  // part, outward minus inward crossings
   const auto add = [&](std::uint32_t triangle, int outward) {
     const std::uint32_t part = part_of_triangle_[triangle];
     for (auto& [known, sum] : of_parts)

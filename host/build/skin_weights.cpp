@@ -56,7 +56,7 @@ void add(Influences& row, const Influence& influence) {
     same->weight += influence.weight;
 }
 
-// Sums of the joints' weights over the vertices that were welded into each; the scale does not matter.
+// Sums of the joints' weights over the vertices welded into each; the scale does not matter.
 std::vector<Influences> surface_influences(const rig::Character& character,
                                            std::span<const std::uint32_t> welded, std::size_t surface_count) {
   std::vector<Influences> rows(surface_count);
@@ -82,7 +82,7 @@ void offer(Influences& row, const Influence& influence) {
                              [](const Influence& a, const Influence& b) { return a.weight < b.weight; }));
 }
 
-// The part of each joint at the vertices that have no weights yet, by ascending vertex.
+// Each joint's weights at the vertices that have none yet, by ascending vertex.
 std::vector<std::vector<VertexValue>> carried_inside(const mesh::TetMesh& mesh,
                                                      const std::vector<Influences>& rows,
                                                      std::size_t joint_count, const std::string& source,
@@ -110,7 +110,7 @@ std::vector<std::vector<VertexValue>> carried_inside(const mesh::TetMesh& mesh,
   return found;
 }
 
-// Largest first, cut, normalised and rounded; the largest takes what rounding left.
+// Sorts by size, truncates, normalises and rounds; the largest takes the rounding remainder.
 void finish(Influences& row) {
   std::sort(row.begin(), row.end(), [](const Influence& a, const Influence& b) {
     return a.weight != b.weight ? a.weight > b.weight : a.joint < b.joint;
@@ -134,7 +134,7 @@ std::vector<Influences> rows_of(const SkinWeights& skin, std::size_t count) {
   return rows;
 }
 
-// The mean of a triangle's corners.
+// The weighted mean of a triangle's corners.
 Influences at_place(const std::vector<Influences>& rows, const mesh::SurfaceMesh& surface,
                     const SkinPoint& place) {
   Influences mean;

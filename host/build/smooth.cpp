@@ -20,10 +20,10 @@ using Corners = std::array<std::uint32_t, 4>;
 
 constexpr int sweeps = 8;
 constexpr int most_halvings = 8;
-// A step that gains less than this part of what there is ends a vertex's turn.
+// A step with a relative gain below this ends a vertex's turn.
 constexpr double least_gain = 1e-3;
 
-// 15552 = 6^3 72: a regular tetrahedron of edge a has 6 a^2 and a^6 / 72.
+// 15552 = 6^3 72: a regular tetrahedron of edge a has L = 6 a^2 and V^2 = a^6 / 72.
 constexpr double of_regular = 15552.0;
 
 double squares_of_edges(const TetMesh& mesh, const Corners& t) {
@@ -33,7 +33,7 @@ double squares_of_edges(const TetMesh& mesh, const Corners& t) {
   return sum;
 }
 
-// 1 / quality; infinite where the tetrahedron is flat or turned.
+// 1 / quality; infinite if the tetrahedron is flat or inverted.
 double badness(const TetMesh& mesh, const Corners& t) {
   const double volume = signed_volume(mesh, t);
   if (!(volume > 0.0)) return std::numeric_limits<double>::infinity();
@@ -73,8 +73,8 @@ class Smoother {
     return sum;
   }
 
-  // Newton's step on the sum of L^3 / V^2, L the squares of the edges and V the volume. The term that could
-  // make the second derivative negative, -3 (dL/L)(dL/L)^T, is left out.
+  // Newton's step on the sum of L^3 / V^2, with L the sum of the squared edges and V the volume. The term
+  // that could make the second derivative negative, -3 (dL/L)(dL/L)^T, is omitted.
   Vector3d step_of(std::uint32_t vertex) const {
     Vector3d slope = Vector3d::Zero();
     Matrix3d bend = Matrix3d::Zero();
@@ -87,7 +87,7 @@ class Smoother {
       const double volume = signed_volume(mesh_, t), edges = squares_of_edges(mesh_, t);
       const double weight = edges * edges * edges / (of_regular * volume * volume);
       const Vector3d of_edges = (6.0 * mesh_.vertices[vertex] - 2.0 * (a + b + c)) / edges;
-      // A sixth of the area across, towards the vertex.
+      // A sixth of the opposite face's area vector, towards the vertex.
       const Vector3d of_volume = (at % 2 == 0 ? -1.0 : 1.0) / (6.0 * volume) * (b - a).cross(c - a);
       const Vector3d both = 3.0 * of_edges - 2.0 * of_volume;
       slope += weight * both;

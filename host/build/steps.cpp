@@ -16,15 +16,15 @@ namespace {
 
 constexpr double radians_a_turn = 2.0 * std::numbers::pi;
 constexpr const char* stated = "the scene says so";
-// Of a scene that states its substeps: they cost it nothing more, so that few are stretched far.
+// For a scene that states its substeps: more iterations cost no further substeps, so even a few go far.
 constexpr std::uint32_t most_iterations_of_stated_substeps = 100;
 constexpr std::uint32_t most_substeps = 1000;
 
-// A body of length L, mean edge l and alpha 1 hangs through by about 0.9 g h^2 L / l^2 of its length
-// (measured on bars): alpha is a stiffness a substep. This much of it only tells bodies apart, as flesh hangs
-// on bones: it gives a heavy man, a muscular man and a fox of 20,000 vertices 18, 23 and 13 substeps at 60
-// fps, with which their jumps and its gallop turn hardly more tetrahedra inside out than skinning does
-// (see docs/design/crushed-flesh.md).
+// A body of length L, mean edge l and alpha 1 sags by about 0.9 g h^2 L / l^2 of its length (measured on
+// bars), because alpha is a stiffness per substep. Flesh hangs on bones, so the share below only ranks
+// bodies. It gives a heavy man, a muscular man and a fox of 20,000 vertices 18, 23 and 13 substeps at 60 fps;
+// with these, their jumps and the fox's gallop invert hardly more tetrahedra than skinning does (see
+// docs/design/crushed-flesh.md).
 constexpr double explicit_stretch = 0.023;
 constexpr double earth_gravity = 9.81;
 // Fewer do not hold flesh, whatever alpha.
@@ -64,7 +64,8 @@ Steps choose_explicit_steps(const scene::Scene& scene, const model::Model& model
           .reason = "alpha means the same with them at every frame rate and spacing"};
 }
 
-// What the iterations meet: K/m of each layer's free vertices, the mean by mass; 0 of one that has none.
+// The stiffness that the iterations see: mass-weighted mean of K/m over each layer's free vertices; 0 if
+// there are none.
 std::vector<double> stiffness_of_layers(const model::Model& model) {
   std::vector<double> pull(model.layers.size(), 0.0), mass(model.layers.size(), 0.0);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i) {
@@ -83,7 +84,7 @@ double stiffest_vertex(const model::Model& model) {
   return largest;
 }
 
-// The largest of the layers' values, and whose it is; the first layer where none is above 0.
+// The largest of the layers' values, and its layer; the first layer if none is above 0.
 struct Largest {
   double value = 0.0;
   std::size_t layer = 0;
@@ -101,7 +102,7 @@ double stiffness_of_step(double k_over_m, double substeps_per_second) {
   return k_over_m * H * H;
 }
 
-// The least that resolve the stiffness, and more where a volume term takes its share of each.
+// The fewest iterations that resolve the stiffness; more if a volume term takes its share of each.
 std::uint32_t iterations_for(double stiffness, double overshoot, std::uint32_t most) {
   std::uint32_t n = 2;
   while (n < most && model::resolved_stiffness(n) * model::resolved_stiffness(n) < stiffness) ++n;
@@ -113,7 +114,7 @@ std::string rounded_up(double x) {
   return std::to_string(static_cast<std::uint64_t>(std::min(std::ceil(x), 1e15)));
 }
 
-// But for the iterations' part.
+// Without the iterations' residual.
 StepError error_of(double frequency, double substeps_per_second) {
   const double phase = radians_a_turn * frequency / substeps_per_second;
   return {.slower = phase * phase / 3.0,
@@ -131,7 +132,7 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
 
   Steps steps{.substeps = solver.substeps, .reason = stated};
   if (solver.auto_substeps) {
-    // A rate that is a third by rounding asks for no further substep.
+    // A rate that exceeds a whole number only by rounding needs no further substep.
     constexpr double rounding = 1e-6;
     const double by_quality =
         std::clamp(steps_per_second(solver.quality) / scene.fps - rounding, 1.0, double{most_substeps});
@@ -154,8 +155,8 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
         std::ceil(std::max(by_quality, std::min(by_flesh, double{most_auto_substeps}))));
   }
   const double a_second = steps.substeps * scene.fps;
-  // A body that swings by itself loses 6 % more of its swing where iterations resolve the mean alone: then
-  // they go on from less than the last substep's acceleration (model::extrapolated_share).
+  // A body without a skeleton loses 6 % more of its swing if iterations resolve only the mean: then they
+  // start from less than the last substep's acceleration (model::extrapolated_share).
   const double resolved = model.has_skeleton() ? stiff.value : stiffest_vertex(model);
   const double stiffness = stiffness_of_step(stiff.value, a_second);
   const double overshoot = model::volume_overshoot(model);
@@ -165,7 +166,7 @@ Steps choose_implicit_steps(const scene::Scene& scene, const model::Model& model
   steps.iterations = solver.iterations.value_or(enough);
   steps.error = error_of(swing.value, a_second);
   steps.error.residual = model::residual_share(steps.iterations, stiffness, overshoot);
-  // What auto substeps leave has been said.
+  // For auto substeps a warning has already been given.
   if (!solver.auto_substeps && steps.error.residual > model::resolved_residual * (1.0 + 1e-9))
     warn(report, "solver.iterations: " + std::to_string(steps.iterations) + " leave " +
                      base::percent_text(steps.error.residual) + " of a substep's change in " +

@@ -74,14 +74,15 @@ double sheet_compliance(const Vector3d& n, const Symmetric& s) {
   Symmetric w{}, flat = s;
   add(0.5, {1.0, 1.0, 1.0, 0.0, 0.0, 0.0}, w);
   add(-0.5, product(n), w);
-  // P S P = S - (n (S n)^T + S n n^T) + (n.S n) n n^T, and n a^T + a n^T is (n + a)(n + a)^T less their own.
+  // P S P = S - (n (S n)^T + S n n^T) + (n.S n) n n^T, and n a^T + a n^T is (n + a)(n + a)^T - n n^T - a a^T.
   add(-1.0, product(both), flat);
   add(1.0, product(sn), flat);
   add(1.0 + nsn + across, product(n), flat);
   return compliance(w, flat);
 }
 
-// Pa, or nothing where the layer states none; a layer that states a frequency has it from its lowest mode.
+// Pa, or nothing if the layer states none; if a layer states a frequency, its modulus comes from its lowest
+// mode.
 using LayerModuli = std::vector<std::optional<double>>;
 
 std::vector<double> moduli_of_regions(const Layering& layering, const LayerModuli& of_layer,
@@ -97,7 +98,7 @@ std::vector<double> moduli_of_regions(const Layering& layering, const LayerModul
       sum += state.mass[i] * *E;
       masses += state.mass[i];
     }
-  // Of regions that hold no vertex with a modulus: nothing that moves sees them.
+  // For regions without any vertex that has a modulus: they affect nothing that moves.
   const double elsewhere = masses > 0.0 ? sum / masses : 1.0;
   std::vector<double> moduli(rings.size());
   for (std::size_t r = 0; r < rings.size(); ++r) {
@@ -116,8 +117,8 @@ std::vector<double> moduli_of_regions(const Layering& layering, const LayerModul
   return moduli;
 }
 
-// The square of a layer's lowest circular frequency, 1/s^2, at 1 Pa; 0 where nothing holds the layer and
-// nothing but "auto" asks, which then goes by the stiffness alone.
+// The square of a layer's lowest circular frequency, 1/s^2, at 1 Pa. 0 if nothing holds the layer and only
+// "auto" needs it, which then uses the stiffness alone.
 double stiffness_of_lowest_mode(const scene::Scene& scene, std::size_t l, const Layering& layering,
                                 const ElasticBody& body, ElasticMemory& memory, Report& report) {
   if (!memory.lowest.contains(l)) {

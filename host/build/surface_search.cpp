@@ -13,14 +13,14 @@ namespace {
 using mesh::SurfaceMesh;
 using scene::Vector3d;
 
-// A triangle whose doubled area is below this part of its longest side's square is searched as its sides: the
-// plane it spans is noise.
+// A triangle whose doubled area is below this share of its longest side's square is searched as its sides:
+// its plane is noise.
 constexpr double flat_area = 1e-12;
 
-// Squares of distances that differ by rounding only are one distance: boxes at it are still opened.
+// Squared distances that differ only by rounding count as equal: boxes at that distance are still opened.
 constexpr double equally_near = 1.0 + 1e-12;
 
-// No plane or edge that an artist would draw lies along these.
+// Directions unlikely to lie along a plane or edge that an artist would draw.
 const std::array<Vector3d, 3> ray_directions{
     Vector3d(0.8147, 0.4271, 0.3923), Vector3d(-0.3719, 0.6343, 0.6778), Vector3d(0.2137, -0.5839, 0.7832)};
 
@@ -33,7 +33,7 @@ std::vector<BoundingBox> boxes_of(const SurfaceMesh& surface) {
   return boxes;
 }
 
-// Where along from -> to the point nearest to `point` lies, in [0, 1].
+// The parameter, in [0, 1], of the point from -> to nearest to `point`.
 double along_segment(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
   const Vector3d along = to - from;
   const double length2 = along.squaredNorm();
@@ -101,7 +101,7 @@ bool SurfaceSearch::is_nearer_than(const Vector3d& point, double distance) const
     nearer = nearer || nearest_on_triangle(point, surface_.vertices[t[0]], surface_.vertices[t[1]],
                                            surface_.vertices[t[2]])
                                .distance < distance;
-    // Below every distance: the search ends.
+    // Below every distance: ends the search.
     return nearer ? -1.0 : distance * distance;
   });
   return nearer;
@@ -122,7 +122,7 @@ void SurfaceSearch::for_each_crossing(const Vector3d& origin, const Vector3d& di
     const Vector3d q = from_a.cross(ab);
     const double v = direction.dot(q) / determinant;
     if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(q) / determinant > 0.0)) return;
-    // The determinant is -direction . (ab x ac): negative where the ray leaves through an outward face.
+    // The determinant is -direction . (ab x ac): negative if the ray leaves through an outward face.
     visit(k, determinant < 0.0);
   });
 }

@@ -30,27 +30,26 @@ using scene::SceneError;
 using scene::Vector3d;
 
 // The largest volume of a tetrahedron for which the mean edge comes out as `edge`. A regular tetrahedron has
-// edge^3/(6 sqrt 2). TetGen stays below its bound, so it gets 1.2 times that: measured on the Stanford bunny
-// at its own mean edge, factors of 1, 1.2 and 1.5 give 0.95, 1.00 and 1.06 of the wanted edge.
+// edge^3/(6 sqrt 2). TetGen stays below its bound, so the bound is 1.2 times that: on the Stanford bunny at
+// its own mean edge, factors of 1, 1.2 and 1.5 give 0.95, 1.00 and 1.06 of the target edge.
 double largest_volume(double edge) {
   constexpr double factor = 1.2;
   return factor * edge * edge * edge / (6.0 * std::sqrt(2.0));
 }
 
-// Tetrahedra that the volume alone takes at this edge; where the surface has smaller triangles there are
-// more.
+// The number of tetrahedra by volume alone at this edge; smaller surface triangles add more.
 double count_by_volume(const SurfaceMesh& surface, double edge) {
   return std::abs(enclosed_volume(surface)) * 6.0 * std::sqrt(2.0) / (edge * edge * edge);
 }
 
-// What is due: a triangle brings tetrahedra that are graded from its size to the inner ones'.
+// The expected number: each triangle brings tetrahedra that grade from its size to that of the inner ones.
 double count_due(const SurfaceMesh& surface, double edge, std::size_t point_count) {
   constexpr double beside_triangle = 10.0;
   return count_by_volume(surface, edge) +
          beside_triangle * static_cast<double>(surface.triangles.size() + point_count);
 }
 
-// Without a try where it cannot end well. TetGen takes more than 100 bytes a tetrahedron.
+// Fails early if a run cannot succeed. TetGen takes more than 100 bytes per tetrahedron.
 void check_count(const SurfaceMesh& surface, double edge, const BuildOptions& options) {
   constexpr double least_bytes = 100.0;
   const double count = count_by_volume(surface, edge);
@@ -76,7 +75,7 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
                    "; separate or merge the parts that cross, or remesh the surface");
 }
 
-// Turns a run that did not end well into one message.
+// Converts a failed run into one message.
 [[noreturn]] void fail_run(const ProcessResult& result, const fs::path& mesher, const fs::path& surface,
                            std::size_t triangles, const ProcessLimits& limits, const BuildOptions& options) {
   check_time(result, limits, "filling the surface with tetrahedra",
@@ -93,13 +92,13 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
     throw SceneError("the surface was filled with no tetrahedra; check that it encloses a volume");
   }
   if (crashed || result.code == mesher_self_intersecting || result.code == mesher_failed) {
-    // TetGen also crashes on surfaces that cross themselves: look for the place.
+    // TetGen also crashes on self-intersecting surfaces: find the place.
     const ProcessResult search = run_mesher(mesher, {"intersections", surface.string()}, limits);
     if (search.end == ProcessEnd::exited && search.code == mesher_self_intersecting) fail_crossing(search);
     if (!crashed && result.code == mesher_self_intersecting) fail_crossing(result);
   }
   if (crashed) {
-    // Its last words are a library's assertion or the allocator's: nothing to act on.
+    // The last line is an assertion of a library or the allocator: nothing the user can act on.
     throw SceneError(std::string(mesher_name) + " crashed (" + ::strsignal(result.code) +
                      "); the surface may have triangles that nearly touch or overlap, remesh it");
   }
@@ -111,8 +110,8 @@ void write_points(const fs::path& path, const std::vector<Vector3d>& points) {
                    reason(result) + "; check that it belongs to this version of fascicle");
 }
 
-// TetGen turns all tetrahedra the same way; ours have positive volume. One that differs from the rest, or is
-// flat, is refused and not turned: it would be an overlap.
+// TetGen orients all tetrahedra the same way; ours have positive volume. One that differs from the rest, or
+// is flat, is an error and not reoriented: it would be an overlap.
 void orient(TetMesh& mesh) {
   double sum = 0.0;
   for (const auto& t : mesh.tetrahedra) sum += signed_volume(mesh, t);
@@ -134,7 +133,7 @@ void check_surface_vertices(const TetMesh& mesh, const SurfaceMesh& surface) {
   }
 }
 
-// Points that TetGen left out, because they lie outside or on another vertex, go.
+// Removes points that TetGen left out because they lie outside or on another vertex.
 void drop_unused(TetMesh& mesh, std::size_t surface_count) {
   constexpr std::uint32_t unused = UINT32_MAX;
   std::vector<std::uint32_t> number(mesh.vertices.size(), unused);
@@ -164,8 +163,8 @@ std::vector<std::array<std::uint32_t, 3>> sorted_corners(
   return triangles;
 }
 
-// The boundary must be the surface, triangle for triangle. With positive volumes this also makes the volume
-// the surface's.
+// The boundary must equal the surface, triangle for triangle. With positive volumes this also makes the total
+// volume the surface's.
 void check_boundary(const TetMesh& mesh, const SurfaceMesh& surface) {
   const auto boundary = sorted_corners(boundary_triangles(mesh, mesher_name));
   const auto wanted = sorted_corners(surface.triangles);
@@ -193,7 +192,7 @@ void check_result(TetMesh& mesh, const SurfaceMesh& surface) {
 TetMesh fill_by_mesher(const SurfaceMesh& surface, double edge, const std::vector<Vector3d>& inside,
                        const BuildOptions& options) {
   const fs::path mesher = mesher_path(options);
-  // Measured on the Stanford bunny at 4, 1 and 0.5 times its edge: 0.01, 0.1 and 0.2 KB for each that is due.
+  // Measured on the Stanford bunny at 4, 1 and 0.5 times its edge: 0.01, 0.1 and 0.2 KB per expected element.
   constexpr double bytes_each = 2048.0;
   const ProcessLimits limits = mesher_limits(options, count_due(surface, edge, inside.size()), bytes_each);
   const TemporaryFolder folder;
@@ -215,7 +214,7 @@ TetMesh fill_by_mesher(const SurfaceMesh& surface, double edge, const std::vecto
   try {
     return mesh::read_tet_mesh(volume_file);
   } catch (const SceneError& error) {
-    // The folder's name helps nobody: it is gone.
+    // The temporary folder is gone, so its name would help nobody.
     std::string what = error.what();
     if (what.rfind(volume_file.string(), 0) == 0) what.erase(0, volume_file.string().size() + 1);
     fail_result("line " + what);

@@ -16,11 +16,11 @@ namespace fascicle::build {
 
 namespace {
 
-// The share of a prop's volume without a way out from which on it is thin. Cubes, rods and plates have 0.15
-// or less where the cage's edges are half as long as they are thick, and 0.9 or more where they are as long.
+// A prop is thin from this share of volume without a way out. Cubes, rods and plates have 0.15 or less if the
+// cage's edges are half their thickness, and 0.9 or more if they are as long as the thickness.
 constexpr double thin_share = 0.5;
 
-// At most `length`, to two digits.
+// Rounded down to two digits.
 float rounded_down(double length) {
   const double step = std::pow(10.0, std::floor(std::log10(length)) - 1.0);
   return static_cast<float>(step * std::floor(length / step));

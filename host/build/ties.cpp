@@ -19,22 +19,22 @@ namespace {
 using Eigen::Vector3d;
 using model::Model;
 
-// Working units. Lower than this is the rounding of positions.
+// In working units. Anything lower is within the rounding of positions.
 constexpr double lowest_tie = 0x1p-16;
 
-// Normal times twice the area of a triangle.
+// Normal of a triangle, as long as twice its area.
 Vector3d area_of(const mesh::SurfaceMesh& surface, std::uint32_t triangle) {
   const auto& [a, b, c] = surface.triangles[triangle];
   return (surface.vertices[b] - surface.vertices[a]).cross(surface.vertices[c] - surface.vertices[a]);
 }
 
-// How far s stands from the plane of a triangle, to either side.
+// The distance of s from the plane of a triangle, on either side.
 double height_over(const mesh::SurfaceMesh& below, std::uint32_t triangle, std::uint32_t s) {
   const Vector3d n = area_of(below, triangle);
   return std::abs(n.dot(below.vertices[s] - below.vertices[below.triangles[triangle][0]])) / n.norm();
 }
 
-// By vertex the triangles it is a corner of.
+// For each vertex, the triangles it is a corner of.
 std::vector<std::vector<std::uint32_t>> triangles_of_vertices(const mesh::SurfaceMesh& surface) {
   std::vector<std::vector<std::uint32_t>> triangles(surface.vertices.size());
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
@@ -42,8 +42,8 @@ std::vector<std::vector<std::uint32_t>> triangles_of_vertices(const mesh::Surfac
   return triangles;
 }
 
-// Facing s. Where the nearest place is an edge or a corner, of the triangles there the one that s stands
-// highest over; of those that differ by rounding the first.
+// Oriented towards s. If the nearest place is an edge or a corner, takes the triangle there over which s
+// stands highest; among those that differ only by rounding, the first.
 shader::Tie tie_of(std::uint32_t s, const mesh::SurfaceMesh& below, const SurfaceSearch& search,
                    const std::vector<std::vector<std::uint32_t>>& triangles_of) {
   const SurfacePoint place = search.nearest(below.vertices[s]);
@@ -72,7 +72,7 @@ std::array<std::uint32_t, 3> corners_of(const shader::Tie& tie) {
   return {tie.corner_a, tie.corner_b, tie.corner_c};
 }
 
-// The corners' mobilities, and by vertex the ties that act on it with the share times w_i / w_s.
+// The corners' mobilities, and for each vertex the ties that act on it, with the share times w_i / w_s.
 void write_coefficients(Model& model) {
   const std::size_t n = model.vertex_count;
   std::vector<std::uint32_t> ties_at(n, 0);  // n_j

@@ -49,7 +49,7 @@ inline constexpr double tie_share = 0.5;
 // each tie gets its part of a corner's mass, so that simultaneous corrections do not add up to more than
 // tie_share. Ties too low to tell above from below are left out, with a warning.
 //
-// Throws scene::SceneError for a layer with vertices of which none lies on free flesh of another. Warns of
+// Throws scene::SceneError for a non-empty layer with no free vertex on free flesh of another layer. Warns of
 // parts of sliding layers that reach no pin and no bone.
 void write_ties(const scene::Scene& scene, model::Model& model, Report& report);
 

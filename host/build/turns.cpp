@@ -25,7 +25,7 @@ std::vector<double> turns_in_clips(const rig::Character& character) {
                    ? 2.0 * base::exact_acos(std::min(1.0, std::abs(key(from).dot(key(to))) / lengths))
                    : 0.0;
       };
-      // The key farthest from the first, and the one farthest from that.
+      // The key farthest from the first, then the key farthest from that.
       std::size_t far = 0;
       for (int pass = 0; pass < 2; ++pass) {
         const std::size_t from = far;

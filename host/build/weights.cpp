@@ -11,13 +11,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Rest positions are floats: a region two hundredths of the body wide has them to about 3e-6 of its size, so
-// a shorter r_i is rounding, and its direction chance.
+// Rest positions are floats: a region two hundredths of the body wide has them to about 3e-6 of its size. So
+// a shorter r_i is mostly rounding, and its direction is arbitrary.
 constexpr double no_direction = 1e-4;
-// For the same reason cosines below 1e-5, whose squares these sums are, count as none.
+// For the same reason cosines below 1e-5 count as none; these sums are their squares.
 constexpr double no_weight = 1e-10;
 
-// One region at a time: calls visit(place, i) for the vertex itself and its one-ring; place is -1 for itself.
+// The members of one region: calls visit(place, i) for the vertex itself and its one-ring; place is -1 for
+// itself.
 template <class Visit>
 void for_each_member(const OneRings& rings, std::size_t r, Visit visit) {
   visit(std::ptrdiff_t{-1}, r);
@@ -36,14 +37,14 @@ Vector3d mass_centre(const OneRings& rings, const RestState& state, std::size_t 
   return sum / mass;
 }
 
-// What (12) multiplies m_i by.
+// The factor of m_i in (12).
 double fibre_factor(double beta, double cosine, model::WeightForm form) {
   const double c = form == model::WeightForm::symmetric ? std::abs(cosine) : cosine;
   const double s = beta * c + (1.0 - beta);
   return s * s / (beta * beta + (1.0 - beta) * (1.0 - beta));
 }
 
-// Writes region r's weights; false where they sum to nothing.
+// Writes region r's weights; false if they sum to nothing.
 bool weigh_region(const OneRings& rings, const RestState& state, model::WeightForm form, std::size_t r,
                   RegionWeights& weights) {
   const Vector3d q0 = rest_at(state, r);

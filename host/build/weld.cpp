@@ -17,7 +17,7 @@ using mesh::SurfaceMesh;
 using scene::Vector3d;
 
 constexpr double weld_of_diagonal = 1e-9;
-// A cell is many tolerances wide, so that a vertex rarely has to look into a second one.
+// A cell is many tolerances wide, so that a vertex rarely has to check a second one.
 constexpr double cell_in_tolerances = 1024.0;
 
 void check_surface(const SurfaceMesh& surface, const std::string& source) {
@@ -45,7 +45,7 @@ struct CellEntry {
   }
 };
 
-// Vertices of each other's neighbourhood, found through a grid kept as a sorted list.
+// Finds nearby vertices through a grid kept as a sorted list.
 class NearbyVertices {
  public:
   NearbyVertices(const std::vector<Vector3d>& vertices, double tolerance)
@@ -86,7 +86,7 @@ class NearbyVertices {
   std::vector<CellEntry> entries_;
 };
 
-// For each vertex the lowest vertex that it is the same as.
+// For each vertex the lowest vertex it coincides with.
 std::vector<std::uint32_t> representatives(const SurfaceMesh& surface) {
   Vector3d low = surface.vertices[0], high = low;
   for (const Vector3d& p : surface.vertices) {
@@ -116,7 +116,7 @@ std::uint32_t nearest_vertex(const SurfaceMesh& surface, const Vector3d& point) 
   return nearest;
 }
 
-// Whether each triangle is a line but for rounding.
+// Whether every triangle is a line to rounding.
 bool is_flat_to_lines(const SurfaceMesh& surface,
                       const std::vector<std::array<std::uint32_t, 3>>& triangles) {
   constexpr double least_height = 1e-8;  // of its longest edge

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double slack_of_diagonal = 1e-9;
 
-// One flag a vertex for one shape.
+// One flag per vertex for one shape.
 struct ShapeTest {
   Measures& measures;
   const std::vector<Vector3d>& low;  // of each member
@@ -49,7 +49,7 @@ struct ShapeTest {
                        "another shape");
   }
 
-  // The maximum of each vertex by its nearest bone, for the joints that are named.
+  // For the named joints, each vertex's maximum depends on its nearest bone.
   std::vector<char> within(const std::vector<double>& values, double minimum, double maximum,
                            const scene::PerBone& per_bone, double tolerance) const {
     std::vector<char> inside = between(values, minimum, maximum, tolerance);

@@ -25,11 +25,11 @@ namespace {
 namespace fs = std::filesystem;
 using scene::SceneError;
 
-// Runs the mesher; `what` is what it does to so many triangles, for messages. `vertices` are those it makes.
+// Runs the mesher on so many triangles. `what` names the task in messages; `vertices` is the number it makes.
 void run(const std::string& what, const std::vector<std::string>& arguments, std::size_t triangles,
          double vertices, const BuildOptions& options) {
-  // Measured: a wrap of 20,000 vertices takes 4 KB for each, the examination of 7000 triangles less than 1
-  // KB.
+  // Measured: a wrap of 20,000 vertices takes 4 KB per vertex, the check of 7000 triangles less than 1 KB
+  // each.
   constexpr double bytes_each = 65536.0;
   const std::string cure = "ask for less cage_detail or a larger resolution, or simplify the surface";
   const fs::path mesher = mesher_path(options);
@@ -47,7 +47,7 @@ void run(const std::string& what, const std::vector<std::string>& arguments, std
                      reason(result) + "; check that it belongs to this version of fascicle");
 }
 
-// Vertices of a wrap whose triangles have this edge, on both sides of what may be a sheet.
+// The vertices of a wrap whose triangles have this edge, on both sides in case the surface is a sheet.
 double vertices_at(const mesh::SurfaceMesh& surface, double edge) {
   double area = 0.0;
   for (const auto& t : surface.triangles) {
@@ -57,15 +57,15 @@ double vertices_at(const mesh::SurfaceMesh& surface, double edge) {
   return 4.0 / std::sqrt(3.0) * area / (edge * edge);
 }
 
-// By what was asked for. Where thin parts make `alpha` smaller than that, there are more.
+// By the order. If thin parts make `alpha` smaller than the scene's, there are more.
 double vertices_due(const mesh::SurfaceMesh& surface, const WrapOrder& order) {
   const double by_gap = vertices_at(surface, order.gap > 0.0 ? order.gap : order.alpha);
   if (order.edge) return by_gap + vertices_at(surface, *order.edge);
   return by_gap + order.vertices.value_or(0);
 }
 
-// Without a try where it cannot end well. CGAL takes more than 1 KB a vertex; of triangles that lie in layers
-// over each other the wrap is around the outermost.
+// Fails early if a run cannot succeed. CGAL takes more than 1 KB per vertex; if triangles lie in layers over
+// each other, the wrap goes around the outermost.
 void check_count(const mesh::SurfaceMesh& surface, const WrapOrder& order, const BuildOptions& options) {
   constexpr double least_bytes = 1024.0, most_sides = 16.0;
   const double count = vertices_at(surface, order.alpha) / most_sides;
@@ -112,7 +112,7 @@ SurfaceFindings parse_report(std::istream& file, std::size_t vertex_count) {
   fail_result("its report ends early or cannot be read");
 }
 
-// Runs `call` and turns what the system refuses into one message.
+// Runs `call` and converts system errors into one message.
 template <class Call>
 auto with_system_errors(Call call) {
   try {
@@ -170,7 +170,7 @@ void drop_inner_shells(mesh::SurfaceMesh& surface) {
     unions.join(t[0], t[1]);
     unions.join(t[1], t[2]);
   }
-  std::map<std::uint32_t, mesh::SurfaceMesh> parts;  // by their lowest vertex; vertices as in the whole
+  std::map<std::uint32_t, mesh::SurfaceMesh> parts;  // by lowest vertex; vertices as in the whole
   for (const auto& t : surface.triangles) parts[unions.find(t[0])].triangles.push_back(t);
   if (parts.size() < 2) return;
   std::vector<std::uint32_t> inner;
