@@ -12,9 +12,9 @@ namespace fascicle::gltf {
 namespace {
 
 constexpr const char* converter_name = "fascicle-convert";
-constexpr int cannot_write = 4, out_of_memory = 6;  // as its --help has it
+constexpr int cannot_write = 4, out_of_memory = 6;  // exit codes listed in its --help
 
-// Its last line names the file that it was given, as callers of this do.
+// The last line of its output names the input file; callers add that name themselves.
 std::string reason_of(const base::ProcessResult& result, const std::string& given) {
   const std::string name = std::string(converter_name) + ": ";
   const std::string reason = base::last_line(result, name + given);

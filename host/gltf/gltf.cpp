@@ -22,13 +22,14 @@
 namespace fascicle::gltf {
 namespace {
 
-// Far above any character, and no more than a file's size bears out: a small one may name one accessor many
-// times. A vertex with joints and weights has at least 16 bytes, so that one mesh may stand eight times.
+// Upper bounds, far above any character. The bound also scales with the file's size, because a small file may
+// name one accessor many times: a vertex with joints and weights has at least 16 bytes, so bytes / 2 lets
+// each mesh appear eight times.
 constexpr std::size_t most_vertices = std::size_t{1} << 24, vertices_of_any_file = std::size_t{1} << 20;
 constexpr std::size_t triangles_a_vertex = 2;
 constexpr std::size_t most_painted = 16;
 
-// Numbers a vertex of an attribute that can be painted; 0 for any other.
+// Components per vertex of an attribute that can be painted; 0 for any other.
 std::uint32_t painted_width(const std::string& name, int type) {
   if (!name.starts_with("_") && !name.starts_with("COLOR_")) return 0;
   switch (type) {
@@ -45,7 +46,7 @@ std::uint32_t painted_width(const std::string& name, int type) {
   }
 }
 
-// Triangles of a primitive as numbers of its own vertices.
+// A primitive's triangles, as indices into its own vertices.
 std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t>& corners, int mode) {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   if (mode == TINYGLTF_MODE_TRIANGLES) {
@@ -57,7 +58,7 @@ std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t
     std::array<std::uint32_t, 3> t{corners[mode == TINYGLTF_MODE_TRIANGLE_FAN ? 0 : i], corners[i + 1],
                                    corners[i + 2]};
     if (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1) std::swap(t[1], t[2]);  // glTF 2.0, 3.7.2.1
-    // Strips are joined by repeated corners.
+    // Repeated corners join strips; skip those degenerate triangles.
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
   }
   return triangles;
@@ -65,7 +66,7 @@ std::vector<std::array<std::uint32_t, 3>> expand(const std::vector<std::uint32_t
 
 class Reader {
  public:
-  // `looks` is the document as the file has it: the decoder sees nothing about looks.
+  // `looks` is the file's own document: the decoder's copy has no looks.
   Reader(const std::filesystem::path& path, const nlohmann::json& looks, const tinygltf::Model& model)
       : path_(path), looks_(looks), model_(model) {
     std::size_t bytes = 0;
@@ -87,7 +88,7 @@ class Reader {
     joint_of_ = read_skeleton(path_, model_, found, character_);
     bind_ = rig::joint_transforms_at(character_, nullptr, 0.0);
     is_bound_.assign(bind_.size(), false);
-    // In the order in which the parts first show them: skins may bind the same joints.
+    // In the order in which the parts first use them, because skins may share joints.
     std::map<int, Skin> skins;
     for (const GltfPart& part : found.parts)
       if (part.skin >= 0 && !skins.contains(part.skin)) skins.emplace(part.skin, read_skin(part.skin));
@@ -112,11 +113,11 @@ class Reader {
 
  private:
   struct Skin {
-    std::vector<std::uint32_t> joints;         // numbers in the skeleton
-    std::vector<Eigen::Matrix4d> raw_to_bind;  // raw position to bind pose, following one joint alone
+    std::vector<std::uint32_t> joints;         // indices into the skeleton
+    std::vector<Eigen::Matrix4d> raw_to_bind;  // per joint: raw position to bind pose at weight 1
   };
   struct Influence {
-    std::uint32_t joint;  // in the skin
+    std::uint32_t joint;  // index into the skin
     double weight;
   };
 
@@ -138,9 +139,9 @@ class Reader {
                                  std::to_string(character_.surface.vertices.size()) + " vertices " + what);
   }
 
-  // The bind pose is what the inverse bind matrices say of the joints' places to each other. Where it stands
-  // and how large it is they do not say: the skin's topmost joint stands where the nodes put it, or where a
-  // skin read before put it. A skin without matrices is bound where its nodes stand.
+  // The inverse bind matrices give the joints' bind poses relative to each other, but not their absolute
+  // position and scale. The skin's topmost joint therefore keeps its node's transform, or the one from a skin
+  // read earlier. A skin without matrices is bound at its nodes' transforms.
   Skin read_skin(int number) {
     const tinygltf::Skin& source = model_.skins[static_cast<std::size_t>(number)];
     Skin skin;
@@ -168,7 +169,7 @@ class Reader {
       if (!is_bound_[joint]) bind_[joint] = raw_to_bind * rig::affine_inverse(inverse_binds[k]);
       is_bound_[joint] = true;
       character_.skeleton[joint].inverse_bind = rig::affine_inverse(bind_[joint]);
-      // The same for all joints, but where two skins bind the same joints in different poses.
+      // The same for all joints, unless two skins bind the same joints in different poses.
       skin.raw_to_bind.push_back(bind_[joint] * inverse_binds[k]);
     }
     return skin;
@@ -182,7 +183,7 @@ class Reader {
     std::vector<Eigen::Matrix4d> inverse_binds;
     for (std::size_t k = 0; k < count; ++k) {
       Eigen::Matrix4d m = Eigen::Map<const Eigen::Matrix4d>(matrices.data() + 16 * k);
-      // Exporters invert in float: the last row may be off by a few of its digits.
+      // Exporters invert in single precision, so the last row may be off by some rounding.
       if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > 1e-5)
         refuse(k, "its last row must be 0 0 0 1");
       m.row(3) = Eigen::RowVector4d(0, 0, 0, 1);
@@ -192,8 +193,8 @@ class Reader {
     return inverse_binds;
   }
 
-  // A joint that carries hung meshes stands where its parent's bind pose and its own rest put it, unless a
-  // skin has said where.
+  // A joint that carries unskinned meshes takes its parent's bind pose times its own rest transform, unless a
+  // skin has set its pose.
   void bind_carriers(const GltfParts& found) {
     std::vector<bool> is_carrier(bind_.size(), false);
     for (const int n : found.carriers)
@@ -209,13 +210,13 @@ class Reader {
     }
   }
 
-  // What a hung part follows: one joint, wholly.
+  // An unskinned part follows one joint with weight 1.
   Skin carried(const GltfPart& part) const {
     const auto joint = static_cast<std::uint32_t>(joint_of_[static_cast<std::size_t>(part.carrier)]);
     return {{joint}, {bind_[joint] * part.to_carrier}};
   }
 
-  // The names of a part whose vertices and triangles come next.
+  // Starts a part: its names, and where its vertices and triangles begin.
   rig::SurfacePart begun_part(const GltfPart& source) const {
     rig::SurfacePart part;
     part.object = name_of("nodes", source.node);
@@ -231,7 +232,7 @@ class Reader {
     return part;
   }
 
-  // Of an entry of one of the document's lists; empty where there is none.
+  // The name of an entry in one of the document's lists; empty if there is none.
   std::string name_of(const char* list, std::size_t number) const {
     const auto entries = looks_.find(list);
     if (entries == looks_.end() || !entries->is_array() || number >= entries->size()) return {};
@@ -246,7 +247,7 @@ class Reader {
     return attribute_numbers(path_, model_, pointer, accessor, type, is_allowed, count);
   }
 
-  // For each vertex every joint that has weight there, each joint once.
+  // For each vertex, all joints with nonzero weight, duplicates merged.
   std::vector<std::vector<Influence>> read_influences(const tinygltf::Primitive& primitive, const Skin& skin,
                                                       const std::string& pointer, std::size_t count) {
     std::vector<std::vector<Influence>> influences(count);
@@ -275,7 +276,7 @@ class Reader {
       });
       double sum = 0.0;
       for (const Influence& x : all) sum += x.weight;
-      // What 16 bits and float rounding of exporters leave is not worth a word.
+      // Do not report the rounding errors of 16-bit and float weights.
       if (std::abs(sum - 1.0) > 1e-3) ++normalised_;
       if (all.size() > 8) {
         ++cut_;
@@ -288,7 +289,8 @@ class Reader {
     return influences;
   }
 
-  // Exporters leave vertices without weights in a skinned mesh. They go with what they are connected to.
+  // Exporters leave some vertices of a skinned mesh without weights. Those take the weights of the vertices
+  // they are connected to.
   void give_weights(std::vector<std::vector<Influence>>& influences,
                     std::span<const std::array<std::uint32_t, 3>> triangles, const std::string& pointer) {
     std::vector<bool> has_weights;
@@ -334,7 +336,7 @@ class Reader {
     return corners;
   }
 
-  // The attribute of this name, 0 on all vertices before this primitive's.
+  // Finds or adds the attribute of this name; vertices of earlier primitives without it get 0.
   rig::PaintedAttribute& painted_attribute(const std::string& name, std::uint32_t width,
                                            const std::string& pointer) {
     for (rig::PaintedAttribute& attribute : character_.painted) {
@@ -350,7 +352,7 @@ class Reader {
     return character_.painted.back();
   }
 
-  // After the primitive's vertices are in the surface.
+  // Call after adding the primitive's vertices to the surface.
   void read_painted(const tinygltf::Primitive& primitive, const std::string& pointer, const Skin& skin,
                     const std::vector<std::vector<Influence>>& influences) {
     const std::size_t all = character_.surface.vertices.size(), count = influences.size();
@@ -370,7 +372,7 @@ class Reader {
           turn += x.weight * skin.raw_to_bind[x.joint].topLeftCorner<3, 3>();
         double* value = attribute.values.data() + 3 * (all - count + i);
         const Vector3d raw(value[0], value[1], value[2]);
-        // The direction turns with the skin; its length says how sure the painter was.
+        // The direction rotates with the skin; the length is the painter's confidence and stays.
         const Vector3d turned = turn * raw;
         const double length = turned.norm();
         for (int axis = 0; axis < 3; ++axis)
@@ -444,12 +446,12 @@ class Reader {
   const nlohmann::json& looks_;
   const tinygltf::Model& model_;
   rig::Character character_;
-  std::vector<std::int32_t> joint_of_;  // of a node
-  std::vector<Eigen::Matrix4d> bind_;   // of a joint: its space to the bind pose, metres
+  std::vector<std::int32_t> joint_of_;  // per node
+  std::vector<Eigen::Matrix4d> bind_;   // per joint: joint space to bind pose, metres
   std::size_t most_vertices_ = 0, targets_left_ = most_target_positions;
   std::size_t normalised_ = 0, cut_ = 0,
-              weightless_ = 0;  // vertices whose weights were not taken as they are
-  std::vector<bool> is_bound_;  // of a joint: whether a skin has said where it stands
+              weightless_ = 0;  // vertices whose weights were changed
+  std::vector<bool> is_bound_;  // per joint: whether a skin has set its bind pose
 };
 
 }  // namespace

@@ -75,7 +75,7 @@ std::optional<InfluenceSet> read_influence_set(const std::filesystem::path& path
   for (std::size_t i = 0; i < 4 * count; ++i) {
     const std::string vertex = "vertex " + std::to_string(i / 4);
     if (result.weights[i] < 0.0) gltf_error(path, weights_pointer, vertex + " has a negative weight");
-    if (result.weights[i] == 0.0) continue;  // what joint is named there says nothing
+    if (result.weights[i] == 0.0) continue;  // the joint of a zero weight is ignored
     if (result.joints[i] >= static_cast<double>(joints)) {
       gltf_error(path, joints_pointer,
                  vertex + " follows joint " + std::to_string(static_cast<std::uint32_t>(result.joints[i])) +

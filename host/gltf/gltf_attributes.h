@@ -1,4 +1,4 @@
-// Attributes of a primitive, held against what glTF allows them to be.
+// A primitive's attributes, checked against what glTF allows.
 #pragma once
 
 #include <cstddef>
@@ -17,24 +17,25 @@ namespace fascicle::gltf {
 // The accessor of an attribute, or -1.
 int attribute_accessor(const tinygltf::Primitive& primitive, const std::string& name);
 
-// The accessor's numbers; `pointer` leads to what names it, `type` is the one that it must have, and
-// `is_allowed` says of the rest of its form. `count`: elements that it must have, or 0. Throws SceneError.
+// The accessor's numbers. `pointer`: JSON pointer to the reference, for messages. `type`: the required type.
+// `is_allowed`: whether its component type is allowed here. `count`: the required number of elements, 0 for
+// any. Throws SceneError.
 std::vector<double> attribute_numbers(const std::filesystem::path& path, const tinygltf::Model& model,
                                       const std::string& pointer, int accessor, int type, bool is_allowed,
                                       std::size_t count);
 
-// Three a vertex. Throws SceneError where the primitive has none.
+// Three numbers per vertex. Throws SceneError if the primitive has none.
 std::vector<double> read_positions(const std::filesystem::path& path, const tinygltf::Model& model,
                                    const tinygltf::Primitive& primitive, const std::string& pointer);
 
-// JOINTS_n and WEIGHTS_n, four of each a vertex. No weight is negative, and what has weight is a joint of the
+// JOINTS_n and WEIGHTS_n, four of each per vertex. No weight is negative, and every weighted joint is in the
 // skin.
 struct InfluenceSet {
   std::vector<double> joints, weights;
 };
 
-// Nothing after the last set of a skinned primitive of `count` vertices, whose skin has `joints` joints.
-// Throws SceneError.
+// Set number `set` of a skinned primitive with `count` vertices, whose skin has `joints` joints; nullopt
+// after the last set. Throws SceneError.
 std::optional<InfluenceSet> read_influence_set(const std::filesystem::path& path,
                                                const tinygltf::Model& model,
                                                const tinygltf::Primitive& primitive,

@@ -28,8 +28,8 @@ void GltfCheck::asset() {
   out_["asset"] = {{"version", "2.0"}};
 }
 
-// Extensions that change how a surface looks, what is known about it, or no more than what is read here
-// anyway.
+// Rejects required extensions, except those that change only the look of a surface, add only metadata, or are
+// supported here.
 void GltfCheck::extensions() {
   static constexpr std::array<const char*, 20> harmless{"KHR_materials_",
                                                         "KHR_texture_",
@@ -124,7 +124,7 @@ json GltfCheck::morph_targets(const GltfPlace& primitive, const GltfPlace& attri
   return result;
 }
 
-// Of a mesh or of a node that shows one.
+// `owner`: a mesh, or a node with one.
 void GltfCheck::morph_weights(const GltfPlace& owner, std::size_t targets) const {
   const std::vector<GltfPlace> values = elements(owner, "weights");
   for (const GltfPlace& value : values)
@@ -201,14 +201,14 @@ json GltfCheck::node(const GltfPlace& place) {
   if (numbers("rotation", 4)) {
     double square = 0.0;
     for (const json& value : result["rotation"]) square += value.get<double>() * value.get<double>();
-    // Written by hand a quaternion may be a little off; far off, it is no rotation.
+    // A quaternion written by hand may be slightly off unit length; far off, it is not a rotation.
     if (!(square > 0.25 && square < 4.0))
       fail(place.pointer + "/rotation", "must be a quaternion of length 1");
   }
   return result;
 }
 
-// Every node has at most one parent, so what no root leads to lies on a cycle.
+// Every node has at most one parent, so a node that cannot be reached from a root lies on a cycle.
 void GltfCheck::forest(const std::vector<GltfPlace>& places) const {
   const json& nodes = out_.at("nodes");
   constexpr std::size_t nothing = ~std::size_t{0};
@@ -276,7 +276,7 @@ void GltfCheck::scenes() {
   if (const auto scene = optional_index(top, "scene", "scenes")) out_["scene"] = *scene;
 }
 
-// Morph targets of the mesh that a node shows.
+// Number of morph targets of the node's mesh.
 std::size_t GltfCheck::shapes_of(std::size_t node) const {
   const json& checked = out_.at("nodes")[node];
   const auto mesh = checked.find("mesh");
@@ -318,7 +318,7 @@ json GltfCheck::animation(const GltfPlace& place) {
     const auto path = optional_text(target, "path");
     if (!path) fail(target.pointer + "/path", "is missing");
     const auto node = optional_index(target, "node", "nodes");
-    // What extensions animate moves no joint.
+    // Channels added by extensions move no joint.
     if (!node || *path == "pointer") continue;
     const bool is_weights = *path == "weights";
     if (is_weights && shapes_of(*node) == 0) continue;

@@ -1,5 +1,5 @@
-// The check's step before all that reads buffer views: compressed views and primitives become plain ones, in
-// buffers of their own.
+// Decodes compressed views and primitives into plain ones with their own buffers. This step runs before any
+// other reads buffer views.
 #include <algorithm>
 #include <array>
 #include <set>
@@ -15,7 +15,7 @@ using nlohmann::json;
 constexpr std::array<const char*, 2> meshopt_names{"EXT_meshopt_compression", "KHR_meshopt_compression"};
 constexpr const char* draco_name = "KHR_draco_mesh_compression";
 
-// Of all that is decompressed, together.
+// Limit on all decompressed data together.
 constexpr std::uint64_t most_decoded_bytes = gltf_largest_file;
 
 unsigned digit(char c) {
@@ -25,7 +25,7 @@ unsigned digit(char c) {
   return c == '+' ? 62 : 63;
 }
 
-// Checked before.
+// The text was checked to be base64.
 std::vector<unsigned char> from_base64(const std::string& uri) {
   std::vector<unsigned char> bytes;
   unsigned held = 0;
@@ -67,7 +67,7 @@ std::optional<GltfPlace> GltfCheck::extension(const GltfPlace& owner, const char
   return object({extensions, owner.pointer + "/extensions"}, name);
 }
 
-// A buffer that only stands for what its compressed views hold.
+// A placeholder buffer for readers without meshopt; this reader decodes its views from elsewhere.
 bool GltfCheck::is_fallback(const GltfPlace& buffer) const {
   return std::any_of(meshopt_names.begin(), meshopt_names.end(), [&](const char* name) {
     const std::optional<GltfPlace> found = extension(buffer, name);
@@ -92,7 +92,7 @@ std::span<const unsigned char> GltfCheck::compressed_bytes(const GltfPlace& plac
   return std::span(bytes).subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
-// The bytes as a buffer of their own; its number.
+// Adds the bytes as a new buffer; returns its index.
 std::size_t GltfCheck::add_buffer(const std::string& pointer, std::vector<unsigned char> bytes) {
   decoded_bytes_ += bytes.size();
   if (decoded_bytes_ > most_decoded_bytes)
@@ -126,7 +126,7 @@ void GltfCheck::meshopt_views() {
       }
       json plain{{"byteOffset", 0u}, {"byteLength", bytes.size()}};
       plain["buffer"] = add_buffer(place->pointer, std::move(bytes));
-      // Indices are packed; of attributes the view says how they lie.
+      // Indices are tightly packed; attributes need the stride.
       if (mode == "ATTRIBUTES") plain["byteStride"] = stride;
       json& view = file_.document["bufferViews"][v];
       if (view.contains("target")) plain["target"] = view["target"];
@@ -136,7 +136,7 @@ void GltfCheck::meshopt_views() {
   }
   for (const char* name : meshopt_names)
     for (const char* list : {"extensionsUsed", "extensionsRequired"}) erase_name(file_.document, list, name);
-  // What a fallback buffer says of itself holds no longer.
+  // The buffers are no longer fallbacks.
   for (json& buffer : file_.document["buffers"]) {
     if (!buffer.is_object() || !buffer.contains("extensions") || !buffer["extensions"].is_object()) continue;
     for (const char* name : meshopt_names) buffer["extensions"].erase(name);
@@ -166,7 +166,7 @@ void GltfCheck::draco_primitive(std::size_t mesh, std::size_t number, const std:
   const GltfPlace attributes = object(owner, "attributes"), ids = object(*place, "attributes");
   if (!attributes.value->contains("POSITION")) fail(attributes.pointer + "/POSITION", "is missing");
 
-  // Every accessor is copied: what others make of it is theirs.
+  // Accessors are copied, because other primitives may share them.
   const auto accessor_of = [&](const json& value, const std::string& at) {
     const std::size_t accessor = index(value, at, "accessors");
     const json& found = file_.document["accessors"][accessor];
@@ -200,7 +200,7 @@ void GltfCheck::draco_primitive(std::size_t mesh, std::size_t number, const std:
     accessors.push_back(*of.value);
   }
   if (names.empty()) fail(ids.pointer, "must name at least one attribute");
-  // Meshopt may have packed the stream once more; its view is plain by now.
+  // The stream may also be compressed with meshopt; its view has been decoded by now.
   const GltfPlace packed{&file_.document["bufferViews"][view], "/bufferViews/" + std::to_string(view)};
   if (!packed.value->is_object()) fail(packed.pointer, "must be an object");
   DracoMesh decoded;
@@ -222,7 +222,7 @@ void GltfCheck::draco_primitive(std::size_t mesh, std::size_t number, const std:
     return file_.document["accessors"].size() - 1;
   };
   for (std::size_t k = 0; k < names.size(); ++k) {
-    // Rows of plain views begin at multiples of 4.
+    // In plain vertex views, the stride must be a multiple of 4.
     const std::size_t row = static_cast<std::size_t>(wanted[k].components) *
                             static_cast<std::size_t>(gltf_component_bytes(wanted[k].component));
     const std::size_t step = (row + 3) / 4 * 4;

@@ -9,8 +9,8 @@ namespace {
 
 using nlohmann::json;
 
-// Elements that any file may have without bytes for them; and numbers, where a large file has more: the
-// weights of a baked animation grow by the square of its frames.
+// Limits on accessors without a buffer view: elements in any file, and numbers, which large files may have
+// more of. The weights of a baked animation grow with the square of its frames.
 constexpr std::uint64_t most_elements_without_view = std::uint64_t{1} << 24;
 constexpr std::uint64_t most_numbers_without_view = std::uint64_t{1} << 28, numbers_a_byte = 16;
 
@@ -89,7 +89,7 @@ void GltfCheck::buffers() {
       } else if (buffer_bytes_.empty() && file_.has_binary) {
         bytes = std::move(file_.binary);
       } else if (is_fallback(place)) {
-        // Its views hold their bytes compressed, elsewhere: one byte stands for it.
+        // The compressed data of its views is elsewhere; one byte stands in for this buffer.
         buffer_bytes_.push_back(1);
         total -= length;
         file_.document["buffers"][buffer_bytes_.size() - 1]["byteLength"] = 1;
@@ -139,7 +139,7 @@ void GltfCheck::views() {
 
 void GltfCheck::fits(const std::string& pointer, std::size_t view, std::uint64_t offset, std::uint64_t stride,
                      std::uint64_t size, std::uint64_t count) const {
-  // count is bounded so that the product stays far from overflow.
+  // `count` is bounded, so the product cannot overflow.
   const std::uint64_t end = offset + (count - 1) * stride + size;
   if (end > views_[view].length) {
     fail(pointer, std::to_string(count) + " elements end at byte " + std::to_string(end) +

@@ -1,5 +1,5 @@
-// The check's steps, in three files: gltf_check_data.cpp (buffers, views, accessors),
-// gltf_check_compressed.cpp (what is compressed) and gltf_check.cpp (what is built of them).
+// The steps of the check, in three files: gltf_check_data.cpp (buffers, views, accessors),
+// gltf_check_compressed.cpp (compressed data) and gltf_check.cpp (what is built from them).
 #pragma once
 
 #include <cstdint>
@@ -17,16 +17,16 @@
 
 namespace fascicle::gltf {
 
-// Of any count or offset: sums of a few do not overflow.
+// Limit on any count or offset, so that sums of a few cannot overflow.
 inline constexpr std::uint64_t gltf_largest_number = std::uint64_t{1} << 40;
 
-// A value of the document and the way to it.
+// A value in the document and its JSON pointer.
 struct GltfPlace {
   const nlohmann::json* value;
   std::string pointer;
 };
 
-// Bytes of a component type and components of a type; 0 for what glTF does not have.
+// Bytes of a component type, and components of an element type; 0 if glTF has no such type.
 std::uint64_t gltf_component_bytes(std::uint64_t component);
 std::uint64_t gltf_components(const std::string& type);
 
@@ -189,12 +189,12 @@ class GltfCheck {
   CheckedGltf checked_;
   json out_;
   std::vector<std::uint64_t> buffer_bytes_;
-  std::map<std::size_t, std::vector<unsigned char>> data_uris_;  // decoded, by buffer
+  std::map<std::size_t, std::vector<unsigned char>> data_uris_;  // by buffer index, decoded
   std::uint64_t decoded_bytes_ = 0;
   std::vector<View> views_;
   std::vector<Accessor> accessors_;
-  std::vector<std::size_t> targets_;  // of a mesh: how many morph targets its primitives have
-  std::vector<bool> has_matrix_;      // of a node
+  std::vector<std::size_t> targets_;  // per mesh: number of morph targets of its primitives
+  std::vector<bool> has_matrix_;      // per node
 };
 
 }  // namespace fascicle::gltf

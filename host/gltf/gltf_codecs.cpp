@@ -11,12 +11,12 @@
 namespace fascicle::gltf {
 namespace {
 
-// Honest streams shrink a vertex to a byte or more; a hostile one could ask for the machine's memory.
+// Real streams use at least about a byte per vertex; a hostile one could claim enough to exhaust memory.
 constexpr std::uint64_t most_draco_elements = std::uint64_t{1} << 22;
 constexpr std::uint64_t most_elements_a_byte = 64;
-constexpr std::uint64_t small = 4096;  // elements that any stream may hold
+constexpr std::uint64_t small = 4096;  // always allowed, for any stream length
 
-// What stands at the front of a Draco stream.
+// The counts in the header of a Draco stream.
 struct DracoHeader {
   std::uint64_t faces = 0, vertices = 0;
 };
@@ -47,7 +47,7 @@ DracoHeader draco_header(std::span<const unsigned char> stream) {
     header.faces = next();
     header.vertices = next();
   } else {
-    if (at++ == stream.size()) throw CodecError(damaged_stream);  // how it is traversed
+    if (at++ == stream.size()) throw CodecError(damaged_stream);  // traversal method
     header.vertices = next();
     header.faces = next();
   }

@@ -12,8 +12,7 @@ namespace {
 
 using Buffers = std::map<std::string, std::vector<unsigned char>>;
 
-// tinygltf's view of the file system: the buffers that were read already, by the names that the check gave
-// them.
+// A virtual file system for tinygltf: the buffers already read, under the names that the check gave them.
 tinygltf::FsCallbacks callbacks(const Buffers& buffers) {
   tinygltf::FsCallbacks fs{};
   fs.FileExists = [](const std::string& name, void* data) {
@@ -76,7 +75,7 @@ std::shared_ptr<const tinygltf::Model> decode_gltf(const CheckedGltf& checked) {
                         nullptr);
   auto model = std::make_shared<tinygltf::Model>();
   std::string error, warning;
-  // Bytes that are not UTF-8 were refused by the parser, so dump cannot fail on them.
+  // The parser refused text that is not UTF-8, so dump cannot fail on it.
   const std::string text = checked.document.dump();
   if (!loader.LoadASCIIFromString(model.get(), &error, &warning, text.data(),
                                   static_cast<unsigned>(text.size()), "")) {

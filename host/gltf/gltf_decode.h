@@ -1,4 +1,4 @@
-// tinygltf, fed with nothing but what check_gltf let through, and the numbers in its accessors.
+// Decodes what check_gltf passed, with tinygltf, and reads accessors.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@ class Model;
 
 namespace fascicle::gltf {
 
-// The decoded document. tinygltf opens no file and sees no image: it is handed the bytes that were read and
+// The decoded document. tinygltf opens no file and sees no image; it gets the bytes that were read and
 // checked.
 std::shared_ptr<const tinygltf::Model> decode_gltf(const CheckedGltf& checked);
 
-// All components of an accessor in order; normalised integers as fractions, sparse replacements done. Throws
-// SceneError for what is not finite and for sparse indices out of order or range.
+// All components of an accessor, in order; normalised integers become fractions, and sparse values are
+// applied. Throws SceneError for non-finite values and for sparse indices out of order or out of range.
 std::vector<double> accessor_numbers(const std::filesystem::path& path, const tinygltf::Model& model,
                                      int accessor);
 

@@ -21,9 +21,8 @@ std::uint32_t little_endian(const std::vector<unsigned char>& bytes, std::size_t
 
 constexpr std::uint32_t magic_glb = 0x46546C67, chunk_json = 0x4E4F534A, chunk_binary = 0x004E4942;
 
-// Counts what a text holds, before it is kept: nesting that is too deep for the stack, and values for the
-// memory. A pass of its own: the library's callback while it parses takes time by the square of an array's
-// length.
+// Bounds a JSON text before it is parsed: nesting, for the stack, and the number of values, for memory. A
+// separate pass, because the library's callback during parsing takes time quadratic in an array's length.
 class Bounds final : public nlohmann::json_sax<nlohmann::json> {
  public:
   explicit Bounds(const std::filesystem::path& path) : path_(path) {}
@@ -40,7 +39,7 @@ class Bounds final : public nlohmann::json_sax<nlohmann::json> {
   bool start_array(std::size_t) override { return start(); }
   bool end_object() override { return end(); }
   bool end_array() override { return end(); }
-  // What is no JSON is told by the parser that follows.
+  // The parser that follows reports syntax errors.
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
     return false;
   }
@@ -94,7 +93,7 @@ bool is_inside(const std::filesystem::path& folder, const std::filesystem::path&
   return f != file.end();
 }
 
-// `path` is what messages call it.
+// `path` is only for messages.
 GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigned char>& bytes) {
   GltfFile file;
   file.path = path;
@@ -137,7 +136,7 @@ GltfFile parse_gltf(const std::filesystem::path& path, const std::vector<unsigne
   return file;
 }
 
-// What a converter says of a file holds names from that file, as many as it likes.
+// The converter's notes contain names from the file, so their number is untrusted.
 std::vector<std::string> notes_of(const nlohmann::json& document) {
   constexpr std::size_t most_notes = 20;
   const nlohmann::json all =
@@ -157,7 +156,7 @@ std::vector<std::string> notes_of(const nlohmann::json& document) {
   return notes;
 }
 
-// The document stays in memory: what reads it again converts it again, which is a fraction of a second.
+// The converted document is not cached: reading the file again converts it again, in a fraction of a second.
 GltfFile read_converted(const std::filesystem::path& path, const std::filesystem::path& converter) try {
   const base::TemporaryFolder folder;
   const std::filesystem::path glb = folder.path() / "character.glb";
@@ -199,7 +198,7 @@ std::vector<unsigned char> read_gltf_buffer(const std::filesystem::path& gltf, c
     const int low = i + 2 < uri.size() ? hex_digit(uri[i + 2]) : -1;
     if (high < 0 || low < 0) fail("has a `%` without two hexadecimal digits");
     const char c = static_cast<char>(high * 16 + low);
-    // None of these needs encoding in an honest file name; encoded, they only serve to slip past a check.
+    // An honest file name never needs these encoded; encoding them only serves to bypass a check.
     if (c == '/' || c == '\\' || c == '.' || c == '%' || c == ':') {
       fail("hides `" + std::string(1, c) + "` behind percent-encoding" + advice);
     }

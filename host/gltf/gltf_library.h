@@ -1,8 +1,7 @@
-// tiny_gltf.h with the switches that must be the same wherever it is included: no images, no file system of
-// its own.
+// tiny_gltf.h with the macros that must be the same wherever it is included: no images, no file access.
 #pragma once
 
-#include <fstream>  // which tiny_gltf.h needs and forgets
+#include <fstream>  // needed by tiny_gltf.h, which does not include it
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// A member, or null: looks are read from the file's own text, which was checked only as JSON.
+// The member, or null. Looks come from the file's own JSON, whose structure was not checked.
 const json& member(const json& value, const char* name) {
   static const json nothing;
   if (!value.is_object()) return nothing;
@@ -57,7 +57,7 @@ int base64_value(char c) {
   return -1;
 }
 
-// What a data: URI holds; nothing where it is not base64.
+// The decoded contents of a data: URI; empty if it is not base64.
 std::vector<unsigned char> bytes_of_data_uri(const std::string& uri) {
   const std::size_t mark = uri.find(";base64,");
   if (mark == std::string::npos) return {};
@@ -134,7 +134,7 @@ class LooksReader {
     return result;
   }
 
-  // Its number among those that were read; -1 where it cannot be.
+  // The texture's index in Looks::textures; -1 if it cannot be read.
   std::int32_t texture_of(const json& number) {
     const auto index = index_in(number, list("textures"));
     if (!index) return -1;
@@ -166,7 +166,7 @@ class LooksReader {
     std::vector<unsigned char> bytes;
     std::string why = "holds nothing";
     if (const auto view = index_in(member(image, "bufferView"), list("bufferViews"))) {
-      // The views of the decoder are those of the file, and were checked to lie in their buffers.
+      // The decoder's views match the file's, and were checked to fit their buffers.
       const tinygltf::BufferView& v = model_.bufferViews.at(*view);
       const std::vector<unsigned char>& data = model_.buffers.at(static_cast<std::size_t>(v.buffer)).data;
       if (v.byteOffset <= data.size() && v.byteLength <= data.size() - v.byteOffset) {
@@ -191,7 +191,7 @@ class LooksReader {
     return bytes;
   }
 
-  // An accessor of a primitive with as many elements as there are vertices.
+  // The attribute's accessor, if it has one element per vertex.
   const tinygltf::Accessor* accessor_of(const json& primitive, const std::string& attribute,
                                         std::size_t count, int& number) const {
     const json& value = member(member(primitive, "attributes"), attribute.c_str());
@@ -231,7 +231,7 @@ class LooksReader {
   const fs::path& path_;
   const json& document_;
   const tinygltf::Model& model_;
-  std::map<std::size_t, std::int32_t> number_of_;  // of the file's textures
+  std::map<std::size_t, std::int32_t> number_of_;  // file's texture index to ours
   Looks looks_;
 };
 

@@ -8,7 +8,7 @@
 namespace fascicle::gltf {
 namespace {
 
-// Honest streams shrink a vertex to a byte or more; a hostile one could ask for the machine's memory.
+// Real streams use at least about a byte per vertex; a hostile one could claim enough to exhaust memory.
 constexpr std::uint64_t most_meshopt_bytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t most_bytes_a_byte = 4096;
 

@@ -1,4 +1,4 @@
-// In place of gltf_meshopt.cpp where the library is not linked: portable builds.
+// Replaces gltf_meshopt.cpp in portable builds, which do not link meshoptimizer.
 #include "host/gltf/gltf_codecs.h"
 
 namespace fascicle::gltf {

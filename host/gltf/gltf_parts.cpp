@@ -30,7 +30,7 @@ bool is_of_triangles(const tinygltf::Primitive& primitive) {
          primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
 }
 
-// Relative to a uniform scale of the same size, as of a joint's rest.
+// Singular relative to a uniform scale of the same size; the same test as for a joint's rest pose.
 bool is_flat(const Eigen::Matrix4d& m) {
   const Eigen::Matrix3d linear = m.topLeftCorner<3, 3>();
   const double size = linear.norm();
@@ -102,7 +102,7 @@ class Finder {
     }
   }
 
-  // False where the part is left out.
+  // Finds the node that carries an unskinned part; false if the part is left out.
   bool hang(GltfPart& part) {
     Eigen::Matrix4d above = Eigen::Matrix4d::Identity();
     for (int n = static_cast<int>(part.node); n >= 0; n = parents_[static_cast<std::size_t>(n)]) {
@@ -143,8 +143,8 @@ class Finder {
 
   const tinygltf::Model& model_;
   std::vector<int> parents_;
-  std::vector<bool> is_in_;  // of a node: the default scene shows it
-  std::vector<bool> moves_;  // of a node: it is a joint of a skin, or marked, or a clip moves it
+  std::vector<bool> is_in_;  // per node: in the default scene
+  std::vector<bool> moves_;  // per node: a joint of a skin, marked, or animated by a clip
   GltfParts result_;
 };
 
@@ -156,7 +156,7 @@ GltfParts find_parts(const tinygltf::Model& model, const nlohmann::json& documen
 
 Eigen::Matrix4d node_transform(const tinygltf::Model& model, std::size_t number) {
   const tinygltf::Node& node = model.nodes[number];
-  // Column by column, as Eigen keeps it.
+  // Column-major, like Eigen's default.
   if (!node.matrix.empty()) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
   Eigen::Vector3d translation = Eigen::Vector3d::Zero(), scale = Eigen::Vector3d::Ones();
   Eigen::Vector4d rotation(0, 0, 0, 1);

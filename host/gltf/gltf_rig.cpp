@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// A PNG of one white pixel.
+// A PNG of a single white pixel.
 constexpr std::array<unsigned char, 67> white_pixel{
     0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
     0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
@@ -33,7 +33,7 @@ void append_aligned(std::string& binary, const unsigned char* bytes, std::size_t
   binary.append(reinterpret_cast<const char*>(bytes), count);
 }
 
-// One view more; its number.
+// Adds a buffer view; returns its index.
 std::size_t add_view(GltfDocument& document, const unsigned char* bytes, std::size_t count) {
   append_aligned(document.binary, bytes, count);
   json& views = document.json["bufferViews"];
@@ -93,7 +93,7 @@ class RigReader {
     return result;
   }
 
-  // The document, not the decoder: the decoder sees nothing about looks.
+  // Reads the document, because the decoder's copy has no looks.
   int looks_accessor(std::size_t mesh, std::size_t primitive, const char* name, int type,
                      std::size_t count) const {
     const json& attributes = document_["meshes"][mesh]["primitives"][primitive]["attributes"];

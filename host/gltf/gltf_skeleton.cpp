@@ -23,7 +23,7 @@ rig::Joint make_joint(const tinygltf::Node& node) {
   joint.name = node.name;
   if (!node.matrix.empty()) {
     joint.rest_local =
-        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column by column, as Eigen keeps it
+        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major, like Eigen's default
     joint.rest_translation = joint.rest_local.topRightCorner<3, 1>();
     return joint;
   }
@@ -38,7 +38,7 @@ rig::Joint make_joint(const tinygltf::Node& node) {
   return joint;
 }
 
-// The nodes of the skeleton, parents before children; nodes above it go into `root`.
+// The skeleton's nodes, parents before children. The nodes above it are multiplied into `root`.
 std::vector<int> skeleton_nodes(const tinygltf::Model& model, const std::vector<bool>& is_joint,
                                 Eigen::Matrix4d& root) {
   const std::vector<int> parents = node_parents(model);
@@ -153,8 +153,8 @@ std::vector<std::int32_t> read_skeleton(const std::filesystem::path& path, const
   for (std::size_t j = 0; j < rest.size(); ++j) {
     const Eigen::Matrix3d linear = rest[j].topLeftCorner<3, 3>();
     const double size = linear.norm();
-    // Relative to a uniform scale of the same size: 1e-12 is flat for any purpose, and beyond what doubles
-    // invert well.
+    // Relative to a uniform scale of the same size: 1e-12 is flat for any purpose, and too close to singular
+    // to invert in double precision.
     if (!rest[j].allFinite() || !(std::abs(linear.determinant()) > 1e-12 * size * size * size)) {
       gltf_error(path, "/nodes/" + std::to_string(nodes[j]),
                  "the joint is scaled to nothing in its rest pose; give it a scale that is not zero");

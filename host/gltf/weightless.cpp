@@ -9,14 +9,14 @@ std::vector<std::uint32_t> weighted_neighbours(const std::vector<bool>& has_weig
                                                std::span<const std::array<std::uint32_t, 3>> triangles) {
   const std::size_t count = has_weights.size();
   std::vector<std::uint32_t> source(count, no_vertex);
-  std::vector<std::uint32_t> reached;  // in the order of their distance
+  std::vector<std::uint32_t> reached;  // in breadth-first order
   for (std::uint32_t v = 0; v < count; ++v) {
     if (!has_weights[v]) continue;
     source[v] = v;
     reached.push_back(v);
   }
   if (reached.size() == count) return source;
-  // Triangles of each vertex.
+  // The triangles of each vertex.
   std::vector<std::size_t> first(count + 1, 0);
   for (const auto& t : triangles)
     for (const std::uint32_t corner : t) ++first[corner + 1];

@@ -1,4 +1,4 @@
-// Vertices that follow no joint among others that do.
+// Finds weights for vertices that follow no joint.
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@ namespace fascicle::gltf {
 
 inline constexpr std::uint32_t no_vertex = ~std::uint32_t{0};
 
-// For each vertex the one whose weights it has: itself where it has some, else the nearest along the
-// triangles' sides that has, of equally near ones the one that is reached first in the triangles' order;
-// no_vertex where none is connected with it.
+// For each vertex, the vertex whose weights it takes: itself if it has weights, else the nearest one along
+// triangle edges that has; ties go to the one reached first in triangle order; no_vertex if none is
+// connected.
 std::vector<std::uint32_t> weighted_neighbours(const std::vector<bool>& has_weights,
                                                std::span<const std::array<std::uint32_t, 3>> triangles);
 
