@@ -1,16 +1,15 @@
-// surface.abc: Alembic in its Ogawa form, written from the format's layout; there is no library for it in
-// Debian. An AbcGeom_PolyMesh_v1 /OBJECT for each object, with samples of P, N, .velocities and .selfBnds,
-// its uv, and an AbcGeom_FaceSet_v1 below it for each material; the archive's bounds are /.childBnds.
+// surface.abc: Alembic in Ogawa form, written from the format's layout because Debian has no library for it.
+// Each object is an AbcGeom_PolyMesh_v1 /OBJECT with samples of P, N, .velocities and .selfBnds, and its uv;
+// each of its materials is an AbcGeom_FaceSet_v1 below it; the archive's bounds are /.childBnds.
 //
-//   root       0 int32 version of the form, 0    1 int32 version of Alembic    2 group of the top object
-//              3 the archive's metadata    4 time samplings    5 indexed metadata
+//   root       0 int32 format version, 0    1 int32 Alembic version    2 group of the top object
+//              3 archive metadata    4 time samplings    5 indexed metadata
 //   object     0 group of its properties, then a group for each child object, then their headers
 //   compound   a group for each property, then their headers
 //   array      for each sample: data (16-byte digest, values), dimensions (empty: follow from the size)
 //   scalar     for each sample: data (16-byte digest, value)
-// Each object of the surface is an AbcGeom_PolyMesh_v1: .geom with .selfBnds, P, .velocities, .faceIndices,
-// .faceCounts, N and, where it has them, uv. Each material it shows is an AbcGeom_FaceSet_v1 below it. The
-// velocities of a frame are known one frame later.
+// An object's .geom has .selfBnds, P, .velocities, .faceIndices, .faceCounts, N and, if the object has them,
+// uv. The velocities of a frame are known one frame later.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -37,10 +36,10 @@ namespace {
 using Child = OgawaWriter::Child;
 
 constexpr std::int32_t form_version = 0;
-// That of the library whose files these are like; readers refuse less than 9999.
+// The library version whose layout these files follow; readers refuse versions below 9999.
 constexpr std::int32_t alembic_version = 10803;
 constexpr std::uint64_t digest_bytes = 16;
-constexpr std::uint32_t frame_sampling = 1;  // of the time samplings; 0 is the one of what has no time
+constexpr std::uint32_t frame_sampling = 1;  // index of the time sampling; 0 is for properties without time
 
 enum class PropertyKind : std::uint32_t { compound = 0, scalar = 1, array = 2 };
 enum class Pod : std::uint32_t { uint32 = 5, int32 = 6, float32 = 10, float64 = 11 };
@@ -49,10 +48,10 @@ struct Property {
   std::string name, metadata;
   PropertyKind kind = PropertyKind::compound;
   Pod pod = Pod::float32;
-  std::uint32_t extent = 1;   // values a point
-  std::uint32_t samples = 0;  // as a reader counts them
-  bool constant = false;      // one stored sample stands for all
-  bool one_point = false;     // each sample of an array is a single point
+  std::uint32_t extent = 1;   // values per point
+  std::uint32_t samples = 0;  // as readers count them
+  bool constant = false;      // a single stored sample, valid for all times
+  bool one_point = false;     // every sample of an array is a single point
 };
 
 void append_sized(std::string& out, std::uint32_t value, std::uint32_t size_hint) {
@@ -61,7 +60,7 @@ void append_sized(std::string& out, std::uint32_t value, std::uint32_t size_hint
   out += bytes.substr(0, std::size_t{1} << size_hint);
 }
 
-// Metadata that properties and objects share, referred to by number; 0 is none.
+// Metadata shared by properties and objects, referred to by index; index 0 is empty.
 class MetadataTable {
  public:
   std::uint32_t number_of(const std::string& text) {
@@ -71,7 +70,7 @@ class MetadataTable {
     texts_.push_back(text);
     return static_cast<std::uint32_t>(texts_.size());
   }
-  // Each below 256 bytes, which all of ours are.
+  // Each entry must be below 256 bytes; all of ours are.
   std::string packed() const {
     std::string out;
     for (const std::string& text : texts_) {
@@ -85,9 +84,9 @@ class MetadataTable {
   std::vector<std::string> texts_;
 };
 
-// bits 0-1 kind (1 | 2: array of single points), 2-3 bytes of a size (1 << n), 4-7 type, 8 has a time
-// sampling, 9 has first and last changed sample, 10 samples are of one size, 11 constant, 12-19 extent, 20-27
-// metadata. Without bits 9 and 11 every sample differs from the one before.
+// Bits 0-1: kind (1 | 2: array of single points); 2-3: size of integers (1 << n bytes); 4-7: type; 8: has a
+// time sampling; 9: has first and last changed sample; 10: samples have the same size; 11: constant; 12-19:
+// extent; 20-27: metadata. Without bits 9 and 11, every sample differs from the previous one.
 std::string packed(const Property& property, MetadataTable& table) {
   const std::uint32_t longest =
       std::max({static_cast<std::uint32_t>(property.name.size()),
@@ -116,12 +115,12 @@ std::string packed_object(const std::string& name, const std::string& metadata, 
   return out + static_cast<char>(table.number_of(metadata));
 }
 
-// samples at start, start + period, ...
+// Samples at start, start + period, ...
 std::string packed_sampling(std::uint32_t samples, double period, double start) {
   std::string out;
   base::append_bytes(out, samples);
   base::append_bytes(out, period);
-  base::append_bytes(out, std::uint32_t{1});  // stored times
+  base::append_bytes(out, std::uint32_t{1});  // number of stored times
   base::append_bytes(out, start);
   return out;
 }
@@ -151,10 +150,10 @@ std::vector<double> box_of(std::span<const float> points) {
   return {box.begin(), box.end()};
 }
 
-// A material's triangles: their samples so far.
+// The samples written so far for one material's triangles.
 struct FaceSetSamples {
   std::string name;
-  std::vector<std::uint32_t> vertices;  // of the object that its triangles touch, each once
+  std::vector<std::uint32_t> vertices;  // the object's vertices that its triangles use, without duplicates
   std::vector<Child> faces, bounds;
   bool one_face = false;
 };
@@ -172,12 +171,12 @@ class AbcSink final : public FrameSink {
   bool resumes() const override { return false; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  // Nothing counts on it: a resumed bake begins the file anew.
+  // No checkpoint relies on this file: a resumed bake rewrites it.
   void sync() override {}
   void finish() override;
 
  private:
-  // A group and the headers of what it holds, for the group above.
+  // A group, and the headers of its children, which the parent stores.
   struct Written {
     Child group = OgawaWriter::empty_group;
     std::string headers;
@@ -206,8 +205,8 @@ class AbcSink final : public FrameSink {
   std::optional<SurfaceVelocities> velocities_;
   std::optional<OgawaWriter> file_;
   MetadataTable table_;
-  std::vector<MeshSamples> meshes_;  // offsets: some 56 bytes a frame and object
-  std::vector<Child> bounds_;        // of all objects together
+  std::vector<MeshSamples> meshes_;  // offsets: about 56 bytes per frame and object
+  std::vector<Child> bounds_;        // of the whole surface
 };
 
 void AbcSink::begin(const BakeInfo& info) {
@@ -225,7 +224,7 @@ void AbcSink::begin(const BakeInfo& info) {
   file_.emplace(info.folder / "surface.abc");
   for (const SurfaceObject& object : surface_->objects) {
     MeshSamples& mesh = meshes_.emplace_back();
-    // Alembic's faces run clockwise as seen from outside; ours the other way.
+    // Alembic winds faces clockwise as seen from outside; ours are counter-clockwise.
     std::vector<std::int32_t> indices, counts(object.triangle.size() / 3, 3);
     for (std::size_t i = 0; i < object.triangle.size(); i += 3)
       for (const std::size_t k : {2u, 1u, 0u})
@@ -284,15 +283,15 @@ AbcSink::Written AbcSink::compound(std::vector<Child> children, const std::vecto
   return written;
 }
 
-// The two digests at the end of an object's headers stand for its properties and its children; readers
-// compare them to find equal objects.
+// The two digests at the end of an object's headers cover its properties and its children; readers compare
+// them to find equal objects.
 Child AbcSink::object(std::vector<Child> children, const std::string& child_headers,
                       const std::string& property_headers) {
   children.push_back(file_->data({child_headers, digest(property_headers), digest(child_headers)}));
   return group(children);
 }
 
-// Values that change from frame to frame.
+// A property that changes from frame to frame.
 Property AbcSink::frames(const char* name, const char* metadata, std::uint32_t extent, bool one_point) const {
   return {.name = name,
           .metadata = metadata,
@@ -318,9 +317,9 @@ Property AbcSink::constants(const char* name, const char* metadata, Pod pod, std
   return property;
 }
 
-// The header of an object with its name for the one above.
+// Returns the object's group and its header for the parent.
 AbcSink::Written AbcSink::face_set(const FaceSetSamples& set) {
-  const std::uint32_t exclusive = 1;  // no face is in two of them
+  const std::uint32_t exclusive = 1;  // no face is in two sets
   std::string value;
   base::append_bytes(value, exclusive);
   Property exclusivity = constants(".facesExclusive", "", Pod::uint32, 1, true);
@@ -403,8 +402,8 @@ void AbcSink::finish() {
 
 std::uint64_t abc_bytes(const model::Model& model, std::uint64_t frames) {
   const std::uint64_t triangles = model.surface_triangle.size() / 3;
-  // Positions, velocities, normals and bounds, each with its length, digest and places in the groups; headers
-  // about 1 kB. Texture coordinates and face sets: 8 bytes a vertex and 4 a triangle.
+  // Positions, velocities, normals and bounds, each with its length, digest and group entries; headers of
+  // about 1 kB. Texture coordinates take 8 bytes per vertex and face sets 4 per triangle.
   const std::uint64_t frame = std::uint64_t{36} * model.surface_count() + 96 + 5 * (8 + digest_bytes) + 8 * 8;
   return 1150 + std::uint64_t{8} * model.surface_count() + 20 * triangles + frames * frame;
 }

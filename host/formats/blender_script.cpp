@@ -10,8 +10,8 @@ namespace fascicle::formats {
 
 namespace {
 
-// Blender stands on Z; files stand on Y. Its importers of glTF and OBJ turn what they read, once: (x, y, z)
-// becomes (x, -z, y) in the mesh itself. A mesh cache is read raw, so its modifier is told the same turn.
+// Blender is Z up and the files are Y up. Blender's glTF importer converts the mesh; its OBJ importer rotates
+// the object instead, so the mesh keeps the file's axes, like the point cache.
 constexpr const char* script_functions = R"python(
 import math
 import os
@@ -112,12 +112,12 @@ def load_usd():
     return new_objects(before)
 )python";
 
-// How a format is loaded: a function of Python, above.
+// The Python function, defined above, that loads a format.
 struct Loader {
   const char* format;
   const char* function;
 };
-// In the order of what looks best.
+// Best-looking first.
 constexpr Loader loaders[] = {
     {"glb", "load_glb"},
     {"pc2", "lambda: load_cache('surface.pc2', 'PC2')"},

@@ -37,7 +37,7 @@ gltf::GltfDocument empty_document() {
           .binary = {}};
 }
 
-// The render mesh at rest as a primitive.
+// The render mesh at rest, as a primitive.
 json primitive_of(const model::Model& model, gltf::GltfDocument& document) {
   const std::vector<float> rest = embed(model, model.rest);
   const std::vector<float> points = world_positions(rest, model.unit, model.rest_origin);
@@ -49,10 +49,10 @@ json primitive_of(const model::Model& model, gltf::GltfDocument& document) {
 }
 
 std::vector<double> numbers(const Eigen::Matrix4d& m) {
-  return {m.data(), m.data() + 16};  // column by column, in both
+  return {m.data(), m.data() + 16};  // both are column-major
 }
 
-// One of several characters' skin as a primitive: the vertices of the model's surface from `first` on.
+// One of several characters' skins, as a primitive: the vertices of the model's surface from `first` on.
 json primitive_of(const rig::Character& character, const model::Model& model, std::size_t first,
                   gltf::GltfDocument& document) {
   std::vector<float> points;
@@ -68,7 +68,7 @@ json primitive_of(const rig::Character& character, const model::Model& model, st
   return {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}}, {"indices", indices}};
 }
 
-// A character that no file holds, in metres; `make_primitive` adds its skin without weights.
+// A document for a character without a file, in metres; `make_primitive` returns its skin without weights.
 template <class MakePrimitive>
 gltf::GltfDocument made_document(const rig::Character& character, const MakePrimitive& make_primitive) {
   gltf::GltfDocument document = empty_document();
@@ -78,7 +78,7 @@ gltf::GltfDocument made_document(const rig::Character& character, const MakePrim
     std::vector<std::uint16_t> joints;
     std::vector<float> weights;
     for (std::size_t i = 0; i < vertices; ++i) {
-      // The file wants the floats to sum to 1: the rounding goes to the largest.
+      // glTF wants the float weights to sum to 1, so the largest takes the rounding error.
       double rest = 1.0;
       const auto largest = static_cast<std::size_t>(
           std::max_element(character.weights[i].begin(), character.weights[i].end()) -
@@ -99,7 +99,7 @@ gltf::GltfDocument made_document(const rig::Character& character, const MakePrim
   }
   document.json["meshes"].push_back({{"name", "body"}, {"primitives", json::array({primitive})}});
 
-  // Node 0 stands above all, joint j is node j + 1, the mesh is the last.
+  // Node 0 is the root, joint j is node j + 1, the mesh is last.
   json& nodes = document.json["nodes"];
   nodes.push_back({{"name", "character"}, {"children", json::array()}});
   if (!character.root.isIdentity(0.0)) nodes[0]["matrix"] = numbers(character.root);
@@ -127,7 +127,7 @@ gltf::GltfDocument made_document(const rig::Character& character, const MakePrim
 
 constexpr const char* baked_mark = "fascicle_baked";
 
-// The values of one channel, frame after frame.
+// The values of one channel, frame by frame.
 struct Track {
   std::uint32_t joint = 0;
   rig::ChannelPath path = rig::ChannelPath::translation;
@@ -139,7 +139,8 @@ struct Track {
       for (int c = 0; c < 3; ++c) values.push_back(static_cast<float>(value[c]));
       return;
     }
-    // Of the two quaternions of a rotation the one nearer to the last, for readers that mix them plainly.
+    // Of the two quaternions of a rotation, take the one nearer to the previous, for readers that interpolate
+    // linearly.
     double dot = 0.0;
     if (!values.empty())
       for (int c = 0; c < 4; ++c)
@@ -158,7 +159,7 @@ const char* name_of(rig::ChannelPath path) {
                                             : "translation";
 }
 
-// The skeleton's motion at the bake's frames, as the first animation.
+// Adds the skeleton's motion, sampled at the bake's frames, as the first animation.
 void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, const rig::Character& character,
                     const rig::Clip* clip, const std::vector<std::uint32_t>& joint_node,
                     const PoseOfFrame& pose, const TimeOfFrame& time) {
@@ -208,7 +209,7 @@ void add_baked_clip(gltf::GltfDocument& document, const scene::Scene& scene, con
                           {"channels", channels}}));
 }
 
-// What nothing moves in its own file is carried all the same in the document.
+// Marks the carriers, so that meshes which nothing moves in their own file still belong to the character.
 void mark_carriers(const gltf::Rig& rig, json& document) {
   for (std::size_t j = 0; j < rig.joint_node.size(); ++j) {
     if (!rig.character.skeleton[j].skins) continue;
@@ -218,7 +219,7 @@ void mark_carriers(const gltf::Rig& rig, json& document) {
   }
 }
 
-// Meshes that nothing moves are no parts of the character. Below another one's joint they would be.
+// Meshes that nothing moves are not part of the character, but below another character's joint they would be.
 void hide_what_is_left_out(const gltf::Rig& rig, json& document) {
   std::set<std::size_t> shown;
   for (const gltf::RigPart& part : rig.parts) shown.insert(part.node);
@@ -226,8 +227,8 @@ void hide_what_is_left_out(const gltf::Rig& rig, json& document) {
     if (!shown.contains(n)) document["nodes"][n].erase("mesh");
 }
 
-// The scene's characters below a node each. Returns the node of each joint of the scene's skeleton, and gives
-// the clip's weights their nodes in the document.
+// Adds each of the scene's characters below its own node. Returns the node of each joint of the scene's
+// skeleton, and changes the clip's weights to the document's node indices.
 std::vector<std::uint32_t> add_characters(gltf::GltfDocument& document, const scene::Scene& scene,
                                           const model::Model& model, rig::Clip& clip,
                                           std::vector<std::string>& missing) {

@@ -5,7 +5,7 @@
 
 namespace fascicle::formats {
 
-// Every format once, by name: its NAME_format() is declared and its row listed.
+// Lists every format once: declares NAME_format() and adds its row.
 #define FASCICLE_FORMATS(FORMAT) \
   FORMAT(abc)                    \
   FORMAT(glb)                    \

@@ -1,4 +1,4 @@
-// Formats that write one file a frame, frame_NNNNNN.EXTENSION, into a folder of their own.
+// For formats that write one file per frame, frame_NNNNNN.EXTENSION, into a separate folder.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@ bool is_frame_file_name(const std::string& name, const std::string& extension);
 
 class FrameFiles {
  public:
-  // Makes FOLDER/EXTENSION. The files of frames before `first` must be there, later ones are removed. The
-  // file of frame 0 carries `first_number`. Throws BakeError.
+  // Makes FOLDER/EXTENSION. The files of frames before `first` must exist; later ones are removed. The file
+  // of frame 0 has the number `first_number`. Throws BakeError.
   FrameFiles(const std::filesystem::path& folder, const std::string& extension, std::uint64_t first,
              std::uint64_t first_number = 0);
 
   const std::filesystem::path& folder() const { return folder_; }
   std::uint64_t number_of(std::uint64_t frame) const { return first_number_ + frame; }
   void write(std::uint64_t frame, std::string_view bytes);
-  // Gives what was written so far its names; it survives a power cut.
+  // Moves the files written so far to their final names; they then survive a power cut.
   void sync();
 
  private:

@@ -22,13 +22,13 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double most_steps = 32767.0;  // either way
+constexpr double most_steps = 32767.0;  // in either direction
 constexpr double normal_steps = 127.0;
-// Of a turn that steps of a normal cannot make: a power of two, so that floats have few digits.
+// The unit for normal offsets too large for 8 bits: a power of two, so that the floats compress well.
 constexpr double turn_grain = 1.0 / 256.0;
 constexpr int byte_type = 5120, short_type = 5122, float_type = 5126;
 
-// Rounding to a step moves a vertex by half a step along each axis.
+// Rounding moves a vertex by up to half a step along each axis.
 double step_for(double bound, double stretch) {
   return std::exp2(std::floor(std::log2(2.0 * bound / (std::sqrt(3.0) * stretch))));
 }
@@ -43,7 +43,7 @@ void append_value(std::string& bytes, double value) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-// Three values, filled up to a multiple of 4 bytes.
+// Three values, padded to a multiple of 4 bytes.
 void append_triple(std::string& bytes, int type, const std::array<double, 3>& values) {
   for (const double value : values) {
     if (type == float_type) append_value<float>(bytes, value);
@@ -57,7 +57,7 @@ std::span<const unsigned char> as_bytes(const std::string& text) {
   return {reinterpret_cast<const unsigned char*>(text.data()), text.size()};
 }
 
-// Whether a node's transform can lead back from steps: nothing else goes by it.
+// Whether a node's transform may take the dequantisation: nothing else may depend on it.
 bool may_carry_steps(const json& document, std::size_t node) {
   const json& n = document["nodes"][node];
   if (!n.value("children", json::array()).empty() || n.contains("camera") || n.contains("extensions"))
@@ -73,8 +73,8 @@ bool may_carry_steps(const json& document, std::size_t node) {
   return true;
 }
 
-// Whether the rig has every primitive of every node that has this skin (-1: none) or shows one of these
-// meshes: whatever it leaves out would show steps as lengths.
+// Whether the rig has every primitive of every node that uses this skin (-1: none) or one of these meshes. A
+// primitive outside the rig would be shown at grid coordinates.
 bool is_all_in_rig(const json& document, const gltf::Rig& rig, std::int64_t skin,
                    const std::set<std::size_t>& meshes) {
   for (std::size_t n = 0; n < document["nodes"].size(); ++n) {
@@ -96,7 +96,7 @@ Matrix4d from_steps(double step, const Vector3d& origin) {
   return map;
 }
 
-// A node that shows steps.
+// Adds dequantisation to the node's transform.
 void place_steps(json& node, double step, const Vector3d& origin) {
   if (node.contains("matrix")) {
     auto numbers = node["matrix"].get<std::vector<double>>();
@@ -153,7 +153,7 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
     const gltf::RigPart& part = rig_.parts[p];
     const json& node = document["nodes"][part.node];
     const bool has_skin = node.contains("skin");
-    // Skins have numbers from 0 on, nodes below.
+    // Skins have numbers >= 0, unskinned nodes < 0.
     groups_.push_back(has_skin ? node["skin"].get<std::int64_t>() : -1 - std::int64_t{part.node});
     Group& group = groups[groups_.back()];
     group.meshes.insert(part.mesh);
@@ -176,7 +176,7 @@ void GlbCompression::choose_grids(const json& document, const std::vector<double
       const Vector3d middle = 0.5 * (group.least + group.greatest);
       for (int axis = 0; axis < 3; ++axis)
         grid.origin[axis] = grid.step * std::round(middle[axis] / grid.step);
-      // Half a step for the middle's rounding.
+      // One step less, because the middle is rounded to the grid.
       const double half = (0.5 * (group.greatest - group.least)).maxCoeff() / (most_steps - 1.0);
       if (half > grid.step)
         least_bound = std::max(least_bound, bound_for(std::exp2(std::ceil(std::log2(half))), group.stretch));
@@ -333,7 +333,7 @@ std::size_t GlbCompression::add_positions(gltf::GltfDocument& document, std::siz
 }
 
 void GlbCompression::quantise(gltf::GltfDocument& document, const std::vector<std::size_t>& mesh) {
-  // Primitives may share vertices: by the old accessor and the grid, the new one.
+  // Primitives may share vertices: old accessor and grid to new accessor.
   std::map<std::pair<std::size_t, std::int64_t>, std::size_t> positions;
   std::map<std::size_t, std::size_t> normals;
   std::set<std::int64_t> placed;

@@ -1,10 +1,10 @@
-// surface.glb in few bytes: positions and normals in whole numbers (KHR_mesh_quantization), all of it
-// compressed (EXT_meshopt_compression).
+// A smaller surface.glb: positions and normals as integers (KHR_mesh_quantization), everything compressed
+// (EXT_meshopt_compression).
 //
-// Vertices of all meshes of a skin lie on one grid, and the skin's inverse bind matrices lead from its steps
-// to the file's own lengths; without a skin the node does, where nothing else goes by it. A target moves by
-// whole steps from where the quantised vertex is, so that the two roundings do not add up. Where there is no
-// grid (something outside the rig shows a mesh too) the vertices stay as they are, and targets move by
+// The vertices of all meshes of a skin share one grid, and the skin's inverse bind matrices convert its steps
+// to the file's units. Without a skin, the node's transform does, provided that nothing else depends on it. A
+// target moves by whole steps from the quantised vertex, so the two rounding errors do not add up. Without a
+// grid (because something outside the rig uses the same mesh) vertices are not quantised, and targets move by
 // multiples of a step.
 #pragma once
 
@@ -26,41 +26,42 @@ namespace fascicle::formats {
 
 class GlbCompression {
  public:
-  // `stretch`: of each part, how much longer the clip's joints make a way in it, at most. `bound`: m, how far
-  // a vertex may be moved. Throws BakeError where 16 bits a coordinate are too coarse for it.
+  // `stretch`: per part, the largest factor by which the clip's joints lengthen a vector. `bound`: m, the
+  // largest allowed displacement of a vertex. Throws BakeError if 16 bits per coordinate are too coarse for
+  // it.
   GlbCompression(const gltf::Rig& rig, const nlohmann::json& document, const std::vector<double>& stretch,
                  double bound);
 
-  // The next target's bytes; they will lie in the stream, one target's after the other's.
+  // The next target's bytes. The caller writes them to the stream, target after target.
   std::string target(const GlbFrame& frame);
 
-  // m: how far a vertex was moved in a target, at most.
+  // m: the largest displacement of a vertex in any target so far.
   double error() const { return error_; }
 
-  // Puts quantised vertices into a document that is to have the targets. `mesh`: of each part.
+  // Quantises the vertices of the document before it gets the targets. `mesh`: per part.
   void quantise(gltf::GltfDocument& document, const std::vector<std::size_t>& mesh);
-  // The targets of a part, and the accessors of all, each with a comma before it, if the first of them has
-  // this number and their views begin with that one.
+  // A part's targets, if the targets' accessors start at index `first_accessor`; and the JSON of all those
+  // accessors, each preceded by a comma, if their views start at `first_view`.
   nlohmann::json targets_of(std::size_t part, std::size_t first_accessor) const;
   std::string accessors(std::size_t first_view) const;
-  // Compresses what is in the document so far and adds the views of the targets, whose stream follows.
+  // Compresses the document's present contents and adds the targets' views; their stream follows it.
   void pack(gltf::GltfDocument& document, std::uint64_t stream_bytes);
 
  private:
-  // Vertices with one transform to bring them back.
+  // Quantisation grid of vertices that share a dequantising transform.
   struct Grid {
-    bool has_steps = false;  // else vertices stay as they are
-    double step = 0.0;       // in the raw space
+    bool has_steps = false;  // else vertices are not quantised
+    double step = 0.0;       // in raw space
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   };
   enum class Kind : std::uint8_t { none, bytes, shorts, floats };
-  // A part's piece of a target: where its values begin in the view of their size.
+  // A part's share of a target: where its values begin in the view of their element size.
   struct Piece {
     Kind moves = Kind::none, turns = Kind::none;
     std::uint32_t moves_at = 0, turns_at = 0;
     std::array<double, 3> least{}, greatest{};
   };
-  // Numbers of 4, 8 and 12 bytes.
+  // Bytes per element: 4, 8 and 12.
   static constexpr std::array<std::size_t, 3> strides{4, 8, 12};
   struct Target {
     std::array<PackedView, 3> views{};  // offsets in the stream; count 0: none
@@ -68,26 +69,27 @@ class GlbCompression {
 
   using Steps = std::array<double, 3>;  // whole numbers
   struct PartSteps {
-    std::vector<Steps> moves, turns;  // of a target; of normals in 1/127
+    std::vector<Steps> moves, turns;  // of one target; turns in 1/127
   };
-  static std::size_t view_of(Kind kind);  // among those of a target
-  static int type_of(Kind kind);          // glTF's
+  static std::size_t view_of(Kind kind);  // index among a target's views
+  static int type_of(Kind kind);          // glTF component type
   static double largest(const std::vector<Steps>& values);
   void choose_grids(const nlohmann::json& document, const std::vector<double>& stretch, double bound);
   Steps steps_at(std::size_t part, const Eigen::Vector3d& place) const;
   PartSteps steps_of(const GlbFrame& frame, std::size_t part, std::size_t first);
-  // Turns too far for bytes, as lengths: from where the quantised normal is, so that roundings do not add up.
+  // Normal offsets too large for 8 bits, as floats: from the quantised normal, so that rounding errors do not
+  // add up.
   std::vector<Steps> grains_of(const GlbFrame& frame, std::size_t part, std::size_t first) const;
   void note_error(const GlbFrame& frame, std::size_t part, std::size_t vertex, const Eigen::Vector3d& off);
   std::size_t add_positions(gltf::GltfDocument& document, std::size_t part) const;
 
   const gltf::Rig& rig_;
-  std::vector<Grid> grids_;           // of parts
-  std::vector<double> stretch_;       // of parts
-  std::vector<std::int64_t> groups_;  // of parts: those with equal numbers share a grid
-  std::vector<Piece> pieces_;         // of all parts, target by target
+  std::vector<Grid> grids_;           // per part
+  std::vector<double> stretch_;       // per part
+  std::vector<std::int64_t> groups_;  // per part: equal numbers share a grid
+  std::vector<Piece> pieces_;         // for all parts, target by target
   std::vector<Target> targets_;
-  std::vector<std::size_t> still_;  // of parts: the accessor of a target that leaves it alone
+  std::vector<std::size_t> still_;  // per part: accessor of a target that moves nothing
   std::set<std::size_t> perhaps_unused_;
   std::uint64_t stream_bytes_ = 0;
   double error_ = 0.0;

@@ -22,7 +22,7 @@ std::size_t bytes_of_element(const json& accessor) {
   return component * widths.at(accessor.at("type").get<std::string>());
 }
 
-// What an accessor is to the meshes, skins and animations of a document.
+// How the meshes, skins and animations of a document use its accessors.
 struct Uses {
   std::set<std::size_t> all, triangles, other_indices;
 
@@ -56,14 +56,14 @@ struct Uses {
   }
 };
 
-// What lies in a view.
+// The contents of a buffer view.
 struct Content {
-  std::set<std::size_t> sizes;  // bytes of the elements
+  std::set<std::size_t> sizes;  // bytes per element
   std::size_t accessors = 0;
-  bool has_start = false;  // an accessor begins where the view does
+  bool has_start = false;  // an accessor begins at offset 0
   bool is_indices = false, is_triangles = true, is_numbers = false;
   bool stays = false;
-  bool was_dropped = false;  // an accessor that is no more
+  bool was_dropped = false;  // held an accessor that was removed
 };
 
 std::vector<Content> contents_of(json& document, const std::set<std::size_t>& perhaps_unused) {
@@ -103,7 +103,7 @@ std::vector<std::uint32_t> indices_in(std::span<const unsigned char> bytes, std:
   return indices;
 }
 
-// A view's plain bytes as compressed ones; `offset` of what comes out is not set. Count 0: they stay plain.
+// Compresses a view's bytes; does not set the result's `offset`. Count 0: leave it uncompressed.
 std::pair<PackedView, std::vector<unsigned char>> pack(std::vector<unsigned char> bytes, const json& view,
                                                        const Content& content) {
   PackedView packed;
@@ -183,7 +183,7 @@ void pack_views(gltf::GltfDocument& document, const std::set<std::size_t>& perha
     const std::size_t length = view["byteLength"];
     const Content& content = contents[v];
     if (content.was_dropped && content.accessors == 0 && !content.stays) {
-      // Views are referred to by number, so its place stays.
+      // Views are referred to by index, so a placeholder stays.
       view = {{"buffer", 0}, {"byteLength", 1}};
       continue;
     }

@@ -1,4 +1,4 @@
-// The bytes of a glTF document compressed (EXT_meshopt_compression), without loss.
+// Lossless compression of a glTF document's buffer (EXT_meshopt_compression).
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace fascicle::formats {
 
-// Compressed bytes that become views of a document: where they will lie in its buffer 0, what they hold.
+// Compressed bytes that become a view of a document: their place in buffer 0, and what they hold.
 struct PackedView {
   std::uint64_t offset = 0, bytes = 0;  // compressed
   std::uint64_t count = 0;
@@ -21,23 +21,23 @@ struct PackedView {
   const char* mode = "ATTRIBUTES";
 };
 
-// As a stream, its length a multiple of 4.
+// The stream, padded to a multiple of 4 bytes.
 std::string packed_bytes(const std::vector<unsigned char>& stream);
 
-// Views over compressed bytes: what they hold lies in buffer 1, which no file has.
+// Views of compressed bytes. Uncompressed, they refer to buffer 1, a fallback that is not in the file.
 class PackedViews {
  public:
-  // `has_stride`: the accessors need it said.
+  // `has_stride`: the accessors need an explicit stride.
   nlohmann::json view(const PackedView& packed, bool has_stride);
-  // Both buffers, and that a reader must know how.
+  // Declares both buffers and the required extensions.
   void declare(nlohmann::json& document, std::uint64_t binary_bytes) const;
 
  private:
   std::uint64_t plain_bytes_ = 0;
 };
 
-// Every view of the document that numbers of one size fill; images and what nobody knows stay as they are.
-// Of `perhaps_unused` accessors those that nothing refers to become empty ones, and their bytes are left out.
+// Compresses every view filled by numbers of one size; images and unknown contents stay uncompressed.
+// Accessors in `perhaps_unused` that nothing refers to become empty, and their bytes are dropped.
 void pack_views(gltf::GltfDocument& document, const std::set<std::size_t>& perhaps_unused,
                 PackedViews& views);
 

@@ -1,15 +1,16 @@
-// surface.glb: glTF 2.0, the character with its skeleton and looks, its flesh as sparse morph targets on top
-// of skinning, and one animation that moves both.
+// surface.glb: glTF 2.0. The character with its skeleton and looks, its flesh as sparse morph targets on top
+// of skinning, and one animation that drives both.
 //
-// A target holds how far each vertex stands from where skinning alone puts it, taken back through the
-// vertex's blended joint transform: viewers add the morph first and skin after, so at a target's frame they
-// show the baked surface, and between frames the skeleton turns as it should while only the small rest is
-// mixed linearly. What skinning does right is not stored at all: targets are sparse. A body without skeleton
-// has its whole motion in the targets. Normals are the file's own, turned along (SurfaceNormals): creases
-// stay. Where the surface is turned as skinning alone turns it they are not stored either.
+// A target stores the difference between the baked and the skinned position of each vertex, multiplied by the
+// inverse of the vertex's blended joint transform. Viewers add morph targets before skinning. At a target's
+// frame they therefore show the baked surface; between frames the skeleton rotates properly, and only this
+// small remainder is interpolated linearly. Vertices that plain skinning puts in the right place are not
+// stored: targets are sparse. For a body without a skeleton, the targets hold the whole motion. Normals are
+// the file's own, rotated with the surface (SurfaceNormals), which keeps creases. They are not stored where
+// plain skinning gives the same normal.
 //
-// The numbers of a target go into a stream beside the file; the JSON that must stand before them is known
-// last. Where they are to be few, glb_compress.h makes them.
+// The targets' numbers go into a temporary stream, because the JSON that precedes them in the file is only
+// known at the end. glb_compress.h writes the compressed variant.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,14 +46,14 @@ using Eigen::Vector3d;
 using nlohmann::json;
 
 constexpr const char* glb_spool = "surface.glb.targets";
-// A normal turned by less (radians) is left as it is.
+// Normals that turn by less (radians) are not stored.
 constexpr double least_turn = 0.004;
-constexpr double default_tolerance = 1e-6;  // of the body's diagonal
+constexpr double default_tolerance = 1e-6;  // as a fraction of the body's diagonal
 constexpr std::size_t most_targets = 65535;
-// Viewers in browsers keep targets in the layers of a texture, and WebGL 2 promises no more.
+// Browser viewers store targets as the layers of an array texture, and WebGL 2 guarantees no more.
 constexpr std::size_t most_in_browsers = 256;
 
-// A part's piece of a target: where its numbers lie in the stream.
+// A part's share of a target: where its numbers are in the stream.
 struct Piece {
   std::uint32_t count = 0;
   std::uint64_t indices = 0, positions = 0, normals = 0;
@@ -66,7 +67,7 @@ class GlbSink final : public FrameSink {
   bool resumes() const override { return false; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  // Nothing counts on it: a resumed bake begins the file anew.
+  // No checkpoint relies on this file: a resumed bake rewrites it.
   void sync() override {}
   void finish() override;
   SinkReport report() const override;
@@ -90,8 +91,8 @@ class GlbSink final : public FrameSink {
   std::optional<SurfaceNormals> normals_;
   std::optional<GlbTargetChoice> choice_;
   std::optional<GlbCompression> compression_;
-  std::vector<std::uint64_t> targets_;  // their frames
-  std::vector<Piece> pieces_;           // of all parts, target by target
+  std::vector<std::uint64_t> targets_;  // their frame numbers
+  std::vector<Piece> pieces_;           // for all parts, target by target
   std::optional<base::SpoolFile> stream_;
   std::uint64_t stream_bytes_ = 0;
 };
@@ -114,7 +115,7 @@ void GlbSink::read_character(const BakeInfo& info) {
   document_.json = std::move(file.document);
   document_.binary.assign(file.binary.begin(), file.binary.end());
   rig_ = read_kept_rig(info.character, model);
-  // Its bytes become those of surface.glb.
+  // The buffer becomes the start of surface.glb's buffer.
   const json& buffers = document_.json["buffers"];
   if (!file.has_binary || buffers.size() != 1 || buffers[0].contains("uri"))
     throw base::BakeError(info.character.string() +
@@ -137,8 +138,8 @@ void GlbSink::begin(const BakeInfo& info) {
   stream_.emplace(base::SpoolFile::start(info.folder / glb_spool));
 }
 
-// Of each part: how much longer its joints make a way in any frame. A blend stretches no more than the joint
-// that stretches most.
+// Per part: the largest factor by which its joints lengthen a vector in any frame. A blend stretches no more
+// than the joint that stretches most.
 std::vector<double> GlbSink::stretch() const {
   std::vector<double> most(rig_.parts.size(), 0.0);
   const bool has_clip = has_baked_clip(document_.json);
@@ -158,7 +159,7 @@ std::vector<double> GlbSink::stretch() const {
 }
 
 void GlbSink::write(const model::Frame& frame) {
-  // Nothing is asked of frames between targets where no error is bounded, but the error itself.
+  // Without an error bound, frames between targets only count towards the reported error.
   for (const GlbFrame& target : choice_->next(frame_of(frame))) write_target(target);
 }
 
@@ -185,7 +186,7 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
         const auto a = static_cast<Eigen::Index>(axis);
         away[vertex][a] =
             frame.origin[axis] + model.unit * double{frame.surface[3 * vertex + axis]} - skinned[a];
-        // Relative to the frame's origin: far from the world's, floats would lose the normals.
+        // Relative to the frame's origin: far from the world origin, floats are too coarse for normals.
         skinned_values.push_back(static_cast<float>((skinned[a] - frame.origin[axis]) / model.unit));
       }
     }
@@ -199,7 +200,8 @@ GlbFrame GlbSink::frame_of(const model::Frame& frame) const {
       const Matrix3d& linear = blends[vertex];
       const Vector3d move = rig::solve(linear, away[vertex]);
       result.moved.push_back(away[vertex].norm() > tolerance_ ? 1 : 0);
-      // What a viewer's skinning turns into the normal wanted. Small differences are the angle.
+      // The change of the normal that a viewer's skinning maps to the wanted normal. The difference of unit
+      // normals approximates the angle.
       Vector3d turn = Vector3d::Zero();
       if (!part.normals.empty() &&
           (vector_at(smooth, vertex) - vector_at(smooth_skinned, vertex)).norm() > least_turn)
@@ -251,7 +253,7 @@ Piece GlbSink::write_part(const gltf::RigPart& part, std::size_t first, const Gl
   Piece piece{.count = static_cast<std::uint32_t>(indices.size())};
   const std::array<float, 6> box = bounds(moves);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Vertices that the target leaves out are at 0.
+    // Vertices that are not in the target move by 0.
     const bool all = indices.size() == count;
     piece.least[axis] = all ? box[axis] : std::min(box[axis], 0.0f);
     piece.greatest[axis] = all ? box[3 + axis] : std::max(box[3 + axis], 0.0f);
@@ -268,8 +270,8 @@ Piece GlbSink::write_part(const gltf::RigPart& part, std::size_t first, const Gl
   return piece;
 }
 
-// The source's own morph targets are gone, and so is what moved them: the targets of the baked clip hold what
-// they did to the surface. `kept`: animations that stay even if nothing is left in them.
+// Removes the source's morph targets' channels: the baked clip's targets include their effect on the surface.
+// `kept`: leading animations that stay even if empty.
 void drop_weight_channels(json& animations, std::size_t kept) {
   for (json& animation : animations) {
     json others = json::array();
@@ -285,7 +287,7 @@ void drop_weight_channels(json& animations, std::size_t kept) {
       list.end());
 }
 
-// Each part's mesh: of nodes that show one mesh all but the first get their own.
+// The mesh of each part. If several nodes share a mesh, all but the first get a copy.
 std::vector<std::size_t> GlbSink::own_meshes(json& document) const {
   std::vector<std::size_t> meshes;
   std::vector<std::uint32_t> taken;
@@ -307,8 +309,8 @@ std::vector<std::size_t> GlbSink::own_meshes(json& document) const {
   return meshes;
 }
 
-// Numbers of the targets' accessors begin where the document's end: POSITION and NORMAL (where there is one)
-// of each part, target by target.
+// The targets' accessors start at `first_accessor`: POSITION and NORMAL (if the part has one) for each part,
+// target by target.
 json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
   if (compression_) return compression_->targets_of(part, first_accessor);
   std::size_t step = 0, before = 0;
@@ -326,7 +328,8 @@ json GlbSink::targets_of(std::size_t part, std::size_t first_accessor) const {
   return list;
 }
 
-// A mesh's primitives must have equally many targets: those outside the rig (lines) get still ones.
+// All primitives of a mesh need the same number of targets, so those outside the rig (lines) get targets that
+// move nothing.
 void GlbSink::add_still_targets(json& document, const std::vector<std::size_t>& meshes) const {
   std::map<std::size_t, std::set<std::size_t>> in_rig;
   for (std::size_t p = 0; p < rig_.parts.size(); ++p) in_rig[meshes[p]].insert(rig_.parts[p].primitive);
@@ -341,7 +344,7 @@ void GlbSink::add_still_targets(json& document, const std::vector<std::size_t>& 
   }
 }
 
-// Targets into the primitives, their weights into the animation.
+// Adds the targets to the primitives, and their weights to the animation.
 void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes) {
   const std::size_t count = targets_.size();
   const std::uint64_t keys = count;
@@ -353,7 +356,7 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
     base::append_bytes(ones, 1.0f);
   }
   const std::size_t input = add_accessor(document_, std::span<const float>(times), 1, true);
-  // Weight k is 1 at key k and 0 at the others.
+  // Weight k is 1 at key k and 0 at all others.
   json& accessors = document["accessors"];
   const std::size_t indices = add_view(document_, diagonal), values = add_view(document_, ones);
   accessors.push_back({{"componentType", 5126},
@@ -397,10 +400,10 @@ void GlbSink::add_targets(json& document, const std::vector<std::size_t>& meshes
   }
 }
 
-// The accessors of all targets as text, each with a comma before it.
+// The accessors of all targets as JSON text, each preceded by a comma.
 std::string GlbSink::target_accessors(std::uint64_t frames_at, std::uint64_t frames_bytes,
                                       json& document) const {
-  // Two views of the same bytes: one holds indices, the other values.
+  // Two views of the same bytes: one for indices, one for values.
   json& views = document["bufferViews"];
   const std::size_t view = views.size();
   for (int copy = 0; copy < 2; ++copy)
@@ -482,10 +485,10 @@ SinkReport GlbSink::report() const {
   return report;
 }
 
-// At most this for so many morph targets; vertices that only follow the skeleton take nothing.
+// Upper bound for this number of morph targets; vertices that only follow the skeleton take no space.
 std::uint64_t glb_bytes(const model::Model& model, std::uint64_t targets) {
-  // The most: every vertex in every target, with its number; about 700 bytes of JSON a target; the character
-  // itself with about 64 bytes a vertex and 12 a triangle.
+  // Worst case: every vertex in every target, with its index; about 700 bytes of JSON per target; the
+  // character with about 64 bytes per vertex and 12 per triangle.
   return targets * (700 + std::uint64_t{28} * model.surface_count()) + 4000 +
          std::uint64_t{64} * model.surface_count() + model.surface_triangle.size() * 4;
 }

@@ -78,7 +78,7 @@ std::vector<GlbFrame> GlbTargetChoice::next(GlbFrame frame) {
   }
   const double error = interpolation_error(parts_, held_, *bound_);
   if (error > *bound_ || held_.size() > longest) {
-    // The frame before was still near enough.
+    // Without this frame, the error was still within the bound.
     error_ = std::max(error_, held_error_);
     held_.erase(held_.begin(), held_.end() - 2);
     held_error_ = 0.0;

@@ -1,4 +1,4 @@
-// Adding to a glTF document, and its binary form.
+// Appends data to a glTF document, and writes .glb.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,26 @@
 
 namespace fascicle::formats {
 
-// One view more over new bytes; its number.
+// Appends a buffer view of new bytes; returns its index.
 std::size_t add_view(gltf::GltfDocument& document, std::string_view bytes);
 
-// One accessor more over new bytes; its number. `width` values an element: 1 SCALAR, 3 VEC3, 4 VEC4, 16 MAT4.
-// Floats with least and greatest values where asked for.
+// Appends an accessor of new bytes; returns its index. `width`: values per element; 1 SCALAR, 3 VEC3, 4 VEC4,
+// 16 MAT4. `with_bounds`: adds min and max.
 std::size_t add_accessor(gltf::GltfDocument& document, std::span<const float> values, std::size_t width,
                          bool with_bounds = false);
 std::size_t add_accessor(gltf::GltfDocument& document, std::span<const std::uint16_t> values,
                          std::size_t width);
-// Of as many moves by nothing; it takes no bytes.
+// `count` zero vectors; takes no bytes.
 std::size_t add_still_accessor(nlohmann::json& document, std::size_t count);
-// Of triangles; SCALAR.
+// Triangle indices; SCALAR.
 std::size_t add_accessor(gltf::GltfDocument& document, std::span<const std::uint32_t> indices);
 
-// What stands before the binary chunk's bytes in a .glb: header, JSON chunk with `text`, the binary chunk's
-// own head. `binary_bytes` is a multiple of 4. Throws BakeError if the file would pass the form's 4 GiB.
+// What precedes the binary chunk's bytes in a .glb: the header, the JSON chunk with `text`, and the binary
+// chunk's header. `binary_bytes` is a multiple of 4. Throws BakeError if the file would exceed the format's 4
+// GiB.
 std::string glb_head(std::string text, std::uint64_t binary_bytes);
 
-// A whole .glb.
+// A complete .glb.
 std::string glb_text(gltf::GltfDocument document);
 
 }  // namespace fascicle::formats

@@ -32,7 +32,7 @@ void shift_each(json& object, const char* key, std::size_t by) {
     if (number.is_number_integer()) number = number.get<std::size_t>() + by;
 }
 
-// Numbers of textures in a material and in its extensions: {"index": n}.
+// Texture indices in a material and its extensions: {"index": n}.
 void shift_textures(json& value, std::size_t by) {
   if (value.is_object()) shift(value, "index", by);
   if (!value.is_structured()) return;
@@ -40,7 +40,7 @@ void shift_textures(json& value, std::size_t by) {
     if (key != "extras") shift_textures(inner, by);
 }
 
-// The numbers that the lists of one document begin at in another.
+// How far one document's indices shift when its lists are appended to another's.
 struct Shifts {
   std::size_t bytes = 0, lights = 0;
   std::size_t accessors = 0, views = 0, images = 0, materials = 0, meshes = 0, nodes = 0, samplers = 0,
@@ -118,7 +118,7 @@ void append_texts(json& to, const json& from, const char* key) {
   }
 }
 
-// Moves the part's lights behind those there are; returns how many there were.
+// Appends the part's lights; returns how many there were before.
 std::size_t append_lights(json& to, const json& from) {
   const std::size_t before = to.contains("extensions") && to["extensions"].contains(lights)
                                  ? to["extensions"][lights]["lights"].size()

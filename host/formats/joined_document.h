@@ -1,4 +1,4 @@
-// Several glTF documents as one, each below a node of its own.
+// Joins several glTF documents into one, each below its own node.
 #pragma once
 
 #include <cstddef>
@@ -11,17 +11,16 @@
 
 namespace fascicle::formats {
 
-// Where the node stands that is made above a part.
+// The new node above a part.
 struct NodeAbove {
   std::string name;
   nlohmann::json transform;           // "translation" and "rotation", or "matrix"
-  std::optional<std::size_t> parent;  // a node of the document; none: the scene shows it
+  std::optional<std::size_t> parent;  // a node of the document; none: a root of the scene
 };
 
-// Adds what the part's scene shows below a new node, with all that it needs; nodes and clips are called
-// NAME/... from now on, if they are not yet. What names nodes by number outside the format's core
-// (VRM's bones, variants of materials, constraints) is left out. Returns the new node's number; node n of the
-// part has become that + 1 + n.
+// Adds the part's scene below a new node, with everything it needs. Prefixes node and clip names with NAME/
+// unless they have that prefix. Drops extensions that refer to nodes by index (VRM bones, material variants,
+// constraints). Returns the new node's index; node n of the part becomes that + 1 + n.
 std::size_t add_document(gltf::GltfDocument& to, gltf::GltfDocument part, const NodeAbove& above);
 
 }  // namespace fascicle::formats

@@ -1,4 +1,4 @@
-// surface.mdd: LightWave's Motion Designer Data, read by Blender's mesh cache, Modo, Houdini and Maya's
+// surface.mdd: LightWave's Motion Designer Data, read by Blender's mesh cache, Modo, Houdini and Maya
 // plug-ins. Big-endian int32 frames, int32 points, float32 time of each frame (s), then float32 x y z of each
 // point of each frame.
 #include <bit>

@@ -24,7 +24,7 @@ std::uint64_t finished(std::uint64_t h) {
   return h ^ (h >> 33);
 }
 
-// Up to eight bytes as a number, the first the lowest.
+// Up to eight bytes as a little-endian number.
 std::uint64_t word(std::string_view bytes) {
   std::uint64_t value = 0;
   if (!bytes.empty()) std::memcpy(&value, bytes.data(), std::min<std::size_t>(bytes.size(), sizeof value));
@@ -42,7 +42,7 @@ std::array<std::uint64_t, 2> murmur3_x64_128(std::string_view bytes) {
     high ^= scrambled_high(word(bytes.substr(8)));
     high = (std::rotl(high, 31) + low) * 5 + 0x38495ab5u;
   }
-  // What is missing of a word counts as zero bytes, and a word of zeros changes nothing.
+  // A partial word is padded with zero bytes; a zero word changes nothing.
   low ^= scrambled_low(word(bytes));
   high ^= scrambled_high(word(bytes.substr(std::min<std::size_t>(bytes.size(), 8))));
   low ^= length;

@@ -1,5 +1,5 @@
-// MurmurHash3, the 128-bit form for 64-bit machines, with seed 0: the digest that Alembic keeps before each
-// sample. The algorithm is Austin Appleby's, in the public domain; this is our own writing of it.
+// MurmurHash3, x64 128-bit variant, seed 0: the digest that Alembic stores before each sample. The algorithm
+// is Austin Appleby's, in the public domain; this is an independent implementation.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace fascicle::formats {
 
-// The two words in order; in the file each is little-endian.
+// The two words, in order; Alembic stores each in little-endian.
 std::array<std::uint64_t, 2> murmur3_x64_128(std::string_view bytes);
 
 }  // namespace fascicle::formats

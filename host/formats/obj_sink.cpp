@@ -1,5 +1,5 @@
-// obj/frame_NNNNNN.obj: Wavefront OBJ, one file a frame, for whatever reads nothing else: positions, texture
-// coordinates, normals and triangles with their materials; obj/surface.mtl, where there are any.
+// obj/frame_NNNNNN.obj: Wavefront OBJ, one file per frame, for programs that read nothing else. Positions,
+// texture coordinates, normals, and triangles with their materials; obj/surface.mtl if there are materials.
 #include <memory>
 #include <optional>
 
@@ -74,11 +74,11 @@ class ObjSink final : public FrameSink {
   std::shared_ptr<const SurfaceObjects> surface_;
   std::optional<SurfaceNormals> normals_;
   std::optional<FrameFiles> files_;
-  std::vector<std::string> uvs_, faces_;  // of each object
+  std::vector<std::string> uvs_, faces_;  // per object
 };
 
 std::uint64_t obj_bytes(const model::Model& model, std::uint64_t frames) {
-  // About 36 characters a position and a normal, 24 a texture coordinate, 40 a triangle.
+  // About 36 characters per position and per normal, 24 per texture coordinate, 40 per triangle.
   return frames * (100 + std::uint64_t{96} * model.surface_count() + model.surface_triangle.size() / 3 * 40);
 }
 

@@ -60,7 +60,7 @@ std::string obj_faces(const SurfaceObjects& surface, const SurfaceObject& object
   std::vector<bool> written(object.triangle.size() / 3, false);
   for (const FaceSet& set : object.face_sets)
     for (const std::uint32_t t : set.triangles) written[t] = true;
-  // Those without a material come first: there is no line that ends a usemtl.
+  // Triangles without a material come first, because OBJ cannot end a usemtl.
   for (std::uint32_t t = 0; t < written.size(); ++t)
     if (!written[t]) add(t);
   for (const FaceSet& set : object.face_sets) {

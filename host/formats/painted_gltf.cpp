@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector3d;
 using nlohmann::json;
 
-// From the file's own space to the bind pose at vertices of one part, as read_gltf turns directions.
+// The same rotations from a part's raw space to the bind pose that read_gltf applies to directions.
 class Turns {
  public:
   Turns(const gltf::RigPart& part, const rig::Character& character) : character_(character) {
@@ -27,7 +27,7 @@ class Turns {
     }
   }
 
-  // 0 where the skin leaves nothing of it.
+  // Inverse rotation, keeping the length; 0 if skinning collapses the direction.
   Vector3d back(std::size_t vertex, const Vector3d& direction) const {
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
     for (std::size_t k = 0; k < character_.weights[vertex].size(); ++k) {

@@ -1,5 +1,4 @@
-// A character's file with what is painted on it as attributes of its vertices, which the program reads as it
-// reads the paint itself.
+// Writes paint into a character's file as vertex attributes, in the form that read_gltf reads.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +9,9 @@
 
 namespace fascicle::formats {
 
-// Bytes of a .glb: the file as it is but for its form (gltf::pack_gltf), with an attribute of each of the
-// paint's. `character` is what read_gltf gave of the file, with the paint laid over. A mesh that several
-// nodes show becomes one of each. `missing` gets the names of images that are not there.
+// Returns a .glb: the file as packed by gltf::pack_gltf, with an attribute for each painted one. `character`
+// must be read_gltf of the file, with the paint added. A mesh shared by several nodes is duplicated. The
+// names of missing images go into `missing`.
 std::string painted_glb(const std::filesystem::path& file, const rig::Character& character,
                         const rig::Paint& paint, std::vector<std::string>& missing);
 

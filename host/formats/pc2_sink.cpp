@@ -1,7 +1,6 @@
-// surface.pc2: Point Cache 2, read by Blender's mesh cache, 3ds Max and Maya; rest.obj is the mesh it rides
-// on.
-//   char[12] "POINTCACHE2\0", int32 version 1, int32 points, float32 first frame, float32 frames a sample
-//   1, int32 samples, then float32 x y z of each point of each sample; little-endian.
+// surface.pc2: Point Cache 2, read by Blender's mesh cache, 3ds Max and Maya. It animates the mesh rest.obj.
+//   char[12] "POINTCACHE2\0", int32 version 1, int32 points, float32 first frame, float32 frames per sample
+//   (1), int32 samples, then float32 x y z of each point of each sample; little-endian.
 #include <optional>
 
 #include "host/base/part_file.h"

@@ -1,5 +1,4 @@
-// What point caches have in common: one file of a header and the render mesh's points in metres, frame by
-// frame.
+// Common code of point caches: one file with a header and the render mesh's points in metres, frame by frame.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +10,11 @@
 
 namespace fascicle::formats {
 
-// The header of a file of so many points and samples, which are the frames with frame 0.
+// Makes the header of a file with this many points and samples (frames, frame 0 included).
 using PointCacheHeader = std::function<std::string(std::int32_t points, std::int32_t samples)>;
 
-// surface.FORMAT: begun with its header, or gone on with behind the frames before `info.first`. Throws
-// BakeError without a surface, and where there are more points or samples than the format counts.
+// Opens surface.FORMAT: new with its header, or to append after the frames before `info.first`. Throws
+// BakeError if there is no surface, or more points or samples than the format can count.
 base::PartFile open_point_cache(const BakeInfo& info, const std::string& format,
                                 const PointCacheHeader& header);
 

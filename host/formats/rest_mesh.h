@@ -1,4 +1,4 @@
-// rest.obj: what the point caches (pc2, mdd) ride on.
+// rest.obj: the mesh that the point caches (pc2, mdd) animate.
 #pragma once
 
 #include <filesystem>
@@ -13,10 +13,11 @@ inline constexpr const char* rest_name = "rest.obj";
 inline constexpr const char* rest_materials_name = "rest.mtl";
 
 // Wavefront OBJ of the render mesh at rest (characters: in the bind pose), in its vertex order, metres, Y up.
-// One mesh, for a cache moves one; its objects are its groups. With texture coordinates and materials.
+// A single mesh, because a cache animates one; objects become groups. Includes texture coordinates and
+// materials.
 std::string rest_obj(const model::Model& model, const SurfaceObjects& surface);
 
-// rest.obj, and with materials rest.mtl and its textures.
+// Writes rest.obj and, if there are materials, rest.mtl and its textures.
 void write_rest_mesh(const std::filesystem::path& folder, const model::Model& model,
                      const SurfaceObjects& surface);
 

@@ -41,7 +41,7 @@ ShapedSurface::ShapedSurface(const std::filesystem::path& character, const model
 void ShapedSurface::add_to(std::uint64_t frame, std::span<float> surface) const {
   if (empty()) return;
   const rig::Clip* clip = has_clip_ ? rig::find_clip(rig_.character, "") : nullptr;
-  // The time as the file has it.
+  // Rounded as in the file.
   const double time = double{static_cast<float>(static_cast<double>(frame) / fps_)};
   std::vector<Matrix4d> joints;
   std::size_t first = 0;

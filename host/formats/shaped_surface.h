@@ -1,5 +1,5 @@
-// What the blend shapes of a character do to its baked surface. They move the render mesh after it was
-// embedded. The flesh does not feel them.
+// Applies a character's blend shapes to its baked surface. They move the render mesh after embedding; the
+// flesh does not feel them.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@ namespace fascicle::formats {
 
 class ShapedSurface {
  public:
-  // Of the bake whose character.glb this is; empty: a body that is no character. Throws BakeError where the
-  // file does not fit the model.
+  // `character`: the bake's character.glb; empty: a body that is not a character. Throws BakeError if the
+  // file does not match the model.
   ShapedSurface(const std::filesystem::path& character, const model::Model& model, double fps);
 
   bool empty() const { return rig_.parts.empty(); }
 
-  // Moves the surface of a frame (3 values a render vertex, working units) by what the shapes' weights at
-  // that frame differ from those of the bind pose, turned and scaled by each vertex's skinning. In double,
-  // rounded once a vertex; nothing where a vertex is not moved.
+  // Moves a frame's surface (3 values per render vertex, working units) by the difference between the shapes
+  // at that frame's weights and at the bind pose's, transformed by each vertex's skinning. Computed in
+  // double, rounded once per vertex; unmoved vertices keep their bits.
   void add_to(std::uint64_t frame, std::span<float> surface) const;
 
  private:

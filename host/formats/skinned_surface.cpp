@@ -14,7 +14,7 @@ SkinnedSurface::SkinnedSurface(const std::filesystem::path& character, const mod
       fps_(fps) {}
 
 std::vector<float> SkinnedSurface::positions(std::uint64_t frame) const {
-  // The time as the file has it.
+  // Rounded as in the file.
   const auto time = static_cast<float>(static_cast<double>(frame) / fps_);
   const rig::Clip* clip = is_moving_ ? rig::find_clip(rig_.character, "") : nullptr;
   const std::vector<Matrix4d> joints = rig::joint_transforms_at(rig_.character, clip, double{time});

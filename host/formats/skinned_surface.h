@@ -1,5 +1,5 @@
-// The render mesh of a baked character as its own skinning has it, without flesh: what the flesh is held
-// against.
+// A baked character's render mesh by plain skinning, without flesh: the reference that the flesh is compared
+// with.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace fascicle::formats {
 
 class SkinnedSurface {
  public:
-  // `character`: the character.glb of a bake. Throws scene::SceneError where it cannot be read and BakeError
-  // where it has not the model's render vertices.
+  // `character`: a bake's character.glb. Throws scene::SceneError if it cannot be read, and BakeError if its
+  // vertex count is not the model's.
   SkinnedSurface(const std::filesystem::path& character, const model::Model& model, double fps);
 
-  // Metres in the world, 3 values a render vertex, of frame 0, 1, ... of the bake.
+  // World positions in metres, 3 values per render vertex, of a frame 0, 1, ... of the bake.
   std::vector<float> positions(std::uint64_t frame) const;
   const gltf::Rig& rig() const { return rig_; }
 

@@ -16,20 +16,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Cosine of a degree: exporters round the normals of one vertex differently on both sides of a seam.
+// Cosine of one degree: exporters round the normals of a vertex differently on the two sides of a seam.
 constexpr double same_normal = 0.99985;
-// 1 plus the cosine: directions nearer to opposite than this have no shortest rotation.
+// 1 plus the cosine: below this, directions are so nearly opposite that the shortest rotation is undefined.
 constexpr double opposite = 1e-6;
 
 Vector3d at(std::span<const float> values, std::size_t i) {
   return {double{values[3 * i]}, double{values[3 * i + 1]}, double{values[3 * i + 2]}};
 }
 
-// v as the shortest rotation from a to b takes it, both of length 1.
+// Rotates v by the shortest rotation from a to b, both unit vectors.
 Vector3d rotated(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
   const double cosine = a.dot(b);
   if (1.0 + cosine < opposite) {
-    // Half a turn about any direction across a.
+    // Half a turn about any axis perpendicular to a.
     Eigen::Index least = 0;
     a.cwiseAbs().minCoeff(&least);
     const Vector3d across = a.cross(Vector3d::Unit(least)).normalized();
@@ -39,8 +39,8 @@ Vector3d rotated(const Vector3d& v, const Vector3d& a, const Vector3d& b) {
   return v + axis.cross(v) + axis.cross(axis.cross(v)) / (1.0 + cosine);
 }
 
-// How the surroundings turned about their normal after the shortest rotation: the sums of the cosines and
-// sines of the angles between edges, weighed by their lengths.
+// The neighbourhood's rotation about its normal that remains after the shortest rotation: sums of the cosines
+// and sines of the angles between edges, weighted by their lengths.
 struct Twist {
   double cosine = 0.0, sine = 0.0;
 };
@@ -56,7 +56,7 @@ SurfaceNormals::SurfaceNormals(const model::Model& model, std::vector<float> own
   };
   std::map<std::array<float, 3>, std::vector<Group>> places;
   for (std::size_t i = 0; 3 * i < rest.size(); ++i) {
-    // -0 and 0 are one place.
+    // Adding 0 makes -0 and 0 equal.
     const std::array<float, 3> place{rest[3 * i] + 0.0f, rest[3 * i + 1] + 0.0f, rest[3 * i + 2] + 0.0f};
     const Vector3d normal = own_.empty() ? Vector3d::Zero() : at(own_, i);
     std::vector<Group>& groups = places[place];

@@ -25,7 +25,7 @@ using nlohmann::json;
 
 constexpr const char* texture_prefix = "image_";
 
-// Names that are given out once.
+// Hands out each name only once.
 class UniqueNames {
  public:
   std::string take(const std::string& wanted) {
@@ -38,7 +38,7 @@ class UniqueNames {
   std::set<std::string> taken_;
 };
 
-// A name that every format can hold on one line and in a path.
+// A name that every format can store on one line and in a path.
 std::string one_line(const std::string& name) {
   std::string result = name;
   for (char& c : result)
@@ -46,7 +46,7 @@ std::string one_line(const std::string& name) {
   return result;
 }
 
-// An entry of a list of the document; null where there is none.
+// An entry of one of the document's lists; null if there is none.
 const json* entry(const json& document, const char* list, const json& number) {
   const auto entries = document.find(list);
   if (entries == document.end() || !entries->is_array() || !number.is_number_unsigned()) return nullptr;
@@ -73,12 +73,12 @@ const json& object_at(const json& of, const char* name) {
   return found != of.end() && found->is_object() ? *found : none;
 }
 
-// Looks of one file: each material and image once, when first asked for.
+// One file's looks; reads each material and image once, on first use.
 class Looks {
  public:
   Looks(const gltf::GltfFile& file, SurfaceObjects& to) : file_(file), to_(to) {}
 
-  // Its number in SurfaceObjects::materials.
+  // Its index in SurfaceObjects::materials.
   std::uint32_t material(std::size_t in_file) {
     const auto known = std::find(materials_.begin(), materials_.end(), in_file);
     if (known != materials_.end()) return static_cast<std::uint32_t>(known - materials_.begin());
@@ -105,7 +105,7 @@ class Looks {
   }
 
  private:
-  // The file of the image that a texture shows; empty where it lies in no view.
+  // The file of a texture's image; empty if the image is not in a buffer view.
   std::string texture(const json& reference) {
     const json* shown = entry(file_.document, "textures", reference.value("index", json()));
     if (shown == nullptr) return {};
@@ -130,11 +130,11 @@ class Looks {
 
   const gltf::GltfFile& file_;
   SurfaceObjects& to_;
-  std::vector<std::size_t> materials_;  // of SurfaceObjects::materials, their numbers in the file
+  std::vector<std::size_t> materials_;  // indices in the file of SurfaceObjects::materials
   UniqueNames names_, identifiers_;
 };
 
-// The file's normals as the skin turns them into the bind pose.
+// The file's normals, transformed by skinning into the bind pose.
 void append_normals(std::vector<float>& normals, const gltf::RigPart& part,
                     const std::vector<Matrix4d>& bind) {
   std::vector<Matrix4d> slots;
@@ -155,7 +155,7 @@ void append_normals(std::vector<float>& normals, const gltf::RigPart& part,
   }
 }
 
-// The material of a primitive: its number in the file, where it has one.
+// The index of a primitive's material in the file, if it has one.
 const json* material_of(const json& document, const gltf::RigPart& part) {
   const json* mesh = entry(document, "meshes", json(std::size_t{part.mesh}));
   if (mesh == nullptr) return nullptr;
@@ -229,11 +229,11 @@ class Reader {
     }
     const auto& uvs = rig_.parts[p].uvs;
     if (!uvs.empty()) {
-      // Parts of the object before this one may have none.
+      // Earlier parts of the object may have no texture coordinates.
       object.uvs.resize(std::size_t{2} * object.vertex_count, 0.0f);
       for (const Eigen::Vector2d& uv : uvs) {
         object.uvs.push_back(static_cast<float>(uv[0]));
-        object.uvs.push_back(static_cast<float>(1.0 - uv[1]));  // glTF's v runs down
+        object.uvs.push_back(static_cast<float>(1.0 - uv[1]));  // glTF's v points down
       }
     } else if (!object.uvs.empty()) {
       object.uvs.resize(object.uvs.size() + std::size_t{2} * part.vertex_count, 0.0f);

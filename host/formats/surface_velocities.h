@@ -1,4 +1,4 @@
-// Velocities of what a file shows: the derivative of the positions that are written.
+// Velocities: the derivative of the written positions.
 #pragma once
 
 #include <span>
@@ -6,15 +6,14 @@
 
 namespace fascicle::formats {
 
-// Half the difference of the frames before and after, over a frame's time; at the first and the last frame
-// the difference to their only neighbour. A frame's velocities are known when the next frame is: units of the
-// positions a second. Frame by frame; holds two of them.
+// Central differences; one-sided at the first and the last frame. Units of the positions per second. A
+// frame's velocities are known when the next frame is. Takes frames one by one and keeps two.
 class SurfaceVelocities {
  public:
   explicit SurfaceVelocities(double fps) : fps_(fps) {}
-  // Takes the next frame; the velocities of the one before it. Nothing at the first.
+  // Takes the next frame; returns the velocities of the previous one, or nothing for the first frame.
   std::vector<float> next(std::vector<float> positions);
-  // Those of the last frame; of a single one 0.
+  // The last frame's velocities; 0 if there is only one frame.
   std::vector<float> last() const;
 
  private:

@@ -21,11 +21,11 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Two bind poses of a joint are one if they put nothing further apart than this, of the larger one's size.
+// Two bind poses of a joint count as equal if they differ by no more than this, relative to their size.
 constexpr double same_pose = 1e-5;
 constexpr const char* name_of_top = "top";
 
-// USD's vectors are rows: its matrices are ours turned over.
+// USD uses row vectors, so its matrices are the transposes of ours.
 std::string matrix_text(const Matrix4d& m) {
   std::string text = "(";
   for (Eigen::Index column = 0; column < 4; ++column) {
@@ -43,7 +43,7 @@ std::string matrix_list(const std::vector<Matrix4d>& matrices) {
   return text + ']';
 }
 
-// A joint's name among its siblings, in letters that a path may have, below `top`.
+// Paths of the joints below `top`: names unique among siblings, in characters that paths allow.
 std::vector<std::string> paths_of(const std::vector<rig::Joint>& skeleton, const std::string& top) {
   std::vector<std::string> paths;
   std::set<std::string> taken;
@@ -225,7 +225,7 @@ void UsdSkel::write(base::PartFile& file, const UsdTimes& times, int level) cons
              usd_line(level + 1, "uniform token[] xformOpOrder = [\"xformOp:transform\"]"));
   for (std::size_t s = 0; s < poses_.size(); ++s) file.write(skeleton(s, level + 1));
   write_motion(file, times, level + 1);
-  // Below a prim of their own: an object may have any name.
+  // In a separate scope, because an object may have any name.
   file.write(usd_line(level + 1, "def Scope \"Meshes\"") + usd_line(level + 1, "{"));
   for (std::size_t k = 0; k < surface_.objects.size(); ++k) file.write(mesh(k, level + 2));
   file.write(usd_line(level + 1, "}") + usd_line(level, "}"));

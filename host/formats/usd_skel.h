@@ -1,5 +1,5 @@
-// Skinning alone as UsdSkel, beside the baked points: a SkelRoot of the purpose "guide" with the skeleton,
-// its motion and the meshes bound to it in the bind pose.
+// Plain skinning as UsdSkel, in addition to the baked points: a SkelRoot with purpose "guide" that has the
+// skeleton, its motion and the meshes, bound in the bind pose.
 #pragma once
 
 #include <cstdint>
@@ -16,30 +16,31 @@
 
 namespace fascicle::formats {
 
-// When the samples are.
+// The times of the samples.
 struct UsdTimes {
-  std::uint64_t frames = 0;        // after the first
-  std::uint64_t first_number = 0;  // the first one's time code
+  std::uint64_t frames = 0;        // not counting the first
+  std::uint64_t first_number = 0;  // time code of the first
   double fps = 60.0;
 };
 
 class UsdSkel {
  public:
-  // Of a character.glb that has the surface's objects; `path` is the SkelRoot's prim, `materials` the scope
-  // of the surface's materials.
+  // `character`: a character.glb with the surface's objects. `path`: the SkelRoot prim. `materials`: the
+  // scope of the surface's materials.
   UsdSkel(const std::filesystem::path& character, const SurfaceObjects& surface, std::string path,
           std::string materials);
 
-  // The prim with all below it. Poses are worked out as they are written: nothing grows with the frames.
+  // Writes the prim and everything below it. Computes poses as it writes them, so memory does not grow with
+  // the frames.
   void write(base::PartFile& file, const UsdTimes& times, int level) const;
 
  private:
-  // The bind pose of each joint in the world, where a skin says one; skins that disagree have one each.
+  // The world bind pose of each joint that a skin defines; skins that disagree get separate skeletons.
   using BindPose = std::vector<std::optional<Eigen::Matrix4d>>;
 
   void bind_objects();
-  // From the part's raw space to where its vertices stand in the bind pose; `pose` gets the joints that no
-  // skin before has bound. Nothing where the part contradicts it.
+  // The transform from the part's raw space to the bind pose in the world; adds joints that no earlier skin
+  // bound to `pose`. Nullopt if the part contradicts `pose`.
   std::optional<Eigen::Matrix4d> bound(const gltf::RigPart& part, BindPose& pose) const;
   std::string skeleton(std::size_t number, int level) const;
   void write_motion(base::PartFile& file, const UsdTimes& times, int level) const;
@@ -50,12 +51,12 @@ class UsdSkel {
   std::string path_, materials_;
   gltf::Rig rig_;
   bool has_clip_ = false;
-  bool has_top_ = false;  // readers take one root, so that several get a joint above them, which rests
-  std::vector<std::string> tokens_;            // of joints: root/child/...
-  std::vector<Eigen::Matrix4d> rest_;          // of joints, in the world
-  std::vector<BindPose> poses_;                // of skeletons, at least one
-  std::vector<std::size_t> skeleton_of_;       // of objects
-  std::vector<Eigen::Matrix4d> raw_to_world_;  // of parts: to where they stand in the bind pose
+  bool has_top_ = false;                  // readers expect one root, so several get a static joint above them
+  std::vector<std::string> tokens_;       // per joint: root/child/...
+  std::vector<Eigen::Matrix4d> rest_;     // per joint, in the world
+  std::vector<BindPose> poses_;           // per skeleton, at least one
+  std::vector<std::size_t> skeleton_of_;  // per object
+  std::vector<Eigen::Matrix4d> raw_to_world_;  // per part: to the bind pose
 };
 
 }  // namespace fascicle::formats

@@ -1,4 +1,4 @@
-// Pieces of USD's text form.
+// Parts of USD's text format.
 #pragma once
 
 #include <cstdint>
@@ -9,28 +9,28 @@
 
 namespace fascicle::formats {
 
-// A line, `level` times four spaces in.
+// A line, indented by `level` times four spaces.
 std::string usd_line(int level, const std::string& text);
-// In quotes.
+// The text, quoted.
 std::string usd_string(const std::string& text);
 // [(x, y, z), ...], `width` values each.
 std::string usd_tuples(std::span<const float> values, std::size_t width);
 std::string usd_numbers(std::span<const std::uint32_t> values);
 
-// The scope of all materials, and the path of one below it.
+// The scope with all materials, and the path of a material in it.
 std::string usd_materials(const SurfaceObjects& surface, const std::string& path, int level);
 std::string usd_material_path(const SurfaceMaterial& material, const std::string& path);
 
-// Which material an object shows, or which of its faces show which: bindings and GeomSubsets. The lines that
-// stand before the mesh's other prims: `properties`; prims: `subsets`.
+// Material bindings of an object: for the whole mesh, or for its faces as GeomSubsets. `properties` go before
+// the mesh's child prims; `subsets` are prims.
 struct UsdBinding {
   std::string properties, subsets;
 };
 UsdBinding usd_binding(const SurfaceObjects& surface, const SurfaceObject& object, const std::string& path,
                        int level);
 
-// A mesh up to its points, and from there on: name, topology, materials, texture coordinates. `schemas`: more
-// of them, as in "SkelBindingAPI"; empty: none.
+// The text of a mesh before and after its points: name, topology, materials, texture coordinates. `schemas`:
+// additional API schemas, such as "SkelBindingAPI"; empty: none.
 struct UsdMesh {
   std::string head, tail;
 };

@@ -1,10 +1,10 @@
-// surface.usda: USD's text form. A UsdGeomMesh /body/OBJECT for each object, with time samples of points,
-// normals, velocities and extent, and the first frame at the default time; time code k is frame k. Materials
+// surface.usda: USD's text format. Each object is a UsdGeomMesh /body/OBJECT with time samples of points,
+// normals, velocities and extent, and the first frame as the default value; time code k is frame k. Materials
 // are UsdPreviewSurfaces, bound to the mesh or to its GeomSubsets.
 //
-// A file of USD holds all samples of an attribute side by side, and frames come one by one. So samples go
-// into a stream beside the file, and finish() puts them in their places. The velocities of a frame are known
-// one frame later.
+// A USD file stores all samples of an attribute together, but frames arrive one by one. Samples therefore go
+// into a temporary stream, and finish() puts them in place. The velocities of a frame are known one frame
+// later.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -29,13 +29,13 @@ namespace {
 
 constexpr const char* usda_spool = "surface.usda.samples";
 
-// Where the samples of an attribute lie in the stream.
+// Where an attribute's samples are in the stream.
 struct SampleBytes {
   std::uint64_t offset = 0, bytes = 0;
 };
 using Pieces = std::vector<SampleBytes>;
 
-// Of one object.
+// The pieces of one object.
 struct MeshPieces {
   Pieces points, normals, velocities, extents;
 };
@@ -47,7 +47,7 @@ class UsdaSink final : public FrameSink {
   bool resumes() const override { return false; }
   void begin(const BakeInfo& info) override;
   void write(const model::Frame& frame) override;
-  // Nothing counts on it: a resumed bake begins the file anew.
+  // No checkpoint relies on this file: a resumed bake rewrites it.
   void sync() override {}
   void finish() override;
 
@@ -67,7 +67,7 @@ class UsdaSink final : public FrameSink {
   std::optional<SurfaceVelocities> velocities_;
   std::vector<float> first_points_, first_normals_;
   std::vector<MeshPieces> meshes_;
-  Pieces extents_;  // of all objects together
+  Pieces extents_;  // of the whole surface
   std::uint64_t frames_ = 0;
   std::optional<base::PartFile> file_;
   std::optional<base::SpoolFile> samples_;
@@ -157,7 +157,7 @@ void UsdaSink::write_mesh(std::size_t k) {
   const MeshPieces& pieces = meshes_[k];
   const UsdMesh mesh = usd_mesh(*surface_, object, materials_path_, "", 1);
   const std::span<const float> points = values_of(object, first_points_);
-  // Readers that ask for no time see the first frame.
+  // Readers that ignore time show the first frame.
   file_->write(
       mesh.head + usd_line(2, "point3f[] points = " + usd_tuples(points, 3)) +
       usd_line(2, "normal3f[] normals = " + usd_tuples(values_of(object, first_normals_), 3) + " (") +
@@ -183,7 +183,7 @@ void UsdaSink::finish() {
 }
 
 std::uint64_t usda_bytes(const model::Model& model, std::uint64_t frames) {
-  // About 36 characters a position, a normal and a velocity; 25 a triangle and 24 a texture coordinate.
+  // About 36 characters per position, normal and velocity; 25 per triangle and 24 per texture coordinate.
   return 2000 + model.surface_triangle.size() / 3 * 35 + std::uint64_t{96} * model.surface_count() +
          frames * (400 + std::uint64_t{108} * model.surface_count());
 }

@@ -13,7 +13,7 @@ namespace fascicle::formats {
 namespace {
 
 constexpr std::size_t block_bytes = std::size_t{1} << 20;
-// Floats shrink little whatever is tried; the first level is the fastest.
+// Floats compress poorly at any level; the first is the fastest.
 constexpr int compression_level = 1;
 
 }  // namespace
@@ -39,7 +39,7 @@ std::string vtk_compressed(std::string_view bytes) {
 }
 
 std::uint64_t vtk_compressed_bound(std::uint64_t bytes) {
-  // zlib adds five bytes to every 16 KiB that it cannot shrink, and six to each block.
+  // zlib adds five bytes per 16 KiB of incompressible data, and six per block.
   const std::uint64_t blocks = (bytes + block_bytes - 1) / block_bytes;
   return bytes + bytes / 1000 + 24 + blocks * 32;
 }
@@ -71,7 +71,7 @@ std::string vtk_field_data(double time, std::span<const VtkNames> names) {
     if (list.values.empty()) continue;
     text += "      <Array type=\"String\" Name=\"" + list.name + "\" NumberOfTuples=\"" +
             base::number_text(std::uint64_t{list.values.size()}) + "\" format=\"ascii\">";
-    // The bytes of each name as numbers, and a 0 behind it.
+    // The bytes of each name as numbers, then a 0.
     for (const std::string& value : list.values) {
       for (const char c : value)
         text += base::number_text(std::uint32_t{static_cast<unsigned char>(c)}) + ' ';

@@ -1,4 +1,4 @@
-// VTK's XML files with compressed raw appended data, and ParaView's collections of them.
+// VTK's XML files with compressed raw appended data, and ParaView collections of them.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@
 
 namespace fascicle::formats {
 
-// One array as it stands in the appended data: blocks of at most 1 MiB, each compressed by zlib, behind their
-// number, their size, the size of the last where it is smaller, and the compressed sizes (uint64).
+// One array in the form of appended data. Header (uint64): number of blocks, their size, the size of the last
+// if smaller, and the compressed sizes; then the blocks of at most 1 MiB, each compressed by zlib.
 std::string vtk_compressed(std::string_view bytes);
-// At most so many bytes.
+// Upper bound of its size.
 std::uint64_t vtk_compressed_bound(std::uint64_t bytes);
 
-// The text and the appended data of one file, array by array.
+// Builds the text and the appended data of one file, array by array.
 class VtkArrays {
  public:
-  // The tag of an array whose compressed form is `compressed`.
+  // Adds an array, given its compressed form; returns its tag.
   std::string add(const std::string& type, const std::string& name, std::size_t components,
                   std::string_view compressed);
   template <class T>
@@ -31,14 +31,14 @@ class VtkArrays {
     return add(type, name, components,
                vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size_bytes()}));
   }
-  // The file around `pieces`, the text of what `kind` ("PolyData") holds.
+  // The complete file around `pieces`, the contents of a `kind` ("PolyData") element.
   std::string file(const std::string& kind, const std::string& pieces) const;
 
  private:
   std::string data_;
 };
 
-// Field data: the time (s), and lists of names.
+// Field data: the time (s) and lists of names.
 struct VtkNames {
   std::string name;
   std::vector<std::string> values;
@@ -46,9 +46,9 @@ struct VtkNames {
 std::string vtk_field_data(double time, std::span<const VtkNames> names);
 
 inline constexpr const char* vtk_series = "series.pvd";
-inline constexpr std::uint8_t vtk_tetra = 10;  // a type of cells
+inline constexpr std::uint8_t vtk_tetra = 10;  // VTK cell type
 
-// A bake's frames: a file each, and vtk_series, the collection of them with their times.
+// A bake's frames: one file each, and vtk_series, the collection with their times.
 class VtkFrames {
  public:
   VtkFrames(const BakeInfo& info, const std::string& extension);
@@ -56,7 +56,7 @@ class VtkFrames {
   double time_of(std::uint64_t frame) const;  // s
   void write(std::uint64_t frame, std::string_view text) { files_.write(frame, text); }
   void sync() { files_.sync(); }
-  // After the last frame.
+  // Call after the last frame.
   void finish();
 
  private:
@@ -66,7 +66,7 @@ class VtkFrames {
   FrameFiles files_;
 };
 
-// The bytes of a list of numbers, likewise.
+// The same for a list of numbers.
 template <class T>
 std::string vtk_compressed_values(const std::vector<T>& values) {
   return vtk_compressed({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});

@@ -1,7 +1,7 @@
-// vtp/frame_NNNNNN.vtp: the render surface for ParaView, one VTK file a frame, with normals and texture
-// coordinates, and vtp/series.pvd, a collection with their times. A triangle's object and material are
-// numbers in the field data's lists `objects` and `materials`, -1: none. Written beside vtu where the scene
-// has a surface.
+// vtp/frame_NNNNNN.vtp: the render surface for ParaView, one VTK file per frame, with normals and texture
+// coordinates; vtp/series.pvd is the collection with their times. A triangle's object and material are
+// indices into the field data's lists `objects` and `materials`, -1: none. Accompanies vtu if the scene has a
+// surface.
 #include <memory>
 #include <optional>
 
@@ -31,7 +31,7 @@ class VtpSink final : public FrameSink {
   std::optional<SurfaceNormals> normals_;
   std::optional<VtkFrames> frames_;
   std::vector<VtkNames> names_;
-  // What no frame changes, compressed once.
+  // Constant over time, compressed once.
   std::string uvs_, connectivity_, offsets_, objects_, materials_;
 };
 
@@ -71,7 +71,7 @@ void VtpSink::write(const model::Frame& frame) {
   const std::vector<float> points = world_positions(frame.surface, info_.model->unit, frame.origin);
   const std::vector<float> normals = normals_->of(frame.surface);
   VtkArrays arrays;
-  // One array a statement: their order in the file is that of the calls.
+  // One array per statement: arrays are stored in the order of the calls.
   std::string text = vtk_field_data(frames_->time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
                      base::number_text(std::uint64_t{points.size() / 3}) + "\" NumberOfPolys=\"" +
                      base::number_text(std::uint64_t{info_.model->surface_triangle.size() / 3}) + "\">\n";

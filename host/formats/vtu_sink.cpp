@@ -1,8 +1,8 @@
-// vtu/frame_NNNNNN.vtu: VTK unstructured grids for ParaView, one compressed file a frame, and vtu/series.pvd,
-// a collection with their times. The tetrahedra in metres with displacement from frame 0 (m), velocity (m/s),
-// layer (a number in the field data's list `layers`), kinematic, and source_vertex, the vertex's number in
-// the input's tetrahedral mesh. The format has no way to share arrays between files: what no frame changes is
-// compressed once and stands in each.
+// vtu/frame_NNNNNN.vtu: VTK unstructured grids for ParaView, one compressed file per frame; vtu/series.pvd is
+// the collection with their times. Tetrahedra in metres with displacement from frame 0 (m), velocity (m/s),
+// layer (an index into the field data's list `layers`), kinematic, and source_vertex, the vertex's number in
+// the input's tetrahedral mesh. Files cannot share arrays: constant data is compressed once and written to
+// each.
 #include <limits>
 #include <optional>
 
@@ -29,7 +29,7 @@ class VtuSink final : public FrameSink {
   BakeInfo info_;
   std::optional<VtkFrames> frames_;
   std::vector<VtkNames> names_;
-  // What no frame changes, compressed once.
+  // Constant over time, compressed once.
   std::string layer_, kinematic_, source_vertex_, connectivity_, offsets_, types_;
 };
 
@@ -64,8 +64,7 @@ void VtuSink::write(const model::Frame& frame) {
   const std::vector<float> points = world_positions(frame.positions, model.unit, frame.origin);
   std::vector<float> displacement(points.size()), velocity(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // From the unrounded positions: far from the world's origin a difference of floats would lose what it
-    // shows.
+    // From the unrounded positions: far from the world origin, the difference of floats would lose precision.
     const double moved = double{frame.positions[i]} - double{info_.initial->positions[i]};
     displacement[i] =
         static_cast<float>((frame.origin[i % 3] - info_.initial->origin[i % 3]) + model.unit * moved);
@@ -78,7 +77,7 @@ void VtuSink::write(const model::Frame& frame) {
   std::string text = vtk_field_data(frames_->time_of(frame.index), names_) + "    <Piece NumberOfPoints=\"" +
                      base::number_text(model.vertex_count) + "\" NumberOfCells=\"" +
                      base::number_text(model.tetrahedron_count()) + "\">\n";
-  // One array a statement: their order in the file is that of the calls.
+  // One array per statement: arrays are stored in the order of the calls.
   text += "      <Points>\n";
   text += floats("position", points);
   text += "      </Points>\n      <PointData>\n";
@@ -106,7 +105,7 @@ std::uint64_t vtu_bytes(const model::Model& model, std::uint64_t frames) {
 
 }  // namespace
 
-// Its velocities are not in the frame cache.
+// Not available to export: the frame cache has no velocities.
 Format vtu_format() {
   return {.name = "vtu",
           .file = "vtu/",
