@@ -21,7 +21,7 @@ namespace {
 
 constexpr float not_known = std::numeric_limits<float>::quiet_NaN();
 
-// Of each frame, J; not known where metrics.csv has no number.
+// Energy of each frame, J; not_known where metrics.csv has no number.
 std::vector<float> energies_of(const std::filesystem::path& folder, std::uint64_t frames) {
   std::vector<float> energies(frames, not_known);
   try {
@@ -42,7 +42,7 @@ std::vector<float> energies_of(const std::filesystem::path& folder, std::uint64_
       if (error == std::errc() && end == text.data() + text.size()) energies[k] = static_cast<float>(value);
     }
   } catch (const std::runtime_error&) {
-    // Frames can be shown without it.
+    // Frames can be shown without energies.
   }
   return energies;
 }
@@ -54,7 +54,7 @@ BakedMotion::BakedMotion(std::unique_ptr<pipeline::OpenBake> bake, const std::fi
       measures_(bake_->model()),
       energies_(energies_of(folder, bake_->frame_count())) {
   const bool has_skeleton = bake_->model().has_skeleton();
-  // Where its inputs are gone or have changed the frames are there all the same.
+  // If the scene's inputs are gone or have changed, the frames can still be shown.
   const auto go_without = [&](const std::exception& error) {
     if (has_skeleton) why_no_lag_ = error.what();
   };
@@ -74,7 +74,7 @@ ShownFrame BakedMotion::seek(std::uint64_t frame) {
   now_ = bake_->frame(std::min(frame, frames()));
   if (has_skinning_) {
     pipeline::OpenBake::Skinned skinned = bake_->skinned(now_.index);
-    // Seen from the frame's own origin.
+    // Relative to the frame's own origin.
     for (std::size_t k = 0; k < skinned.positions.size(); ++k)
       skinned.positions[k] +=
           static_cast<float>((skinned.origin[k % 3] - now_.origin[k % 3]) / bake_->model().unit);

@@ -1,4 +1,4 @@
-// The frames of a bake's folder, as they were written.
+// The frames of a finished bake, as stored in its folder.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@ namespace fascicle::studio {
 
 class BakedMotion final : public Motion {
  public:
-  // `bake` is the player's from now on, `folder` is where it lies. Skinning alone and solids are shown, and
-  // lag is measured, where the bake's scene can still be read.
+  // Takes over `bake`; `folder` is its folder. Shows plain skinning and solids, and measures lag, if the
+  // bake's scene can still be read.
   BakedMotion(std::unique_ptr<pipeline::OpenBake> bake, const std::filesystem::path& folder);
 
   std::uint64_t frames() const override { return bake_->frame_count() - 1; }
@@ -28,13 +28,13 @@ class BakedMotion final : public Motion {
   ShownFrame again() override;
   std::vector<float> joints() override;
   std::vector<scene::Solid> solids() override;
-  // Why frames have no lag though the body has a skeleton; empty where they have.
+  // Why frames have no lag although the body has a skeleton; empty if they have.
   const std::string& why_no_lag() const { return why_no_lag_; }
 
  private:
   std::unique_ptr<pipeline::OpenBake> bake_;
   FrameMeasures measures_;
-  std::vector<float> energies_;  // J, of each frame, as metrics.csv has them; a bake keeps no velocities
+  std::vector<float> energies_;  // J, per frame, from metrics.csv, because a bake stores no velocities
   bool has_scene_ = false, has_skinning_ = false;
   std::string why_no_lag_;
   model::Frame now_;

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What cannot be looked at is none.
+// A folder that cannot be read is not a bake.
 bool is_bake(const fs::path& folder) {
   try {
     return bake::holds_bake(folder);

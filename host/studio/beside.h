@@ -1,4 +1,5 @@
-// Bakes that stand beside what is played: which there are, and the one that is shown.
+// The comparison bake: a second bake shown beside what is played. Which bakes can be chosen, and the chosen
+// one.
 #pragma once
 
 #include <cstdint>
@@ -13,34 +14,34 @@
 namespace fascicle::studio {
 
 struct BesideChoice {
-  std::string name;  // as pages call it: the folder as it was given, or as it is reached from there
+  std::string name;  // as pages call it: the folder as given, or its path in the session's folder
   std::filesystem::path folder;
 };
 
-// All that may be asked for: the folders that the studio was started with, then the bakes in the session's
-// own folder (empty: none). A link there may lead anywhere, and is left out.
+// All choices: the folders that the studio was started with, then the bakes in the session's folder (empty:
+// none). Links there are left out, because they may lead anywhere.
 std::vector<BesideChoice> beside_choices(const std::vector<std::filesystem::path>& given,
                                          const std::filesystem::path& session);
 
 class BesideBake {
  public:
-  // Throws base::BakeError with what is wrong with the bake.
+  // Throws base::BakeError if the bake cannot be read.
   explicit BesideBake(BesideChoice choice);
 
   const BesideChoice& choice() const { return choice_; }
-  // Its shape, under names that begin with "beside."
+  // Its shape, with names that begin with "beside."
   const std::vector<ArrayMessage>& arrays() const { return arrays_; }
   // "bake" of the message `beside`.
   Json description() const;
 
-  // The frame nearest to this time of the clip, s; before the first and after the last that one.
+  // The frame nearest to this clip time, s; clamped to the first and the last.
   ShownFrame at(double time);
   Motion& motion() { return *motion_; }
 
  private:
   BesideChoice choice_;
   std::unique_ptr<BakedMotion> motion_;
-  const model::Model* model_ = nullptr;  // the bake's, which the motion holds
+  const model::Model* model_ = nullptr;  // the bake's; owned by motion_
   std::vector<ArrayMessage> arrays_;
 };
 

@@ -17,10 +17,10 @@
 namespace fascicle::studio {
 namespace {
 
-// Bytes of all textures together, and how many there may be.
+// Limits on all textures together: bytes and number.
 constexpr std::size_t most_texture_bytes = std::size_t{128} << 20, most_textures = 128;
-constexpr std::size_t most_places = 64;  // of a warning
-// Where an array's message has the number of the body that it was first sent with.
+constexpr std::size_t most_places = 64;  // per warning
+// Where an array's message stores the number of the body with which it was first sent.
 constexpr std::size_t body_offset = 4, body_bytes = 4;
 
 std::string image_type(const std::vector<unsigned char>& bytes) {
@@ -62,8 +62,7 @@ std::vector<float> rest_places(const model::Model& model) {
   return places;
 }
 
-// Of each vertex of the render mesh: the sum of its four vertices' places, and the layer of the one that
-// counts most.
+// Rest position of each render vertex: the weighted sum of its four embedding vertices.
 std::vector<float> surface_rest(const model::Model& model) {
   std::vector<float> places;
   for (std::size_t k = 0; k < model.surface_vertex.size(); k += 4) {
@@ -125,7 +124,7 @@ void add_look_textures(const gltf::Looks& read, const std::string& file, BodyLoo
   }
 }
 
-// What of a solid stands still, and where it begins; frames say where it is.
+// The constant properties of the solids, and where they start; frames have their current positions.
 Json solids_json(const BodyParts& parts) {
   Json list = Json::array();
   if (parts.scene == nullptr || !parts.model.has_colliders()) return list;
@@ -371,7 +370,7 @@ Json clip_json(const scene::Scene& scene, std::uint64_t frames, std::uint32_t su
 }
 
 Json warnings_json(const model::Model& model, const std::vector<build::Warning>& warnings) {
-  // Warnings count as the mesh does that the model was built from.
+  // Warnings number vertices as in the mesh that the model was built from.
   std::vector<std::uint32_t> number(model.vertex_count, model.vertex_count);
   for (std::uint32_t i = 0; i < model.vertex_count; ++i)
     if (model.source_vertex[i] < model.vertex_count) number[model.source_vertex[i]] = i;

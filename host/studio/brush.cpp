@@ -32,7 +32,7 @@ PaintGround::PaintGround(const mesh::SurfaceMesh& surface, std::vector<rig::Pain
     if (is_new) place_.push_back(p);
     point_of_.push_back(known->second);
   }
-  // Lists of the vertices at each point and of its neighbours, one after the other.
+  // CSR lists: the vertices at each point, and its neighbours.
   const auto offsets = [&](const auto& each) {
     std::vector<std::uint32_t> offset(place_.size() + 1, 0);
     each([&](std::uint32_t point, std::uint32_t) { ++offset[point + 1]; });
@@ -157,7 +157,7 @@ float Painting::own_value(const rig::PaintKind& kind, std::uint32_t vertex, std:
 void Painting::stamp(const Brush& brush, const Vector3d& place, const Vector3d& along) {
   const double away = ground_->distance_to(place);
   stamp_once(brush, place, along, away);
-  // The other side may not be there; a small brush reaches one vertex there as it does here.
+  // There may be no surface on the other side. A small brush reaches one vertex there if it does here.
   if (brush.is_mirrored) stamp_once(brush, mirrored(place), mirrored(along), away);
 }
 
@@ -171,7 +171,7 @@ void Painting::stamp_once(const Brush& brush, const Vector3d& place, const Vecto
         sheet.values[brush.kind->width * one.vertex + c] = own_value(*brush.kind, one.vertex, c);
       continue;
     }
-    // A brush that is smaller than the mesh's triangles has its whole strength on the vertex that it reaches.
+    // A brush smaller than the mesh's triangles acts at full strength on the vertex that it reaches.
     const double way = one.distance < brush.radius ? one.distance / brush.radius : 0.0;
     const double share = brush.strength * share_of(brush.falloff, way);
     if (is_shaded || brush.kind->is_direction)
@@ -190,7 +190,7 @@ void Painting::mix(const Brush& brush, std::uint32_t vertex, double share, const
     sheet.is_set[vertex] = 1;
     return;
   }
-  // Fibres lie in the skin, and are lines: of the two ways the one that is nearer to what is there.
+  // Fibres are tangential to the skin and have no sign: take the sign nearer to the present fibre.
   const Vector3d& normal = ground_->normal(vertex);
   Vector3d direction = along - along.dot(normal) * normal;
   if (!(direction.norm() > 1e-6 * along.norm())) return;

@@ -1,4 +1,4 @@
-// The studio's page, as web/ was bundled into web/bundle.
+// The studio's page, bundled from web/ into web/bundle.
 #pragma once
 
 #include <vector>

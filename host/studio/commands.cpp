@@ -49,7 +49,7 @@ Json parse_json(std::string_view text) {
   }
 }
 
-// The members of a message, each taken once; what is left over at the end is unknown.
+// The members of a message; each is taken once, and those left at the end are unknown.
 class Members {
  public:
   explicit Members(Json message) : message_(std::move(message)) {

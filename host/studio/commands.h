@@ -1,4 +1,5 @@
-// What a page may ask: docs/design/studio.md. A message is read whole and checked before anything is done.
+// The commands that a page may send: docs/design/studio.md. A message is parsed and checked in full before
+// anything is done.
 #pragma once
 
 #include <array>
@@ -18,8 +19,7 @@ namespace fascicle::studio {
 
 using scene::Json;
 
-// A message that is refused. what() says what is wrong and what to do; `id` is the message's, where it could
-// be read.
+// A refused message. what() says what is wrong and what to do; `id` is the message's, if it could be read.
 struct BadMessage : std::runtime_error {
   explicit BadMessage(const std::string& text, std::optional<std::int64_t> message_id = std::nullopt)
       : std::runtime_error(text), id(message_id) {}
@@ -50,32 +50,32 @@ enum class Verb {
 
 enum class HandAction { grab, move, release, force };
 
-// A piece of a stroke of the brush.
+// Part of a brush stroke.
 struct StrokePiece {
-  std::uint64_t stroke = 0;  // pieces of one number are one change
+  std::uint64_t stroke = 0;  // pieces with the same number form one change
   bool is_last = true;
   Brush brush;
-  std::vector<std::array<double, 3>> places;  // m, of the bind pose, one after the other
-  std::array<double, 3> direction{0, 0, 0};   // where the stroke has one place alone
+  std::vector<std::array<double, 3>> places;  // m, in the bind pose, in order
+  std::array<double, 3> direction{0, 0, 0};   // if the stroke has only one place
 };
 
 struct Command {
   std::optional<std::int64_t> id;
   Verb verb = Verb::play;
-  std::uint16_t blocks = 0;               // show: of Block
-  std::uint16_t beside_blocks = 0;        // show: the same of the bake beside
+  std::uint16_t blocks = 0;               // show: bits of Block
+  std::uint16_t beside_blocks = 0;        // show: likewise for the comparison bake
   std::uint64_t frame = 0;                // seek
   double factor = 1.0;                    // speed
   bool is_on = false;                     // loop
   std::vector<scene::KeyChange> changes;  // set
   std::string label;                      // set
   std::optional<std::uint64_t> gesture;   // set
-  std::string name;                       // preset; save's file, bake's folder: empty where not given;
-                                          // beside: a bake's name, or empty for none
+  std::string name;                       // preset; save: file, bake: folder; empty: default; beside: a
+                                          // bake's name, or empty for none
   HandAction action = HandAction::release;
   std::uint64_t vertex = 0;
-  bool is_of_model = false;               // the vertex is the model's, not the render mesh's
-  double radius = 0.0;                    // m; 0: one that fits
+  bool is_of_model = false;               // the vertex is of the model, not of the render mesh
+  double radius = 0.0;                    // m; 0: default
   std::array<double, 3> vector{0, 0, 0};  // a place, m, or a force, N
   std::vector<std::string> formats;       // bake
   bool overwrite = false;                 // save, bake
@@ -85,8 +85,7 @@ struct Command {
 // Throws BadMessage.
 Command parse_command(std::string_view text);
 
-// A name without folders, of letters, digits, `-`, `_` and `.`, that does not begin with a dot and has at
-// most 64 characters.
+// A name without folders: letters, digits, `-`, `_` and `.`, not beginning with a dot, at most 64 characters.
 bool is_plain_name(std::string_view name);
 
 }  // namespace fascicle::studio

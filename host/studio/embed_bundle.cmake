@@ -1,5 +1,5 @@
-# Writes OUTPUT, a C++ file with the text of the studio's page as raw string literals, so that the executable needs
-# no file beside it. FOLDER holds studio.html, studio.js and studio.css.
+# Writes OUTPUT, a C++ file with the text of the studio's page as raw string literals, so that the executable
+# needs no extra files. FOLDER holds studio.html, studio.js and studio.css.
 set(code "// Made by embed_bundle.cmake from web/bundle.\n#include \"host/studio/bundle.h\"\n\n")
 string(APPEND code "namespace fascicle::studio {\n\nstd::vector<ServedFile> page_bundle() {\n")
 set(list "")

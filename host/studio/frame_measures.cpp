@@ -16,7 +16,7 @@ using bake::point_at;
 
 namespace {
 
-// Six times the volume of all tetrahedra, cubic working units, and how many are flat or inside out.
+// Six times the volume of all tetrahedra, cubic working units, and the number that are flat or inverted.
 struct Volumes {
   double six = 0.0;
   std::uint32_t inverted = 0;

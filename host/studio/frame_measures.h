@@ -1,4 +1,4 @@
-// What the studio's curves show of a frame.
+// The measurements of a frame for the studio's curves.
 #pragma once
 
 #include "host/model/model.h"
@@ -7,13 +7,13 @@
 
 namespace fascicle::studio {
 
-// Knows the rest shape's volume. The model must outlive it.
+// Stores the rest volume. The model must outlive it.
 class FrameMeasures {
  public:
   explicit FrameMeasures(const model::Model& model);
-  // Fills lag, energy, volume, inverted and speed from the frame's positions, and its velocities and skinned
-  // positions where it has them. Lag is 0 without a skeleton, and not a number where the frame of a body with
-  // one has no skinned positions.
+  // Fills lag, energy, volume, inverted and speed from the frame's positions and, if present, its velocities
+  // and skinned positions. Lag is 0 without a skeleton, and NaN if a body with a skeleton has no skinned
+  // positions in the frame.
   void fill(const model::Frame& frame, FrameNumbers& numbers) const;
 
  private:

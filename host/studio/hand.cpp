@@ -10,23 +10,23 @@ namespace fascicle::studio {
 
 namespace {
 
-// Where nothing is known yet flesh is taken to be as soft as swings twice a second: a first pull that is too
-// weak does no harm.
+// Initial guess: flesh that swings at 2 Hz. This is soft, because a first pull that is too weak does no harm.
 constexpr double first_stiffness = 158.0;  // (2 pi 2 Hz)^2, 1/s^2
 constexpr double least_stiffness = 10.0, most_stiffness = 4e6;
 constexpr double most_moved = 1000.0;
-// How much of the last frames counts beside a new one, and how many times as stiff or heavy as before flesh
-// is taken to be at most.
+// Decay of older frames' weight per frame, and the largest factor by which one frame may change an estimate.
 constexpr double memory = 0.9, belief = 2.0;
-// What was found before counts by these shares of what the frames say: where nothing moves they say nothing.
+// Weights of the previous estimates relative to the frames' data. They dominate when nothing moves, because
+// the data then says nothing.
 constexpr double share_of_moved = 1e-3, share_of_stiffness = 1e-6;
-// 1/s: how fast soft flesh is led to its place, without overshooting.
+// 1/s: natural frequency at which soft flesh approaches its target, critically damped.
 constexpr double hand_pace = 12.0;
-// Shares of what is missing that a frame makes up for.
+// Fractions of the remaining error that a frame corrects.
 constexpr double share_of_soft = 0.3, share_of_stiff = 0.3;
-// Stiffness times a frame's time squared: below the first flesh is soft, above the second it is stiff.
+// Limits on stiffness times frame time squared: below the first flesh counts as soft, above the second as
+// stiff.
 constexpr double soft_below = 0.3, stiff_above = 1.0;
-// Shares of the body's extent: further than that no hand pulls.
+// Fraction of the body's extent: the hand's longest pull.
 constexpr double longest_pull = 0.3;
 constexpr float least_share = 0.01f;
 
@@ -128,7 +128,7 @@ void Hand::push(const Vector3d& force) {
   acceleration_ = force / mass_;
 }
 
-// Least squares of pulled = m faster + K way.
+// Least squares for pulled = m faster + K way.
 void Hand::learn(const Vector3d& faster, const Vector3d& way, const Vector3d& pulled, double seconds) {
   const double square = seconds * seconds;
   const Vector3d spring = way / square;
@@ -155,7 +155,7 @@ void Hand::learn(const Vector3d& faster, const Vector3d& way, const Vector3d& pu
 void Hand::see(const model::Frame& frame, double seconds) {
   const Vector3d pulled = (before_ + acceleration_) / 2.0;
   before_ = acceleration_;
-  // Where the flesh would be if nobody pulled.
+  // Where the flesh would be without the hand.
   const Vector3d free = frame.skinned.empty() ? still_ : Vector3d(middle(frame.skinned, frame.origin) + lag_);
   const Vector3d of_free = free_ ? Vector3d((free - *free_) / seconds) : Vector3d(Vector3d::Zero());
   const Vector3d velocity = mean(frame.velocities) - of_free;

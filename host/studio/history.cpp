@@ -18,7 +18,7 @@ bool is_same(const Paints& a, const Paints& b) {
 
 namespace {
 
-// Bytes of the paints that the step after it does not share.
+// Bytes of the paints not shared with the next step.
 std::size_t own_bytes(const Paints& paints, const Paints* next) {
   std::size_t bytes = 0;
   for (const auto& [key, text] : paints) {

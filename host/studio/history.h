@@ -1,5 +1,4 @@
-// The texts that a scene has had, and what was painted on its characters, from the first to the last: every
-// change can be taken back and made again.
+// The history of a scene's text and its characters' paint: every change can be undone and redone.
 #pragma once
 
 #include <cstdint>
@@ -11,43 +10,43 @@
 
 namespace fascicle::studio {
 
-// A paint file's text, which steps share.
+// A paint file's text, shared between steps.
 using PaintText = std::shared_ptr<const std::string>;
 // What is painted on each character, by the key that names its file: "character.paint",
-// "character.NAME.paint". None is null.
+// "character.NAME.paint". No entry is null.
 using Paints = std::map<std::string, PaintText>;
 
-// Whether they say the same.
+// Whether the contents are equal.
 bool is_same(const Paints& a, const Paints& b);
 
 struct HistoryStep {
-  std::string label;  // what was done to come here; of the first step empty
-  std::string text;   // of the scene
+  std::string label;  // the change that led here; empty for the first step
+  std::string text;   // the scene's text
   Paints paints = {};
 };
 
 class History {
  public:
-  // Of the oldest steps those go that do not fit in.
+  // The oldest steps beyond these limits are dropped.
   static constexpr std::size_t most_steps = 1000, most_bytes = std::size_t{64} << 20;
 
   explicit History(std::string text, Paints paints = {}) : steps_{{"", std::move(text), std::move(paints)}} {}
-  // `steps` is not empty and `at` is one of them.
+  // `steps` must not be empty, and `at` must be an index into it.
   History(std::vector<HistoryStep> steps, std::size_t at);
 
   const std::string& text() const { return steps_[at_].text; }
   const Paints& paints() const { return steps_[at_].paints; }
-  // Takes the place of the last change where both have this gesture.
+  // Replaces the last change if both have the same gesture.
   void add(std::string label, std::string text, Paints paints,
            std::optional<std::uint64_t> gesture = std::nullopt);
-  // What would be taken back, and what would be made again; null where there is nothing.
+  // Labels of the changes that undo and redo would apply; null if there is none.
   const std::string* undo_label() const { return at_ > 0 ? &steps_[at_].label : nullptr; }
   const std::string* redo_label() const { return at_ + 1 < steps_.size() ? &steps_[at_ + 1].label : nullptr; }
   bool undo();
   bool redo();
-  // The step in force does not hold after all: the nearest one with this text and paint is in force again.
-  // The last change goes for good where it led away from that; where no step has them, the step in force gets
-  // them.
+  // Call when the current step turns out to be invalid: returns to the nearest step with this text and paint.
+  // If that is the step before the last change, the last change is dropped. If no step has them, the current
+  // step takes them.
   void fall_back(const std::string& text, const Paints& paints);
 
   const std::vector<HistoryStep>& steps() const { return steps_; }
@@ -56,7 +55,7 @@ class History {
  private:
   std::vector<HistoryStep> steps_;
   std::size_t at_ = 0;
-  std::optional<std::uint64_t> gesture_;  // of the step that is in force
+  std::optional<std::uint64_t> gesture_;  // of the current step
 };
 
 }  // namespace fascicle::studio

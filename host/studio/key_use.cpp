@@ -13,7 +13,8 @@ using scene::EditedKey;
 using scene::EditedTable;
 using scene::Integrator;
 
-// As the reader of scene files has them (scene_file.cpp); a test sets each and sees it refused.
+// The same lists as in the reader of scene files (scene_file.cpp); a test sets each key and checks that it is
+// refused.
 constexpr std::array<std::string_view, 2> of_explicit_layers{"alpha", "alpha_outer"};
 constexpr std::array<std::string_view, 5> of_implicit_layers{"youngs_modulus", "frequency", "material",
                                                              "damping_ratio", "least_volume"};
@@ -44,7 +45,7 @@ KeyUse::KeyUse(const std::vector<EditedTable>& tables) {
       if (table.path == "solver" && name == "substeps") has_auto_substeps_ = key.value.is_string();
       if (table.table->name != "layer") continue;
       if (name == "kinematic" && key.value == true) still_layers_.push_back(table.path);
-      // A least volume says nothing of stiffness.
+      // least_volume does not define a stiffness.
       const bool is_implicit_stiffness = has(of_implicit_layers, name) && name != "least_volume";
       const bool is_explicit_stiffness = has(of_explicit_layers, name);
       has_implicit = has_implicit || is_implicit_stiffness;
@@ -66,12 +67,12 @@ std::string KeyUse::why_unused(const EditedTable& table, const EditedKey& key) c
   }
   if (table.table->name != "layer") return {};
   if (has(of_moving_layers, name) && has(still_layers_, table.path)) return "for flesh that moves by itself";
-  // The one layer that says how stiff it is may say it otherwise: that chooses the integrator.
+  // The only layer with a stiffness may state it in the other integrator's keys; that selects the integrator.
   const bool may_change_integrator =
       !is_stated_ && std::all_of(layers_with_stiffness_.begin(), layers_with_stiffness_.end(),
                                  [&](const std::string& path) { return path == table.path; });
   const bool is_of_other = is_implicit_ ? has(of_explicit_layers, name) : has(of_implicit_layers, name);
-  // These say nothing of stiffness, and choose nothing.
+  // These do not define a stiffness and select no integrator.
   const bool is_no_stiffness = name == "least_volume" || name == "damping_ratio";
   if (is_no_stiffness ? is_implicit_ : !is_of_other || may_change_integrator) return {};
   return is_implicit_ ? "for the explicit integrator; layers here are as stiff as youngs_modulus, frequency "

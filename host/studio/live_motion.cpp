@@ -14,9 +14,9 @@ namespace fascicle::studio {
 namespace {
 
 constexpr model::Read what_is_shown{.positions = true, .velocities = true, .skinned = true};
-// Of states that are kept along the clip, so that any frame of it can be had again.
+// Limit on the states kept along the clip, from which any frame can be recomputed.
 constexpr double most_kept_bytes = 192.0 * 1024 * 1024;
-// A hand that fits: this share of the body's extent, and no less than so many edges.
+// Default radius of the hand: a fraction of the body's extent, and at least this many edges.
 constexpr double hand_share = 0.05, hand_edges = 2.5;
 
 double bytes_of(const model::State& state) {
@@ -51,7 +51,7 @@ void LiveMotion::load(const model::State& state, std::uint64_t frame) {
   solver().load(state);
   frame_ = frame;
   show_state(state);
-  // A frame apart, or further where that would take too much.
+  // Keep every frame's state, or fewer if that takes too much memory.
   const double all = bytes_of(state) * static_cast<double>(frames() + 1);
   kept_every_ = static_cast<std::uint64_t>(std::max(1.0, std::ceil(all / most_kept_bytes)));
 }
@@ -124,7 +124,7 @@ ShownFrame LiveMotion::seek(std::uint64_t frame) {
   return shown(frame_begins);
 }
 
-// What comes before frame 0 may come apart as well.
+// The lead-in before frame 0 may diverge as well.
 void LiveMotion::load_led(model::State state) {
   load(state, 0);
   kept_.clear();
@@ -137,7 +137,7 @@ void LiveMotion::load_led(model::State state) {
 }
 
 ShownFrame LiveMotion::restart(const std::function<bool()>& stop) {
-  // The cycles that a seamless loop needs are what the loop does anyway.
+  // Looped playback already runs the extra cycles that a seamless loop needs.
   scene::Scene lead = body_->scene();
   lead.motion.seamless = false;
   drive::LeadIn led = drive::lead_in(lead, body_->model(), body_->drives(), body_->solver(), stop);
@@ -150,7 +150,7 @@ ShownFrame LiveMotion::take(std::shared_ptr<RunningBody> body) {
   const model::State state = solver().save();
   const std::uint64_t frame = std::min(frame_, body->frames());
   const model::State next = carried_over(state, *body_, *body, frame);
-  // All that may fail comes before anything is another one.
+  // Do everything that may throw before changing any member.
   std::unique_ptr<HeldSolver> held;
   if (hand_ && has_same_shape(body_->model(), body->model())) held = hold(*body, hand_->held());
   held_ = std::move(held);

@@ -1,5 +1,4 @@
-// Flesh in motion: a body that runs through its clip again and again, can be changed while it does, and
-// pulled.
+// Live simulation: a body that plays its clip in a loop and can be changed and pulled meanwhile.
 #pragma once
 
 #include <chrono>
@@ -14,9 +13,9 @@
 
 namespace fascicle::studio {
 
-// What a recorded run found.
+// The result of a recorded run.
 struct Recording {
-  std::vector<std::uint64_t> hashes;  // of frames 0, 1, ..., as a bake's manifest has them
+  std::vector<std::uint64_t> hashes;  // of frames 0, 1, ..., as in a bake's manifest
   std::uint32_t revision = 0;
   bool stopped = false;
   double seconds = 0.0;
@@ -31,8 +30,8 @@ class LiveMotion final : public Motion {
   double start() const override { return body_->scene().start; }
   std::uint64_t frame() const override { return frame_; }
   ShownFrame advance() override;
-  // Exact where the frame, or one shortly before it, was computed with the keys in force; else the flesh is
-  // carried along by the skeleton to there.
+  // Exact if the frame, or one shortly before it, was computed with the current keys; otherwise the flesh is
+  // placed there by the skeleton.
   ShownFrame seek(std::uint64_t frame) override;
   ShownFrame restart(const std::function<bool()>& stop) override;
   ShownFrame again() override;
@@ -40,21 +39,21 @@ class LiveMotion final : public Motion {
   std::vector<scene::Solid> solids() override { return body_->solids(frame_); }
 
   RunningBody& body() { return *body_; }
-  // The same flesh goes on as another body.
+  // Continues with another body, carrying the state over.
   ShownFrame take(std::shared_ptr<RunningBody> body);
 
-  // How many vertices the hand holds; 0 where all flesh there follows the skeleton. `vertex`: of the model.
-  // `radius` (m, at rest) 0: one that fits.
+  // Returns the number of vertices that the hand holds; 0 if all flesh there is kinematic. `vertex`: of the
+  // model. `radius` (m, at rest): 0 for the default.
   std::size_t grab(std::uint32_t vertex, double radius, const Vector3d& place);
   Hand* hand() { return hand_ ? &*hand_ : nullptr; }
   void release();
 
-  // Plays from the start as a bake does, all of its frames, and shows each. `stop` is asked before each.
+  // Plays all frames from the start, exactly as a bake does, and shows each. Calls `stop` before each.
   Recording record(const std::function<bool()>& stop, const std::function<void(const ShownFrame&)>& show);
 
  private:
-  // The body's solver with the hand's force beside the scene's. The model stands still while the solver
-  // lives.
+  // The body's solver with the hand's force added to the scene's. The solver refers to the model, so it must
+  // not move.
   struct HeldSolver {
     model::Model model;
     std::unique_ptr<model::Solver> solver;
@@ -73,9 +72,9 @@ class LiveMotion final : public Motion {
   FrameMeasures measures_;
   std::uint64_t frame_ = 0;
   model::Frame now_;
-  float seconds_ = 0.0f;  // that the solver took for it
+  float seconds_ = 0.0f;  // the solver's time for it
 
-  // States along the clip, by frame, computed with the keys in force while no hand pulled.
+  // States along the clip, by frame, computed with the current keys and without the hand.
   std::map<std::uint64_t, model::State> kept_;
   std::uint64_t kept_every_ = 1;
 

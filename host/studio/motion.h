@@ -1,4 +1,4 @@
-// What the player plays: flesh in motion, or the frames of a bake.
+// The player's source of frames: a live simulation or a bake.
 #pragma once
 
 #include <cstdint>
@@ -15,35 +15,35 @@
 
 namespace fascicle::studio {
 
-// A frame as it can be shown. It points into its motion and stands until that is asked for the next one.
+// A frame ready to be shown. It points into its motion and is valid until the motion is asked for another.
 struct ShownFrame {
   const model::Model* model = nullptr;
-  const model::Frame* frame = nullptr;  // positions, and what there is of skinned and velocities
-  FrameNumbers numbers;                 // all but the sequence, the rate and the number of the body
+  const model::Frame* frame = nullptr;  // positions; skinned positions and velocities if available
+  FrameNumbers numbers;                 // all but the sequence, the rate and the body's number
 };
 
-// The positions are no longer finite numbers. The motion has begun again on the skeleton.
+// Positions are no longer finite. The motion has restarted from the skeleton.
 struct Diverged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The seam between the player and what it plays. All calls come from the player's thread.
+// The interface between the player and what it plays. All calls come from the player's thread.
 struct Motion {
   virtual ~Motion() = default;
-  virtual std::uint64_t frames() const = 0;  // the last frame's number
+  virtual std::uint64_t frames() const = 0;  // number of the last frame
   virtual double fps() const = 0;
   virtual double start() const = 0;         // s of the clip at frame 0
-  virtual std::uint64_t frame() const = 0;  // the one that is shown
-  // The next frame; after the last one frame 1, as the clip begins again. Throws Diverged.
+  virtual std::uint64_t frame() const = 0;  // the current one
+  // The next frame. The clip repeats: after the last frame comes frame 1. Throws Diverged.
   virtual ShownFrame advance() = 0;
   virtual ShownFrame seek(std::uint64_t frame) = 0;
-  // From frame 0, with what comes before it; that ends early where `stop` says so.
+  // Starts at frame 0, after the lead-in; `stop` can end the lead-in early.
   virtual ShownFrame restart(const std::function<bool()>& stop) = 0;
-  // The frame that is shown, once more.
+  // The current frame again.
   virtual ShownFrame again() = 0;
-  // The joints' places in the frame that is shown, m, 3 numbers each.
+  // The joints' positions in the current frame, m, 3 numbers each.
   virtual std::vector<float> joints() = 0;
-  // The scene's solids there, m, in the scene's order; nothing where the scene is not known.
+  // The scene's solids in the current frame, m, in the scene's order; empty if the scene is not known.
   virtual std::vector<scene::Solid> solids() = 0;
 };
 

@@ -11,9 +11,10 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// s: over which the rate is a mean.
+// s: time constant of the averaged rate.
 constexpr double rate_time = 0.5;
-// A motion that comes apart so often, with fewer calm frames between, is paused: it would go on so for ever.
+// A motion that diverges this often, with fewer calm frames in between, is paused, because it would do so for
+// ever.
 constexpr unsigned most_divergences = 5, calm_enough = 60;
 
 Clock::duration as_duration(double seconds) {
@@ -121,7 +122,7 @@ bool Player::play() {
       const std::lock_guard lock(mutex_);
       state_.mode = PlayerMode::playing;
     }
-    // At the end of a clip that is not played again, "play" means once more.
+    // At the end of a clip that does not loop, "play" starts again.
     if (!state().loops && motion.frame() >= motion.frames()) show(motion.seek(0));
     due_ = Clock::now();
     tell();
@@ -201,7 +202,7 @@ void Player::watch(bool is_watched) {
 
 bool Player::restart() {
   return post([this](Motion& motion) {
-    // Whatever is asked meanwhile goes before the rest of what comes before frame 0.
+    // New requests interrupt the lead-in before frame 0.
     const auto stop = [this] {
       const std::lock_guard lock(mutex_);
       return stops_ || !waiting_.empty();
@@ -234,7 +235,7 @@ void Player::pause_now() {
   tell();
 }
 
-// What goes wrong while trouble is told must not end the thread.
+// An error while reporting trouble must not end the thread.
 void Player::tell_trouble(const char* text, bool shows_again) {
   try {
     if (events_.on_trouble) events_.on_trouble(text);
@@ -265,13 +266,13 @@ void Player::advance() {
   if (attempt([&] { show(motion_->advance()); })) {
     if (++calm_frames_ >= calm_enough) divergences_ = 0;
   } else if (divergences_ == before || divergences_ >= most_divergences) {
-    // What fails in this frame fails in the next one too.
+    // The next frame would fail in the same way.
     divergences_ = 0;
     pause_now();
   }
   const double period = 1.0 / (motion_->fps() * now.speed);
   due_ += as_duration(period);
-  // What is late does not hurry to catch up.
+  // Late frames are not made up for.
   due_ = std::max(due_, Clock::now() - as_duration(period));
 }
 
@@ -302,7 +303,7 @@ void Player::run() {
       }
     }
     if (work) attempt(work);
-    // Whoever asks for much holds no frame up that is due.
+    // A stream of requests must not hold up a frame that is due.
     if (plays && may_begin()) advance();
   }
 }

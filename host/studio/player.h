@@ -1,4 +1,4 @@
-// The thread that plays a motion: in time with the clock, and whatever is asked of it between two frames.
+// The thread that plays a motion in real time and carries out requests between frames.
 #pragma once
 
 #include <atomic>
@@ -29,52 +29,52 @@ struct PlayerState {
 
 // Called on the player's thread. Must not throw.
 struct PlayerEvents {
-  // `sequence` and `rate` are filled in. The motion stands still meanwhile.
+  // `sequence` and `rate` are filled in. The motion does not advance during the call.
   std::function<void(Motion&, const ShownFrame&)> on_frame;
   std::function<void(const PlayerState&)> on_state;
-  std::function<void(const std::string&)> on_trouble;  // a motion that came apart, or work that failed
+  std::function<void(const std::string&)> on_trouble;  // the motion diverged, or work failed
 };
 
 class Player {
  public:
-  // Plays from where the motion stands.
+  // Plays from the motion's current frame.
   Player(std::unique_ptr<Motion> motion, PlayerEvents events);
   ~Player();
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
-  // Ends the thread, long work too; after that nothing is played any more. Whoever has events that reach back
-  // to the player calls it before the player goes.
+  // Ends the thread, including long work; nothing is played afterwards. An owner whose events use the player
+  // calls this before destroying it.
   void stop();
 
-  // Any thread, in order; each between two frames. Where more than most_waiting wait already, what is asked
-  // is dropped, and false returned.
+  // From any thread; carried out in order, between frames. If more than most_waiting requests wait, the
+  // request is dropped and false returned.
   bool play();
   bool pause();
   bool step();
-  bool seek(std::uint64_t frame);  // of several that wait the last one goes
+  bool seek(std::uint64_t frame);  // if several wait, only the last counts
   bool set_speed(double factor);
   bool set_loop(bool loops);
   bool restart();
-  // Whether anybody looks: where nobody does, what plays stands still. At first somebody does. Any thread.
+  // Whether anyone is watching; nothing plays otherwise. Initially true. Any thread.
   void watch(bool is_watched);
-  // Work with the motion on the player's thread. Its time counts against nothing: the clock goes on from when
-  // it ends.
+  // Runs work with the motion on the player's thread. Playback continues from when it ends, without catching
+  // up.
   using Work = std::function<void(Motion&)>;
   bool post(Work work);
-  // The same for work that must not be lost, such as letting go; it is always taken.
+  // The same for work that must not be dropped, such as releasing the hand.
   void post_needed(Work work);
-  // Until then no frame begins that plays by itself: something better is about to be there. Any thread.
+  // No new frame is played before this time, because a better one is expected. Any thread.
   void hold_until(std::chrono::steady_clock::time_point time);
-  // Work that takes long and shows its frames itself by show(): the player's mode meanwhile is `mode`. It
-  // should end soon when must_stop() is true.
+  // Long work that calls show() for its frames; the player's mode is `mode` meanwhile. It should end soon
+  // after must_stop() becomes true.
   bool post_long(PlayerMode mode, Work work);
 
   // On the player's thread only.
   void show(ShownFrame frame);
-  // What plays goes on at once, and is held no longer.
+  // Resumes playback at once, cancelling hold_until.
   void hurry();
   bool must_stop() const { return stops_ || (running_long_ > 0 && cancelled_long_ >= running_long_); }
-  // Ends the long work that was posted before, under way or waiting, and none that is posted later.
+  // Cancels the long work posted so far, running or waiting, but none posted later.
   void cancel();
   PlayerState state() const;
   std::uint32_t last_sequence() const { return sequence_; }
@@ -86,27 +86,27 @@ class Player {
   bool may_begin() const;
   void advance();
   void tell();
-  // False where it came to trouble.
+  // False if it threw.
   bool attempt(const std::function<void()>& what);
   void tell_trouble(const char* text, bool shows_again);
   void pause_now();
 
   std::unique_ptr<Motion> motion_;
   PlayerEvents events_;
-  mutable std::mutex mutex_;  // of state_, waiting_, is_watched_, held_until_ and seek_
+  mutable std::mutex mutex_;  // guards state_, waiting_, is_watched_, held_until_ and seek_
   std::condition_variable wakes_;
   std::deque<std::function<void()>> waiting_;
   PlayerState state_;
   bool is_watched_ = true;
   std::chrono::steady_clock::time_point held_until_;
-  std::optional<std::uint64_t> seek_;  // that waits
+  std::optional<std::uint64_t> seek_;  // the waiting one
   std::atomic<bool> stops_ = false;
   std::atomic<std::uint64_t> posted_long_ = 0, cancelled_long_ = 0;
-  std::uint64_t running_long_ = 0;  // 0: none; the player's thread alone has it
+  std::uint64_t running_long_ = 0;  // 0: none; only for the player's thread
   std::atomic<std::uint32_t> sequence_ = 0;
   std::chrono::steady_clock::time_point due_;
   double rate_ = 0.0;
-  unsigned divergences_ = 0, calm_frames_ = 0;  // of the last frames; the player's thread alone has them
+  unsigned divergences_ = 0, calm_frames_ = 0;  // of recent frames; only for the player's thread
   std::thread thread_;
 };
 

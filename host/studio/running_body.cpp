@@ -35,7 +35,7 @@ model::State RunningBody::state_on_skeleton(std::uint64_t frame) {
     return state;
   }
   if (frame < frames_) return drives_.state_on_skeleton(frame);
-  // The last frame has none after it that would say how the flesh moves.
+  // The last frame has no next frame from which to take velocities.
   if (frames_ == 1) {
     solver_->load(drives_.initial_state());
   } else {

@@ -17,9 +17,9 @@ using scene::EditedKey;
 using scene::EditedTable;
 using scene::KeyType;
 
-// What a slider of a key spans, and its unit. A key that is not here has its own range alone.
+// Range and unit of a key's slider. A key without an entry has only its own range.
 struct Slider {
-  std::string_view table, key;  // the table's name in the table of keys
+  std::string_view table, key;  // table: its name in the list of keys
   std::string_view unit;
   double least = 0.0, most = 0.0;  // both 0: none
   bool logarithmic = false;
@@ -138,7 +138,7 @@ double number_at(const std::vector<EditedTable>& tables, std::string_view path, 
   return key != nullptr && key->value.is_number() ? key->value.get<double>() : otherwise;
 }
 
-// As people write numbers, so that the scene file stays readable.
+// Rounded as a person would write it, so that the scene file stays readable.
 double rounded(double value) {
   if (value == 0.0) return 0.0;
   const double scale = std::pow(10.0, 2.0 - std::floor(std::log10(std::abs(value))));
@@ -149,13 +149,13 @@ class Wish {
  public:
   Wish(const RunningBody& body, const std::vector<EditedTable>& tables) : body_(body), tables_(tables) {}
 
-  // Multiplies what holds, within the bounds.
+  // Multiplies the current value, within the bounds.
   void scale(const std::string& path, double factor, double least, double most) {
     const double now = number_at(tables_, path, 1.0);
     const double then = std::clamp(rounded(now * factor), least, most);
     if (then != now) changes_.push_back({path, Json(then)});
   }
-  // The damping of all layers that move, in the form that each states it.
+  // Scales the damping of all free layers, in the form that each states.
   void scale_damping(double factor) {
     for_each_free([&](const std::string& path) {
       const EditedKey* ratio = find(tables_, path + ".damping_ratio");
@@ -165,7 +165,7 @@ class Wish {
   }
   void scale_density(double factor) {
     for_each_free([&](const std::string& path) {
-      // A material brings its own.
+      // A material has its own density.
       const EditedKey* density = find(tables_, path + ".density");
       double now = density != nullptr && density->is_stated ? density->value.get<double>() : 0.0;
       for (const scene::Layer& layer : body_.scene().layers)
@@ -173,7 +173,7 @@ class Wish {
       changes_.push_back({path + ".density", Json(std::min(rounded(now * factor), 1e5))});
     });
   }
-  // All flesh feels at most this much of the skeleton's acceleration, whatever its layer.
+  // The limit on flesh.exaggerate at which no layer exceeds the largest inertia scale.
   double most_exaggeration() const {
     double largest = 1e-6;
     for (const scene::Layer& layer : body_.scene().layers)
@@ -184,7 +184,7 @@ class Wish {
     if (body_.model().has_skeleton() && body_.scene().flesh.exaggerate > 0.0)
       scale("flesh.exaggerate", factor, 0.0, most_exaggeration());
   }
-  // Explicit flesh has a stiffest, at alpha 1.
+  // Explicit flesh is stiffest at alpha 1.
   void soften(double factor) {
     double least = 0.01;
     if (body_.scene().solver.integrator == scene::Integrator::explicit_step)
@@ -218,7 +218,7 @@ std::string lowered(std::string text) {
   return text;
 }
 
-// How many vertices that move by themselves follow each joint more than any other, by its name.
+// By joint name, the number of free vertices for which this joint has the largest weight.
 std::map<std::string, std::size_t> flesh_of_joints(const RunningBody& body) {
   const model::Model& model = body.model();
   std::map<std::string, std::size_t> flesh;
@@ -230,8 +230,8 @@ std::map<std::string, std::size_t> flesh_of_joints(const RunningBody& body) {
   return flesh;
 }
 
-// Of the joints whose names have one of the words, the first word first, the one with most flesh: a spine has
-// many, and the belly hangs on one of them.
+// The joint whose name has one of the words; earlier words take precedence, then the amount of flesh. A spine
+// has many joints, and the belly hangs on one of them.
 std::optional<std::size_t> joint_called(const std::vector<rig::Joint>& skeleton,
                                         const std::map<std::string, std::size_t>& flesh,
                                         std::initializer_list<std::string_view> words) {
@@ -256,7 +256,7 @@ const std::vector<rig::Joint>* skeleton_of(const RunningBody& body) {
   return character == nullptr ? nullptr : &character->skeleton;
 }
 
-// Skin and flesh of the joint alone: that of the joints below it follows the skeleton.
+// Only the joint's own skin and flesh; that of the joints below it follows the skeleton.
 Preset only_joint(const RunningBody& body, const std::vector<EditedTable>& tables, Preset preset,
                   std::initializer_list<std::string_view> words, bool with_below, const char* what) {
   const std::vector<rig::Joint>* skeleton = skeleton_of(body);
@@ -290,7 +290,7 @@ Preset wished(Preset preset, Wish wish) {
 bool needs_new_body(std::string_view path) {
   for (const std::string_view table : {"bar.", "mesh.", "body.", "bones.", "skeleton."})
     if (path.starts_with(table)) return true;
-  // A character's clip moves what is there.
+  // A clip does not change the body.
   return path.starts_with("character") && !path.ends_with(".clip");
 }
 
@@ -346,8 +346,8 @@ std::vector<Preset> presets_of(const RunningBody& body, const std::vector<Edited
       body, tables,
       {"only-tail", "Only the tail", "The flesh of the tail moves, all other follows the skeleton.", {}, {}},
       {"tail"}, true, "tail"));
-  // Softer flesh that feels more of the motion swings further, but folds in short waves where a bear lands.
-  // More damping takes those waves out, and leaves most of the swing.
+  // Softer flesh that feels more of the motion swings further, but it wrinkles when a bear lands. More
+  // damping removes the wrinkles and leaves most of the swing.
   add("cartoon", "Cartoon", "Flesh that follows further than real flesh does, as in a cartoon.",
       [](Wish& wish) {
         wish.soften(1.15);

@@ -1,4 +1,4 @@
-// The scene's keys as the page shows them, and wishes that change several at once.
+// The scene's keys as the page shows them, and presets that change several keys.
 #pragma once
 
 #include <map>
@@ -14,25 +14,25 @@ namespace fascicle::studio {
 
 using scene::Json;
 
-// Whether a change of the key asks for a new body: what is filled with tetrahedra, and from which bones it is
-// measured.
+// Whether changing the key requires a new body: it affects what is filled with tetrahedra, or the bones from
+// which it is measured.
 bool needs_new_body(std::string_view path);
 
-// The key that names what is painted on a scene's only character.
+// The key that names the paint file of a scene's only character.
 inline constexpr std::string_view paint_path = "character.paint";
-// What its file's name ends in.
+// The suffix of paint files.
 inline constexpr const char* paint_suffix = ".paint.json";
-// The files that the scene's characters name for what is painted on them, by their keys.
+// The paint files of the scene's characters, by their keys.
 std::map<std::string, std::string> paint_files(const std::vector<scene::EditedTable>& tables);
 
 // "groups" of the message `keys`.
 Json keys_json(const std::vector<scene::EditedTable>& tables);
 
-// A wish, as changes of keys from what is in force.
+// A preset, as changes to the current keys.
 struct Preset {
   std::string name, title, doc;
   std::vector<scene::KeyChange> changes;
-  std::string why_not;  // where it does not apply; empty: it does
+  std::string why_not;  // why it does not apply; empty: it does
 };
 std::vector<Preset> presets_of(const RunningBody& body, const std::vector<scene::EditedTable>& tables);
 // "list" of the message `presets`.

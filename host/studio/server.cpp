@@ -32,10 +32,10 @@ using beast::error_code;
 
 namespace {
 
-constexpr auto request_patience = std::chrono::seconds(30);  // with a request, and with an answer
+constexpr auto request_patience = std::chrono::seconds(30);  // to receive a request, and to send an answer
 constexpr std::uint32_t longest_header = 16 << 10;
 constexpr std::uint64_t longest_body = 1 << 10;
-// What the system takes of a page that does not read: small, so that frames are dropped here and not kept
+// The kernel's send buffer per page: small, so that for slow pages frames are dropped here instead of queued
 // there.
 constexpr int socket_buffer = 256 << 10;
 
@@ -59,18 +59,18 @@ struct Server::Impl {
 
   const ServerOptions options;
   const ServerEvents events;
-  std::atomic<std::size_t> connections = 0;  // a page's last owner may be another thread
+  std::atomic<std::size_t> connections = 0;  // atomic, because another thread may destroy a page
   asio::io_context context{1};
   tcp::acceptor acceptor{context};
   asio::steady_timer pause{context};
   std::uint16_t port = 0;
-  mutable std::mutex mutex;  // of what follows
+  mutable std::mutex mutex;  // guards the members below
   std::map<PageId, std::shared_ptr<Page>> pages;
   PageId last_page = 0;
   std::thread thread;
 };
 
-// An open WebSocket. But for what its mutex guards it is the server's thread's.
+// An open WebSocket. Members not guarded by its mutex belong to the server's thread.
 class Server::Impl::Page : public std::enable_shared_from_this<Page> {
  public:
   Page(Impl& server, beast::tcp_stream&& stream, PageId number)
@@ -131,7 +131,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
     }
     wake();
   }
-  // What it is told does not matter any more.
+  // Closes without sending what is queued.
   void drop() {
     error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
@@ -158,7 +158,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
     {
       const std::lock_guard lock(mutex_);
       if (is_over_) {
-        // A page that does not read would not read a farewell either.
+        // A page that does not read would not read a close message either.
         is_closed_ = true;
         drop();
         return;
@@ -210,7 +210,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
   bool is_writing_ = false, is_closed_ = false;
   Outgoing current_;
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::deque<Outgoing> waiting_;
   std::size_t waiting_bytes_ = 0;
   SharedBytes offered_;
@@ -218,7 +218,7 @@ class Server::Impl::Page : public std::enable_shared_from_this<Page> {
   bool is_over_ = false;
 };
 
-// A connection that has not become a WebSocket.
+// A connection that is not a WebSocket yet.
 class Server::Impl::Request : public std::enable_shared_from_this<Request> {
  public:
   Request(Impl& server, tcp::socket&& socket) : server_(server), stream_(std::move(socket)) {
@@ -245,7 +245,7 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
   }
 
  private:
-  // How many headers there are of a name, and the only one.
+  // A header's value if it occurs exactly once.
   static std::optional<std::string_view> only(const http::request<http::string_body>& request,
                                               http::field field) {
     const auto [first, last] = request.equal_range(field);
@@ -271,7 +271,7 @@ class Server::Impl::Request : public std::enable_shared_from_this<Request> {
     if (target->path == "live") return take_page(std::move(request), *target, origin.has_value());
     for (const ServedFile& file : server_.options.files)
       if (file.name == target->path) return answer_file(file);
-    // Browsers ask for it by themselves; the page has none.
+    // Browsers request it unasked; the page has none.
     if (target->path == "favicon.ico") return answer_nothing();
     answer_text(http::status::not_found, "there is nothing of that name");
   }
@@ -379,7 +379,7 @@ void Server::Impl::accept() {
   acceptor.async_accept([this](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
     if (error) {
-      // No descriptor is left, say. Trying again at once would only turn in circles.
+      // For example, no file descriptors are left. Retrying at once would be a busy loop.
       pause.expires_after(std::chrono::milliseconds(100));
       pause.async_wait([this](error_code stopped) {
         if (!stopped) accept();

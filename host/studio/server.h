@@ -1,5 +1,5 @@
-// The studio's server: the page over HTTP and one WebSocket a page, on loopback. It knows nothing of scenes:
-// messages come and go as bytes.
+// The studio's server: the page over HTTP and one WebSocket per page, on loopback. It knows nothing about
+// scenes; messages are bytes.
 #pragma once
 
 #include <cstdint>
@@ -14,25 +14,25 @@ namespace fascicle::studio {
 
 // A file of the page.
 struct ServedFile {
-  std::string_view name;  // "" is the page itself
-  std::string_view type;  // its content type
+  std::string_view name;  // "": the page itself
+  std::string_view type;  // content type
   std::string_view text;
 };
 
-// A page that is open, by a number that is never given twice.
+// An open page; numbers are never reused.
 using PageId = std::uint64_t;
 
-// Bytes that several pages may share.
+// Bytes shared between pages.
 using SharedBytes = std::shared_ptr<const std::string>;
 
 struct ServerOptions {
-  std::uint16_t port = 0;  // 0: one that is free
+  std::uint16_t port = 0;  // 0: any free port
   std::string token = {};
   std::vector<ServedFile> files = {};
   std::size_t longest_message = 256 << 10;            // from a page, bytes
   std::size_t most_pages = 8;                         // open at a time
   std::size_t most_connections = 64;                  // of all kinds
-  std::size_t most_waiting = std::size_t{256} << 20;  // bytes to one page before it is cut off
+  std::size_t most_waiting = std::size_t{256} << 20;  // bytes queued for a page before it is disconnected
 };
 
 // Called on the server's own thread, one at a time. Must not throw.
@@ -42,24 +42,24 @@ struct ServerEvents {
   std::function<void(PageId)> closed;
 };
 
-// Any thread may call any function.
+// Thread-safe.
 class Server {
  public:
-  // Listens when it returns. Throws std::system_error where the port is taken.
+  // Is listening on return. Throws std::system_error if the port is taken.
   Server(ServerOptions options, ServerEvents events);
   // Closes all pages.
   ~Server();
 
   std::uint16_t port() const;
 
-  // All of these arrive, in order, or the page is cut off. Pages that are gone are no error.
+  // All of these arrive, in order, or the page is disconnected. Pages that are gone are ignored.
   void send_text(PageId page, SharedBytes text);
   void send_binary(PageId page, SharedBytes bytes);
-  // Arrives where the page keeps up: what is offered takes the place of what was offered before and waits.
+  // Arrives if the page keeps up: a new offer replaces one that is still waiting.
   void offer(PageId page, SharedBytes bytes);
-  // Whether nothing that was offered waits.
+  // Whether no offer is waiting.
   bool is_free(PageId page) const;
-  // Ends a page, which is told why once what it was sent has gone.
+  // Disconnects a page and tells it the reason, after what is already queued.
   void close(PageId page, std::string reason);
 
  private:

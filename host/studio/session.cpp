@@ -18,7 +18,7 @@ namespace fascicle::studio {
 
 namespace {
 
-constexpr unsigned most_refused = 100;  // messages of one page before it is cut off
+constexpr unsigned most_refused = 100;  // refused messages from a page before it is disconnected
 constexpr unsigned gesture_bits = 40;
 
 }  // namespace
@@ -78,7 +78,7 @@ Session::Session(scene::Scene scene, SessionOptions options, pipeline::Say say)
   try {
     make_first();
   } catch (const pipeline::NoSuchDevice& error) {
-    // The model is too large for the GPU that was there.
+    // The model is too large for the GPU.
     if (options_.device.kind != pipeline::DeviceRequest::Kind::automatic || device_->gpu() == nullptr) throw;
     pipeline::say_warning(say_, error.what());
     workshop_.reset();
@@ -279,7 +279,7 @@ void Session::page_opened(PageId page) {
     send_start(page);
     player_->watch(true);
   }
-  // A page that opens while nothing plays must not stay empty.
+  // A page that opens while nothing plays still needs a frame.
   player_->post([this](Motion& motion) { player_->show(motion.again()); });
 }
 
@@ -314,7 +314,7 @@ void Session::page_said(PageId page, bool is_text, const std::string& bytes) {
     } catch (const BadMessage&) {
       throw;
     } catch (const std::exception& error) {
-      // A wish that cannot be met is no sign of a page that is out of its mind.
+      // A valid command that cannot be carried out does not count towards most_refused.
       refuse(error.what(), command.id);
     }
   } catch (const BadMessage& error) {
@@ -332,7 +332,7 @@ void Session::answer_done(PageId page, const Command& command, const std::string
   send(page, answer);
 }
 
-// The hand holds nothing any more, if it did.
+// Marks the hand as empty.
 void Session::let_go() {
   if (!hand_of_) return;
   hand_of_.reset();
@@ -344,7 +344,7 @@ void Session::must_be_live() const {
 }
 
 void Session::obey(PageId page, const Command& command) {
-  // What is painted comes before what is asked for next.
+  // Finish the stroke before these commands.
   constexpr std::array after_strokes{Verb::set,    Verb::preset, Verb::undo, Verb::redo,
                                      Verb::record, Verb::save,   Verb::bake};
   if (std::find(after_strokes.begin(), after_strokes.end(), command.verb) != after_strokes.end())
@@ -451,7 +451,7 @@ void Session::obey_hand(PageId page, const Command& command) {
     std::uint64_t vertex = command.vertex;
     if (!command.is_of_model) {
       if (vertex >= model.surface_count()) throw std::runtime_error("the render mesh has no such vertex");
-      // Of the four that it rides on the one that counts most.
+      // The vertex of largest weight of the four that embed it.
       const auto first = model.surface_weight.begin() + static_cast<std::ptrdiff_t>(4 * vertex);
       const auto most = static_cast<std::size_t>(std::max_element(first, first + 4) - first);
       vertex = model.surface_vertex[4 * vertex + most];
@@ -477,7 +477,7 @@ void Session::obey_hand(PageId page, const Command& command) {
   }
   if (hand_of_ != page) throw std::runtime_error("this page holds nothing");
   if (command.action == HandAction::move) {
-    // Of places that wait the last one counts.
+    // If several targets wait, only the last counts.
     const bool waits = hand_place_.has_value();
     hand_place_ = Vector3d(command.vector[0], command.vector[1], command.vector[2]);
     if (waits) return;

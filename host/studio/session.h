@@ -1,5 +1,4 @@
-// What is open in the studio: a scene that moves and can be changed, or a bake's frames; the pages that look
-// at it; and what they ask for.
+// What is open in the studio: a live scene or a bake's frames, the pages that show it, and their commands.
 #pragma once
 
 #include <atomic>
@@ -34,30 +33,30 @@
 namespace fascicle::studio {
 
 struct SessionOptions {
-  std::filesystem::path folder;  // what is saved and baked goes there
+  std::filesystem::path folder;  // where scenes and bakes are saved
   pipeline::DeviceRequest device;
-  unsigned threads = 0;  // of the CPU solver; 0: one for each core
+  unsigned threads = 0;  // for the CPU solver; 0: one per core
   build::BuildOptions build;
-  std::vector<std::filesystem::path> beside;  // bakes that may stand beside it; the first does at once
+  std::vector<std::filesystem::path> beside;  // bakes to compare with; the first is shown at once
 };
 
 class Session {
  public:
-  // Reads, builds and begins to play. `scene` is what load_scene gave: its text is what is changed. Takes up
-  // the session that the folder holds, where it is of the same scene. Throws what building a scene throws,
-  // and bake::FolderInUse where another process has the folder.
+  // Reads, builds and starts playing. `scene` is from load_scene; its text is what changes apply to. Restores
+  // the session in the folder if it is of the same scene. Throws what building a scene throws, and
+  // bake::FolderInUse if another process uses the folder.
   Session(scene::Scene scene, SessionOptions options, pipeline::Say say);
-  // Plays the frames of a bake, in which nothing can be touched. `beside` as in SessionOptions. Throws
+  // Plays the frames of a bake, which cannot be changed. `beside`: as in SessionOptions. Throws
   // base::BakeError.
   Session(const std::filesystem::path& bake, std::vector<std::filesystem::path> beside, pipeline::Say say);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  // The pages are this server's from now on, which must outlive the session's last call of it: destroy the
-  // server first. Its events are page_opened and so on.
+  // From now on, the pages are this server's. The server must outlive the session's last call of it, so
+  // destroy the server first. Its events are page_opened and so on.
   void serve(Server& server);
-  // The server is about to go.
+  // Call before the server goes.
   void leave();
 
   void page_opened(PageId page);
@@ -65,7 +64,7 @@ class Session {
   void page_closed(PageId page);
 
   const std::string& name() const { return name_; }
-  // Empty where a bake is played.
+  // Empty if a bake is played.
   const std::filesystem::path& folder() const { return options_.folder; }
   bool is_restored() const { return !restored_.empty(); }
 
@@ -74,14 +73,14 @@ class Session {
     std::uint16_t blocks = 0, beside_blocks = 0;
     unsigned refused = 0;
   };
-  // A change that is not yet to be seen.
+  // A change that no shown frame has yet.
   struct Pending {
     std::uint32_t revision = 0;
     bool is_rebuild = false;
     std::chrono::steady_clock::time_point since;
   };
 
-  // A body with what pages are sent of it.
+  // A body and the messages about it.
   struct Publication {
     std::shared_ptr<RunningBody> body;
     std::uint32_t number = 0;
@@ -91,13 +90,13 @@ class Session {
     Paints paints;
     std::vector<PaintPlace> places;
   };
-  // A stroke of the brush that is under way.
+  // A brush stroke in progress.
   struct Stroke {
     PageId page = 0;
     std::uint64_t number = 0;
     const rig::PaintKind* kind = nullptr;
-    std::vector<Painting> paintings;  // one a place
-    std::vector<bool> is_stamped;     // of each place: whether the brush was there
+    std::vector<Painting> paintings;  // per place
+    std::vector<bool> is_stamped;     // per place: whether the brush touched it
     Vector3d last = Vector3d::Zero();
   };
 
@@ -121,7 +120,7 @@ class Session {
   // session_changes.cpp
   void set_keys(const std::vector<scene::KeyChange>& changes, const std::string& label,
                 std::optional<std::uint64_t> gesture);
-  // `is_running`: the flesh that moves is of this text already.
+  // `is_running`: the live body already has this text.
   void take_text(const std::vector<scene::EditedTable>& before, const Paints& painted_before,
                  bool is_running = false);
   void step_in_history(bool is_undo);
@@ -168,49 +167,49 @@ class Session {
   SessionOptions options_;
   std::string name_, source_;
   std::filesystem::path source_folder_, converter_;
-  std::string scene_to_open_;  // of a bake: its scene's name for the command line
-  std::string restored_;       // in words: what was taken up
+  std::string scene_to_open_;  // for a bake: its scene's name on the command line
+  std::string restored_;       // message about the restored session
   std::string base_hash_, base_text_;
   Paints base_paints_;
   bool is_live_ = false;
   std::optional<bake::FolderLock> lock_;
   std::optional<pipeline::ChosenDevice> device_;
-  std::unique_ptr<Workshop> workshop_;  // the builder's, after the constructor
+  std::unique_ptr<Workshop> workshop_;  // the builder's thread only, after the constructor
   BodyLooks looks_;
-  std::filesystem::path looks_of_;  // the file that they are of
-  Publication prepared_;            // the last one that the builder has made
-  // The player's: how deep flesh lies in other flesh, of the body of this number.
+  std::filesystem::path looks_of_;  // the file they were read from
+  Publication prepared_;            // the builder's latest
+  // Player's thread: depth of overlap between flesh, for the body with this number.
   std::optional<model::OverlapMeter> meter_;
   std::uint32_t meter_body_ = 0;
-  std::unique_ptr<BesideBake> beside_;  // the player's; exchanged with the mutex held
+  std::unique_ptr<BesideBake> beside_;  // the player's thread only; replaced under the mutex
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   Server* server_ = nullptr;
   std::map<PageId, Page> pages_;
   std::optional<PageId> hand_of_;
-  std::optional<Vector3d> hand_place_;  // where it shall go, and the player does not know yet
+  std::optional<Vector3d> hand_place_;  // new target, not yet seen by the player
   std::optional<History> history_;
-  std::vector<scene::EditedTable> tables_;  // of the text in force
-  std::uint32_t revision_ = 1;              // of the text in force
-  std::uint32_t built_ = 1;                 // that the builder has taken up
-  std::optional<Publication> next_;         // that waits for the player
-  std::string running_text_;                // of the body whose frames are shown
-  Paints running_paints_;                   // the same
-  std::vector<PaintPlace> places_;          // that can be painted on
+  std::vector<scene::EditedTable> tables_;  // of the current text
+  std::uint32_t revision_ = 1;              // of the current text
+  std::uint32_t built_ = 1;                 // taken up by the builder
+  std::optional<Publication> next_;         // waiting for the player
+  std::string running_text_;                // of the body on show
+  Paints running_paints_;                   // likewise
+  std::vector<PaintPlace> places_;          // can be painted on
   std::optional<Stroke> stroke_;
-  bool bakes_ = false;        // a bake waits or is under way
-  bool builds_anew_ = false;  // what the builder is at needs a new body
+  bool bakes_ = false;        // a bake is waiting or running
+  bool builds_anew_ = false;  // the builder's current work needs a new body
   std::vector<Pending> pending_;
-  std::string saved_file_;                           // by its name in the folder; empty: none
-  std::string saved_hash_;                           // of the text in force as it was saved last
-  std::string saved_text_;                           // hash of what was written
-  std::map<std::string, std::string> saved_paints_;  // the same of the paints, by their keys
-  std::shared_ptr<RunningBody> body_;                // whose frames are shown
+  std::string saved_file_;                           // file name in the folder; empty: none
+  std::string saved_hash_;                           // of the current text when last saved
+  std::string saved_text_;                           // hash of the written text
+  std::map<std::string, std::string> saved_paints_;  // likewise for paints, by key
+  std::shared_ptr<RunningBody> body_;                // the one on show
   std::uint32_t body_number_ = 0;
   std::vector<ArrayMessage> arrays_;
   Json body_message_, clip_message_, warnings_message_;
   std::string player_message_;
-  std::int64_t autosaved_ = 0;  // s since the epoch; 0: not yet
+  std::int64_t autosaved_ = 0;  // s since the epoch; 0: never
 
   std::condition_variable builder_wakes_;
   std::atomic<bool> stops_ = false;
@@ -221,9 +220,9 @@ class Session {
   std::thread builder_;
 };
 
-// Of a scene's text and its paints.
+// The hash of a scene's text and its paints.
 std::string hash_of_all(std::string text, const Paints& paints);
-// What a character's paint is called beside a scene called `stem`, by the key that names it.
+// The name of a character's paint file for a scene called `stem`. `key`: the key that names the file.
 std::string paint_name_of(const std::string& stem, const std::string& key);
 
 }  // namespace fascicle::studio

@@ -1,4 +1,4 @@
-// What the session leaves on disk: recorded runs say what it would be, saved scenes and bakes are it.
+// Recorded runs, saved scenes and bakes.
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -19,7 +19,8 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// Of a page's frames none is left out in a recorded run; a page that has gone to sleep holds it up no longer.
+// A recorded run waits for every page to receive every frame, up to this long; a page that has gone to sleep
+// is then ignored.
 constexpr auto patience = std::chrono::seconds(2);
 constexpr auto look_again = std::chrono::milliseconds(1);
 constexpr auto pace_of_progress = std::chrono::milliseconds(100);
@@ -34,7 +35,7 @@ void Session::record() {
       const std::lock_guard lock(mutex_);
       hand_of_.reset();
     }
-    std::set<PageId> asleep;  // pages that were waited for in vain
+    std::set<PageId> asleep;  // pages that did not respond in time
     const auto wait_for_pages = [&] {
       const Clock::time_point latest = Clock::now() + patience;
       for (;;) {
@@ -75,11 +76,11 @@ void Session::record() {
   if (!is_taken) throw std::runtime_error("too much waits to be done; try again in a moment");
 }
 
-// The text in force, with its file names as they are seen from the session's folder. What the session has
-// painted lies there under these names, by the keys.
+// The current text, with file names relative to the session's folder. `paint_names`: names of the session's
+// paint files there, by key.
 std::string Session::text_in_folder(const std::map<std::string, std::string>& paint_names) const {
   std::vector<scene::KeyChange> changes;
-  // The working directory's names have no folder.
+  // "." because names in the working directory have no folder.
   const fs::path from = fs::absolute(source_folder_ / "."), to = fs::absolute(options_.folder);
   for (const scene::EditedTable& table : tables_)
     for (const scene::EditedKey& key : table.keys) {
@@ -96,14 +97,14 @@ std::string Session::text_in_folder(const std::map<std::string, std::string>& pa
   return changes.empty() ? history_->text() : scene::change_text(history_->text(), source_, changes).text;
 }
 
-// What the paint files of a scene called `stem` are called, by the keys.
+// Names of the paint files for a scene called `stem`, by key.
 std::map<std::string, std::string> Session::paint_names(const std::string& stem) const {
   std::map<std::string, std::string> names;
   for (const auto& [key, text] : history_->paints()) names[key] = paint_name_of(stem, key);
   return names;
 }
 
-// Beside the scene that names them. Nothing is written where one of them must not be.
+// Saves the paints next to the scene that names them. Writes nothing if one of them must not be written.
 void Session::save_paints(const std::map<std::string, std::string>& names, bool is_own_name, bool overwrite) {
   for (const auto& [key, name] : names) {
     const fs::path file = options_.folder / name;
@@ -117,7 +118,7 @@ void Session::save_paints(const std::map<std::string, std::string>& names, bool 
           file.string() +
           " is there already, and this session did not write it; choose another name, or replace it");
   }
-  // Paint that is taken back just now may come again: its file stays the session's.
+  // Entries of undone paint stay, because redo may bring it back.
   if (!is_own_name) saved_paints_.clear();
   for (const auto& [key, name] : names) {
     const std::string& text = *history_->paints().at(key);
@@ -198,13 +199,13 @@ void Session::bake(const Command& command) {
         };
         request.on_frame = [&](std::uint64_t frame, std::uint64_t frames) { tell("frames", frame, frames); };
         request.on_lead_in = [&] { tell("lead-in", 0, 0); };
-        // What is written anew cannot be read meanwhile.
+        // The comparison bake must be closed while it is rewritten.
         std::optional<BesideChoice> stood;
         std::error_code none;
         if (beside_ && fs::equivalent(beside_->choice().folder, request.output.folder, none))
           stood = beside_->choice();
         if (stood) put_beside(std::nullopt);
-        // However the bake ends: what there is of it stands there again, and can be chosen.
+        // However the bake ends, reopen the comparison bake and offer what was written as a choice.
         const auto end = [&](Json message) {
           if (stood) put_beside(stood);
           const std::lock_guard lock(mutex_);

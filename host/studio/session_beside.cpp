@@ -1,4 +1,4 @@
-// The bake that stands beside what is played. It is the player's: opened, read and let go on its thread.
+// The comparison bake. It is opened, read and closed on the player's thread.
 #include <utility>
 
 #include "host/base/text.h"
@@ -21,8 +21,7 @@ void Session::send_beside(PageId page, const Json& message) {
   for (const ArrayMessage& array : beside_->arrays()) server_->send_binary(page, array.bytes);
 }
 
-// Names are looked up among those that there are, and never opened as they stand: a page reaches no other
-// folder of the machine.
+// The name must be one of the choices and is never used as a path, so a page cannot reach other folders.
 void Session::choose_beside(const std::string& name) {
   std::optional<BesideChoice> chosen;
   for (BesideChoice& choice : beside_choices(options_.beside, options_.folder))
@@ -38,7 +37,7 @@ void Session::choose_beside(const std::string& name) {
     throw std::runtime_error("too much waits to be done; try again in a moment");
 }
 
-// On the player's thread. Where a bake cannot be opened, what stood there stays.
+// On the player's thread. If the bake cannot be opened, the previous one stays.
 void Session::put_beside(const std::optional<BesideChoice>& choice) {
   std::unique_ptr<BesideBake> next;
   try {
@@ -54,12 +53,11 @@ void Session::put_beside(const std::optional<BesideChoice>& choice) {
 
 void Session::broadcast_beside() {
   if (pages_.empty()) return;
-  const Json message = beside_message();  // which looks at the folders
+  const Json message = beside_message();  // reads folders
   for (const auto& [page, state] : pages_) send_beside(page, message);
 }
 
-// On the player's thread: the frame of the bake beside that belongs to what is played; nothing where none
-// stands there.
+// On the player's thread: the comparison bake's frame for the current time; nullopt if there is no such bake.
 std::optional<ShownFrame> Session::frame_beside(const Motion& motion) {
   if (!beside_) return std::nullopt;
   try {

@@ -1,4 +1,4 @@
-// The session's keys: how a change gets from the page into the flesh that moves.
+// Changes to keys: from the page to the live simulation.
 #include <algorithm>
 #include <utility>
 
@@ -14,11 +14,11 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::size_t most_pending = 256;
-// What plays stands still so long at most for a change that needs no new body: frames of keys that hold no
-// more would only take the builder's processors.
+// For a change that needs no new body, playback waits this long at most: frames with outdated keys would only
+// compete with the builder for the processors.
 constexpr auto patience_for_change = std::chrono::milliseconds(250);
 
-// What has another value, or none any more, by its path.
+// The new values of keys that differ, by path; null for keys that are gone.
 Json differences(const std::vector<scene::EditedTable>& before,
                  const std::vector<scene::EditedTable>& after) {
   std::map<std::string, const scene::EditedKey*> old;
@@ -58,14 +58,14 @@ void Session::step_in_history(bool is_undo) {
   try {
     after = scene::edited_tables(history_->text(), source_);
   } catch (const scene::SceneError&) {
-    // A session that somebody else has edited.
+    // The session file was edited by hand.
     is_undo ? history_->redo() : history_->undo();
     throw;
   }
   take_text(std::exchange(tables_, std::move(after)), painted);
 }
 
-// The text in force is another one.
+// Publishes the new current text.
 void Session::take_text(const std::vector<scene::EditedTable>& before, const Paints& painted_before,
                         bool is_running) {
   ++revision_;
@@ -80,7 +80,7 @@ void Session::take_text(const std::vector<scene::EditedTable>& before, const Pai
     pending_.clear();
   else
     pending_.push_back({revision_, is_rebuild, Clock::now()});
-  // A body that nobody wants any more need not be finished.
+  // The body being built is already outdated.
   if (builds_anew_) stops_build_ = true;
   Json message{{"type", "changed"},
                {"revision", revision_},
@@ -105,7 +105,7 @@ void Session::autosave() {
                 saved_paints_});
 }
 
-// The builder's thread. It takes up the newest text alone.
+// The builder's thread. Always takes the newest text.
 void Session::build_on() {
   const std::string getting_ready = "gets ready for changes";
   const auto say_on_top = [&](const std::string& text, const std::string& in_place_of) {
@@ -118,7 +118,7 @@ void Session::build_on() {
   try {
     workshop_->warm();
   } catch (const std::exception&) {
-    // The first change will say what is wrong.
+    // The first change will report the error.
   }
   say_on_top("", getting_ready);
   for (;;) {
@@ -149,7 +149,7 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
     made.paints = paints;
     prepared_ = made;
     {
-      // Of bodies that wait for a player who is busy the last one counts.
+      // If several bodies wait for a busy player, only the last counts.
       const std::lock_guard lock(mutex_);
       if (std::exchange(next_, std::move(made))) return;
     }
@@ -162,7 +162,7 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
       if (!next) return;
       auto& live = static_cast<LiveMotion&>(motion);
       const ShownFrame frame = live.take(next->body);
-      meter_.reset();  // it was the old model's
+      meter_.reset();  // it belonged to the old model
       {
         const std::lock_guard lock(mutex_);
         publish(*next);
@@ -172,14 +172,14 @@ void Session::build(std::uint32_t revision, const std::string& text, const Paint
       player_->hurry();
     });
   } catch (const build::Cancelled&) {
-    // A newer text waits, or the session ends.
+    // A newer text is waiting, or the session ends.
   } catch (const std::exception& error) {
     take_back(revision, error.what());
   }
 }
 
 Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) {
-  // Another file has other looks, and the same file read otherwise has vertices that they do not fit.
+  // Another file has other looks, and the same file read differently has vertices that they do not match.
   if (const std::filesystem::path file = scene::character_file(body->scene());
       prepared_.number == 0 || file != looks_of_ ||
       body->model().surface_count() != prepared_.body->model().surface_count()) {
@@ -211,7 +211,7 @@ Session::Publication Session::prepare(const std::shared_ptr<RunningBody>& body) 
   return made;
 }
 
-// What pages do not know yet goes to them.
+// Sends pages what they do not have yet.
 void Session::publish(const Publication& made) {
   const bool is_new = made.number != body_number_;
   const std::vector<ArrayMessage> before = std::exchange(arrays_, made.arrays);
@@ -245,10 +245,11 @@ void Session::publish(const Publication& made) {
   if (is_new) broadcast({{"type", "ready"}});
 }
 
-// On the player's thread, with the mutex held: whether this frame is the first that shows a change.
+// On the player's thread, with the mutex held: reports changes as applied, with the first frame that shows
+// them.
 void Session::tell_applied(const FrameNumbers& numbers) {
   if (pending_.empty() || pending_.front().revision > numbers.revision) return;
-  // Where nothing moves no frame is computed; there the frame that stands is the first.
+  // Where nothing moves, no frame is computed; the present one then counts as the first.
   if (!(numbers.seconds > 0.0f) && player_->state().mode == PlayerMode::playing) return;
   Pending last = pending_.front();
   while (!pending_.empty() && pending_.front().revision <= numbers.revision) {
@@ -269,10 +270,10 @@ void Session::tell_applied(const FrameNumbers& numbers) {
              {"sequence", numbers.sequence}});
 }
 
-// What moves is right as it is, so nothing is built: its text is in force again.
+// Restores the text of the live body, so nothing needs to be built.
 void Session::take_back(std::uint32_t revision, const std::string& error) {
   const std::lock_guard lock(mutex_);
-  // A newer text waits, and will say for itself what is wrong with it.
+  // A newer text is waiting and will report its own errors.
   if (revision_ != revision) return;
   broadcast({{"type", "failed"}, {"what", "change"}, {"revision", revision}, {"error", error}});
   const Paints painted = history_->paints();

@@ -19,7 +19,7 @@ using scene::Json;
 
 namespace {
 
-// 2: paint of several characters.
+// 2: paint on several characters.
 constexpr int version = 2;
 constexpr const char* version_key = "fascicle_studio";
 constexpr auto pace = std::chrono::milliseconds(100);
@@ -79,13 +79,13 @@ std::optional<SessionRecord> parse_session(const std::string& text) {
       for (const auto& [key, of_key] : step["paint"].items()) {
         const auto number = of_key.get<std::size_t>();
         if (number >= paints.size()) return std::nullopt;
-        // Names of files that are written are made from it.
+        // File names are made from the key.
         if (!names_a_paint(key)) return std::nullopt;
         record.steps.back().paints[key] = paints[number];
       }
     }
     if (record.at >= record.steps.size()) return std::nullopt;
-    // It is written to: another's session must not name what lies elsewhere.
+    // The session writes to this file, so a session file from elsewhere must not name one outside the folder.
     if (!record.saved_file.empty() && !is_plain_name(record.saved_file)) return std::nullopt;
     return record;
   } catch (const Json::exception&) {

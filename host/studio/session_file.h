@@ -1,4 +1,4 @@
-// The session on disk: every text that the scene has had, so that nothing is lost when page or program dies.
+// The session on disk: the scene's whole history, so that nothing is lost if the page or the program dies.
 #pragma once
 
 #include <condition_variable>
@@ -17,33 +17,32 @@
 namespace fascicle::studio {
 
 inline constexpr const char* session_file_name = "session.json";
-// What an earlier session of another scene is called from then on.
+// An earlier session of another scene is renamed to this.
 inline constexpr const char* old_session_file_name = "session.before.json";
 
 struct SessionRecord {
   std::string source;     // Scene::source
-  std::string base_hash;  // of the text that the session began with
+  std::string base_hash;  // of the initial text
   std::vector<HistoryStep> steps;
   std::size_t at = 0;
-  // The scene file that was saved last, the hash of the text that was in force, and those of what was
-  // written; of paints by the keys that name their files.
+  // The scene file saved last, the hash of the text at that time, and that of what was written; hashes of
+  // written paints, by the keys that name their files.
   std::string saved_file = {}, saved_hash = {}, saved_text = {};
   std::map<std::string, std::string> saved_paints = {};
 };
 
 std::string session_text(const SessionRecord& record);
-// Nothing where the text is no session's.
+// Nullopt if the text is not a session.
 std::optional<SessionRecord> parse_session(const std::string& text);
-// Nothing where there is none in the folder, or it cannot be used.
+// Nullopt if the folder has no usable session.
 std::optional<SessionRecord> read_session(const std::filesystem::path& folder);
 
-// Writes the newest of what it is given, on a thread of its own: whole or not at all, and soon, but not at
-// every step of a slider that is dragged.
+// Writes the newest record, on its own thread: atomically, soon, but not at every step of a dragged slider.
 class SessionWriter {
  public:
-  // `told` is called on its thread after each writing: empty, or why it could not be written.
+  // `told` is called on its thread after each write: empty, or the error.
   SessionWriter(std::filesystem::path folder, std::function<void(const std::string& error)> told);
-  // Writes what is left.
+  // Writes what is pending.
   ~SessionWriter();
   void put(SessionRecord record);
 

@@ -1,4 +1,4 @@
-// A frame as the session's pages get it.
+// Encoding a frame for the session's pages.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,13 +13,13 @@ namespace fascicle::studio {
 
 namespace {
 
-// Points of a frame as pages want them, each made once.
+// The blocks of points that pages asked for, each computed once.
 class FramePoints {
  public:
   FramePoints(Motion& motion, const ShownFrame& shown, model::OverlapMeter* meter)
       : motion_(motion), model_(*shown.model), frame_(*shown.frame), meter_(meter) {}
 
-  // Nothing where the frame has no such block.
+  // Empty if the frame has no such block.
   const std::vector<float>& of(Block block) {
     std::optional<std::vector<float>>& kept =
         made_[static_cast<std::size_t>(std::countr_zero(bit_of(block)))];
@@ -27,7 +27,7 @@ class FramePoints {
     return *kept;
   }
 
-  // Those of these bits that there are.
+  // The available blocks among these bits.
   std::vector<BlockPoints> held(std::uint16_t blocks) {
     std::vector<BlockPoints> list;
     for (unsigned bit = 0; bit < block_names.size(); ++bit) {
@@ -63,7 +63,7 @@ class FramePoints {
     }
     return {};
   }
-  // Of each solid its middle, and the ends of its axes from there, 1 m long.
+  // For each solid, its centre and the end points of its axes, 1 m long.
   std::vector<float> solids() {
     std::vector<float> points;
     for (const scene::Solid& solid : motion_.solids())

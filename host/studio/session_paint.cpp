@@ -1,4 +1,4 @@
-// What is painted in the session: strokes of the brush become changes of a paint file's text.
+// Painting in the session: brush strokes become changes of a paint file's text.
 #include <algorithm>
 #include <map>
 #include <span>
@@ -15,7 +15,7 @@ namespace fascicle::studio {
 
 namespace {
 
-// What a stroke is called where it can be taken back.
+// A stroke's label in the history.
 std::string label_of(const rig::PaintKind& kind) {
   const std::string name = kind.name;
   return name == "_RIGID"   ? "paint what is rigid"
@@ -35,7 +35,7 @@ PaintText Session::read_paint_file(const std::string& key, const std::string& na
   }
 }
 
-// Of the characters of a text that comes next: what is painted stays where its file has the same name.
+// The paints for the next text: existing paint stays if its file has the same name.
 Paints Session::paints_after(const std::vector<scene::EditedTable>& after) const {
   const std::map<std::string, std::string> files_before = paint_files(tables_);
   Paints paints;
@@ -56,26 +56,26 @@ std::string hash_of_all(std::string text, const Paints& paints) {
   return scene::hash_of(text);
 }
 
-// Of the text and the paint in force.
+// Of the current text and paint.
 std::string Session::state_hash() const {
   return hash_of_all(history_->text(), history_->paints());
 }
 
 std::string paint_name_of(const std::string& stem, const std::string& key) {
   if (key == paint_path) return stem + paint_suffix;
-  // The character's own has letters that files have everywhere.
+  // A character's name has only characters that are valid in file names everywhere.
   const std::size_t begin = key.find('.') + 1;
   return stem + "-" + key.substr(begin, key.rfind('.') - begin) + paint_suffix;
 }
 
-// Empty where it can be painted.
+// Empty if painting is possible.
 std::string Session::why_no_paint() const {
   const bool has_any =
       std::any_of(places_.begin(), places_.end(), [](const PaintPlace& one) { return !one.is_rigid; });
   return has_any ? "" : "only a character, [character] or [character.NAME], can be painted";
 }
 
-// The largest value that can be painted here. A modulus may be multiplied by more than alpha.
+// The largest paintable value. Alpha is at most 1, but a modulus can be multiplied by more.
 double Session::most_painted(const rig::PaintKind& kind) const {
   const bool is_stiffness = kind.name == std::string_view("_STIFFNESS");
   return is_stiffness && body_->scene().solver.integrator == base::Integrator::explicit_step ? 1.0
@@ -116,7 +116,7 @@ void Session::paint(PageId page, const StrokePiece& piece) {
     const bool has_way = !is_first || k > 0;
     const Vector3d along = has_way ? Vector3d(place - stroke_->last) : vector_of(piece.direction);
     stroke_->last = place;
-    // A stroke may go from one character to the next.
+    // A stroke may cross to another character.
     const PaintPlace* under = place_under(places_, place);
     if (under == nullptr || under->is_rigid) continue;
     const auto at = static_cast<std::size_t>(under - places_.data());
@@ -127,7 +127,7 @@ void Session::paint(PageId page, const StrokePiece& piece) {
   if (piece.is_last) end_stroke();
 }
 
-// What the stroke has left is a change like any other. Where it cannot be one, pages are shown what holds.
+// Turns the stroke into an ordinary change. If that fails, pages are shown the current paint again.
 void Session::end_stroke() {
   if (!stroke_) return;
   const Stroke stroke = *std::exchange(stroke_, std::nullopt);
@@ -155,7 +155,7 @@ void Session::keep_stroke(const Stroke& stroke) {
     const auto known = before.find(key);
     if (known != before.end() ? *known->second == *text : paint.attributes.empty()) continue;
     after[key] = std::move(text);
-    // Characters may share a file; what is painted on one of them is no more than its own.
+    // Characters may share a file, but paint applies to only one of them.
     const auto file = files.find(key);
     const auto has_name = [&](const auto& other) { return other.second == file->second; };
     if (file != files.end() && std::count_if(files.begin(), files.end(), has_name) == 1) continue;
@@ -174,7 +174,7 @@ void Session::keep_stroke(const Stroke& stroke) {
   take_text(std::exchange(tables_, std::move(tables)), before);
 }
 
-// Of the render mesh, which has the characters' one after the other.
+// Values over the render mesh, which has the characters one after the other.
 void Session::send_sheet(const std::vector<Painting>& paintings, const rig::PaintKind& kind,
                          std::optional<PageId> page) {
   if (server_ == nullptr) return;
@@ -189,7 +189,7 @@ void Session::send_sheet(const std::vector<Painting>& paintings, const rig::Pain
     if (!page || *page == each) server_->send_binary(each, bytes);
 }
 
-// What can be painted, and then all that is.
+// Sends what can be painted, then all paint.
 void Session::send_paint(std::optional<PageId> page) {
   const std::string why = why_no_paint();
   Json message{{"type", "paint"}, {"can_paint", why.empty()}, {"why_not", why}};

@@ -19,7 +19,7 @@ void run_studio(Session& session, const StudioOptions& options, const std::atomi
                  .received = [&](PageId page, bool is_text,
                                  const std::string& bytes) { session.page_said(page, is_text, bytes); },
                  .closed = [&](PageId page) { session.page_closed(page); }});
-  // Whatever comes, the session lets go of the server before that is gone.
+  // Detaches the session before the server is destroyed, also on exceptions.
   const struct Serving {
     Session& session;
     ~Serving() { session.leave(); }

@@ -1,4 +1,4 @@
-// The studio as a whole: a session, its server, and how long they live.
+// The whole studio: a session and its server, and their lifetimes.
 #pragma once
 
 #include <atomic>
@@ -13,12 +13,12 @@
 namespace fascicle::studio {
 
 struct StudioOptions {
-  std::uint16_t port = 0;  // 0: one that is free
+  std::uint16_t port = 0;  // 0: any free port
   std::vector<ServedFile> page;
 };
 
-// Serves the session until `interrupted` is true. `ready` is called once it can be opened, with its address:
-// "http://127.0.0.1:PORT/#TOKEN". Throws std::system_error where the port is taken.
+// Serves the session until `interrupted` is true. Calls `ready` once the page can be opened, with its
+// address: "http://127.0.0.1:PORT/#TOKEN". Throws std::system_error if the port is taken.
 void run_studio(Session& session, const StudioOptions& options, const std::atomic<bool>& interrupted,
                 const std::function<void(const std::string& address)>& ready);
 

@@ -63,7 +63,7 @@ void append_block(std::string& out, std::span<const float> points) {
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::size_t a = k % 3;
     const float place = (points[k] - least[a]) * scale[a] + 0.5f;
-    const float number = place >= 0.0f ? std::min(place, most_steps) : 0.0f;  // 0 of what is no number, too
+    const float number = place >= 0.0f ? std::min(place, most_steps) : 0.0f;  // NaN becomes 0, too
     const auto rounded = static_cast<std::uint16_t>(number);
     out[begin + 2 * k] = static_cast<char>(rounded & 0xff);
     out[begin + 2 * k + 1] = static_cast<char>(rounded >> 8);

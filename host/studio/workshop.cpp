@@ -48,7 +48,7 @@ std::shared_ptr<RunningBody> Workshop::make(const std::string& text, const Paint
 
 Workshop::KeptBody& Workshop::kept_of(const scene::Scene& scene) {
   const std::string key = build::body_key(scene).value_or("");
-  // Of builds that failed or were cancelled nothing stays but what the same body can go on with.
+  // Drop entries of failed or cancelled builds, unless they are of the same body, which can reuse them.
   std::erase_if(kept_, [&](const KeptBody& kept) { return kept.bytes == 0 && kept.key != key; });
   const auto found = std::ranges::find(kept_, key, &KeptBody::key);
   if (found != kept_.end())
@@ -58,7 +58,7 @@ Workshop::KeptBody& Workshop::kept_of(const scene::Scene& scene) {
   return kept_.front();
 }
 
-// After a body was built, so that none goes for one that comes to nothing. The newest stays, however large.
+// Call after a successful build, so that a failed one evicts nothing. The newest entry stays, however large.
 void Workshop::drop_oldest() {
   const auto is_too_much = [&] {
     std::uint64_t bytes = 0;
@@ -73,7 +73,7 @@ namespace {
 struct OneCharacter {
   PaintPlace place;
   const rig::Character* character = nullptr;
-  std::string file;  // what tells it from another one
+  std::string file;  // identifies the character
 };
 
 std::vector<OneCharacter> characters_of(const scene::Scene& scene) {
@@ -116,7 +116,7 @@ std::vector<PaintPlace> Workshop::places(const scene::Scene& scene, const std::v
           unpainted = read(last_text_, without);
           all_unpainted = characters_of(*unpainted);
         } catch (const scene::SceneError&) {
-          return {};  // it cannot be without its paint
+          return {};  // the scene cannot be read without its paint
         }
       one.place.ground =
           std::make_shared<const PaintGround>(one.character->surface, all_unpainted.at(k).character->painted);

@@ -1,4 +1,4 @@
-// From a scene's text to a body that can move, again and again: what the last text left is used for the next.
+// Turns a scene's text into a body that can move, again and again, reusing what the last text left.
 #pragma once
 
 #include <cstdint>
@@ -20,36 +20,36 @@
 
 namespace fascicle::studio {
 
-// Where a text comes from.
+// The origin of a text.
 struct TextSource {
   std::string name, source;      // Scene::name, Scene::source
-  std::filesystem::path folder;  // what its file names are relative to
+  std::filesystem::path folder;  // its file names are relative to this
   std::filesystem::path converter = {};
 };
 
 class Workshop {
  public:
-  // Bodies that are kept at once: changes that build anew are taken back a few at a time. What is counted are
-  // the arrays of a body's solver. What is kept of it takes about as much: 0.8 to 1.2 times, of the made arm
-  // and bear of 6,000 to 13,000 vertices.
+  // Limits on bodies kept for undoing changes that need a rebuild, a few at a time. The byte limit counts the
+  // arrays of a body's solver. What is kept takes about the same: 0.8 to 1.2 times, for the generated arm and
+  // bear with 6,000 to 13,000 vertices.
   static constexpr std::size_t most_bodies = 6;
   static constexpr std::uint64_t most_solver_bytes = std::uint64_t{256} << 20;
 
   // The device must outlive all bodies.
   Workshop(TextSource source, build::BuildOptions options, const pipeline::ChosenDevice& device);
 
-  // Throws scene::SceneError, build::Cancelled, pipeline::NoSuchDevice.
-  // `paints` stand for the files that their keys name.
+  // `paints` replace the files that their keys name. Throws scene::SceneError, build::Cancelled,
+  // pipeline::NoSuchDevice.
   std::shared_ptr<RunningBody> make(const std::string& text, const Paints& paints, std::uint32_t revision,
                                     const pipeline::Say& say);
-  // The meshes of the last text's scene without their paint files, to be painted on; none where it has no
-  // characters, or cannot be read without its paint. Those of `before` where they are the same.
+  // The meshes to paint on: those of the last text's scene without its paint files. Empty if it has no
+  // characters, or cannot be read without its paint. Reuses those of `before` that are the same.
   std::vector<PaintPlace> places(const scene::Scene& scene, const std::vector<PaintPlace>& before);
-  // Does for the last text what make() will need for the next ones and did not need for that.
+  // Prepares what make() needs for later texts but did not need for the last.
   void warm();
 
  private:
-  // What is kept of a body that was built, so that one that comes again is not filled and measured again.
+  // What is kept of a built body, so that returning to it needs no filling and measuring.
   struct KeptBody {
     std::string key;  // build::body_key
     build::BuildMemory build;
@@ -58,7 +58,7 @@ class Workshop {
   };
 
   scene::Scene read(const std::string& text, const scene::SceneOverrides& more = {});
-  // The body's, which is the newest from now on; an empty one where nothing is kept of it.
+  // The body's entry, which becomes the newest; a new one if nothing is kept.
   KeptBody& kept_of(const scene::Scene& scene);
   void drop_oldest();
 
@@ -66,10 +66,10 @@ class Workshop {
   build::BuildOptions options_;
   const pipeline::ChosenDevice& device_;
   scene::LoadedFiles files_;
-  std::list<KeptBody> kept_;  // the newest first
+  std::list<KeptBody> kept_;  // newest first
   std::string last_text_;
-  std::vector<std::string> places_of_;        // files of the characters that were asked for last
-  std::vector<std::filesystem::path> given_;  // files that paints stand for
+  std::vector<std::string> places_of_;        // files of the characters requested last
+  std::vector<std::filesystem::path> given_;  // files replaced by paints
   bool is_warm_ = false;
 };
 
