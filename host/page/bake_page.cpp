@@ -34,14 +34,14 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr double default_share = 1.0 / 20000.0;  // of the body's extent
-// Over all frames; a browser holds each twice, in 24 bytes.
+// In all frames together; a browser keeps each twice, in 24 bytes.
 constexpr std::uint64_t most_points = 50'000'000;
 constexpr double uv_step = 1.0 / 16384.0;
 
-// Where in the bundle the title and the bake go.
+// Placeholders in the bundle for the title and the bake.
 constexpr std::string_view title_place = "@TITLE@", bake_place = "@BAKE@";
 
-// Frame by frame the places (m, 3 a point) of the points that are drawn.
+// Per frame, the positions of the drawn points (m, 3 numbers per point).
 using Places = std::vector<std::vector<float>>;
 
 std::string html_text(std::string_view text) {
@@ -59,7 +59,7 @@ std::string html_text(std::string_view text) {
   return escaped;
 }
 
-// As it may stand within <script>.
+// Escaped for use within <script>.
 std::string script_json(const ordered_json& json) {
   std::string text;
   for (const char c : json.dump(-1, ' ', true, ordered_json::error_handler_t::replace)) {
@@ -78,7 +78,7 @@ std::string hex_colour(const render::Vector3f& colour) {
   return text.data();
 }
 
-// Five digits: more than a curve shows.
+// Five digits are more than a curve can show.
 double shortened(double value) {
   std::array<char, 32> text{};
   const auto end =
@@ -87,7 +87,7 @@ double shortened(double value) {
   return value;
 }
 
-// In one pass: what a title holds is never taken for a place.
+// In a single pass, so that a placeholder in the title is not replaced.
 std::string filled_bundle(const std::string& title, const std::string& bake) {
   std::string page;
   std::string_view rest = view_bundle();
@@ -105,10 +105,10 @@ std::string filled_bundle(const std::string& title, const std::string& bake) {
   return page += rest;
 }
 
-// The points that are drawn, each once: `number` of a vertex of the bake, and back.
+// The drawn points, without duplicates: their vertices in the bake, and the reverse.
 struct Used {
   std::vector<std::uint32_t> source;
-  std::vector<std::uint32_t> of_vertex;  // of a drawn vertex
+  std::vector<std::uint32_t> of_vertex;  // per drawn vertex
 };
 
 Used used_points(const DrawnSurface& surface) {
@@ -149,8 +149,8 @@ std::vector<std::vector<Cell>> cells_of(const Grid& grid, const Places& places) 
   return cells;
 }
 
-// Points that share their cells in every frame, as those of a seam do, are coded once. Of each point the
-// first that it is like.
+// Points with the same cells in every frame, such as those along a seam, are coded once. Returns, per point,
+// the first point equal to it.
 std::vector<std::uint32_t> first_alike(const std::vector<std::vector<Cell>>& flesh,
                                        const std::vector<std::vector<Cell>>& ghost) {
   std::vector<std::uint32_t> order(flesh[0].size());
@@ -189,7 +189,7 @@ class BakePage {
   PageLooks looks_;
   std::vector<TriangleGroup> groups_;
   Used used_;
-  Places flesh_, ghost_;  // ghost_: one frame where it stands still
+  Places flesh_, ghost_;  // ghost_: a single frame if it does not move
   Grid grid_;
   std::vector<std::vector<Cell>> flesh_cells_, ghost_cells_;
   std::uint32_t places_ = 0;
@@ -236,7 +236,7 @@ void BakePage::quantise() {
 }
 
 std::string BakePage::code() {
-  // Numbers of places: alike points have one, and neighbours are near in number.
+  // Number the places: equal points share one, and neighbours get nearby numbers.
   const std::vector<std::uint32_t> first = first_alike(flesh_cells_, ghost_cells_);
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(first.size(), none), point;
@@ -246,7 +246,7 @@ std::string BakePage::code() {
       point.push_back(i);
     }
   places_ = static_cast<std::uint32_t>(point.size());
-  std::vector<std::uint32_t> place;  // of a drawn vertex
+  std::vector<std::uint32_t> place;  // per drawn vertex
   for (const std::uint32_t used : used_.of_vertex) place.push_back(number[first[used]]);
   const auto triangles_of_places = [&] {
     std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -267,7 +267,7 @@ std::string BakePage::code() {
   RangeEncoder to;
   std::size_t context = 0;
   NumberEncoder numbers(16);
-  // Each list as differences from the entry `width` before, in a context of its own.
+  // Codes each list as differences from the entry `width` before, with a separate context.
   const auto put_list = [&](const auto& list, std::size_t width) {
     for (std::size_t k = 0; k < list.size(); ++k)
       numbers.put(to,

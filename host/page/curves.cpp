@@ -33,7 +33,7 @@ struct Drawn {
   std::optional<double> limit = {};
 };
 
-// In the order in which a page lists them; lags stand before.
+// In the order of the page's list; lags come before these.
 const std::vector<Drawn>& drawn_columns() {
   static const std::vector<Drawn> columns{{"kinetic_energy", "energy", "J"},
                                           {"volume_ratio", "volume", "%", 100.0},

@@ -1,4 +1,4 @@
-// What of metrics.csv a page draws over the time line.
+// The columns of metrics.csv that a page plots along the timeline.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@ namespace fascicle::page {
 
 struct Curve {
   std::string name, unit;
-  std::vector<std::optional<double>> values;  // one a frame; nothing where the file has no number
-  std::optional<double> limit;                // above it is too much
+  std::vector<std::optional<double>> values;  // one per frame; nullopt where the file has no number
+  std::optional<double> limit;                // values above it are too large
 };
 
-// Of a bake of so many frames; none where it has no metrics. Curves that are 0 all along are left out.
+// The curves of a bake with `frames` frames; empty if it has no metrics. Leaves out curves that are 0
+// everywhere.
 std::vector<Curve> read_curves(const std::filesystem::path& folder, std::uint64_t frames);
 
 }  // namespace fascicle::page

@@ -1,4 +1,4 @@
-// What a page draws of a model, and the numbers that its vertices have elsewhere.
+// The surface of a model that a page draws, and its vertices' indices in the model.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace fascicle::page {
 
-// Vertices as a graphics card wants them: one place, one normal and one layer each.
+// GPU-ready vertices: one position, one normal and one layer each.
 struct DrawnSurface {
-  bool is_tetrahedra = false;         // the outside of the tetrahedra; else the render mesh
-  std::vector<std::uint32_t> source;  // the render vertex, or the model's
-  std::vector<std::uint32_t> normal;  // vertices of one number share it
+  bool is_tetrahedra = false;         // the boundary of the tetrahedra; else the render mesh
+  std::vector<std::uint32_t> source;  // index of the render vertex, or of the model's
+  std::vector<std::uint32_t> normal;  // vertices with equal numbers share a normal
   std::vector<std::uint32_t> layer;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Of the render mesh, or of the tetrahedra where there is none. Throws BakeError where neither is there.
+// Of the render mesh, or of the tetrahedra if there is none. Throws BakeError if there are neither.
 DrawnSurface drawn_surface(const model::Model& model);
 
-// Sorts the triangles by a number each, of equals in the order that they had, and numbers vertices as the
-// triangles then meet them. Of each number that occurs: itself and the triangles that have it.
+// Sorts the triangles by their numbers (stable), and renumbers vertices in the order in which the sorted
+// triangles use them. Returns each number that occurs and how many triangles have it.
 struct TriangleGroup {
   std::uint32_t number = 0, count = 0;
 };

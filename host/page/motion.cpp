@@ -10,11 +10,11 @@ namespace fascicle::page {
 namespace {
 
 constexpr std::size_t axes = 3;
-constexpr std::size_t contexts = 13;  // of an axis
+constexpr std::size_t contexts = 13;  // per axis
 constexpr double most_cells = 1 << 24;
 constexpr std::size_t most_neighbours = 4;
 
-// Rounded to the nearest, halves up.
+// Rounded to nearest, halves up.
 std::int32_t rounded_mean(std::int64_t sum, std::int64_t count) {
   const std::int64_t twice = 2 * sum + count, by = 2 * count;
   return static_cast<std::int32_t>(twice >= 0 ? twice / by : -((-twice + by - 1) / by));
@@ -96,7 +96,7 @@ MotionEncoder::MotionEncoder(const Neighbours& neighbours)
   for (auto& offset : offset_) offset.assign(rest_.size(), Cell{});
 }
 
-// Order n: the n-th difference over time is taken to be 0.
+// Order n assumes that the n-th difference over time is 0.
 void MotionEncoder::predict(unsigned order) {
   static constexpr std::array<Cell, 4> factors{{{0, 0, 0}, {1, 0, 0}, {2, -1, 0}, {3, -3, 1}}};
   const Cell& factor = factors[order];
@@ -138,7 +138,7 @@ void MotionEncoder::put(RangeEncoder& to, std::span<const Cell> cells, std::span
   for (std::size_t i = 0; i < left_.size(); ++i) {
     const std::uint32_t begin = neighbours_.offset[i], end = neighbours_.offset[i + 1];
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      // What the neighbours had, and what the point had a frame before, say how much to expect.
+      // The residuals of the neighbours, and the point's in the previous frame, predict the size of this one.
       std::int64_t around = std::abs(before_[i][axis]);
       for (std::uint32_t k = begin; k < end; ++k) around += std::abs(left_[neighbours_.point[k]][axis]);
       const std::size_t context = std::min<std::size_t>(bit_length(around), contexts - 1);

@@ -1,5 +1,4 @@
-// How points move over frames, quantised and coded. What quantisation moves is bounded; all else comes back
-// as it was.
+// Quantises and codes the motion of points. The quantisation error is bounded; everything else is lossless.
 #pragma once
 
 #include <array>
@@ -11,40 +10,41 @@
 
 namespace fascicle::page {
 
-// Places are origin + step x whole numbers, which have at most 24 bits.
+// Positions are origin + step x integers of at most 24 bits.
 struct Grid {
   std::array<double, 3> origin{};  // m
   double step = 1.0;               // m
 
-  // m: no point is further from its place on the grid.
+  // m: the largest distance between a point and its grid position.
   double error() const;
 };
 
-// The grid that moves no point of the box (least x y z, most x y z, m) further than `error` (m), or the
-// finest that its numbers allow.
+// The grid that moves no point of the box (min x y z, max x y z, m) by more than `error` (m), or the finest
+// that the integers' range allows.
 Grid grid_for(const std::array<double, 6>& box, double error);
 
 using Cell = std::array<std::int32_t, 3>;
 Cell cell_of(const Grid& grid, const float* place);
 
-// Of each point at most four neighbours of lower numbers: those of the highest numbers, ascending. CSR.
+// Up to four neighbours per point with lower indices than its own: the highest of those, ascending. CSR.
 struct Neighbours {
   std::vector<std::uint32_t> offset;  // points + 1
   std::vector<std::uint32_t> point;
 };
 Neighbours lower_neighbours(std::uint32_t points, std::span<const std::array<std::uint32_t, 3>> triangles);
 
-// An order of the points in which almost each has neighbours before it: entry k is the point that comes k-th.
+// An order of the points in which nearly every point comes after one of its neighbours: entry k is the k-th
+// point.
 std::vector<std::uint32_t> walk(std::uint32_t points,
                                 std::span<const std::array<std::uint32_t, 3>> triangles);
 
-// One moving set of points. Of each frame the order of differences over time that costs least is coded, then
-// what is left of each point after its neighbours' mean was taken off.
+// Codes one moving set of points. For each frame it chooses the cheapest order of differences over time, then
+// codes each point's residual from its neighbours' mean.
 class MotionEncoder {
  public:
   // `neighbours` must outlive it.
   explicit MotionEncoder(const Neighbours& neighbours);
-  // `cells`: one a point. `base`: where the points are expected to be; empty: at the grid's origin.
+  // `cells`: one per point. `base`: expected positions; empty: the grid's origin.
   void put(RangeEncoder& to, std::span<const Cell> cells, std::span<const Cell> base = {});
 
  private:
@@ -54,9 +54,9 @@ class MotionEncoder {
   const Neighbours& neighbours_;
   NumberEncoder numbers_;
   std::uint64_t frames_ = 0;
-  std::array<std::vector<Cell>, 4> offset_;  // from the base: now, and in the three frames before
-  std::vector<Cell> rest_, left_,
-      before_;  // after the past; after the neighbours too; the same a frame before
+  std::array<std::vector<Cell>, 4> offset_;  // from the base: in this frame and the three before
+  // Residuals: after temporal prediction; after spatial prediction, too; the latter in the previous frame.
+  std::vector<Cell> rest_, left_, before_;
 };
 
 }  // namespace fascicle::page

@@ -8,7 +8,7 @@
 namespace fascicle::page {
 namespace {
 
-// Nothing is loaded and nothing runs, whatever a name may have smuggled in.
+// Nothing is loaded and no script runs, even if a name managed to inject markup.
 constexpr const char* policy =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 

@@ -1,4 +1,4 @@
-// One self-contained page: no script, nothing from elsewhere, light or dark as the reader has it. It is HTML
+// A self-contained page: no script, nothing external, light or dark by the reader's preference. It is HTML
 // and well-formed XML.
 #pragma once
 
@@ -11,16 +11,16 @@
 
 namespace fascicle::page {
 
-// How good what is said is. A colour alone never says it: a word stands beside it.
+// The severity of a statement. Colour is never the only sign: there is always a word, too.
 enum class Tone { neutral, good, warning, bad };
 
-// Head, style and header; then sections go into the writer. `state` is a word beside the title, or empty.
+// Writes the head, style and header; sections follow. `state`: a word beside the title, or empty.
 Writer begin(std::string_view title, std::string_view subtitle, std::string_view state = {},
              Tone tone = Tone::neutral);
 // Closes what begin opened. `footer`: one line.
 std::string finish(Writer&& page, std::string_view footer);
 
-// A section with its heading; close() ends it. `id` is for the links of contents().
+// A section with its heading; end it with close(). `id`: for the links of contents().
 void open_section(Writer& page, std::string_view id, std::string_view heading);
 // Links to sections, as pairs of id and heading.
 void contents(Writer& page, const std::vector<std::pair<std::string, std::string>>& sections);
@@ -33,17 +33,17 @@ struct Fact {
 };
 void facts(Writer& page, const std::vector<Fact>& facts);
 
-// Two columns: a name and what it is.
+// Two columns: name and value.
 void rows(Writer& page, const std::vector<std::pair<std::string, std::string>>& rows,
           std::string_view caption = {});
-// The first row is the head; columns from `first_number` on are numbers.
+// The first row is the header; columns from `first_number` on are numeric.
 void table(Writer& page, const std::vector<std::vector<std::string>>& table, std::size_t first_number,
            std::string_view caption = {});
 
-// What colours mean: names, and colours as "#rrggbb".
+// A legend of colours: names, and colours as "#rrggbb".
 void swatches(Writer& page, const std::vector<std::pair<std::string, std::string>>& colours);
 
-// A picture inside the page. `png`: the file's bytes; pixels as it has them.
+// An embedded picture. `png`: the file's bytes; `width`, `height`: its pixels.
 void picture(Writer& page, std::string_view png, std::string_view alt, unsigned width, unsigned height);
 
 }  // namespace fascicle::page

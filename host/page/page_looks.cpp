@@ -16,11 +16,11 @@ namespace fascicle::page {
 namespace {
 
 constexpr std::size_t most_textures = 64;
-// What a page carries as it is: a texture that is smaller, of fewer bytes.
+// Textures within the size limits and with fewer bytes than this are embedded unchanged.
 constexpr std::size_t most_bytes = std::size_t{512} << 10;
 constexpr int jpeg_quality = 88;
 
-// The longest side that is kept of each of `count` textures.
+// The largest side for each of `count` textures.
 unsigned longest_side(std::size_t count) {
   return count <= 4 ? 1024 : count <= 16 ? 512 : 256;
 }
@@ -35,7 +35,7 @@ bool has_holes(const render::Texels& texels) {
   return false;
 }
 
-// Nothing of a texture that cannot be read; what is wrong with it goes to `warnings`.
+// Empty for a texture that cannot be read; faults are added to `warnings`.
 PageTexture page_texture(const gltf::LookTexture& texture, unsigned most,
                          std::vector<std::string>& warnings) {
   const render::DecodedImage image = render::decode_image(texture.bytes);
@@ -82,7 +82,7 @@ PageLooks page_looks(const std::filesystem::path& character, const model::Model&
   looks.warnings = read.notes;
   if (!read.has_colours) return plain_looks(model);
   looks.is_painted = true;
-  std::vector<std::int32_t> numbers;  // of each texture of the file
+  std::vector<std::int32_t> numbers;  // per texture of the file
   for (const gltf::LookTexture& texture : read.textures) {
     numbers.push_back(-1);
     if (numbers.size() > most_textures) continue;

@@ -1,4 +1,4 @@
-// The materials and textures of a character, as a page carries them.
+// A character's materials and textures in the form that a page embeds.
 #pragma once
 
 #include <array>
@@ -13,29 +13,28 @@ namespace fascicle::page {
 
 struct PageTexture {
   std::string type;          // "image/png" or "image/jpeg"
-  std::string bytes;         // a whole file of that type
+  std::string bytes;         // a complete file of that type
   std::string across, down;  // "repeat", "mirror" or "clamp"
 };
 
 struct PageMaterial {
   std::string name;
-  std::array<double, 3> colour{1.0, 1.0, 1.0};  // linear light; multiplies the texture
-  double cutoff = 0.0;                          // holes where alpha is below it; 0: none
+  std::array<double, 3> colour{1.0, 1.0, 1.0};  // linear; multiplies the texture
+  double cutoff = 0.0;                          // cut out where alpha is lower; 0: off
   std::int32_t texture = -1;                    // index; -1: none
 };
 
 struct PageLooks {
-  bool is_painted = false;  // whether the file says anything of colour; else one material, skin
+  bool is_painted = false;  // whether the file defines any colour; else there is one material, skin
   std::vector<PageTexture> textures;
   std::vector<PageMaterial> materials;
-  std::vector<std::uint32_t> material;               // of a render vertex; a triangle has its first corner's
-  std::vector<std::array<float, 2>> uvs;             // of a render vertex, v down; or none
-  std::vector<std::array<std::uint8_t, 3>> colours;  // likewise, sRGB
+  std::vector<std::uint32_t> material;               // per render vertex; a triangle uses its first corner's
+  std::vector<std::array<float, 2>> uvs;             // per render vertex, v down; or empty
+  std::vector<std::array<std::uint8_t, 3>> colours;  // per render vertex, sRGB; or empty
   std::vector<std::string> warnings;
 };
 
-// `character`: character.glb of the bake; empty: a body without one. Throws SceneError where it cannot be
-// read.
+// `character`: the bake's character.glb; empty: a body without one. Throws SceneError if it cannot be read.
 PageLooks page_looks(const std::filesystem::path& character, const model::Model& model);
 
 }  // namespace fascicle::page

@@ -11,10 +11,10 @@
 namespace fascicle::page {
 namespace {
 
-// Of the drawing, in its own units.
+// Of the drawing, in SVG user units.
 constexpr double width = 560.0, height = 230.0, left = 64.0, right = 12.0, top = 12.0, bottom = 44.0;
 constexpr std::size_t colours = 6;
-// Beyond that many points a line is not seen in more detail.
+// More points than this add no visible detail to a line.
 constexpr std::size_t most_columns = 600;
 
 std::string number(double value, const char* format) {
@@ -36,7 +36,7 @@ struct Range {
   bool is_empty() const { return !(low <= high); }
 };
 
-// From values to places.
+// Maps values to coordinates.
 struct Axis {
   double low = 0.0, high = 1.0, begin = 0.0, end = 1.0;
   double at(double value) const { return begin + (value - low) / (high - low) * (end - begin); }
@@ -52,7 +52,7 @@ Axis axis_of(const Range& range, double begin, double end) {
   return axis;
 }
 
-// Of each column of pixels the least and the most, so that no peak is lost.
+// Keeps the minimum and maximum of each column, so that no peak is lost.
 std::vector<std::pair<double, double>> thinned(const std::vector<double>& x, const std::vector<double>& y) {
   const std::size_t count = std::min(x.size(), y.size());
   std::vector<std::pair<double, double>> points;
@@ -71,7 +71,7 @@ std::vector<std::pair<double, double>> thinned(const std::vector<double>& x, con
       if (!least || y[k] < y[*least]) least = k;
       if (!most || y[k] > y[*most]) most = k;
     }
-    // A gap stays one, and hides no peak beside it.
+    // Keep a gap as a gap, but also the extremes next to it.
     std::set<std::size_t> kept;
     for (const std::optional<std::size_t>& k : {least, most, gap})
       if (k) kept.insert(*k);
@@ -157,7 +157,7 @@ void plot(Writer& page, const Plot& plot) {
   if (across.is_empty() || up.is_empty()) return;
   if (plot.from_zero) up.include(0.0);
   if (plot.limit) up.include(*plot.limit);
-  // Room above the highest point.
+  // Leave room above the highest point.
   const double room = 0.06 * (up.high - up.low);
   up.high += room;
   if (!plot.from_zero) up.low -= room;
@@ -215,7 +215,7 @@ void bars(Writer& page, const std::string& title, const std::vector<Bar>& bars, 
     const std::string x = place(across.at(*limit));
     page.empty("line", {{"class", "limit"}, {"x1", x}, {"x2", x}, {"y1", "0"}, {"y2", place(all)}});
   }
-  // Above the line, which may run through them.
+  // Drawn last, because the limit line may cross the labels.
   for (std::size_t k = 0; k < bars.size(); ++k)
     page.element("text", bars[k].value,
                  {{"class", "value"},

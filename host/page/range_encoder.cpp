@@ -43,7 +43,7 @@ void RangeEncoder::normalise() {
   }
 }
 
-// A byte is known once no later carry can reach it.
+// Outputs a byte only when no later carry can change it.
 void RangeEncoder::shift() {
   if (low_ < 0xff000000u || low_ > 0xffffffffu) {
     const auto carry = static_cast<std::uint8_t>(low_ >> 32);

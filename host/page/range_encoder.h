@@ -1,4 +1,4 @@
-// An adaptive binary range coder: what is likely takes less than a bit. docs/formats.md describes its bytes.
+// An adaptive binary range coder. docs/formats.md describes its output.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace fascicle::page {
 
-// Of a bit being 0, in 4096ths; adapts to what was coded.
+// Probability of a 0 bit, in 4096ths; adapts to the coded bits.
 struct Probability {
   std::uint16_t of_zero = 2048;
 };
@@ -17,9 +17,9 @@ struct Probability {
 class RangeEncoder {
  public:
   void bit(Probability& probability, bool one);
-  // The lowest `count` bits, the highest first, as likely 0 as 1.
+  // Codes the lowest `count` bits, highest first, with equal probabilities.
   void direct(std::uint32_t bits, unsigned count);
-  // All bytes; nothing may be coded after it.
+  // Returns all bytes; nothing may be coded afterwards.
   std::string finish();
 
  private:
@@ -30,11 +30,11 @@ class RangeEncoder {
   std::uint64_t low_ = 0;  // 32 bits and a carry
   std::uint32_t range_ = 0xffffffffu;
   std::uint8_t held_ = 0;         // the last byte, which a carry may still change
-  std::uint64_t held_count_ = 1;  // it and the 0xff bytes after it
+  std::uint64_t held_count_ = 1;  // that byte and the 0xff bytes after it
 };
 
-// Whole numbers of at most 30 bits beside the sign, small ones best. Contexts are told apart by what a
-// number's size is likely to be.
+// Codes integers of at most 30 bits plus sign; small ones are cheapest. The caller chooses the context by the
+// expected size.
 class NumberEncoder {
  public:
   explicit NumberEncoder(std::size_t contexts) : contexts_(contexts) {}
@@ -42,14 +42,14 @@ class NumberEncoder {
 
  private:
   struct Context {
-    std::array<Probability, 32> length;  // a tree over the number of bits
+    std::array<Probability, 32> length;  // binary tree of the number of bits
     Probability sign;
   };
   std::vector<Context> contexts_;
   std::array<std::array<Probability, 4>, 32> low_{};  // by length: the two bits below the highest
 };
 
-// About how many bits a number takes, for choosing between codes.
+// Approximate cost of a number in bits, for choosing between predictions.
 unsigned bit_length(std::int64_t number);
 
 }  // namespace fascicle::page

@@ -1,5 +1,5 @@
-// How a page looks. Colours of text have a contrast of at least 4.5 with what they stand on, those of lines
-// of at least 3 (WCAG 2.1, AA), in both schemes; tests/page measures it.
+// The style sheet. Text has a contrast of at least 4.5 with its background, lines at least 3 (WCAG 2.1, AA),
+// in both colour schemes; tests/page measures it.
 #pragma once
 
 namespace fascicle::page {

@@ -9,7 +9,7 @@ namespace fascicle::page {
 
 namespace {
 
-// Two code points that Unicode has and XML does not.
+// Removes two code points that Unicode has and XML does not.
 std::string without_noncharacters(std::string text) {
   for (const auto& [code_point, shown] :
        {std::pair("\xef\xbf\xbe", "\\ufffe"), std::pair("\xef\xbf\xbf", "\\uffff")})
@@ -82,7 +82,7 @@ Writer& Writer::close() {
   assert(!open_.empty());
   out_ += "</" + open_.back() + ">";
   open_.pop_back();
-  // One element a line is easier to read and to compare.
+  // One element per line at the outer levels, for easier reading and comparing.
   if (open_.size() <= 3) out_ += '\n';
   return *this;
 }

@@ -1,4 +1,4 @@
-// Writes XML that is HTML too. Every text and every value of an attribute is escaped here and nowhere else.
+// Writes XML that is also HTML. All text and attribute values are escaped here and nowhere else.
 #pragma once
 
 #include <string>
@@ -10,26 +10,27 @@ namespace fascicle::page {
 
 using Attributes = std::vector<std::pair<std::string_view, std::string>>;
 
-// Text as XML and HTML show it: markup becomes entities, and what a reader would obey and not show (controls,
-// marks that turn the direction of text, bytes that are no UTF-8) becomes \n, \x1b or \u202e.
+// Text escaped for XML and HTML: markup becomes entities; invisible characters with an effect (control
+// characters, bidirectional marks) and invalid UTF-8 become
+// , \x1b or \u202e.
 std::string escaped(std::string_view text);
 
-// An element is open until it is closed; text() and other elements go into the innermost open one.
+// An element stays open until it is closed; text() and other elements go into the innermost open one.
 class Writer {
  public:
   Writer& start(std::string_view name, const Attributes& attributes = {});
-  // Without content: <meta .../>, <img .../>, or an element of SVG.
+  // An element without content: <meta .../>, <img .../>, or one of SVG.
   Writer& empty(std::string_view name, const Attributes& attributes = {});
   Writer& text(std::string_view text);
   Writer& line_end();
   Writer& close();
-  // start, text, close.
+  // Equivalent to start, text, close.
   Writer& element(std::string_view name, std::string_view text, const Attributes& attributes = {});
 
-  // The page's own style, which is no one's input: it has no markup.
+  // The page's own style sheet. Not escaped, so it must not come from input.
   Writer& style(std::string_view css);
 
-  // All that was written; every element must be closed.
+  // Returns everything written; all elements must be closed.
   std::string finish() &&;
 
  private:
