@@ -372,7 +372,7 @@ class Reader {
           turn += x.weight * skin.raw_to_bind[x.joint].topLeftCorner<3, 3>();
         double* value = attribute.values.data() + 3 * (all - count + i);
         const Vector3d raw(value[0], value[1], value[2]);
-        // The direction rotates with the skin; the length is the painter's confidence and stays.
+        // The direction rotates with the skin. Its length, the painter's confidence, is kept.
         const Vector3d turned = turn * raw;
         const double length = turned.norm();
         for (int axis = 0; axis < 3; ++axis)

@@ -1,5 +1,5 @@
 // Decodes compressed views and primitives into plain ones with their own buffers. This step runs before any
-// other reads buffer views.
+// other step reads buffer views.
 #include <algorithm>
 #include <array>
 #include <set>

@@ -9,8 +9,8 @@ namespace {
 
 using nlohmann::json;
 
-// Limits on accessors without a buffer view: elements in any file, and numbers, which large files may have
-// more of. The weights of a baked animation grow with the square of its frames.
+// Limits on accessors without a buffer view: elements in any file, and numbers, of which a large file may
+// have more, because the weights of a baked animation grow with the square of its frames.
 constexpr std::uint64_t most_elements_without_view = std::uint64_t{1} << 24;
 constexpr std::uint64_t most_numbers_without_view = std::uint64_t{1} << 28, numbers_a_byte = 16;
 

@@ -1,5 +1,4 @@
-// The comparison bake: a second bake shown beside what is played. Which bakes can be chosen, and the chosen
-// one.
+// The comparison bake: a second bake shown beside what is played. Lists the choices and opens the chosen one.
 #pragma once
 
 #include <cstdint>

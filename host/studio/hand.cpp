@@ -16,8 +16,8 @@ constexpr double least_stiffness = 10.0, most_stiffness = 4e6;
 constexpr double most_moved = 1000.0;
 // Decay of older frames' weight per frame, and the largest factor by which one frame may change an estimate.
 constexpr double memory = 0.9, belief = 2.0;
-// Weights of the previous estimates relative to the frames' data. They dominate when nothing moves, because
-// the data then says nothing.
+// Weights of the previous estimates relative to the frames' data. They decide when nothing moves, because
+// such frames carry no information.
 constexpr double share_of_moved = 1e-3, share_of_stiffness = 1e-6;
 // 1/s: natural frequency at which soft flesh approaches its target, critically damped.
 constexpr double hand_pace = 12.0;
